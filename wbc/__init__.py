@@ -1,0 +1,1 @@
+"""Whole-body kinematics and control of humanoids on Pinocchio."""

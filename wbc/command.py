@@ -1,0 +1,42 @@
+"""What a controller returns each tick."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+
+class Status(Enum):
+    """How the tick's QP ended."""
+
+    OK = "ok"  #: solved to optimality
+    INFEASIBLE = "infeasible"  #: no solution exists: `explanation` names the rows; safe torques
+    FAILED = "failed"  #: the solver gave up: safe torques
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """The output of one tick. Always finite; torques always within limits.
+
+    Attributes:
+        tau: (na,) joint torques, N·m (N for prismatic joints), model joint order.
+        acceleration: (nv,) generalised acceleration that the torques produce if
+            the model is right, m/s² and rad/s², base in the base frame.
+        wrenches: contact name -> (6,) force then moment exerted by the ground
+            on the robot, at the contact's centre, in contact axes; N, N·m
+            (a point contact has zero moment).
+        q_target: (na,) joint positions one control period ahead, rad.
+        v_target: (na,) joint velocities one control period ahead, rad/s.
+        status: how the solve ended.
+        explanation: empty when `status` is OK; otherwise which rows conflict.
+    """
+
+    tau: np.ndarray
+    acceleration: np.ndarray
+    wrenches: dict[str, np.ndarray]
+    q_target: np.ndarray
+    v_target: np.ndarray
+    status: Status = Status.OK
+    explanation: str = ""
