@@ -1,0 +1,10 @@
+"""The MuJoCo plant: a robot with motors, sensors, ground and pushes.
+
+Importing this room does not import MuJoCo; making a plant does.
+"""
+
+from wbc.sim.noise import SensorNoise
+from wbc.sim.plant import Mujoco
+from wbc.sim.terrain import Flat, Terrain, Tiles
+
+__all__ = ["Flat", "Mujoco", "SensorNoise", "Terrain", "Tiles"]

@@ -1,0 +1,218 @@
+"""The MuJoCo model of a robot, built from its Pinocchio model.
+
+MuJoCo is not given the URDF: its reader drops the floating base's inertia and
+knows nothing of `package://`. Everything is copied from `pin.Model` instead, so
+that the controller's model and the plant's agree to rounding, and every mismatch
+in a trial is one that was asked for.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.errors import MissingExtra, PlantError
+from wbc.robot import Robot
+from wbc.sim.terrain import Terrain
+
+#: Contact bits. A sole meets the ground, the ground meets nothing of itself, and the
+#: two soles meet each other only when `feet_collide` asks for it.
+_GROUND_BIT = 1
+_SOLE_BIT = 2
+#: Thickness of the sole boxes, m: thin, above the sole plane.
+_SOLE_THICKNESS = 0.02
+#: Time constant and damping ratio of contacts and joint stops (MuJoCo's solref), s.
+#: Stiffer than MuJoCo's 20 ms: a robot of any mass sinks about 0.1 mm into the floor.
+_CONTACT_SOLREF = (0.005, 1.0)
+_STOP_SOLREF = (0.005, 1.0)
+#: Mass and inertia of bodies that have none in the robot's model: MuJoCo demands some.
+_TINY_MASS = 1e-9
+_TINY_INERTIA = 1e-12
+
+
+def import_mujoco() -> Any:
+    """The `mujoco` module.
+
+    Raises:
+        MissingExtra: it is not installed.
+    """
+    try:
+        import mujoco
+    except ImportError as error:
+        raise MissingExtra("mujoco", "sim") from error
+    return mujoco
+
+
+def build_model(
+    robot: Robot,
+    *,
+    timestep: float = 0.001,
+    friction: float = 0.8,
+    terrain: Terrain | None = None,
+    feet_collide: bool = False,
+) -> Any:
+    """Compile a `mujoco.MjModel` with the robot's dynamics, soles, motors and stops.
+
+    Bodies and joints carry the Pinocchio joints' names, motors too; the sole boxes are
+    geoms of the soles' names, at sites of the same name; the site "imu" is the IMU. Ground is the geom "floor" and, with a terrain, the geoms
+    of the mocap body "terrain". A motor's gear is 1 and its range the effort limit.
+
+    Args:
+        robot: with a free-flyer root and joints of one degree of freedom.
+        timestep: of the physics, s.
+        friction: Coulomb coefficient of soles on ground. The contact is frictional in
+            two directions; a sole resists twisting and rolling through the spread of
+            its corners, so torsional and rolling friction stay off.
+        terrain: tiles on the floor.
+        feet_collide: the soles also meet each other.
+
+    Raises:
+        PlantError: a joint type or an inertia that MuJoCo cannot represent.
+        MissingExtra: `mujoco` is not installed.
+    """
+    mujoco = import_mujoco()
+    spec = mujoco.MjSpec()
+    spec.modelname = robot.name
+    spec.compiler.degree = False
+    spec.compiler.autolimits = False
+    spec.compiler.alignfree = False
+    spec.option.timestep = timestep
+    spec.option.gravity = robot.model.gravity.linear
+    _set_options(mujoco, spec.option)
+    _add_ground(mujoco, spec, friction, terrain)
+    bodies = _add_bodies(mujoco, spec, robot.model)
+    for sole in robot.soles:
+        above = pin.SE3(np.eye(3), np.array([0.0, 0.0, 0.5 * _SOLE_THICKNESS]))
+        placement = sole.placement * above
+        bodies[sole.joint_id].add_geom(
+            name=sole.name,
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            pos=placement.translation,
+            quat=_wxyz(placement.rotation),
+            size=[sole.half_length, sole.half_width, 0.5 * _SOLE_THICKNESS],
+            mass=0.0,
+            contype=_SOLE_BIT,
+            conaffinity=_GROUND_BIT | (_SOLE_BIT if feet_collide else 0),
+            **_surface(friction),
+        )
+        _add_site(bodies[sole.joint_id], sole.name, sole.placement)
+    imu = robot.model.frames[robot.frame_id(robot.imu)]
+    _add_site(bodies[imu.parentJoint], "imu", imu.placement)
+    for name, limit in zip(robot.joint_names, robot.tau_max, strict=True):
+        motor = spec.add_actuator(name=name, target=name)
+        motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
+        motor.set_to_motor()
+        if np.isfinite(limit):
+            motor.ctrllimited = motor.forcelimited = True
+            motor.ctrlrange = motor.forcerange = [-limit, limit]
+    try:
+        return spec.compile()
+    except ValueError as error:
+        raise PlantError(
+            f"MuJoCo refuses the model of '{robot.name}': {error}; "
+            "robot.check() names links with non-physical inertias and how to cure them"
+        ) from error
+
+
+def _set_options(mujoco: Any, option: Any) -> None:
+    option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    option.solver = mujoco.mjtSolver.mjSOL_NEWTON
+    option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
+    option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+    # Without this MuJoCo answers a divergence by silently starting over.
+    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+
+
+def _surface(friction: float) -> dict[str, Any]:
+    return {
+        "condim": 3,
+        "friction": [friction, 0.0, 0.0],
+        "solref": list(_CONTACT_SOLREF),
+    }
+
+
+def _add_ground(mujoco: Any, spec: Any, friction: float, terrain: Terrain | None) -> None:
+    ground = {"contype": _GROUND_BIT, "conaffinity": 0, **_surface(friction)}
+    plane = mujoco.mjtGeom.mjGEOM_PLANE
+    spec.worldbody.add_geom(name="floor", type=plane, size=[0.0, 0.0, 1.0], **ground)
+    boxes = terrain.boxes() if terrain is not None else np.empty((0, 6))
+    if len(boxes) == 0:
+        return
+    # A mocap body can be laid where the robot starts without compiling anew.
+    patch = spec.worldbody.add_body(name="terrain", mocap=True)
+    for box in boxes:
+        patch.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, pos=box[:3], size=box[3:], **ground)
+
+
+def _add_bodies(mujoco: Any, spec: Any, model: pin.Model) -> list[Any]:
+    """One body per Pinocchio joint; the list is indexed by joint id."""
+    if model.njoints < 2 or model.joints[1].nq != 7:
+        raise PlantError("the robot's model has no free-flyer root: wbc.load() adds one")
+    bodies = [spec.worldbody]
+    axes = _motion_axes(model)
+    for i in range(1, model.njoints):
+        placement = model.jointPlacements[i]
+        body = bodies[model.parents[i]].add_body(
+            name=model.names[i],
+            pos=placement.translation,
+            quat=_wxyz(placement.rotation),
+        )
+        bodies.append(body)
+        _set_inertia(body, model.inertias[i])
+        if i == 1:
+            body.add_freejoint(name=model.names[i])
+            continue
+        if model.joints[i].nq != 1 or model.joints[i].nv != 1:
+            raise PlantError(
+                f"joint '{model.names[i]}' is a {model.joints[i].shortname()}: the plant knows "
+                "revolute and prismatic joints; give a continuous joint limits in the URDF"
+            )
+        axis = axes[i]
+        slides = bool(axis[:3] @ axis[:3] > 0.5)
+        kind = mujoco.mjtJoint.mjJNT_SLIDE if slides else mujoco.mjtJoint.mjJNT_HINGE
+        joint = body.add_joint(name=model.names[i], type=kind)
+        joint.axis = axis[:3] if slides else axis[3:]
+        joint.armature = model.armature[model.joints[i].idx_v]
+        low = model.lowerPositionLimit[model.joints[i].idx_q]
+        high = model.upperPositionLimit[model.joints[i].idx_q]
+        if np.isfinite(low) and np.isfinite(high) and low < high:
+            joint.limited = True
+            joint.range = [low, high]
+            joint.solref_limit = list(_STOP_SOLREF)
+    return bodies
+
+
+def _motion_axes(model: pin.Model) -> list[np.ndarray]:
+    """The (6,) motion subspace of each joint of one degree of freedom, else zeros."""
+    axes = []
+    for joint in model.joints:
+        if joint.nv != 1:
+            axes.append(np.zeros(6))
+            continue
+        data = joint.createData()
+        joint.calc(data, np.zeros(model.nq) if joint.nq == 1 else pin.neutral(model))
+        axes.append(np.asarray(data.S).reshape(6))
+    return axes
+
+
+def _set_inertia(body: Any, inertia: pin.Inertia) -> None:
+    body.explicitinertial = True
+    if inertia.mass <= 0.0:
+        body.mass = _TINY_MASS
+        body.inertia = [_TINY_INERTIA] * 3
+        return
+    body.mass = inertia.mass
+    body.ipos = inertia.lever
+    I = inertia.inertia  # noqa: E741
+    body.fullinertia = [I[0, 0], I[1, 1], I[2, 2], I[0, 1], I[0, 2], I[1, 2]]
+
+
+def _add_site(body: Any, name: str, placement: pin.SE3) -> None:
+    body.add_site(name=name, pos=placement.translation, quat=_wxyz(placement.rotation))
+
+
+def _wxyz(rotation: np.ndarray) -> np.ndarray:
+    x, y, z, w = pin.Quaternion(rotation).coeffs()
+    return np.array([w, x, y, z])

@@ -1,0 +1,139 @@
+"""Exact readings of the simulated sensors, before noise."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.robot import Robot
+from wbc.sim.convention import Convention
+
+#: A sole whose corners are all within this of the floor is taken to stand on it, m.
+_STANDING_HEIGHT = 0.005
+#: Lever that makes moments comparable to forces in the standing wrenches, m.
+_MOMENT_SCALE = 0.1
+
+
+class Sensors:
+    """Reads encoders, IMU and foot sensors of a MuJoCo simulation.
+
+    Encoders and gyro are those of the instant. The accelerometer and the foot sensors
+    deliver their mean since the last control tick, as real ones do behind their
+    anti-aliasing filters: a touchdown is neither missed nor blown up by sampling.
+
+    Args:
+        robot: whose sensors these are.
+        mujoco: the module.
+        model: with sites "imu" and one of each sole's name.
+        data: of the running simulation.
+        convention: of the robot's joints.
+    """
+
+    def __init__(
+        self, robot: Robot, mujoco: Any, model: Any, data: Any, convention: Convention
+    ) -> None:
+        self._robot = robot
+        self._mujoco = mujoco
+        self._model = model
+        self._data = data
+        self._joints = 7 + convention.order
+        self._rates = 6 + convention.order
+        self._imu = model.site("imu").id
+        self._feet = np.array([model.site(s.name).id for s in robot.soles])
+        self._bodies = model.site_bodyid[self._feet]
+        self._root = model.body_rootid[self._bodies[0]]
+        self._twist = np.empty(6)
+        self._sums = np.zeros(3 + 6 * len(robot.soles))
+        self._samples = 0
+        na = robot.na
+        self.reading = np.zeros(2 * na + 6 + 6 * len(robot.soles))
+        self._q = self.reading[:na]
+        self._v = self.reading[na : 2 * na]
+        self._gyro = self.reading[2 * na : 2 * na + 3]
+        self._averaged = self.reading[2 * na + 3 :]
+
+    def accumulate(self) -> None:
+        """Take in one physics step, between its forces and the next kinematics."""
+        mujoco, model, data = self._mujoco, self._model, self._data
+        mujoco.mj_rnePostConstraint(model, data)
+        mujoco.mj_objectAcceleration(
+            model, data, mujoco.mjtObj.mjOBJ_SITE, self._imu, self._twist, 1
+        )
+        sums = self._sums
+        sums[:3] += self._twist[3:]
+        sums[3:] += self._foot_wrenches()
+        self._samples += 1
+
+    def update(self) -> None:
+        """Fill `reading` with `[q, v, gyro, accelerometer, wrenches]` of this instant."""
+        self._instant()
+        if self._samples:
+            np.multiply(self._sums, 1.0 / self._samples, out=self._averaged)
+            self._sums[:] = 0.0
+            self._samples = 0
+
+    def start(self) -> None:
+        """Fill `reading` at a reset, when no physics step has been taken yet.
+
+        A robot that stands is read as one that is held still, its weight on its soles;
+        one in the air as in free fall.
+        """
+        self._instant()
+        self._sums[:] = 0.0
+        self._samples = 0
+        self._averaged[:] = 0.0
+        standing = [i for i in range(len(self._feet)) if self._stands(i)]
+        if not standing:
+            return
+        data, gravity = self._data, self._model.opt.gravity
+        self._averaged[:3] = -gravity @ data.site_xmat[self._imu].reshape(3, 3)
+        wrenches = self._averaged[3:].reshape(-1, 6)
+        wrenches[standing] = self._standing_wrenches(standing)
+
+    def _instant(self) -> None:
+        data = self._data
+        np.take(data.qpos, self._joints, out=self._q)
+        np.take(data.qvel, self._rates, out=self._v)
+        self._mujoco.mj_objectVelocity(
+            self._model, data, self._mujoco.mjtObj.mjOBJ_SITE, self._imu, self._twist, 1
+        )
+        self._gyro[:] = self._twist[:3]
+
+    def _foot_wrenches(self) -> np.ndarray:
+        """Contact wrenches at the sole centres in sole axes, one after the other."""
+        data = self._data
+        # cfrc_ext is moment then force about the robot's CoM, in world axes.
+        external = data.cfrc_ext[self._bodies]
+        moment, force = external[:, :3], external[:, 3:]
+        lever = data.subtree_com[self._root] - data.site_xpos[self._feet]
+        world = np.empty((len(external), 2, 3))
+        world[:, 0] = force
+        world[:, 1] = moment
+        world[:, 1, 0] += lever[:, 1] * force[:, 2] - lever[:, 2] * force[:, 1]
+        world[:, 1, 1] += lever[:, 2] * force[:, 0] - lever[:, 0] * force[:, 2]
+        world[:, 1, 2] += lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]
+        wrenches: np.ndarray = world @ data.site_xmat[self._feet].reshape(-1, 3, 3)
+        return wrenches.ravel()
+
+    def _stands(self, i: int) -> bool:
+        sole, site = self._robot.soles[i], self._feet[i]
+        axes = self._data.site_xmat[site].reshape(3, 3)
+        reach = abs(axes[2, 0]) * sole.half_length + abs(axes[2, 1]) * sole.half_width
+        return bool(abs(self._data.site_xpos[site, 2]) + reach < _STANDING_HEIGHT)
+
+    def _standing_wrenches(self, feet: list[int]) -> np.ndarray:
+        """(k, 6) the smallest wrenches that carry the weight at rest, in sole axes."""
+        data = self._data
+        com = data.subtree_com[self._root]
+        scale = np.diag([1.0, 1.0, 1.0, _MOMENT_SCALE, _MOMENT_SCALE, _MOMENT_SCALE])
+        columns = []
+        for i in feet:
+            site = self._feet[i]
+            placement = pin.SE3(data.site_xmat[site].reshape(3, 3), data.site_xpos[site] - com)
+            columns.append(placement.toDualActionMatrix() @ scale)
+        weight = np.concatenate([-self._robot.mass * self._model.opt.gravity, np.zeros(3)])
+        solution = np.linalg.lstsq(np.hstack(columns), weight, rcond=None)[0]
+        wrenches: np.ndarray = solution.reshape(-1, 6) @ scale
+        return wrenches

@@ -1,0 +1,73 @@
+"""The ground that the simulated robot walks on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from wbc.errors import PlantError
+
+
+class Terrain(Protocol):
+    """Ground above the infinite floor z = 0, around the place where the robot starts."""
+
+    def boxes(self) -> np.ndarray:
+        """(n, 6) upright boxes: centre, then half sizes, m; the robot starts at the origin."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Flat:
+    """The infinite horizontal plane z = 0."""
+
+    def boxes(self) -> np.ndarray:
+        """No boxes: the floor alone."""
+        return np.empty((0, 6))
+
+
+@dataclass(frozen=True, slots=True)
+class Tiles:
+    """Square tiles of random height on the floor, flat where the robot starts.
+
+    The patch is laid around the robot's pose at reset, turned with it, so that a
+    trial is the same wherever it takes place. Outside of it is the plain floor.
+
+    Attributes:
+        height: highest top above the floor; tops are uniform in [0, height], m.
+        size: side of a tile, m.
+        extent: half the side of the whole patch, m.
+        clearing: no tile comes nearer than this to the start, m.
+        seed: of the heights.
+
+    Raises:
+        PlantError: a size that is not positive.
+    """
+
+    height: float = 0.03
+    size: float = 0.4
+    extent: float = 12.0
+    clearing: float = 0.4
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        for name in ("height", "size", "extent"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0.0):
+                raise PlantError(f"Tiles: {name} is {value}, it must be positive (m)")
+
+    def boxes(self) -> np.ndarray:
+        """(n, 6) centre and half sizes of the tiles, m."""
+        n = int(np.ceil(self.extent / self.size))
+        index = np.arange(-n, n) + 0.5
+        x, y = (g.ravel() for g in np.meshgrid(index * self.size, index * self.size))
+        top = np.random.default_rng(self.seed).uniform(0.0, self.height, x.size)
+        half = 0.5 * self.size
+        far = np.maximum(abs(x), abs(y)) - half >= self.clearing
+        # The boxes reach below the floor: a sole that sinks a little must not find
+        # the underside of a thin tile nearer than its top.
+        depth = 0.2
+        centre = 0.5 * (top - depth)
+        sides = np.full(x.size, half)
+        return np.column_stack([x, y, centre, sides, sides, 0.5 * (top + depth)])[far]
