@@ -1,0 +1,9 @@
+"""Robots: the loader, the model with its soles and limits, and the model doctor."""
+
+from wbc.robot.catalogue import available, examples
+from wbc.robot.finding import Fact, Finding
+from wbc.robot.load import load
+from wbc.robot.robot import Robot
+from wbc.robot.sole import Sole
+
+__all__ = ["Fact", "Finding", "Robot", "Sole", "available", "examples", "load"]

@@ -1,0 +1,136 @@
+"""From stated data to a `Robot`: the steps of loading, in order."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pinocchio as pin
+
+from wbc.errors import RobotDescriptionError, did_you_mean
+from wbc.robot.data import RobotData
+from wbc.robot.feet import find_feet, foot_link
+from wbc.robot.finding import Fact, Finding
+from wbc.robot.inertia import repair_model
+from wbc.robot.limits import set_armature, set_limits
+from wbc.robot.masses import check_mass_matrix
+from wbc.robot.model import build_model
+from wbc.robot.posture import com_offset, nominal_posture, starting_posture
+from wbc.robot.robot import Robot
+from wbc.robot.soles import make_soles
+from wbc.robot.trunk import find_torso, leg_joints, link_of, moving_joint
+from wbc.robot.urdf import Urdf, read_urdf
+
+
+def build(data: RobotData, folders: tuple[Path, ...]) -> Robot:
+    """Build the robot that the data describe; `folders` may hold its packages.
+
+    Raises:
+        RobotDescriptionError: the description is malformed or unusable.
+    """
+    urdf = read_urdf(data.urdf)
+    model = build_model(urdf)
+    model.name = data.name
+    base = link_of(model, urdf, 1)
+    facts = [_fact("base", base, None, "root of the tree")]
+    findings = _repaired(model)
+
+    links, guessed = _feet(data, urdf)
+    for side, link in zip(("left", "right"), links, strict=True):
+        facts.append(_fact(f"{side} foot", link, None if guessed else data.source, "its name"))
+    feet = (moving_joint(model, links[0]), moving_joint(model, links[1]))
+    if feet[0] == feet[1]:
+        raise RobotDescriptionError(
+            f"{urdf.path}: the feet '{links[0]}' and '{links[1]}' hang on the same joint; "
+            "name two links that move apart"
+        )
+    legs = (leg_joints(model, feet[0]), leg_joints(model, feet[1]))
+    findings += set_limits(model, data, legs)
+
+    start = starting_posture(model, data)
+    check_mass_matrix(model, start.q, str(urdf.path))
+    set_armature(model, data)
+    soles, sole_facts = make_soles(model, urdf, data, folders, start.q, links)
+    posture = nominal_posture(model, start, soles, legs)
+    offset = 1e3 * com_offset(model, posture.q)
+    facts += sole_facts
+    facts.append(
+        Fact(
+            "nominal posture",
+            f"{posture.how}; centre of mass ({offset[0]:+.0f}, {offset[1]:+.0f}) mm "
+            "from the soles' midpoint",
+            "stated" if posture.stated else "derived",
+            posture.source,
+        )
+    )
+    torso = _frame(model, data, "torso", data.torso) or find_torso(model, urdf, legs)
+    imu = _frame(model, data, "imu", data.imu) or base
+    armature = float(model.armature.max())
+    facts += [
+        _fact("torso", torso, data.source if data.torso else None, "where the limbs branch off"),
+        _fact("imu", imu, data.source if data.imu else None, "the base link"),
+        _fact(
+            "armature",
+            f"{armature:g} kg·m²" if armature else "none",
+            data.source if armature else None,
+            "none stated",
+        ),
+    ]
+    posture.q.setflags(write=False)
+    return Robot(
+        name=data.name,
+        model=model,
+        soles=soles,
+        torso=torso,
+        base=base,
+        imu=imu,
+        q_nominal=posture.q,
+        legs=legs,
+        urdf=urdf,
+        package_dirs=folders,
+        facts=tuple(facts),
+        findings=tuple(findings),
+    )
+
+
+def _fact(name: str, value: str, stated_in: str | None, rule: str) -> Fact:
+    if stated_in:
+        return Fact(name, value, "stated", stated_in)
+    return Fact(name, value, "derived", rule)
+
+
+def _repaired(model: pin.Model) -> list[Finding]:
+    return [
+        Finding(
+            "warning",
+            name,
+            "the body that it moves has an inertia that no rigid body can have",
+            "the nearest physical inertia is used instead",
+            "correct the <inertia> of the links on this joint (principal moments positive, "
+            "none larger than the sum of the other two)",
+        )
+        for name in repair_model(model)
+    ]
+
+
+def _feet(data: RobotData, urdf: Urdf) -> tuple[tuple[str, str], bool]:
+    """The (left, right) foot links, and whether they were guessed."""
+    if data.left_foot is not None and data.right_foot is not None:
+        left = foot_link(urdf, data.left_foot, "left")
+        return (left, foot_link(urdf, data.right_foot, "right")), False
+    guess = find_feet(urdf)
+    if data.left_foot is not None or data.right_foot is not None or guess is None:
+        raise RobotDescriptionError(
+            f"{urdf.path}: which links are the feet? Name both: "
+            f"left_foot=… and right_foot=…{did_you_mean('foot', urdf.links, 6)}"
+        )
+    return guess, True
+
+
+def _frame(model: pin.Model, data: RobotData, what: str, name: str | None) -> str | None:
+    if name is not None and not model.existFrame(name):
+        names = [frame.name for frame in model.frames]
+        raise RobotDescriptionError(
+            f"{data.source}: {what} is '{name}', but the model has no such frame"
+            f"{did_you_mean(name, names)}"
+        )
+    return name

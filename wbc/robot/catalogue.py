@@ -1,0 +1,81 @@
+"""The robots that can be loaded by name: data files, then example-robot-data."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from wbc.errors import RobotDescriptionError, RobotNotFound, did_you_mean
+from wbc.robot.data import RobotData, read_data
+from wbc.robot.packages import example_robot_data
+
+_HERE = Path(__file__).resolve().parent
+
+
+def data_folder() -> Path:
+    """`robots/`: beside this file in a wheel, at the root of a checkout."""
+    inside = _HERE / "data"
+    return inside if inside.is_dir() else _HERE.parents[1] / "robots"
+
+
+def available() -> tuple[str, ...]:
+    """Names of the robots that have a data file, sorted."""
+    return tuple(sorted(path.stem for path in data_folder().glob("*.toml")))
+
+
+def examples() -> tuple[str, ...]:
+    """Names of the URDFs of example-robot-data, sorted.
+
+    A name is the file's stem (`icub_reduced`), or where several folders share
+    a stem, the path below `robots/` without its suffix.
+    """
+    return tuple(sorted(_examples()))
+
+
+def find(name_or_path: str | Path) -> RobotData:
+    """What is stated about the robot of that name, or at that path.
+
+    Raises:
+        RobotNotFound: there is no such name and no such file.
+        RobotDescriptionError: the data file is malformed.
+    """
+    text = str(name_or_path)
+    path = Path(text).expanduser()
+    if isinstance(name_or_path, str) and (data_folder() / f"{text}.toml").is_file():
+        return read_data(data_folder() / f"{text}.toml")
+    if path.is_file():
+        if path.suffix == ".toml":
+            return read_data(path.resolve())
+        return RobotData(name=path.stem, urdf=path.resolve())
+    names = _examples()
+    if text in names:
+        return RobotData(name=text, urdf=names[text])
+    root = example_robot_data()
+    if root is not None and text.endswith(".urdf") and (root / "robots" / text).is_file():
+        return RobotData(name=path.stem, urdf=root / "robots" / text)
+    if path.is_dir():
+        raise RobotDescriptionError(f"{path} is a folder; give the path of the URDF inside it")
+    if path.suffix or len(path.parts) > 1:
+        raise RobotNotFound(f"there is no file {path}{_near(text, names)}")
+    raise RobotNotFound(f"there is no robot '{text}'{_near(text, names)}")
+
+
+def _near(text: str, names: dict[str, Path]) -> str:
+    stem = Path(text).stem
+    return did_you_mean(stem, dict.fromkeys((*available(), *names)))
+
+
+def _examples() -> dict[str, Path]:
+    root = example_robot_data()
+    if root is None:
+        return {}
+    robots = root / "robots"
+    by_stem: dict[str, list[Path]] = {}
+    for path in robots.glob("*/*/*.urdf"):
+        by_stem.setdefault(path.stem, []).append(path)
+    names: dict[str, Path] = {}
+    for stem, paths in by_stem.items():
+        if len(paths) == 1:
+            names[stem] = paths[0]
+        for path in paths[: len(paths) if len(paths) > 1 else 0]:
+            names[path.relative_to(robots).with_suffix("").as_posix()] = path
+    return names

@@ -1,0 +1,85 @@
+"""Which links are the feet, when nobody says."""
+
+from __future__ import annotations
+
+import re
+
+from wbc.errors import RobotDescriptionError, did_you_mean
+from wbc.robot.urdf import Urdf
+
+# In order of preference: a link made to be the sole, the foot, the last ankle link.
+PARTS = ("sole", "foot", "ankle_roll", "ankleroll", "ankle", "toe")
+_SIDES = (("left", "right"), ("l", "r"))
+
+
+def find_feet(urdf: Urdf) -> tuple[str, str] | None:
+    """The (left, right) pair of links that names make look like feet, or None.
+
+    A pair counts only if it is the one pair for its part of the body: four feet
+    are a quadruped's, and a guess between them would be worth nothing.
+    """
+    for part in PARTS:
+        pairs = []
+        for name in urdf.links:
+            if part not in name.lower():
+                continue
+            mirrored = mirror(name)
+            if mirrored is not None and side_of(name) == "left" and mirrored in urdf.links:
+                pairs.append((name, mirrored))
+        # `l_foot` beside `l_foot_dh_frame`: the plainer name is the link itself.
+        pairs.sort(key=lambda pair: len(pair[0]))
+        if pairs and (len(pairs) == 1 or len(pairs[0][0]) < len(pairs[1][0])):
+            return pairs[0]
+    return None
+
+
+def side_of(name: str) -> str | None:
+    """`left` or `right`, if the name says so."""
+    words = _words(name)
+    for left, right in _SIDES:
+        if left in words and right not in words:
+            return "left"
+        if right in words and left not in words:
+            return "right"
+    return None
+
+
+def mirror(name: str) -> str | None:
+    """The name with left and right exchanged, keeping its capitals, or None."""
+    for left, right in _SIDES:
+        for a, b in ((left, right), (right, left)):
+            words = _split(name)
+            hits = [i for i, word in enumerate(words) if word.lower() == a]
+            if hits:
+                words[hits[0]] = _like(b, words[hits[0]])
+                return "".join(words)
+    return None
+
+
+def foot_link(urdf: Urdf, name: str, side: str) -> str:
+    """The foot's link, checked.
+
+    Raises:
+        RobotDescriptionError: the file has no such link.
+    """
+    if name not in urdf.links:
+        raise RobotDescriptionError(
+            f"{urdf.path}: {side}_foot is stated as '{name}', but the file has no such link"
+            f"{did_you_mean(name, urdf.links)}"
+        )
+    return name
+
+
+def _split(name: str) -> list[str]:
+    """`LAnkleRoll` and `l_ankle` as pieces that join to the same name."""
+    return re.findall(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+|[^A-Za-z\d]+", name)
+
+
+def _words(name: str) -> set[str]:
+    return {word.lower() for word in _split(name)}
+
+
+def _like(word: str, model: str) -> str:
+    if model.isupper():
+        return word.upper()
+    return word.capitalize() if model[0].isupper() else word

@@ -1,0 +1,56 @@
+"""What the library knows about a robot (`Fact`) and what is wrong with it (`Finding`)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Severity = Literal["error", "warning", "note"]
+Origin = Literal["derived", "stated"]
+
+SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """One thing the loader established about a robot.
+
+    Attributes:
+        name: what it is about, for example `left_sole`.
+        value: the value as a reader wants to see it, with its unit.
+        origin: `derived` from the model, or `stated` by the data file or the caller.
+        source: where it comes from (a file, an argument, a rule).
+    """
+
+    name: str
+    value: str
+    origin: Origin
+    source: str
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.value} ({self.origin}, {self.source})"
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One defect of a robot description.
+
+    Attributes:
+        severity: `error` (the robot cannot be controlled), `warning` (it can,
+            with a substitute or a loss that is named) or `note`.
+        subject: the link, joint or file that it is about.
+        what: what is wrong.
+        consequence: what follows from it.
+        cure: what to change.
+    """
+
+    severity: Severity
+    subject: str
+    what: str
+    consequence: str
+    cure: str
+
+    def __str__(self) -> str:
+        return (
+            f"{self.severity}: {self.subject}: {self.what}; {self.consequence}. Cure: {self.cure}."
+        )

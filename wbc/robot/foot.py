@@ -1,0 +1,122 @@
+"""The surface of a foot as points: what a sole rests on.
+
+Only the foot's own geometry is read, straight from the URDF, so that finding
+the soles does not wait for the meshes of a whole robot.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.robot.packages import resolve
+from wbc.robot.urdf import Urdf, floats
+
+RIM_POINTS = 24
+
+
+@dataclass(frozen=True, slots=True)
+class FootSurface:
+    """Balls whose hull is the foot, in the frame of the joint that moves it.
+
+    Attributes:
+        points: (n, 3) centres, m.
+        radii: (n,) radii, m; zero for the vertices of meshes and boxes.
+        kind: `collision` or `visual`.
+        missing: addresses of meshes that could not be read.
+    """
+
+    points: np.ndarray
+    radii: np.ndarray
+    kind: str
+    missing: tuple[str, ...] = ()
+
+    def lowest(self, up: np.ndarray) -> np.ndarray:
+        """(n, 3) the point of each ball that lies lowest along the unit vector `up` (3,)."""
+        return np.asarray(self.points - self.radii[:, None] * up)
+
+
+def foot_surface(
+    urdf: Urdf, model: pin.Model, joint_id: int, folders: tuple[Path, ...]
+) -> FootSurface:
+    """The collision shapes of all links that move with a joint; visuals if there are none."""
+    missing: list[str] = []
+    for kind in ("collision", "visual"):
+        parts: list[tuple[np.ndarray, float]] = []
+        for name, link in urdf.links.items():
+            if not model.existBodyName(name):
+                continue
+            frame = model.frames[model.getFrameId(name, pin.BODY)]
+            if frame.parentJoint != joint_id:
+                continue
+            for element in link.findall(kind):
+                placement = frame.placement * _origin(element)
+                cloud = _cloud(element, urdf.path, folders, missing)
+                if cloud is not None:
+                    points, radius = cloud
+                    parts.append((points @ placement.rotation.T + placement.translation, radius))
+        if parts:
+            return FootSurface(
+                np.vstack([points for points, _ in parts]),
+                np.concatenate([np.full(len(points), radius) for points, radius in parts]),
+                kind,
+                tuple(missing),
+            )
+    return FootSurface(np.zeros((0, 3)), np.zeros(0), "none", tuple(missing))
+
+
+def _origin(element: ET.Element) -> pin.SE3:
+    origin = element.find("origin")
+    xyz = floats(origin, "xyz", (0.0, 0.0, 0.0))
+    rpy = floats(origin, "rpy", (0.0, 0.0, 0.0))
+    return pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array(xyz))
+
+
+def _cloud(
+    element: ET.Element, urdf: Path, folders: tuple[Path, ...], missing: list[str]
+) -> tuple[np.ndarray, float] | None:
+    """Points (n, 3) in the shape's frame and their common radius."""
+    geometry = element.find("geometry")
+    shape = next(iter(geometry), None) if geometry is not None else None
+    if shape is None:
+        return None
+    if shape.tag == "box":
+        half = 0.5 * np.array(floats(shape, "size", (0.0, 0.0, 0.0)))
+        signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+        return signs * half, 0.0
+    if shape.tag == "sphere":
+        return np.zeros((1, 3)), floats(shape, "radius", (0.0,))[0]
+    if shape.tag in ("cylinder", "capsule"):
+        radius = floats(shape, "radius", (0.0,))[0]
+        half_length = 0.5 * floats(shape, "length", (0.0,))[0]
+        ends = np.array([[0.0, 0.0, -half_length], [0.0, 0.0, half_length]])
+        if shape.tag == "capsule":
+            return ends, radius
+        angle = np.arange(RIM_POINTS) * (2.0 * np.pi / RIM_POINTS)
+        rim = radius * np.column_stack([np.cos(angle), np.sin(angle), np.zeros(RIM_POINTS)])
+        return np.vstack([rim + end for end in ends]), 0.0
+    if shape.tag == "mesh":
+        address = shape.get("filename", "")
+        path = resolve(address, urdf, folders)
+        vertices = _mesh(path, np.array(floats(shape, "scale", (1.0, 1.0, 1.0)))) if path else None
+        if vertices is None:
+            missing.append(address)
+            return None
+        return vertices, 0.0
+    return None
+
+
+def _mesh(path: Path, scale: np.ndarray) -> np.ndarray | None:
+    """(n, 3) vertices of a mesh file, m; None if it cannot be read."""
+    import coal
+
+    try:
+        mesh = coal.MeshLoader().load(str(path), scale)
+        vertices = np.array(mesh.vertices(), dtype=float).reshape(-1, 3)
+    except Exception:
+        return None
+    return vertices if len(vertices) and np.isfinite(vertices).all() else None

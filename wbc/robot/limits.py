@@ -1,0 +1,103 @@
+"""Armature and joint limits, and the substitutes for those a file leaves out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.errors import RobotDescriptionError, did_you_mean
+from wbc.robot.data import RobotData
+from wbc.robot.finding import Finding
+
+GRAVITY = 9.81
+# A substitute limit lets a joint carry this many times the weight of what hangs on it.
+STRENGTH = 2.0
+# ... and never less than this, N·m or N, so that massless fingers move too.
+LEAST_EFFORT = 1.0
+
+
+def set_armature(model: pin.Model, data: RobotData) -> None:
+    """Write the stated rotor inertia into `model.armature` (nv,); the base has none."""
+    armature = np.zeros(model.nv)
+    if isinstance(data.armature, Mapping):
+        by_name = dict(data.armature)
+        armature[6:] = by_name.pop("default", 0.0)
+        for name, value in by_name.items():
+            armature[velocity_index(model, name, data.source)] = value
+    else:
+        armature[6:] = data.armature
+    model.armature = armature
+
+
+def set_limits(
+    model: pin.Model, data: RobotData, legs: tuple[tuple[int, ...], ...]
+) -> list[Finding]:
+    """Write stated limits into the model, and substitutes for the absent ones.
+
+    URDF's zero effort or velocity means that nobody filled the field in. An
+    effort is then estimated from the mass that the joint carries (a controller
+    and a plant need a finite one); a velocity is taken as unlimited, infinite.
+    """
+    effort, velocity = np.array(model.effortLimit), np.array(model.velocityLimit)
+    for name, value in data.effort_limits.items():
+        effort[velocity_index(model, name, data.source)] = value
+    for name, value in data.velocity_limits.items():
+        velocity[velocity_index(model, name, data.source)] = value
+    findings = []
+    for joint in range(2, model.njoints):
+        name, index = model.names[joint], model.joints[joint].idx_v
+        if not (np.isfinite(effort[index]) and effort[index] > 0.0):
+            effort[index] = default_effort(model, joint, any(index in leg for leg in legs))
+            findings.append(
+                Finding(
+                    "warning",
+                    name,
+                    "its effort limit is zero or absent",
+                    f"{effort[index]:.3g} N·m is assumed, from the mass that it carries",
+                    "state the motor's peak in <limit effort=…> or under effort_limits",
+                )
+            )
+        if not (np.isfinite(velocity[index]) and velocity[index] > 0.0):
+            velocity[index] = np.inf
+            findings.append(
+                Finding(
+                    "warning",
+                    name,
+                    "its velocity limit is zero or absent",
+                    "it is taken as unlimited",
+                    "state the motor's top speed in <limit velocity=…> or under velocity_limits",
+                )
+            )
+    model.effortLimit, model.velocityLimit = effort, velocity
+    return findings
+
+
+def default_effort(model: pin.Model, joint: int, in_leg: bool) -> float:
+    """An effort limit for a joint that states none, N·m or N.
+
+    A leg joint has to lift the whole robot with the leg's length below the knee
+    as its lever; any other joint the bodies beyond it, stretched out.
+    """
+    subtree = model.subtrees[joint]
+    reach = sum(float(np.linalg.norm(model.jointPlacements[j].translation)) for j in subtree[1:2])
+    mass = sum(model.inertias[j].mass for j in subtree)
+    if in_leg:
+        mass = sum(body.mass for body in model.inertias)
+    lever = max(reach, 0.25)
+    return float(max(STRENGTH * GRAVITY * mass * lever, LEAST_EFFORT))
+
+
+def velocity_index(model: pin.Model, name: str, source: str) -> int:
+    """Index into nv of a joint that a data file names.
+
+    Raises:
+        RobotDescriptionError: the model has no such actuated joint.
+    """
+    joint = model.getJointId(name) if model.existJointName(name) else 0
+    if joint < 2:
+        raise RobotDescriptionError(
+            f"{source}: the model has no joint '{name}'{did_you_mean(name, list(model.names)[2:])}"
+        )
+    return int(model.joints[joint].idx_v)

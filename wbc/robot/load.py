@@ -1,0 +1,66 @@
+"""`load`: from a name or a path to a `Robot`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from wbc.robot.build import build
+from wbc.robot.catalogue import find
+from wbc.robot.packages import search_folders
+from wbc.robot.robot import Robot
+
+
+def load(
+    name_or_path: str | Path,
+    *,
+    srdf: str | Path | None = None,
+    left_foot: str | None = None,
+    right_foot: str | None = None,
+    torso: str | None = None,
+    imu: str | None = None,
+    nominal_posture: Mapping[str, float] | None = None,
+    armature: float | Mapping[str, float] | None = None,
+    package_dirs: Iterable[str | Path] = (),
+    name: str | None = None,
+) -> Robot:
+    """Load a robot.
+
+    Args:
+        name_or_path: a robot with a data file (`available()`), a URDF of
+            example-robot-data by name (`examples()`), or the path of a URDF or
+            of a robot data file.
+        srdf: semantic description with a posture to stand in.
+        left_foot: link that carries the left sole; guessed from the names of
+            the links if they leave no doubt.
+        right_foot: link that carries the right sole.
+        torso: link of the upper trunk; the link from which the arms branch.
+        imu: frame of the inertial unit; the base link.
+        nominal_posture: joint name to position, rad or m; joints left out stay at 0.
+        armature: rotor inertia at the joints, kg·m², one for all or by joint name.
+        package_dirs: folders that hold packages, for `package://`.
+        name: the robot's name.
+
+    Raises:
+        RobotNotFound: no such name and no such file.
+        RobotDescriptionError: the description is malformed or makes no usable
+            model; the text names the link, joint or line and the cure.
+    """
+    data = find(name_or_path)
+    stated: dict[str, Any] = {
+        "left_foot": left_foot,
+        "right_foot": right_foot,
+        "torso": torso,
+        "imu": imu,
+        "armature": armature,
+        "name": name,
+        "nominal_posture": nominal_posture,
+        "srdf": Path(srdf).expanduser().resolve() if srdf is not None else None,
+    }
+    data = replace(data, **{key: value for key, value in stated.items() if value is not None})
+    if srdf is not None and nominal_posture is None:
+        data = replace(data, nominal_posture={})
+    extra = (*package_dirs, *data.package_dirs)
+    return build(data, search_folders(data.urdf, extra))

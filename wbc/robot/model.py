@@ -1,0 +1,178 @@
+"""From a parsed URDF to a floating-base Pinocchio model.
+
+Pinocchio is given a document of links, joints and inertias only. That keeps
+meshes out of it, and lets what its reader refuses (a limit without an effort,
+a revolute joint without a limit) or would model unusably (a continuous joint
+of two coordinates, a base that the file bolts to the world) be put right first.
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.errors import RobotDescriptionError
+from wbc.robot.urdf import Urdf, UrdfJoint
+
+KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+WORLD_JOINTS = ("fixed", "floating")
+ROOT_JOINT = "root_joint"
+# A revolute joint that states no range: one turn each way is more than any limb has.
+NO_RANGE = math.pi
+
+
+def build_model(urdf: Urdf) -> pin.Model:
+    """The model with a free-flyer root; each joint after it has one coordinate.
+
+    Raises:
+        RobotDescriptionError: the tree is broken or Pinocchio refuses it.
+    """
+    base = check_tree(urdf)
+    document = _document(urdf, base)
+    try:
+        model = pin.buildModelFromXML(
+            ET.tostring(document, encoding="unicode"), pin.JointModelFreeFlyer()
+        )
+    except Exception as error:
+        raise RobotDescriptionError(
+            f"{urdf.path}: Pinocchio cannot build a model of it ({error}); "
+            f"run  wbc doctor {urdf.path}"
+        ) from error
+    for joint in urdf.joints:
+        if joint.kind == "continuous" and model.existJointName(joint.name):
+            index = model.joints[model.getJointId(joint.name)].idx_q
+            lower, upper = model.lowerPositionLimit, model.upperPositionLimit
+            lower[index], upper[index] = -np.inf, np.inf
+            model.lowerPositionLimit, model.upperPositionLimit = lower, upper
+    return model
+
+
+def check_tree(urdf: Urdf) -> str:
+    """Name of the base link of a well-formed tree.
+
+    Raises:
+        RobotDescriptionError: duplicate names, a joint that names no link, an
+            unknown or unusable joint type, a loop, or several roots.
+    """
+    for tag, name, line in urdf.duplicates():
+        raise RobotDescriptionError(
+            f"{urdf.path}, line {line}: a second {tag} '{name}'; names must be unique, rename it"
+        )
+    parents: dict[str, str] = {}
+    for joint in urdf.joints:
+        where = f"{urdf.path}, line {urdf.line(joint.element)}: joint '{joint.name}'"
+        for link in (joint.parent, joint.child):
+            if link not in urdf.links:
+                raise RobotDescriptionError(
+                    f"{where} names the link '{link}', which the file does not have; "
+                    "add the link or correct the name"
+                )
+        if joint.kind not in KINDS:
+            raise RobotDescriptionError(
+                f"{where} has the type '{joint.kind}'; it must be one of {', '.join(KINDS)}"
+            )
+        if joint.child in parents:
+            raise RobotDescriptionError(
+                f"{where} is a second joint into the link '{joint.child}'; a URDF is a tree"
+            )
+        parents[joint.child] = joint.parent
+    roots = urdf.roots()
+    if not roots:
+        raise RobotDescriptionError(f"{urdf.path}: the joints form a loop; a URDF is a tree")
+    if len(roots) > 1:
+        raise RobotDescriptionError(
+            f"{urdf.path}: the links {', '.join(repr(r) for r in roots)} hang on no joint, "
+            "so the robot falls into pieces; join all but the base with a joint"
+        )
+    anchor = world_joint(urdf)
+    base = anchor.child if anchor else roots[0]
+    for joint in urdf.joints:
+        if joint.kind in ("floating", "planar") and joint is not anchor:
+            raise RobotDescriptionError(
+                f"{urdf.path}, line {urdf.line(joint.element)}: joint '{joint.name}' is "
+                f"{joint.kind}; only the base may float, split it into single joints"
+            )
+    return base
+
+
+def world_joint(urdf: Urdf) -> UrdfJoint | None:
+    """The joint by which the file hangs the robot on a massless `world`, if it does."""
+    roots = urdf.roots()
+    if len(roots) != 1 or len(urdf.links[roots[0]]):
+        return None
+    hanging = [joint for joint in urdf.joints if joint.parent == roots[0]]
+    if len(hanging) == 1 and hanging[0].kind in WORLD_JOINTS:
+        bolted = hanging[0].kind == "floating" or roots[0].lower() in ("world", "map", "odom")
+        return hanging[0] if bolted else None
+    return None
+
+
+def _document(urdf: Urdf, base: str) -> ET.Element:
+    robot = ET.Element("robot", name=urdf.element.get("name") or urdf.path.stem)
+    anchor = world_joint(urdf)
+    for name, element in urdf.links.items():
+        if anchor is None or name != anchor.parent:
+            link = ET.SubElement(robot, "link", name=name)
+            inertial = element.find("inertial")
+            if inertial is not None:
+                link.append(_inertial(urdf, name, inertial))
+    for joint in urdf.joints:
+        if joint is not anchor:
+            robot.append(_joint(joint))
+    return robot
+
+
+def _inertial(urdf: Urdf, name: str, inertial: ET.Element) -> ET.Element:
+    """A complete `<inertial>`: the reader refuses one that lacks a mass or an inertia."""
+    mass, inertia = inertial.find("mass"), inertial.find("inertia")
+    where = f"{urdf.path}, line {urdf.line(inertial)}: link '{name}'"
+    try:
+        kilograms = float(mass.get("value", "0")) if mass is not None else 0.0
+        tensor = {
+            key: float(inertia.get(key, "0")) if inertia is not None else 0.0
+            for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+        }
+    except ValueError as error:
+        raise RobotDescriptionError(f"{where}: its inertial holds no number ({error})") from error
+    if not all(math.isfinite(value) for value in (kilograms, *tensor.values())):
+        raise RobotDescriptionError(f"{where}: its inertial is not finite; state real values")
+    if kilograms < 0.0:
+        raise RobotDescriptionError(f"{where} has the mass {kilograms} kg; it must be positive")
+    whole = ET.Element("inertial")
+    origin = inertial.find("origin")
+    if origin is not None:
+        whole.append(origin)
+    ET.SubElement(whole, "mass", value=repr(kilograms))
+    ET.SubElement(whole, "inertia", {key: repr(value) for key, value in tensor.items()})
+    return whole
+
+
+def _joint(joint: UrdfJoint) -> ET.Element:
+    kind = "revolute" if joint.kind == "continuous" else joint.kind
+    clean = ET.Element("joint", name=joint.name, type=kind)
+    for tag in ("origin", "parent", "child", "axis", "dynamics"):
+        element = joint.element.find(tag)
+        if element is not None:
+            clean.append(element)
+    if kind != "fixed":
+        limit = joint.element.find("limit")
+        stated = dict(limit.attrib) if limit is not None else {}
+        values = {key: stated.get(key, "0") for key in ("lower", "upper", "effort", "velocity")}
+        if joint.kind == "continuous" or has_no_range(joint):
+            values["lower"], values["upper"] = repr(-NO_RANGE), repr(NO_RANGE)
+        ET.SubElement(clean, "limit", values)
+    return clean
+
+
+def has_no_range(joint: UrdfJoint) -> bool:
+    """Whether a revolute or prismatic joint states no range (URDF's default is 0 to 0)."""
+    limit = joint.element.find("limit")
+    if limit is None:
+        return True
+    try:
+        return all(float(limit.get(key, "0")) == 0.0 for key in ("lower", "upper"))
+    except ValueError:
+        return False

@@ -1,0 +1,74 @@
+"""Where `package://`, `file://` and relative mesh addresses lead on this machine."""
+
+from __future__ import annotations
+
+import os
+import sysconfig
+from collections.abc import Iterable
+from importlib import metadata
+from pathlib import Path
+
+import pinocchio as pin
+
+EXAMPLES = "example-robot-data"
+
+
+def example_robot_data() -> Path | None:
+    """The `share/example-robot-data` folder of the installed package, if there is one.
+
+    The package holds data only, under the prefix that Pinocchio's wheel shares
+    (`cmeel.prefix`), so there is no module to ask for its place.
+    """
+    roots: list[Path] = []
+    try:
+        for file in metadata.files(EXAMPLES) or ():
+            if file.parts[-2:] == (EXAMPLES, "package.xml"):
+                roots.append(Path(str(file.locate())).parent)
+                break
+    except metadata.PackageNotFoundError:
+        pass
+    # A conda or ROS installation has no wheel metadata, but one common prefix.
+    prefixes = [Path(sysconfig.get_path("purelib")) / "cmeel.prefix"]
+    prefixes += list(Path(pin.__file__).parents)[:6]
+    prefixes += [Path(p) for p in os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep) if p]
+    roots += [prefix / "share" / EXAMPLES for prefix in prefixes]
+    return next((root for root in roots if (root / "robots").is_dir()), None)
+
+
+def search_folders(urdf: Path, extra: Iterable[str | Path] = ()) -> tuple[Path, ...]:
+    """Folders that may hold packages, the caller's first, without repetition."""
+    folders = [Path(folder).expanduser().resolve() for folder in extra]
+    # A URDF usually lies inside the package whose meshes it names.
+    folders += list(urdf.resolve().parents)[:-1]
+    folders += [
+        Path(folder)
+        for variable in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
+        for prefix in os.environ.get(variable, "").split(os.pathsep)
+        if prefix
+        for folder in (prefix, os.path.join(prefix, "share"))
+    ]
+    examples = example_robot_data()
+    if examples is not None:
+        folders += [examples.parent, examples / "robots"]
+    return tuple(dict.fromkeys(folders))
+
+
+def resolve(address: str, urdf: Path, folders: Iterable[Path]) -> Path | None:
+    """The file that a mesh address means, or None if there is none.
+
+    `package:///name/…` with a third slash, which some exporters write, is read
+    as `package://name/…`.
+    """
+    if address.startswith(("package://", "model://")):
+        inside = address.split("://", 1)[1].lstrip("/")
+        package, _, rest = inside.partition("/")
+        candidates = []
+        for folder in folders:
+            candidates.append(folder / inside)
+            if folder.name == package:
+                candidates.append(folder / rest)
+    elif address.startswith("file://"):
+        candidates = [Path(address[len("file://") :])]
+    else:
+        candidates = [urdf.parent / address]
+    return next((path for path in candidates if path.is_file()), None)

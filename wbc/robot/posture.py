@@ -1,0 +1,149 @@
+"""The nominal posture: stated, from an SRDF, or derived from the legs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.robot.data import RobotData
+from wbc.robot.limits import velocity_index
+from wbc.robot.sole import Sole
+from wbc.robot.srdf import Reference, beside, read_reference
+from wbc.robot.stance import posture_range, settle, unevenness
+
+KNEE_BEND = 0.4
+# Beyond this a sole counts as not flat and the legs are moved, rad and m.
+FLAT = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Posture:
+    """A configuration (nq,) and how it came about."""
+
+    q: np.ndarray
+    how: str
+    stated: bool
+    source: str
+
+
+def starting_posture(model: pin.Model, data: RobotData) -> Posture:
+    """The posture that the data file or an SRDF gives, or the neutral one within limits.
+
+    Raises:
+        RobotDescriptionError: a malformed SRDF, or a stated joint that does not exist.
+    """
+    lower, upper = posture_range(model)
+    q = pin.neutral(model)
+    if data.nominal_posture:
+        for name, value in data.nominal_posture.items():
+            q[velocity_index(model, name, data.source) + 1] = value
+        return Posture(q, "stated joints", True, data.source)
+    srdf = data.srdf or beside(data.urdf)
+    reference = read_reference(srdf, data.reference) if srdf is not None else None
+    if reference is not None:
+        _apply(model, q, reference)
+        return Posture(q, f"'{reference.name}'", False, reference.source)
+    q[7:] = np.clip(q[7:], lower, upper)
+    return Posture(q, "", False, "")
+
+
+def _apply(model: pin.Model, q: np.ndarray, reference: Reference) -> None:
+    # An SRDF serves several variants of a robot: joints that this one lacks are no mistake.
+    for name, value in reference.joints.items():
+        if model.existJointName(name) and model.getJointId(name) > 1:
+            q[model.joints[model.getJointId(name)].idx_q] = value
+
+
+def nominal_posture(
+    model: pin.Model,
+    start: Posture,
+    soles: tuple[Sole, Sole],
+    legs: tuple[tuple[int, ...], tuple[int, ...]],
+) -> Posture:
+    """The posture to stand in: soles flat on z = 0, their midpoint at the origin, facing x."""
+    ids = (soles[0].frame_id, soles[1].frame_id)
+    move = {index for leg in legs for index in leg}
+    if not start.how:
+        q = _bent(model, start.q, soles, legs)
+        posture = Posture(placed(model, q, ids), "knees bent", False, "inverse kinematics")
+    else:
+        q = placed(model, start.q, ids)
+        tilt, height = unevenness(model, q, ids)
+        how = start.how
+        if max(tilt, height) > FLAT:
+            q = placed(model, settle(model, q, ids, move), ids)
+            how += f", legs corrected (soles {np.rad2deg(tilt):.1f}° and {1e3 * height:.1f} mm off)"
+        posture = Posture(q, how, start.stated, start.source)
+    return posture
+
+
+def placed(model: pin.Model, q: np.ndarray, soles: tuple[int, int]) -> np.ndarray:
+    """`q` (nq,) moved rigidly: base upright, soles' midpoint at the origin, heading x."""
+    data = model.createData()
+    q = np.array(q)
+    q[:7] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+    pin.framesForwardKinematics(model, data, q)
+    left, right = (data.oMf[sole] for sole in soles)
+    ahead = left.rotation[:, 0] + right.rotation[:, 0]
+    turn = pin.rpy.rpyToMatrix(0.0, 0.0, -float(np.arctan2(ahead[1], ahead[0])))
+    middle = 0.5 * (left.translation + right.translation)
+    q[:7] = pin.SE3ToXYZQUAT(pin.SE3(turn, -turn @ middle))
+    return q
+
+
+def _bent(
+    model: pin.Model,
+    q: np.ndarray,
+    soles: tuple[Sole, Sole],
+    legs: tuple[tuple[int, ...], tuple[int, ...]],
+) -> np.ndarray:
+    """Knees bent, feet side by side, centre of mass over the soles' midpoint."""
+    ids = (soles[0].frame_id, soles[1].frame_id)
+    q = placed(model, q, ids)
+    wanted: dict[int, float] = {}
+    for sole, leg in zip(soles, legs, strict=True):
+        knee = find_knee(model, q, sole, leg)
+        if knee is not None:
+            wanted[knee] = knee_bend(model, q, knee)
+    move = {index for leg in legs for index in leg}
+    q = settle(model, q, ids, move, joints=wanted, align=True, over_soles=True)
+    return q
+
+
+def find_knee(model: pin.Model, q: np.ndarray, sole: Sole, leg: Sequence[int]) -> int | None:
+    """Velocity index of the joint that shortens the leg most: the one with both long segments."""
+    data = model.createData()
+    pin.computeJointJacobians(model, data, q)
+    end = data.oMi[sole.joint_id].act(sole.placement.translation)
+    joints = [joint for joint in range(2, model.njoints) if model.joints[joint].idx_v in leg]
+    hip = data.oMi[joints[0]].translation
+    best, best_span = None, 0.0
+    for joint in joints:
+        here = data.oMi[joint].translation
+        span = min(float(np.linalg.norm(here - hip)), float(np.linalg.norm(here - end)))
+        lateral = abs(float(data.J[4, model.joints[joint].idx_v]))  # the axis's y in the world
+        if lateral > 0.7 and span > best_span:
+            best, best_span = int(model.joints[joint].idx_v), span
+    return best
+
+
+def knee_bend(model: pin.Model, q: np.ndarray, knee: int) -> float:
+    """Position of the knee bent by 0.4 rad, towards the side on which it has its range."""
+    lower, upper = posture_range(model)
+    low, high = float(lower[knee - 6]), float(upper[knee - 6])
+    if np.isfinite(low + high) and abs(low + high) > 0.2 * (high - low):
+        sign = float(np.sign(low + high))
+    else:
+        data = model.createData()
+        pin.computeJointJacobians(model, data, q)
+        # A knee flexes by turning the shank backwards, about the lateral axis.
+        sign = float(np.sign(data.J[4, knee]))
+    return float(np.clip(sign * KNEE_BEND, low, high))
+
+
+def com_offset(model: pin.Model, q: np.ndarray) -> np.ndarray:
+    """(2,) centre of mass from the soles' midpoint in a placed posture `q` (nq,), m."""
+    return np.array(pin.centerOfMass(model, model.createData(), q)[:2])

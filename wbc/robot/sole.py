@@ -1,0 +1,149 @@
+"""Soles: the rectangle on which a foot rests, found from the foot's own shape."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.robot.foot import FootSurface
+from wbc.robot.polygon import convex_hull, inscribed_rectangle
+
+Side = Literal["left", "right"]
+
+# Foot points this far above the lowest one still count as sole, m (rounded edges).
+SOLE_THICKNESS = 0.004
+# How far a foot axis may be from vertical and still be taken for the sole's normal.
+SNAP_ANGLE = np.deg2rad(10.0)
+# Toe-out up to this is a habit of the posture, not of the foot's own axes.
+HEADING_SNAP = np.deg2rad(20.0)
+# Two candidate planes whose contact areas differ by less than this are equally good.
+AREA_TIE = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class Sole:
+    """A contact rectangle on a foot.
+
+    Its frame has the origin at the rectangle's centre, z up (the normal, away
+    from the ground) and x forward when the robot stands.
+
+    Attributes:
+        name: `left_sole` or `right_sole`, also the name of the model's frame.
+        side: `left` or `right`.
+        frame_id: of the frame in the model.
+        joint_id: of the joint that moves the foot.
+        placement: T_joint_sole, from sole to joint coordinates.
+        half_length: along x, m.
+        half_width: along y, m.
+        link: name of the foot link.
+    """
+
+    name: str
+    side: Side
+    frame_id: int
+    joint_id: int
+    placement: pin.SE3
+    half_length: float
+    half_width: float
+    link: str
+
+    @property
+    def corners(self) -> np.ndarray:
+        """(4, 3) corners in the sole frame, counter-clockwise seen from above, m."""
+        x, y = self.half_length, self.half_width
+        return np.array([[x, y, 0.0], [-x, y, 0.0], [-x, -y, 0.0], [x, -y, 0.0]])
+
+
+@dataclass(frozen=True, slots=True)
+class SoleFit:
+    """A rectangle fitted to a foot: T_joint_sole, half sizes (m), and how it was found."""
+
+    placement: pin.SE3
+    half_length: float
+    half_width: float
+    how: str
+
+
+def fit_sole(
+    surface: FootSurface, up: np.ndarray, forward: np.ndarray, axes: np.ndarray
+) -> SoleFit:
+    """The rectangle on which a foot rests.
+
+    The normal is the candidate (each foot axis within 10° of up, up itself,
+    the plane through the lowest points) that lets the foot rest on the largest
+    area: exporters tilt feet and swap their axes, but a sole is where it is flat.
+
+    Args:
+        surface: the foot, in joint coordinates.
+        up: (3,) unit vector against gravity in a posture with the feet about
+            flat, in joint coordinates.
+        forward: (3,) the robot's forward direction, in joint coordinates.
+        axes: (3, n) candidate axes as columns, unit, in joint coordinates.
+    """
+    best: tuple[float, str, np.ndarray] | None = None
+    for how, normal in _normals(surface, up, axes):
+        area = _area(surface, normal, forward)
+        if best is None or area > best[0] * (1.0 + AREA_TIE):
+            best = (area, how, normal)
+    assert best is not None
+    _, how, normal = best
+    x_axis = _heading(forward, normal, axes)
+    y_axis = np.cross(normal, x_axis)
+    points = surface.lowest(normal)
+    height = points @ normal
+    low = points[height < height.min() + SOLE_THICKNESS]
+    hull = convex_hull(np.column_stack([low @ x_axis, low @ y_axis]))
+    x0, x1, y0, y1 = inscribed_rectangle(hull)
+    rotation = np.column_stack([x_axis, y_axis, normal])
+    center = rotation @ np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1), height.min()])
+    return SoleFit(pin.SE3(rotation, center), 0.5 * (x1 - x0), 0.5 * (y1 - y0), how)
+
+
+def _normals(
+    surface: FootSurface, up: np.ndarray, axes: np.ndarray
+) -> list[tuple[str, np.ndarray]]:
+    found = []
+    for axis in np.hstack([axes, -axes]).T:
+        if axis @ up > np.cos(SNAP_ANGLE):
+            found.append(("foot axis", axis))
+    found.append(("nominal posture", up))
+    points = surface.lowest(up)
+    low = points[points @ up < (points @ up).min() + SOLE_THICKNESS]
+    if len(low) >= 3:
+        _, spread, directions = np.linalg.svd(low - low.mean(axis=0), full_matrices=False)
+        normal = directions[2] * np.sign(directions[2] @ up)
+        # A line of points has no plane; a steep one is an edge, not a sole.
+        if spread[1] > 1e-3 and normal @ up > np.cos(SNAP_ANGLE):
+            found.append(("plane of the lowest points", normal))
+    return found
+
+
+def _area(surface: FootSurface, normal: np.ndarray, forward: np.ndarray) -> float:
+    """Area on which the foot rests when `normal` is up, m²: a thin layer, to be strict."""
+    points = surface.lowest(normal)
+    height = points @ normal
+    low = points[height < height.min() + 0.5 * SOLE_THICKNESS]
+    x_axis = forward - (forward @ normal) * normal
+    x_axis /= np.linalg.norm(x_axis)
+    hull = convex_hull(np.column_stack([low @ x_axis, low @ np.cross(normal, x_axis)]))
+    if len(hull) < 3:
+        return 0.0
+    x, y = hull.T
+    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+
+def _heading(forward: np.ndarray, normal: np.ndarray, axes: np.ndarray) -> np.ndarray:
+    """(3,) unit x axis of the sole: the foot axis nearest to forward, or forward itself."""
+
+    def flat(axis: np.ndarray) -> np.ndarray:
+        level = axis - (axis @ normal) * normal
+        return np.asarray(level / np.linalg.norm(level))
+
+    ahead = flat(forward)
+    both = np.hstack([axes, -axes]).T
+    level = [flat(axis) for axis in both if abs(axis @ normal) < 0.5]
+    near = max(level, key=lambda axis: float(axis @ ahead), default=ahead)
+    return near if near @ ahead > np.cos(HEADING_SNAP) else ahead

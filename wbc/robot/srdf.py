@@ -1,0 +1,67 @@
+"""Reference postures from a semantic description (SRDF)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from wbc.errors import RobotDescriptionError, did_you_mean
+from wbc.robot.urdf import read_xml
+
+# Names under which the field stores a posture to stand in, best first.
+STANDING_NAMES = ("half_sitting", "standing", "stand", "half_sit", "default", "home", "initial")
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """A named posture: joint name to position (rad or m), from the file `source`."""
+
+    name: str
+    joints: dict[str, float]
+    source: str
+
+
+def beside(urdf: Path) -> Path | None:
+    """The SRDF that belongs to a URDF by the usual layout of packages, if there is one.
+
+    `<package>/urdf/talos_reduced.urdf` goes with `<package>/srdf/talos.srdf`:
+    the longest SRDF name that begins the URDF's, or else the only SRDF there.
+    """
+    found: list[Path] = []
+    for folder in (urdf.parent, urdf.parent / "srdf", urdf.parent.parent / "srdf"):
+        found += sorted(folder.glob("*.srdf"))
+    fitting = [path for path in found if urdf.stem.startswith(path.stem)]
+    if fitting:
+        return max(fitting, key=lambda path: len(path.stem))
+    return found[0] if len(found) == 1 else None
+
+
+def read_reference(srdf: Path, wanted: str | None = None) -> Reference | None:
+    """The wanted posture of an SRDF, or the one to stand in; None if it has none.
+
+    Raises:
+        RobotDescriptionError: unreadable, malformed, no such posture, or a
+            joint value that is no number.
+    """
+    root, lines = read_xml(srdf)
+    states = {state.get("name", ""): state for state in root.findall("group_state")}
+    if wanted is not None and wanted not in states:
+        raise RobotDescriptionError(
+            f"{srdf}: there is no group_state '{wanted}'{did_you_mean(wanted, states)}"
+        )
+    name = wanted or next((n for n in STANDING_NAMES if n in states), None)
+    if name is None:
+        return None
+    joints = {}
+    for element in states[name].findall("joint"):
+        words = element.get("value", "").split()
+        # The root joint's seven numbers place the robot in a world; standing does that anew.
+        if len(words) == 1:
+            try:
+                joints[element.get("name", "")] = float(words[0])
+            except ValueError as error:
+                raise RobotDescriptionError(
+                    f"{srdf}, line {lines[element]}: joint '{element.get('name')}' "
+                    f"has the value '{words[0]}', which is no number"
+                ) from error
+    return Reference(name, joints, srdf.name)

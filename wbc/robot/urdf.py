@@ -1,0 +1,172 @@
+"""A URDF file as a tree of XML elements that remember their line.
+
+Pinocchio's own reader reports a broken file on the C++ standard error, without
+a line. Reading the XML first gives every complaint a place, and lets the loader
+hand Pinocchio a document that it accepts.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.parsers import expat
+
+from wbc.errors import RobotDescriptionError
+
+
+@dataclass(frozen=True, slots=True)
+class UrdfJoint:
+    """A `<joint>` of the file: its name, type, the two links and its element."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    element: ET.Element
+
+
+@dataclass(eq=False)
+class Urdf:
+    """The parsed file.
+
+    Attributes:
+        path: where it was read.
+        element: the `<robot>` element.
+        links: the first `<link>` element of each name, in file order.
+        joints: the joints, in file order, duplicates included.
+    """
+
+    path: Path
+    element: ET.Element
+    links: dict[str, ET.Element]
+    joints: list[UrdfJoint]
+    _lines: dict[ET.Element, int] = field(repr=False, default_factory=dict)
+
+    def line(self, element: ET.Element) -> int:
+        """Line of the file on which the element opens; 0 if unknown."""
+        return self._lines.get(element, 0)
+
+    def where(self, element: ET.Element) -> str:
+        """`file.urdf:12`, for messages."""
+        return f"{self.path.name}:{self.line(element)}"
+
+    def roots(self) -> list[str]:
+        """Links that are no joint's child, in file order."""
+        children = {joint.child for joint in self.joints}
+        return [name for name in self.links if name not in children]
+
+    def duplicates(self) -> list[tuple[str, str, int]]:
+        """(`link` or `joint`, name, line) of every element whose name was already taken."""
+        found = []
+        for tag in ("link", "joint"):
+            seen: set[str] = set()
+            for element in self.element.findall(tag):
+                name = element.get("name", "")
+                if name in seen:
+                    found.append((tag, name, self.line(element)))
+                seen.add(name)
+        return found
+
+
+def read_xml(path: Path) -> tuple[ET.Element, dict[ET.Element, int]]:
+    """Root element of an XML file and the line of each element.
+
+    Raises:
+        RobotDescriptionError: the file cannot be read or is not well-formed;
+            the text names the line.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise RobotDescriptionError(
+            f"cannot read {path}: {error.strerror or error}; give the path of a readable file"
+        ) from error
+    builder = ET.TreeBuilder()
+    lines: dict[ET.Element, int] = {}
+    parser = expat.ParserCreate()
+    parser.buffer_text = True
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        lines[builder.start(tag, attributes)] = parser.CurrentLineNumber
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = builder.end
+    parser.CharacterDataHandler = builder.data
+    try:
+        parser.Parse(content, True)
+    except (expat.ExpatError, ValueError, LookupError) as error:
+        line = getattr(error, "lineno", parser.CurrentLineNumber)
+        reason = expat.ErrorString(error.code) if isinstance(error, expat.ExpatError) else error
+        raise RobotDescriptionError(
+            f"{path}, line {line}: the XML is malformed ({reason}); "
+            "correct that line (a tag left open, a stray character, a missing quote)"
+        ) from error
+    return builder.close(), lines
+
+
+def read_urdf(path: Path) -> Urdf:
+    """Read a URDF file.
+
+    Raises:
+        RobotDescriptionError: unreadable, malformed, no URDF, a joint or link
+            without a name, or a joint without its two links.
+    """
+    root, lines = read_xml(path)
+    if root.tag != "robot":
+        raise RobotDescriptionError(
+            f"{path}, line {lines[root]}: the root element is <{root.tag}>, a URDF begins "
+            "with <robot>; give the path of a URDF file (convert SDF or MJCF first)"
+        )
+    macro = next((e for e in root.iter() if e.tag.startswith("xacro:")), None)
+    if macro is not None:
+        raise RobotDescriptionError(
+            f"{path}, line {lines[macro]}: <{macro.tag}> is xacro, not URDF; "
+            "expand it first:  xacro robot.urdf.xacro > robot.urdf"
+        )
+    links: dict[str, ET.Element] = {}
+    for element in root.findall("link"):
+        links.setdefault(_named(element, path, lines), element)
+    if not links:
+        raise RobotDescriptionError(f"{path}: the file has no <link>; it describes no robot")
+    joints = [_joint(element, path, lines) for element in root.findall("joint")]
+    return Urdf(path, root, links, joints, lines)
+
+
+def _named(element: ET.Element, path: Path, lines: dict[ET.Element, int]) -> str:
+    name = element.get("name", "").strip()
+    if not name:
+        raise RobotDescriptionError(
+            f"{path}, line {lines[element]}: a <{element.tag}> has no name; give it one"
+        )
+    return name
+
+
+def _joint(element: ET.Element, path: Path, lines: dict[ET.Element, int]) -> UrdfJoint:
+    name = _named(element, path, lines)
+    ends = {}
+    for tag in ("parent", "child"):
+        end = element.find(tag)
+        link = end.get("link", "") if end is not None else ""
+        if not link:
+            raise RobotDescriptionError(
+                f"{path}, line {lines[element]}: joint '{name}' has no <{tag} link=…>; "
+                "a joint needs both links"
+            )
+        ends[tag] = link
+    return UrdfJoint(name, element.get("type", ""), ends["parent"], ends["child"], element)
+
+
+def floats(element: ET.Element | None, attribute: str, default: tuple[float, ...]) -> list[float]:
+    """Numbers of an attribute such as `xyz="0 0 1"`; the default when it is absent.
+
+    Raises:
+        ValueError: the attribute holds something else, or another count of numbers.
+    """
+    text = element.get(attribute) if element is not None else None
+    if text is None:
+        return list(default)
+    values = [float(word) for word in text.split()]
+    if len(values) != len(default):
+        raise ValueError(f'{attribute}="{text}" holds {len(values)} numbers, not {len(default)}')
+    return values
