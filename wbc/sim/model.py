@@ -56,8 +56,9 @@ def build_model(
     """Compile a `mujoco.MjModel` with the robot's dynamics, soles, motors and stops.
 
     Bodies and joints carry the Pinocchio joints' names, motors too; the sole boxes are
-    geoms of the soles' names, at sites of the same name; the site "imu" is the IMU. Ground is the geom "floor" and, with a terrain, the geoms
-    of the mocap body "terrain". A motor's gear is 1 and its range the effort limit.
+    geoms of the soles' names, at sites of the same name; the site "imu" is the IMU.
+    Ground is the geom "floor" and, with a terrain, the geoms of the mocap body "terrain".
+    A motor's gear is 1 and its range the effort limit.
 
     Args:
         robot: with a free-flyer root and joints of one degree of freedom.
@@ -119,7 +120,7 @@ def build_model(
 def _set_options(mujoco: Any, option: Any) -> None:
     option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
-    option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     # Without this MuJoCo answers a divergence by silently starting over.
     option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)

@@ -70,4 +70,6 @@ class Tiles:
         depth = 0.2
         centre = 0.5 * (top - depth)
         sides = np.full(x.size, half)
-        return np.column_stack([x, y, centre, sides, sides, 0.5 * (top + depth)])[far]
+        boxes = np.column_stack([x, y, centre, sides, sides, 0.5 * (top + depth)])
+        kept: np.ndarray = boxes[far]
+        return kept
