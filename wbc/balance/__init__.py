@@ -1,0 +1,7 @@
+"""Balance: DCM feedback, support polygons, fall detection."""
+
+from wbc.balance.dcm_feedback import feedback_zmp
+from wbc.balance.fall import fall_reason
+from wbc.balance.support import clamp_to_polygon, convex_hull, corners
+
+__all__ = ["clamp_to_polygon", "convex_hull", "corners", "fall_reason", "feedback_zmp"]

@@ -1,0 +1,20 @@
+"""DCM feedback: which ZMP brings the divergent component back to its plan."""
+
+from __future__ import annotations
+
+from wbc.gait.dcm_plan import DcmReference
+
+
+def feedback_zmp(dcm: complex, reference: DcmReference, omega: float, gain: float) -> complex:
+    """The ZMP for which the DCM error decays as e^(−k t), a ground point in m.
+
+    From ξ̇ = ω (ξ − p) and the wish ξ̇ = ξ̇_ref − k (ξ − ξ_ref):
+    `p = ξ − ξ̇_ref / ω + (k / ω) (ξ − ξ_ref)` (Englsberger et al., T-RO 2015).
+
+    Args:
+        dcm: measured ξ, ground point, m.
+        reference: where the plan wants it.
+        omega: natural frequency, 1/s.
+        gain: k, 1/s.
+    """
+    return dcm - reference.dcm_velocity / omega + (gain / omega) * (dcm - reference.dcm)

@@ -1,0 +1,59 @@
+"""Divergent-component-of-motion plan over piecewise-linear ZMP, solved backward.
+
+With the linear inverted pendulum c̈ = ω² (c − p) and ξ = c + ċ/ω, ξ̇ = ω (ξ − p). While
+the ZMP p moves linearly for a time T from p₀ to p₁ with speed ṗ,
+
+    ξ(0) = p₀ + ṗ/ω + (ξ(T) − p₁ − ṗ/ω) e^(−ωT),
+
+so the DCM of today follows from the place where it is to end: stable, and cheap enough
+to be redone every tick (Englsberger, Ott and Albu-Schäffer, Three-dimensional bipedal
+walking control based on divergent component of motion, T-RO 2015).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class ZmpSegment:
+    """The ZMP moves at constant speed from `start` to `end` (ground points) in `duration` s."""
+
+    start: complex
+    end: complex
+    duration: float
+
+
+@dataclass(frozen=True, slots=True)
+class DcmReference:
+    """Where DCM and ZMP should be now.
+
+    Attributes:
+        dcm: ξ_ref, ground point, m.
+        dcm_velocity: ξ̇_ref, m/s.
+        zmp: p_ref, ground point, m.
+    """
+
+    dcm: complex
+    dcm_velocity: complex
+    zmp: complex
+
+
+def dcm_now(segments: Sequence[ZmpSegment], omega: float) -> DcmReference:
+    """The DCM that, from now, ends on the last segment's end without diverging.
+
+    Args:
+        segments: from now on, the first one already cut to what remains of it.
+        omega: 1/s.
+    """
+    dcm = segments[-1].end
+    for segment in reversed(segments):
+        T = segment.duration
+        if T <= 0.0:
+            continue
+        lead = (segment.end - segment.start) / (T * omega)
+        dcm = segment.start + lead + (dcm - segment.end - lead) * math.exp(-omega * T)
+    zmp = segments[0].start
+    return DcmReference(dcm, omega * (dcm - zmp), zmp)

@@ -1,0 +1,98 @@
+"""Where the next foot goes: from a velocity command or from a given list."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from wbc.errors import GaitError
+from wbc.gait.parameters import GaitParameters
+from wbc.gait.planar import Placement, turn, wrap
+
+SIDES = ("left", "right")
+
+
+def other(side: str) -> str:
+    """The other side."""
+    return "right" if side == "left" else "left"
+
+
+def lateral_sign(side: str) -> float:
+    """+1 for the left foot, −1 for the right: the sign of its y in the body."""
+    return 1.0 if side == "left" else -1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Velocity:
+    """Walking velocity in the heading frame: forward, left (m/s), turn left (rad/s)."""
+
+    forward: float = 0.0
+    left: float = 0.0
+    turn: float = 0.0
+
+    @property
+    def still(self) -> bool:
+        """No motion asked for."""
+        return self.forward == 0.0 and self.left == 0.0 and self.turn == 0.0
+
+    def clamped(self, gait: GaitParameters) -> Velocity:
+        """The nearest velocity within the gait's limits.
+
+        Raises:
+            GaitError: an entry is not finite.
+        """
+        limits = gait.max_velocity
+        wanted = (self.forward, self.left, self.turn)
+        if not all(abs(w) < float("inf") for w in wanted):
+            raise GaitError(f"velocity {wanted} must be finite: (forward m/s, left m/s, turn rad/s)")
+        return Velocity(*(max(-m, min(m, w)) for w, m in zip(wanted, limits, strict=True)))
+
+
+def next_placement(
+    stance: Placement, swing_side: str, velocity: Velocity, gait: GaitParameters
+) -> Placement:
+    """Landing place of the swing foot for one step at a velocity.
+
+    The point midway between the feet moves on by the velocity; sideways and turning,
+    only the foot on that side makes way (twice as much) and the other one closes, so
+    that the feet never cross.
+    """
+    sign = lateral_sign(swing_side)
+    T = gait.step_duration
+    leads = sign * velocity.left > 0.0
+    side = 2.0 * velocity.left * T if leads else 0.0
+    leads = sign * velocity.turn > 0.0
+    yaw = 2.0 * velocity.turn * T if leads else 0.0
+    middle = complex(0.0, sign * 0.5 * gait.step_width)
+    turned = turn(yaw)
+    # Forward motion along the mean heading of the step.
+    forward = velocity.forward * T * turn(0.5 * yaw)
+    local = middle + forward + (middle + complex(0.0, side)) * turned
+    return Placement(stance.to_world(local), wrap(stance.yaw + yaw), stance.height)
+
+
+def clamp_to_reach(
+    stance: Placement, swing_side: str, wanted: Placement, gait: GaitParameters
+) -> Placement:
+    """The nearest landing place that the leg reaches and that keeps the feet apart."""
+    sign = lateral_sign(swing_side)
+    local = stance.to_local(wanted.point)
+    forward = max(-gait.max_step, min(gait.max_step, local.real))
+    width = max(
+        gait.least_width, min(gait.step_width + gait.max_side_step, sign * local.imag)
+    )
+    yaw = max(-gait.max_turn, min(gait.max_turn, wrap(wanted.yaw - stance.yaw)))
+    return replace(
+        wanted,
+        point=stance.to_world(complex(forward, sign * width)),
+        yaw=wrap(stance.yaw + yaw),
+    )
+
+
+def are_square(left: Placement, right: Placement, gait: GaitParameters) -> bool:
+    """The feet stand side by side, as after a completed stop."""
+    local = left.to_local(right.point)
+    return (
+        abs(local.real) < 0.02
+        and abs(-local.imag - gait.step_width) < 0.03
+        and abs(wrap(right.yaw - left.yaw)) < 0.05
+    )

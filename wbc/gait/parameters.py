@@ -1,0 +1,103 @@
+"""Everything about the gait that one may want to change, in one place."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from wbc.errors import GaitError
+from wbc.kinematics import Kinematics
+from wbc.robot import Robot
+
+GRAVITY = 9.81
+
+
+@dataclass(frozen=True, slots=True)
+class GaitParameters:
+    """Timing, geometry and feedback of the gait. SI units.
+
+    Attributes:
+        single_support: duration of a swing, s.
+        double_support: duration of the weight transfer between steps, s.
+        first_transfer: duration of the weight transfer out of standing, s.
+        swing_height: apex of the swing sole above the higher of its ends, m.
+        touchdown_speed: downward speed at and after the planned touchdown, m/s.
+        step_width: lateral distance of the soles' centres, m.
+        least_width: the same, the smallest that is safe for the feet, m.
+        max_step: longest forward step, m.
+        max_side_step: widest change of the lateral distance, m.
+        max_turn: largest heading change of a step, rad.
+        com_height: of the CoM above the soles while walking, m.
+        dcm_gain: k of the DCM feedback, 1/s.
+        contact_share: share of the weight on a sole that counts as touchdown.
+    """
+
+    single_support: float
+    double_support: float
+    first_transfer: float
+    swing_height: float
+    touchdown_speed: float
+    step_width: float
+    least_width: float
+    max_step: float
+    max_side_step: float
+    max_turn: float
+    com_height: float
+    dcm_gain: float = 4.0
+    contact_share: float = 0.05
+
+    def __post_init__(self) -> None:
+        for field in self.__dataclass_fields__:
+            value = getattr(self, field)
+            if not (math.isfinite(value) and value > 0.0):
+                raise GaitError(f"gait parameter {field} = {value} must be a positive number")
+        if self.least_width > self.step_width:
+            raise GaitError(
+                f"least_width {self.least_width} exceeds step_width {self.step_width}"
+            )
+
+    @property
+    def omega(self) -> float:
+        """Natural frequency √(g / com_height), 1/s."""
+        return math.sqrt(GRAVITY / self.com_height)
+
+    @property
+    def step_duration(self) -> float:
+        """Single plus double support, s."""
+        return self.single_support + self.double_support
+
+    @property
+    def max_velocity(self) -> tuple[float, float, float]:
+        """Largest |forward|, |sideways| (m/s) and |turn| (rad/s) the steps allow."""
+        T = self.step_duration
+        # Sideways and turning, only every other step makes way.
+        return (self.max_step / T, self.max_side_step / (2.0 * T), self.max_turn / (2.0 * T))
+
+    @classmethod
+    def of(cls, robot: Robot) -> GaitParameters:
+        """Parameters scaled to a robot by its leg length and natural frequency.
+
+        Durations scale with √(height / g), lengths with the leg (dynamic similarity,
+        Alexander, Principles of Animal Locomotion, 2003).
+        """
+        left, right = robot.soles
+        kin = Kinematics(robot, robot.standing())
+        T_left_right = kin.frame(left.name).inverse() * kin.frame(right.name)
+        width = float(abs(T_left_right.translation[1]))
+        foot_width = left.half_width + right.half_width
+        height = 0.97 * robot.com_height
+        natural = math.sqrt(height / GRAVITY)
+        leg = robot.leg_length
+        return cls(
+            single_support=2.0 * natural,
+            double_support=0.6 * natural,
+            first_transfer=2.0 * natural,
+            swing_height=0.07 * leg,
+            touchdown_speed=0.05,
+            step_width=width,
+            least_width=min(width, max(foot_width + 0.02, 0.75 * width)),
+            max_step=0.55 * leg,
+            max_side_step=0.25 * leg,
+            max_turn=0.5,
+            com_height=height,
+        )

@@ -1,0 +1,251 @@
+"""The gait's phases: who stands, who swings, since when, and what comes next."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from wbc.gait.dcm_plan import ZmpSegment
+from wbc.gait.footsteps import (
+    Velocity,
+    are_square,
+    clamp_to_reach,
+    lateral_sign,
+    next_placement,
+    other,
+)
+from wbc.gait.parameters import GaitParameters
+from wbc.gait.planar import Placement, wrap
+from wbc.gait.swing import SwingFoot
+
+PREVIEW_STEPS = 3  # the influence of later steps on today's DCM is below e^(-3ωT) < 0.1 %
+_EARLY_CONTACT_AFTER = 0.6  # share of the swing before which contact is taken for lift-off noise
+
+
+class Phase(Enum):
+    """Which part of the gait cycle."""
+
+    STAND = "stand"  #: both feet, at rest
+    TRANSFER = "double"  #: both feet, the weight moves to the support foot
+    SWING = "single"  #: the support foot alone
+
+
+@dataclass(slots=True)
+class Feet:
+    """Where both soles are, as measured."""
+
+    left: Placement
+    right: Placement
+
+    def of(self, side: str) -> Placement:
+        """The sole of a side."""
+        return self.left if side == "left" else self.right
+
+    @property
+    def middle(self) -> complex:
+        """Ground point midway between the soles."""
+        return 0.5 * (self.left.point + self.right.point)
+
+
+class Schedule:
+    """State machine of the gait.
+
+    stand → transfer → swing → transfer → swing → … → transfer → stand. Time drives it,
+    except that a swing ends with contact: early when the foot meets the ground before
+    its time, late when it keeps descending until it does.
+
+    Attributes:
+        phase: now.
+        support: the foot that carries, or that the weight moves to.
+        time: since the phase began, s.
+        swing: the swing foot's reference during SWING.
+        steps: touchdowns so far.
+        velocity: what the current step was planned with.
+        queue: footsteps given as a list, the next first; they go before the velocity.
+    """
+
+    def __init__(self, gait: GaitParameters, feet: Feet) -> None:
+        self.gait = gait
+        self.phase = Phase.STAND
+        self.support = "left"
+        self.time = 0.0
+        self.duration = 0.0
+        self.swing: SwingFoot | None = None
+        self.steps = 0
+        self.velocity = Velocity()
+        self.queue: list[tuple[str, Placement]] = []
+        self._feet = feet
+        self.stopping = False
+        self._from_middle = True
+        self._target_local: tuple[complex, float, float] = (0j, 0.0, 0.0)
+
+    @property
+    def swing_side(self) -> str:
+        """The foot that does not carry."""
+        return other(self.support)
+
+    @property
+    def progress(self) -> float:
+        """Share of the phase that is over, 0 to 1."""
+        return min(self.time / self.duration, 1.0) if self.duration > 0.0 else 1.0
+
+    @property
+    def remaining(self) -> float:
+        """Time to the planned end of the phase, s; 0 when overdue."""
+        return max(self.duration - self.time, 0.0)
+
+    @property
+    def target(self) -> Placement:
+        """Landing place of the present swing: fixed in the support sole's axes."""
+        stance = self._feet.of(self.support)
+        local, yaw, height = self._target_local
+        return Placement(stance.to_world(local), wrap(stance.yaw + yaw), stance.height + height)
+
+    def retarget(self, target: Placement) -> None:
+        """Move the landing place of the present swing."""
+        stance = self._feet.of(self.support)
+        target = clamp_to_reach(stance, self.swing_side, target, self.gait)
+        self._target_local = (
+            stance.to_local(target.point),
+            wrap(target.yaw - stance.yaw),
+            target.height - stance.height,
+        )
+
+    def update(
+        self, dt: float, feet: Feet, velocity: Velocity, loads: dict[str, float] | None
+    ) -> None:
+        """Move on by dt.
+
+        Args:
+            dt: s.
+            feet: soles as measured.
+            velocity: what is wanted now.
+            loads: share of the weight on each side; None when not measured.
+        """
+        self._feet = feet
+        self.time += dt
+        if self.phase is Phase.STAND:
+            if self.queue or not velocity.still:
+                self.velocity = velocity
+                self._begin_walking()
+        elif self.phase is Phase.TRANSFER:
+            if self.time >= self.duration:
+                if self.stopping:
+                    self._enter(Phase.STAND, 0.0)
+                else:
+                    self._begin_swing()
+        elif self.swing is not None:
+            if self._has_landed(loads):
+                self._touch_down(velocity)
+            else:
+                self.swing.advance(dt, self.target)
+
+    def _enter(self, phase: Phase, duration: float) -> None:
+        self.phase, self.time, self.duration = phase, 0.0, duration
+
+    def _begin_walking(self) -> None:
+        side = self.queue[0][0] if self.queue else self._first_swing()
+        self.support = other(side)
+        self._from_middle = True
+        self.stopping = False
+        self._enter(Phase.TRANSFER, self.gait.first_transfer)
+
+    def _first_swing(self) -> str:
+        way = self.velocity.left or self.velocity.turn
+        for side in ("left", "right"):
+            if lateral_sign(side) * way > 0.0:
+                return side
+        # Forward: the foot that is behind, in the direction of travel.
+        ahead = self._feet.left.to_local(self._feet.right.point).real * self.velocity.forward
+        return "left" if ahead > 0.01 else "right"
+
+    def _begin_swing(self) -> None:
+        self.retarget(self._next(self._feet.of(self.support), self.swing_side, 0))
+        if self.queue:
+            self.queue.pop(0)
+        start = self._feet.of(self.swing_side)
+        gait = self.gait
+        self._enter(Phase.SWING, gait.single_support)
+        self.swing = SwingFoot(
+            start, self.target, gait.single_support, gait.swing_height, gait.touchdown_speed
+        )
+
+    def _has_landed(self, loads: dict[str, float] | None) -> bool:
+        if loads is None:
+            return self.time >= self.duration
+        touching = loads[self.swing_side] > self.gait.contact_share
+        return touching and self.progress >= _EARLY_CONTACT_AFTER
+
+    def _touch_down(self, velocity: Velocity) -> None:
+        self.steps += 1
+        self.swing = None
+        square = are_square(self._feet.left, self._feet.right, self.gait)
+        ended = not self.queue and velocity.still
+        self.stopping = ended and (square or self.velocity.still)
+        self.velocity = velocity
+        if self.stopping:
+            self._enter(Phase.TRANSFER, self.gait.first_transfer)
+        else:
+            self.support = self.swing_side
+            self._from_middle = False
+            self._enter(Phase.TRANSFER, self.gait.double_support)
+
+    def _next(self, stance: Placement, side: str, ahead: int) -> Placement:
+        if ahead < len(self.queue):
+            return self.queue[ahead][1]
+        return next_placement(stance, side, self.velocity, self.gait)
+
+    def preview(self) -> list[tuple[str, Placement]]:
+        """The next footsteps, the present swing's landing place first."""
+        if self.phase is Phase.STAND or self.stopping:
+            return []
+        steps: list[tuple[str, Placement]] = []
+        side, stance, queued = self.swing_side, self._feet.of(self.support), 0
+        if self.phase is Phase.SWING:
+            steps.append((side, self.target))
+            side, stance = other(side), self.target
+        while len(steps) < PREVIEW_STEPS:
+            done = queued >= len(self.queue) and self.velocity.still
+            # A stop needs one more step only when the feet are not side by side yet.
+            if done and steps and self._closed(steps, side, stance):
+                break
+            placement = self._next(stance, side, queued)
+            placement = clamp_to_reach(stance, side, placement, self.gait)
+            steps.append((side, placement))
+            side, stance, queued = other(side), placement, queued + 1
+        return steps
+
+    def _closed(self, steps: list[tuple[str, Placement]], side: str, last: Placement) -> bool:
+        standing = steps[-2][1] if len(steps) > 1 else self._feet.of(self.support)
+        left, right = (standing, last) if side == "left" else (last, standing)
+        return are_square(left, right, self.gait)
+
+    def zmp_segments(self) -> list[ZmpSegment]:
+        """The ZMP from now on, ending at rest midway between the last two feet."""
+        feet, gait = self._feet, self.gait
+        middle = feet.middle
+        if self.phase is Phase.STAND:
+            return [ZmpSegment(middle, middle, 1.0)]
+        support = feet.of(self.support).point
+        if self.phase is Phase.TRANSFER and self.stopping:
+            now = support + (middle - support) * self.progress
+            return [ZmpSegment(now, middle, self.remaining), ZmpSegment(middle, middle, 1.0)]
+        segments: list[ZmpSegment] = []
+        steps = self.preview()
+        if self.phase is Phase.TRANSFER:
+            origin = middle if self._from_middle else feet.of(self.swing_side).point
+            now = origin + (support - origin) * self.progress
+            segments.append(ZmpSegment(now, support, self.remaining))
+            segments.append(ZmpSegment(support, support, gait.single_support))
+        else:
+            segments.append(ZmpSegment(support, support, self.remaining))
+        at = support
+        for k, (_, step) in enumerate(steps):
+            if k + 1 == len(steps):
+                end = 0.5 * (at + step.point)
+                segments.append(ZmpSegment(at, end, gait.first_transfer))
+                break
+            segments.append(ZmpSegment(at, step.point, gait.double_support))
+            segments.append(ZmpSegment(step.point, step.point, gait.single_support))
+            at = step.point
+        return segments

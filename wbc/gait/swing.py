@@ -1,0 +1,130 @@
+"""The swing foot's way: re-targetable quintics, ended by contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from wbc.gait.planar import Placement, wrap
+
+
+@dataclass(slots=True)
+class _Axis:
+    """A scalar or planar coordinate with its first two derivatives."""
+
+    x: complex
+    v: complex = 0.0
+    a: complex = 0.0
+
+    def advance(self, target: complex, speed: complex, remaining: float, dt: float) -> None:
+        """One step of dt along the quintic that is at `target` with `speed`, a = 0, in `remaining`."""
+        if remaining <= dt:
+            self.x, self.v, self.a = target, speed, 0.0
+            return
+        T, s = remaining, dt / remaining
+        # Normalised time: boundary conditions (x, v T, a T²) now and (target, speed T, 0) then.
+        v0, a0, v1 = self.v * T, self.a * T * T, speed * T
+        d = target - self.x
+        c2 = 0.5 * a0
+        c3 = 10.0 * d - 6.0 * v0 - 4.0 * v1 - 1.5 * a0
+        c4 = -15.0 * d + 8.0 * v0 + 7.0 * v1 + 1.5 * a0
+        c5 = 6.0 * d - 3.0 * (v0 + v1) - 0.5 * a0
+        self.x += s * (v0 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
+        self.v = (v0 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / T
+        self.a = (2.0 * c2 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / (T * T)
+
+
+class SwingFoot:
+    """Reference of the swing sole's centre from lift-off to touchdown.
+
+    Horizontal position and heading are quintics whose end may be moved at any time; the
+    height rises to an apex half-way and comes down at a small speed, which it keeps
+    after the planned time until something is touched.
+
+    Args:
+        start: where the sole leaves the ground.
+        target: where it should land.
+        duration: of the whole swing, s.
+        height: of the apex above the higher end, m.
+        touchdown_speed: downward, m/s.
+    """
+
+    def __init__(
+        self,
+        start: Placement,
+        target: Placement,
+        duration: float,
+        height: float,
+        touchdown_speed: float,
+    ) -> None:
+        self.start = start
+        self.target = target
+        self.duration = duration
+        self.time = 0.0
+        self._touchdown_speed = touchdown_speed
+        self._apex = max(start.height, target.height) + height
+        self._plane = _Axis(start.point)
+        self._yaw = _Axis(start.yaw)
+        self._height = _Axis(start.height)
+
+    def advance(self, dt: float, target: Placement) -> None:
+        """Move on by dt towards `target`."""
+        self.target = target
+        self.time += dt
+        remaining = self.duration - (self.time - dt)
+        yaw = float(self._yaw.x.real)
+        goal = yaw + wrap(target.yaw - yaw)
+        self._plane.advance(target.point, 0.0, remaining, dt)
+        self._yaw.advance(goal, 0.0, remaining, dt)
+        half = 0.5 * self.duration
+        if remaining > half:
+            self._height.advance(self._apex, 0.0, remaining - half, dt)
+        elif remaining > 0.0:
+            self._height.advance(target.height, -self._touchdown_speed, remaining, dt)
+        else:
+            self._height.x -= self._touchdown_speed * dt
+            self._height.v, self._height.a = -self._touchdown_speed, 0.0
+
+    @property
+    def position(self) -> tuple[float, float, float]:
+        """World position of the sole's centre, m."""
+        return (self._plane.x.real, self._plane.x.imag, self._height.x.real)
+
+    @property
+    def velocity(self) -> tuple[float, float, float]:
+        """m/s."""
+        return (self._plane.v.real, self._plane.v.imag, self._height.v.real)
+
+    @property
+    def acceleration(self) -> tuple[float, float, float]:
+        """m/s²."""
+        return (self._plane.a.real, self._plane.a.imag, self._height.a.real)
+
+    @property
+    def yaw(self) -> float:
+        """Heading, rad."""
+        return self._yaw.x.real
+
+    @property
+    def yaw_rate(self) -> float:
+        """rad/s."""
+        return self._yaw.v.real
+
+    @property
+    def yaw_acceleration(self) -> float:
+        """rad/s²."""
+        return self._yaw.a.real
+
+    def path(self, points: int = 12) -> list[tuple[float, float, float]]:
+        """The way still to go, for display: positions from now to touchdown."""
+        ghost = SwingFoot(self.start, self.target, self.duration, 0.0, self._touchdown_speed)
+        ghost.time, ghost._apex = self.time, self._apex
+        for name in ("_plane", "_yaw", "_height"):
+            axis: _Axis = getattr(self, name)
+            setattr(ghost, name, _Axis(axis.x, axis.v, axis.a))
+        dt = max(self.duration - self.time, 0.0) / points
+        way = [ghost.position]
+        if dt > 0.0:
+            for _ in range(points):
+                ghost.advance(dt, self.target)
+                way.append(ghost.position)
+        return way

@@ -1,0 +1,29 @@
+"""Joint acceleration limit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wbc.kinematics import Kinematics
+from wbc.limits.limit import AccelerationBound, per_joint
+from wbc.robot import Robot
+
+
+class JointAccelerationLimit(AccelerationBound):
+    """`−a_max ≤ q̈ ≤ a_max`.
+
+    Args:
+        robot: the robot.
+        maximum: rad/s², a number or (na,).
+
+    Raises:
+        LimitError: wrong shape or an entry that is not positive.
+    """
+
+    name = "joint acceleration limit"
+
+    def __init__(self, robot: Robot, maximum: float | np.ndarray = 500.0) -> None:
+        self.maximum = per_joint(self.name, "maximum", maximum, robot)
+
+    def bounds(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
+        return -self.maximum, self.maximum

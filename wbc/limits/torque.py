@@ -1,0 +1,30 @@
+"""Joint torque limit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wbc.limits.limit import per_joint
+from wbc.robot import Robot
+
+
+class TorqueLimit:
+    """`−τ_max ≤ M_a v̇ + h_a − J_aᵀ f ≤ τ_max`.
+
+    Args:
+        robot: the robot.
+        maximum: N·m, a number or (na,); the robot's own limits when left out.
+        scale: factor on `maximum`.
+
+    Raises:
+        LimitError: wrong shape or an entry that is not positive.
+    """
+
+    name = "torque limit"
+    unit = "N·m"
+
+    def __init__(
+        self, robot: Robot, maximum: float | np.ndarray | None = None, *, scale: float = 1.0
+    ) -> None:
+        limit = robot.tau_max if maximum is None else maximum
+        self.maximum = per_joint(self.name, "maximum", limit, robot) * scale

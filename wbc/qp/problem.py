@@ -1,0 +1,73 @@
+"""The quadratic program in the form that every solver adapter gets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from wbc.rows import RowBlock
+
+
+@dataclass(slots=True)
+class Problem:
+    """`min ½ xᵀ H x + gᵀ x` subject to `lb ≤ [x[:bounded]; C x] ≤ ub`.
+
+    The first `bounded` entries of `lb` and `ub` are simple bounds on the first
+    variables, the others belong to the rows of C. An equality has `lb == ub`.
+    Infinite entries mean no bound.
+
+    Attributes:
+        H: (n, n) symmetric positive definite.
+        g: (n,).
+        C: (m, n).
+        lb: (bounded + m,).
+        ub: (bounded + m,).
+        bounded: number of simple bounds.
+        equality: (bounded + m,) True where the row is an equality.
+        blocks: names of the rows of `lb` and `ub`.
+    """
+
+    H: np.ndarray
+    g: np.ndarray
+    C: np.ndarray
+    lb: np.ndarray
+    ub: np.ndarray
+    bounded: int
+    equality: np.ndarray
+    blocks: tuple[RowBlock, ...]
+
+    def values(self, x: np.ndarray) -> np.ndarray:
+        """(bounded + m,) what the bounds are compared with at x."""
+        return np.concatenate((x[: self.bounded], self.C @ x))
+
+    def violation(self, x: np.ndarray) -> np.ndarray:
+        """(bounded + m,) by how much each row is violated at x, 0 where it is not."""
+        y = self.values(x)
+        return np.maximum(np.maximum(self.lb - y, y - self.ub), 0.0)
+
+
+class Outcome(Enum):
+    """How a solver ended."""
+
+    SOLVED = "solved"
+    INFEASIBLE = "infeasible"
+    FAILED = "failed"
+
+
+@dataclass(slots=True)
+class Solution:
+    """What a solver returns; `x` is meaningful only when solved.
+
+    Attributes:
+        x: (n,).
+        outcome: solved, infeasible or failed.
+        iterations: as the solver counts them; 0 when it doesn't say.
+        detail: the solver's own word on a failure.
+    """
+
+    x: np.ndarray
+    outcome: Outcome
+    iterations: int = 0
+    detail: str = ""

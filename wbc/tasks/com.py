@@ -1,0 +1,53 @@
+"""Centre-of-mass task."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wbc.kinematics import Kinematics
+from wbc.robot import Robot
+from wbc.tasks.task import Task
+
+
+class ComTask(Task):
+    """Track a centre-of-mass trajectory.
+
+    `J_com v̇ = c̈_ref + kd (ċ_ref − ċ) + kp (c_ref − c) − J̇_com v`, world axes.
+
+    Attributes:
+        target: (3,) m; None until set: then the position where the task is
+            first evaluated is held.
+        velocity: (3,) reference velocity, m/s.
+        acceleration: (3,) feed-forward, m/s².
+    """
+
+    unit = "m/s²"
+
+    def __init__(
+        self,
+        target: np.ndarray | tuple[float, float, float] | None = None,
+        *,
+        weight: float | np.ndarray = 100.0,
+        kp: float | np.ndarray = 30.0,
+        kd: float | np.ndarray | None = None,
+        priority: int = 1,
+        name: str = "com",
+    ) -> None:
+        super().__init__(name, 3, weight, kp, kd, priority)
+        self.labels = ("x", "y", "z")
+        self.target = None if target is None else self._vector("target", target, 3)
+        self.velocity = np.zeros(3)
+        self.acceleration = np.zeros(3)
+
+    def bind(self, robot: Robot) -> None:
+        if self.target is not None:
+            self.target = self._vector("target", self.target, 3)
+
+    def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
+        if self.target is None:
+            self.target = kin.p_com.copy()
+        A[:] = kin.J_com
+        b[:] = self.acceleration
+        b += self.kd * (self.velocity - kin.v_com)
+        b += self.kp * (self.target - kin.p_com)
+        b -= kin.bias_com

@@ -1,0 +1,163 @@
+"""Frame tasks: pose, position or orientation of a frame of the robot."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.errors import TaskError
+from wbc.kinematics import FrameKinematics, Kinematics
+from wbc.robot import Robot
+from wbc.tasks.task import Task
+
+
+class _FrameTask(Task):
+    """What the three frame tasks share: the frame and its row selection."""
+
+    rows: slice
+
+    def __init__(
+        self,
+        frame: str,
+        size: int,
+        weight: float | np.ndarray,
+        kp: float | np.ndarray,
+        kd: float | np.ndarray | None,
+        priority: int,
+        name: str,
+    ) -> None:
+        super().__init__(name, size, weight, kp, kd, priority)
+        self.frame = frame
+        self.velocity = np.zeros(size)
+        self.acceleration = np.zeros(size)
+        self._frame_id = -1
+
+    def bind(self, robot: Robot) -> None:
+        self._frame_id = robot.frame_id(self.frame)
+
+    @abstractmethod
+    def _error(self, at: FrameKinematics) -> np.ndarray:
+        """(m,) `x_ref ⊖ x` in world axes; takes the present pose when there is no target."""
+
+    def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
+        at = kin.motion(self._frame_id)
+        rows = self.rows
+        A[:] = at.jacobian[rows]
+        b[:] = self.acceleration
+        b += self.kd * (self.velocity - at.velocity[rows])
+        b += self.kp * self._error(at)
+        b -= at.bias[rows]
+
+
+class FrameTask(_FrameTask):
+    """Track the pose of a frame.
+
+    `J v̇ = a_ref + kd (v_ref − v) + kp e − J̇ v` with
+    `e = [p_ref − p, log(R_ref Rᵀ)]`, the frame's origin in world axes.
+
+    Attributes:
+        frame: name of the frame.
+        target: `T_world_frame` wanted; None: held where first evaluated.
+        velocity: (6,) reference velocity, m/s and rad/s, world axes.
+        acceleration: (6,) feed-forward, m/s² and rad/s².
+    """
+
+    unit = "m/s², rad/s²"
+    rows = slice(0, 6)
+
+    def __init__(
+        self,
+        frame: str,
+        target: pin.SE3 | None = None,
+        *,
+        weight: float | np.ndarray = 100.0,
+        kp: float | np.ndarray = 100.0,
+        kd: float | np.ndarray | None = None,
+        priority: int = 1,
+        name: str = "",
+    ) -> None:
+        super().__init__(frame, 6, weight, kp, kd, priority, name or f"{frame} pose")
+        self.labels = ("x", "y", "z", "roll", "pitch", "yaw")
+        if target is not None and not isinstance(target, pin.SE3):
+            raise TaskError(f"task '{self.name}': target is a {type(target).__name__}, not a pin.SE3")
+        self.target = target
+
+    def _error(self, at: FrameKinematics) -> np.ndarray:
+        if self.target is None:
+            self.target = at.placement.copy()
+        e = np.empty(6)
+        e[:3] = self.target.translation - at.position
+        e[3:] = pin.log3(self.target.rotation @ at.rotation.T)
+        return e
+
+
+class PositionTask(_FrameTask):
+    """Track the position of a frame's origin: the linear rows of `FrameTask`.
+
+    Attributes:
+        target: (3,) m, world; None: held where first evaluated.
+        velocity: (3,) m/s.
+        acceleration: (3,) m/s².
+    """
+
+    unit = "m/s²"
+    rows = slice(0, 3)
+
+    def __init__(
+        self,
+        frame: str,
+        target: np.ndarray | tuple[float, float, float] | None = None,
+        *,
+        weight: float | np.ndarray = 100.0,
+        kp: float | np.ndarray = 100.0,
+        kd: float | np.ndarray | None = None,
+        priority: int = 1,
+        name: str = "",
+    ) -> None:
+        super().__init__(frame, 3, weight, kp, kd, priority, name or f"{frame} position")
+        self.labels = ("x", "y", "z")
+        self.target = None if target is None else self._vector("target", target, 3)
+
+    def _error(self, at: FrameKinematics) -> np.ndarray:
+        if self.target is None:
+            self.target = at.position.copy()
+        return self.target - at.position
+
+
+class OrientationTask(_FrameTask):
+    """Track the orientation of a frame: the angular rows of `FrameTask`.
+
+    Attributes:
+        target: (3, 3) rotation matrix `R_world_frame`; None: held where first evaluated.
+        velocity: (3,) rad/s, world axes.
+        acceleration: (3,) rad/s².
+    """
+
+    unit = "rad/s²"
+    rows = slice(3, 6)
+
+    def __init__(
+        self,
+        frame: str,
+        target: np.ndarray | None = None,
+        *,
+        weight: float | np.ndarray = 20.0,
+        kp: float | np.ndarray = 100.0,
+        kd: float | np.ndarray | None = None,
+        priority: int = 1,
+        name: str = "",
+    ) -> None:
+        super().__init__(frame, 3, weight, kp, kd, priority, name or f"{frame} orientation")
+        self.labels = ("roll", "pitch", "yaw")
+        if target is not None:
+            target = np.array(target, dtype=float)
+            if target.shape != (3, 3) or abs(target @ target.T - np.eye(3)).max() > 1e-6:
+                raise TaskError(f"task '{self.name}': target is not a (3, 3) rotation matrix")
+        self.target = target
+
+    def _error(self, at: FrameKinematics) -> np.ndarray:
+        if self.target is None:
+            self.target = at.rotation.copy()
+        return np.asarray(pin.log3(self.target @ at.rotation.T))

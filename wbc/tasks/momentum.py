@@ -1,0 +1,39 @@
+"""Centroidal angular momentum task."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wbc.kinematics import Kinematics
+from wbc.tasks.task import Task
+
+
+class AngularMomentumTask(Task):
+    """Regulate the angular momentum about the centre of mass.
+
+    `J_L v̇ = L̇_ref + kp (L_ref − L) − J̇_L v`, world axes (Orin, Goswami and Lee,
+    Centroidal dynamics of a humanoid robot, Autonomous Robots, 2013).
+
+    Attributes:
+        target: (3,) kg·m²/s.
+        rate: (3,) feed-forward L̇_ref, N·m.
+    """
+
+    unit = "N·m"
+
+    def __init__(
+        self,
+        *,
+        weight: float | np.ndarray = 0.1,
+        kp: float | np.ndarray = 5.0,
+        priority: int = 1,
+        name: str = "angular momentum",
+    ) -> None:
+        super().__init__(name, 3, weight, kp, 0.0, priority)
+        self.labels = ("x", "y", "z")
+        self.target = np.zeros(3)
+        self.rate = np.zeros(3)
+
+    def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
+        A[:] = kin.J_angular
+        b[:] = self.rate + self.kp * (self.target - kin.angular_momentum) - kin.bias_angular

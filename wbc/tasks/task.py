@@ -1,0 +1,97 @@
+"""The base of all tasks: weighted or exact linear rows in the acceleration."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar
+
+import numpy as np
+
+from wbc.errors import TaskError
+from wbc.kinematics import Kinematics
+from wbc.robot import Robot
+
+
+class Task(ABC):
+    """A wish for the acceleration: rows `A v̇ = b`, weighted or exact.
+
+    A weighted task (priority 1) adds `½ Σ wᵢ (Aᵢ v̇ − bᵢ)²` to the cost; an exact
+    one (priority 0) becomes equality rows. The second-order form is
+    `b = a_ref + kd (v_ref − v) + kp (x_ref ⊖ x) − J̇ v`.
+
+    Args:
+        name: unique within a controller; explanations quote it.
+        size: number of rows m.
+        weight: scalar or (m,), ≥ 0. A row of weight 0 is left out of the cost.
+        kp: position gain, 1/s², scalar or (m,).
+        kd: velocity gain, 1/s; critically damped (2 √kp) when left out.
+        priority: 0 exact, 1 weighted.
+
+    Raises:
+        TaskError: a weight or gain is negative, not finite or of a wrong shape,
+            or the priority is neither 0 nor 1.
+    """
+
+    unit: ClassVar[str]
+
+    def __init__(
+        self,
+        name: str,
+        size: int,
+        weight: float | np.ndarray,
+        kp: float | np.ndarray,
+        kd: float | np.ndarray | None,
+        priority: int,
+    ) -> None:
+        if priority not in (0, 1):
+            raise TaskError(f"task '{name}': priority {priority!r} is neither 0 (exact) nor 1 (weighted)")
+        self.name = name
+        self.size = size
+        self.priority = priority
+        self.labels: tuple[str, ...] = ()
+        self.weight = weight
+        self.kp = self._gain("kp", kp)
+        self.kd = 2.0 * np.sqrt(self.kp) if kd is None else self._gain("kd", kd)
+
+    @property
+    def weight(self) -> np.ndarray:
+        """(m,) weight per row; set a scalar or (m,)."""
+        return self._weight
+
+    @weight.setter
+    def weight(self, value: float | np.ndarray) -> None:
+        self._weight = self._gain("weight", value)
+        self.sqrt_weight = np.sqrt(self._weight)
+
+    def _gain(self, what: str, value: float | np.ndarray) -> np.ndarray:
+        array = np.asarray(value, dtype=float)
+        if array.ndim == 0:
+            array = np.full(self.size, float(array))
+        if array.shape != (self.size,):
+            raise TaskError(
+                f"task '{self.name}': {what} has shape {array.shape}, expected a number or ({self.size},)"
+            )
+        if not (array >= 0.0).all() or not np.isfinite(array).all():
+            raise TaskError(f"task '{self.name}': {what} = {value} must be finite and not negative")
+        return array
+
+    def _vector(self, what: str, value: np.ndarray | tuple[float, ...], size: int) -> np.ndarray:
+        array = np.array(value, dtype=float)
+        if array.shape != (size,):
+            raise TaskError(f"task '{self.name}': {what} has shape {array.shape}, expected ({size},)")
+        if not np.isfinite(array).all():
+            raise TaskError(f"task '{self.name}': {what} = {array} must be finite")
+        return array
+
+    def bind(self, robot: Robot) -> None:  # noqa: B027 - most tasks need nothing here
+        """Look up names in the robot, once, when added to a controller.
+
+        Raises:
+            FrameNotFound: the task's frame is missing.
+            JointNotFound: one of the task's joints is missing.
+            TaskError: the target does not fit the robot.
+        """
+
+    @abstractmethod
+    def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
+        """Write `A` (m, nv) and `b` (m,) of the wish `A v̇ = b`, unweighted."""
