@@ -165,9 +165,9 @@ class Robot:
             FrameNotFound: the model has no such frame; lists near names.
         """
         # A URDF may call a joint and a link the same; the link's frame is the one meant.
-        for kinds in (pin.BODY, pin.OP_FRAME, pin.FIXED_JOINT | pin.JOINT | pin.SENSOR):
-            if self.model.existFrame(name, kinds):
-                return int(self.model.getFrameId(name, kinds))
+        for kind in (pin.BODY, pin.OP_FRAME, pin.SENSOR, pin.FIXED_JOINT, pin.JOINT):
+            if self.model.existFrame(name, kind):
+                return int(self.model.getFrameId(name, kind))
         names = [frame.name for frame in self.model.frames[1:]]
         raise FrameNotFound(name, names, f"robot '{self.name}'")
 
