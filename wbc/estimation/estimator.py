@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection
 
 import numpy as np
@@ -60,7 +61,13 @@ class Estimator:
         self._data = robot.model.createData()
         gravity = np.array(robot.model.gravity.linear)
         self._weight = float(robot.mass * np.linalg.norm(gravity))
-        self.filter = InvariantFilter(len(robot.soles), dt, gravity, self._noise)
+        self.filter = InvariantFilter(
+            len(robot.soles),
+            dt,
+            gravity,
+            self._noise,
+            [_leg_covariance(robot, i, self._noise.encoder) for i in range(len(robot.soles))],
+        )
         self._joints = JointFilter(
             robot.na, dt, self._noise.encoder, self._noise.joint_velocity, joint_acceleration
         )
@@ -71,9 +78,7 @@ class Estimator:
         self._imu_fixed = self._imu_joint == 1
         self._imu_inverse: pin.SE3 = imu.placement.inverse()
         self._soles = [(s.name, s.joint_id, s.placement) for s in robot.soles]
-        self._covariances = [
-            _leg_covariance(robot, i, self._noise.encoder) for i in range(len(robot.soles))
-        ]
+        self._joint_shape = (robot.na,)
         self._local = pin.neutral(robot.model)
         self._local_v = np.zeros(robot.nv)
         self.reset(robot.standing())
@@ -152,19 +157,29 @@ class Estimator:
         return self._state(T_imu_base, gyro, position, velocity)
 
     def _check(self, measurement: Measurement) -> None:
-        na = self.robot.na
-        for name, size in (
-            ("joint_position", na),
-            ("joint_velocity", na),
-            ("gyro", 3),
-            ("accelerometer", 3),
+        q, v = measurement.joint_position, measurement.joint_velocity
+        gyro, accelerometer = measurement.gyro, measurement.accelerometer
+        # One sum is finite only if every reading is; what is wrong is found out after.
+        if (
+            q.shape == self._joint_shape
+            and v.shape == self._joint_shape
+            and gyro.shape == (3,)
+            and accelerometer.shape == (3,)
+            and math.isfinite(q.sum() + v.sum() + gyro.sum() + accelerometer.sum())
+        ):
+            return
+        for name, shape in (
+            ("joint_position", self._joint_shape),
+            ("joint_velocity", self._joint_shape),
+            ("gyro", (3,)),
+            ("accelerometer", (3,)),
         ):
             reading = getattr(measurement, name)
-            if np.shape(reading) != (size,):
+            if reading.shape != shape:
                 raise MeasurementError(
-                    f"measurement.{name} has shape {np.shape(reading)}, the robot needs ({size},)"
+                    f"measurement.{name} has shape {reading.shape}, the robot needs {shape}"
                 )
-            if not np.isfinite(reading.sum()):
+            if not np.isfinite(reading).all():
                 raise MeasurementError(f"measurement.{name} has entries that are not finite")
 
     def _shares(self, measurement: Measurement) -> list[float]:
@@ -208,31 +223,38 @@ class Estimator:
 
     def _correct(self, stands: list[bool], legs: list[pin.SE3]) -> None:
         """Correct by the soles that stood and stand; take in those that came down."""
-        held = [i for i, now in enumerate(stands) if now and self._stands[i]]
-        poses = [(legs[i].translation, legs[i].rotation, self._covariances[i]) for i in held]
-        self.filter.correct(
-            held, [p[0] for p in poses], [p[1] for p in poses], [p[2] for p in poses]
-        )
+        held = tuple(i for i, now in enumerate(stands) if now and self._stands[i])
+        if held:
+            h = np.array([legs[i].translation for i in held])
+            F = np.array([legs[i].rotation for i in held])
+            self.filter.correct(held, h, F)
         for i, now in enumerate(stands):
             if now and not self._stands[i]:
-                leg = legs[i]
-                self.filter.land(i, leg.translation, leg.rotation, self._covariances[i])
+                self.filter.land(i, legs[i].translation, legs[i].rotation)
         self._stands = stands
 
     def _state(
         self, T_imu_base: pin.SE3, gyro: np.ndarray, position: np.ndarray, velocity: np.ndarray
     ) -> State:
         filter_ = self.filter
-        R_world_base = filter_.R @ T_imu_base.rotation
+        # T_imu_base as plain arrays: Pinocchio's small objects cost more than the products.
+        R, p = T_imu_base.rotation, T_imu_base.translation
         q = np.empty(self._model.nq)
         v = np.empty(self._model.nv)
-        q[:3] = self._origin + filter_.p + filter_.R @ T_imu_base.translation
-        q[3:7] = so3.quaternion(R_world_base)
+        q[:3] = self._origin + filter_.p + filter_.R @ p
+        q[3:7] = so3.quaternion(filter_.R @ R)
         q[7:] = position
-        twist = pin.Motion(filter_.v @ filter_.R, gyro - filter_.gyro_bias)
+        linear = filter_.v @ filter_.R
+        angular = gyro - filter_.gyro_bias
         if not self._imu_fixed:
-            twist = twist - self._imu_relative_velocity()
-        v[:6] = T_imu_base.actInv(twist).vector
+            relative = self._imu_relative_velocity()
+            linear -= relative.linear
+            angular -= relative.angular
+        x, y, z = angular.tolist()
+        a, b, c = p.tolist()
+        linear += (y * c - z * b, z * a - x * c, x * b - y * a)
+        v[:3] = linear @ R
+        v[3:6] = angular @ R
         v[6:] = velocity
         return State(q, v)
 

@@ -8,7 +8,8 @@ terrain", IROS 2013.
 
 from __future__ import annotations
 
-import math
+import itertools
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -16,6 +17,10 @@ from wbc.estimation import so3
 from wbc.estimation.noise import EstimatorNoise
 
 _R, _V, _P = slice(0, 3), slice(3, 6), slice(6, 9)
+
+
+#: Corrections between two rounds of `_tidy`.
+_TIDY = 20
 
 
 class InvariantFilter:
@@ -34,19 +39,30 @@ class InvariantFilter:
 
     Attributes:
         R: (3, 3) IMU axes to world axes.
-        v: (3,) velocity of the IMU, world axes, m/s.
-        p: (3,) its position relative to the place of the reset, world axes, m.
+        vectors: (2 + n, 3) in world axes: velocity of the IMU, m/s; its position; the
+            sole centres, m; positions are relative to the IMU's place at the reset.
+        F: (n, 3, 3) sole axes to world axes.
         gyro_bias: (3,) IMU axes, rad/s.
         accelerometer_bias: (3,) IMU axes, m/s².
+        P: covariance of `[ξ_R, ξ_v, ξ_p, ξ_d…, ξ_F…, b_g, b_a]`.
 
     Args:
         feet: how many.
         dt: period of the IMU, s.
         gravity: (3,) world axes, m/s².
         noise: what is assumed of the sensors.
+        covariances: per foot (6, 6) of its pose as the encoders see it: position, then
+            rotation vector, IMU axes; m, rad.
     """
 
-    def __init__(self, feet: int, dt: float, gravity: np.ndarray, noise: EstimatorNoise) -> None:
+    def __init__(
+        self,
+        feet: int,
+        dt: float,
+        gravity: np.ndarray,
+        noise: EstimatorNoise,
+        covariances: Sequence[np.ndarray],
+    ) -> None:
         self._feet = feet
         self._dt = dt
         self._gravity = np.array(gravity, dtype=float)
@@ -64,21 +80,37 @@ class InvariantFilter:
         # How a gyro error in world axes moves the errors: [I; v×; p×; d×].
         self._lever = np.zeros((self._moved, 3))
         self._lever[_R] = np.eye(3)
+        self._skews = self._lever[3:].reshape(-1, 3, 3)
         self._process = np.zeros(n)
         self._process[_V] = (noise.accelerometer * dt) ** 2
         self._process[self._bg] = noise.gyro_walk**2 * dt
         self._process[self._ba] = noise.accelerometer_walk**2 * dt
+        self._slip = (noise.slip**2 * dt, noise.twist**2 * dt)
         self._diagonal = self.P.reshape(-1)[:: n + 1]
-        self.d = [np.zeros(3) for _ in range(feet)]
-        self.F = [np.eye(3) for _ in range(feet)]
+        self._updates = {
+            key: _Update(key, n, self._place, self._turn, covariances)
+            for size in range(1, feet + 1)
+            for key in itertools.combinations(range(feet), size)
+        }
         self.reset(np.eye(3), np.zeros(3))
+
+    @property
+    def v(self) -> np.ndarray:
+        """(3,) velocity of the IMU, world axes, m/s."""
+        return self.vectors[0]
+
+    @property
+    def p(self) -> np.ndarray:
+        """(3,) position of the IMU relative to its place at the reset, world axes, m."""
+        return self.vectors[1]
 
     def reset(self, R: np.ndarray, v: np.ndarray) -> None:
         """Start at a pose and velocity, with unknown biases and no feet on the ground."""
         noise = self._noise
         self.R = np.array(R, dtype=float)
-        self.v = np.array(v, dtype=float)
-        self.p = np.zeros(3)
+        self.vectors = np.zeros((2 + self._feet, 3))
+        self.vectors[0] = v
+        self.F = np.array([np.eye(3)] * self._feet)
         self.gyro_bias = np.zeros(3)
         self.accelerometer_bias = np.zeros(3)
         self.P[:] = 0.0
@@ -91,8 +123,9 @@ class InvariantFilter:
             self._diagonal[block] = sigma**2
         # Heading and place are what the reset says they are: nothing measures them.
         self._diagonal[2] = 0.0
+        self._corrections = 0
 
-    def propagate(self, gyro: np.ndarray, accelerometer: np.ndarray, slip: list[float]) -> None:
+    def propagate(self, gyro: np.ndarray, accelerometer: np.ndarray, slip: Sequence[float]) -> None:
         """Advance by one period.
 
         Args:
@@ -100,104 +133,128 @@ class InvariantFilter:
             accelerometer: (3,) mean specific force over the period, IMU axes, m/s².
             slip: per foot, a factor on its wandering; 0 for a foot in the air.
         """
-        dt, noise = self._dt, self._noise
-        turn = dt * (gyro - self.gyro_bias)
-        acceleration = self.R @ (so3.exp(0.5 * turn) @ (accelerometer - self.accelerometer_bias))
-        acceleration += self._gravity
-        lever = self._lever
-        so3.skew(self.v, lever[_V])
-        so3.skew(self.p, lever[_P])
-        for place, d in zip(self._place, self.d, strict=True):
-            so3.skew(d, lever[place])
-        transition = self._transition
-        transition[: self._moved, self._bg] = lever @ (-dt * self.R)
-        transition[_V, self._ba] = -dt * self.R
-        self.P[:] = transition @ self.P @ transition.T
-        self.P[: self._moved, : self._moved] += (noise.gyro * dt) ** 2 * (lever @ lever.T)
+        dt, R, X = self._dt, self.R, self.vectors
+        half = so3.exp((0.5 * dt) * (gyro - self.gyro_bias))
+        middle = R @ half
+        acceleration = middle @ (accelerometer - self.accelerometer_bias) + self._gravity
+        so3.skews(X, self._skews)
+        lever, transition, moved = self._lever, self._transition, self._moved
+        minus = -dt * R
+        transition[:moved, self._bg] = lever @ minus
+        transition[_V, self._ba] = minus
+        P = self.P
+        np.matmul(transition @ P, transition.T, out=P)
+        P[:moved, :moved] += (self._noise.gyro * dt) ** 2 * (lever @ lever.T)
         for i, factor in enumerate(slip):
-            self._process[self._place[i]] = (factor * noise.slip) ** 2 * dt
-            self._process[self._turn[i]] = (factor * noise.twist) ** 2 * dt
+            square = factor * factor
+            self._process[self._place[i]] = square * self._slip[0]
+            self._process[self._turn[i]] = square * self._slip[1]
         self._diagonal += self._process
-        self.p = self.p + dt * (self.v + 0.5 * dt * acceleration)
-        self.v = self.v + dt * acceleration
-        self.R = self.R @ so3.exp(turn)
+        X[1] += dt * X[0] + (0.5 * dt * dt) * acceleration
+        X[0] += dt * acceleration
+        self.R = middle @ half
 
-    def land(self, foot: int, h: np.ndarray, F: np.ndarray, covariance: np.ndarray) -> None:
+    def land(self, foot: int, h: np.ndarray, F: np.ndarray) -> None:
         """Take a sole as standing where the legs say it is now.
 
         Args:
             foot: its index.
             h: (3,) sole centre in IMU axes, m.
             F: (3, 3) sole axes to IMU axes.
-            covariance: (6, 6) of (h, rotation vector of F), IMU axes.
         """
-        self.d[foot] = self.p + self.R @ h
+        self.vectors[2 + foot] = self.p + self.R @ h
         self.F[foot] = self.R @ F
         P = self.P
-        for own, source in ((self._place[foot], _P), (self._turn[foot], _R)):
+        place, turn = self._place[foot], self._turn[foot]
+        for own, source in ((place, _P), (turn, _R)):
             P[own, :] = P[source, :]
             P[:, own] = P[:, source]
-        place, turn = self._place[foot], self._turn[foot]
-        R, C = self.R, covariance
-        P[place, place] = P[_P, _P] + R @ C[:3, :3] @ R.T
-        P[turn, turn] = P[_R, _R] + R @ C[3:, 3:] @ R.T
-        cross = R @ C[:3, 3:] @ R.T
-        P[place, turn] = P[_P, _R] + cross
-        P[turn, place] = P[place, turn].T
+        update = self._updates[(foot,)]
+        update.turn_noise(self.R)
+        N = update.N
+        P[place, place] += N[:3, :3]
+        P[turn, turn] += N[3:, 3:]
+        P[place, turn] += N[:3, 3:]
+        P[turn, place] += N[3:, :3]
 
-    def correct(
-        self,
-        feet: list[int],
-        h: list[np.ndarray],
-        F: list[np.ndarray],
-        covariances: list[np.ndarray],
-    ) -> None:
-        """Correct by soles that stand still, as the legs see them; arguments as in `land`."""
+    def correct(self, feet: tuple[int, ...], h: np.ndarray, F: np.ndarray) -> None:
+        """Correct by soles that stand still, as the legs see them.
+
+        Args:
+            feet: their indices, ascending.
+            h: (k, 3) sole centres in IMU axes, m.
+            F: (k, 3, 3) sole axes to IMU axes.
+        """
         if not feet:
             return
-        m = 6 * len(feet)
-        R, P = self.R, self.P
-        residual = np.empty(m)
-        HP = np.empty((m, P.shape[0]))
-        N = np.zeros((m, m))
-        for k, i in enumerate(feet):
-            at, to = slice(6 * k, 6 * k + 3), slice(6 * k + 3, 6 * k + 6)
-            residual[at] = self.p + R @ h[k] - self.d[i]
-            residual[to] = so3.log(R @ F[k] @ self.F[i].T)
-            np.subtract(P[_P], P[self._place[i]], out=HP[at])
-            np.subtract(P[_R], P[self._turn[i]], out=HP[to])
-            C = (R @ covariances[k].reshape(2, 3, 2, 3).transpose(0, 2, 1, 3)) @ R.T
-            N[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = C.transpose(0, 2, 1, 3).reshape(6, 6)
-        S = N
-        for k, i in enumerate(feet):
-            at, to = slice(6 * k, 6 * k + 3), slice(6 * k + 3, 6 * k + 6)
-            S[:, at] += HP[:, _P] - HP[:, self._place[i]]
-            S[:, to] += HP[:, _R] - HP[:, self._turn[i]]
+        R, P, X = self.R, self.P, self.vectors
+        update = self._updates[feet]
+        residual = update.residual
+        rows = update.rows
+        np.matmul(h, R.T, out=residual[:, 0])
+        residual[:, 0] += X[1] - X[2:][rows]
+        # Of R F F̂ᵀ, a rotation by milliradians, sine and angle are the same.
+        turned = (R @ F) @ self.F[rows].transpose(0, 2, 1)
+        residual[:, 1] = so3.vee(turned)
+        HP = update.H @ P
+        update.turn_noise(R)
+        S = HP @ update.H.T + update.N
         gain = np.linalg.solve(S, HP)  # (m, n): K transposed
-        self._retract(-(residual @ gain))
+        self._retract(-(residual.reshape(-1) @ gain))
         P -= HP.T @ gain
-        # Rounding makes P lean; a symmetric one stays positive for hours.
-        P += P.T.copy()
-        P *= 0.5
+        self._corrections += 1
+        if self._corrections % _TIDY == 0:
+            self._tidy()
+
+    def _tidy(self) -> None:
+        """Take out what rounding has piled up: P stays symmetric, R and F rotations."""
+        self.P += self.P.T.copy()
+        self.P *= 0.5
+        # One Newton step of the polar decomposition.
+        self.R = 1.5 * self.R - 0.5 * (self.R @ (self.R.T @ self.R))
+        self.F = 1.5 * self.F - 0.5 * (self.F @ (self.F.transpose(0, 2, 1) @ self.F))
 
     def _retract(self, xi: np.ndarray) -> None:
         """Left-multiply the estimate by exp(ξ)."""
+        moved = self._moved
         turn, smear = so3.exp_and_integral(xi[_R])
-        self.R = _orthonormal(turn @ self.R)
-        self.v = turn @ self.v + smear @ xi[_V]
-        self.p = turn @ self.p + smear @ xi[_P]
-        for i in range(self._feet):
-            self.d[i] = turn @ self.d[i] + smear @ xi[self._place[i]]
-            self.F[i] = so3.exp(xi[self._turn[i]]) @ self.F[i]
+        self.R = turn @ self.R
+        self.vectors = self.vectors @ turn.T + xi[3:moved].reshape(-1, 3) @ smear.T
+        self.F = so3.exps(xi[moved : moved + 3 * self._feet].reshape(-1, 3)) @ self.F
         self.gyro_bias = self.gyro_bias + xi[self._bg]
         self.accelerometer_bias = self.accelerometer_bias + xi[self._ba]
 
-    def speed_deviation(self) -> float:
-        """Standard deviation of one velocity component by the filter's own account, m/s."""
-        return math.sqrt(float(self._diagonal[_V].sum()) / 3.0)
 
+class _Update:
+    """What is constant, and the workspace, of a correction by one set of feet."""
 
-def _orthonormal(R: np.ndarray) -> np.ndarray:
-    """R with the rounding of many products taken out: one Newton step of its polar part."""
-    result: np.ndarray = 1.5 * R - 0.5 * (R @ (R.T @ R))
-    return result
+    def __init__(
+        self,
+        feet: tuple[int, ...],
+        n: int,
+        place: list[slice],
+        turn: list[slice],
+        covariances: Sequence[np.ndarray],
+    ) -> None:
+        m = 6 * len(feet)
+        self.rows: slice | list[int] = list(feet)
+        if list(feet) == list(range(feet[0], feet[-1] + 1)):
+            self.rows = slice(feet[0], feet[-1] + 1)  # a view is cheaper than a gather
+        self.residual = np.empty((len(feet), 2, 3))
+        self.H = np.zeros((m, n))
+        self._C = np.zeros((m, m))
+        for k, i in enumerate(feet):
+            at, to = slice(6 * k, 6 * k + 3), slice(6 * k + 3, 6 * k + 6)
+            self.H[at, _P] = self.H[to, _R] = np.eye(3)
+            self.H[at, place[i]] = self.H[to, turn[i]] = -np.eye(3)
+            self._C[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = covariances[i]
+        self._turn = np.zeros((m, m))
+        blocks = np.arange(2 * len(feet))
+        self._blocks = (blocks, slice(None), blocks, slice(None))
+        self.N = self._C.copy()
+
+    def turn_noise(self, R: np.ndarray) -> None:
+        """Express the legs' noise in world axes: N = R C Rᵀ block by block."""
+        k = len(self._turn) // 3
+        self._turn.reshape(k, 3, k, 3)[self._blocks] = R
+        np.matmul(self._turn @ self._C, self._turn.T, out=self.N)

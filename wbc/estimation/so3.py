@@ -18,27 +18,45 @@ def skew(a: np.ndarray, out: np.ndarray) -> None:
     out[2, 1] = x
 
 
+def skews(a: np.ndarray, out: np.ndarray) -> None:
+    """Write the (k, 3, 3) matrices of `a ×`, a being (k, 3), into `out`; see `skew`."""
+    x, y, z = a.T
+    out[:, 0, 2] = y
+    out[:, 1, 0] = z
+    out[:, 2, 1] = x
+    np.negative(z, out=out[:, 0, 1])
+    np.negative(x, out=out[:, 1, 2])
+    np.negative(y, out=out[:, 2, 0])
+
+
+def vee(R: np.ndarray) -> np.ndarray:
+    """(k, 3) sine times axis of the rotations R (k, 3, 3)."""
+    return np.array(
+        [
+            [0.5 * (h - f), 0.5 * (c - g), 0.5 * (d - b)]
+            for (_, b, c), (d, _, f), (g, h, _) in R.tolist()
+        ]
+    )
+
+
 def exp(a: np.ndarray) -> np.ndarray:
     """(3, 3) rotation by the vector `a`, rad (Rodrigues)."""
-    return _series(a, *_sinc_terms(a))
+    vector = a.tolist()
+    return np.array(_rows(vector, *_sinc_terms(vector)))
 
 
 def exp_and_integral(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(exp(a), ∫₀¹ exp(s·a) ds): Γ₀ and Γ₁ of the group of double direct isometries."""
-    first, second = _sinc_terms(a)
-    square = float(a @ a)
-    third = (1.0 - first) / square if square > 1e-8 else (1.0 - square / 20.0) / 6.0
-    return _series(a, first, second), _series(a, second, third)
+    vector = a.tolist()
+    first, second = _sinc_terms(vector)
+    square = sum(x * x for x in vector)
+    third = (1.0 - first) / square if square > 1e-4 else (1.0 - square / 20.0) / 6.0
+    return np.array(_rows(vector, first, second)), np.array(_rows(vector, second, third))
 
 
-def log(R: np.ndarray) -> np.ndarray:
-    """(3,) rotation vector of R, rad, for angles below π."""
-    a = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
-    sine = 0.5 * math.sqrt(float(a @ a))
-    angle = math.atan2(sine, 0.5 * (float(R[0, 0] + R[1, 1] + R[2, 2]) - 1.0))
-    scale = 0.5 * angle / sine if sine > 1e-6 else 0.5
-    result: np.ndarray = scale * a
-    return result
+def exps(a: np.ndarray) -> np.ndarray:
+    """(k, 3, 3) rotations by the vectors `a` (k, 3), rad."""
+    return np.array([_rows(v, *_sinc_terms(v)) for v in a.tolist()])
 
 
 def quaternion(R: np.ndarray) -> tuple[float, float, float, float]:
@@ -57,25 +75,23 @@ def quaternion(R: np.ndarray) -> tuple[float, float, float, float]:
     return q[0] * scale, q[1] * scale, q[2] * scale, q[3] * scale
 
 
-def _sinc_terms(a: np.ndarray) -> tuple[float, float]:
+def _sinc_terms(a: list[float]) -> tuple[float, float]:
     """sin(θ)/θ and (1 − cos θ)/θ²."""
-    square = float(a @ a)
-    if square < 1e-8:
+    square = a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
+    if square < 1e-6:
         return 1.0 - square / 6.0, 0.5 - square / 24.0
     angle = math.sqrt(square)
     return math.sin(angle) / angle, (1.0 - math.cos(angle)) / square
 
 
-def _series(a: np.ndarray, first: float, second: float) -> np.ndarray:
-    """I + first·[a]× + second·[a]×²."""
-    x, y, z = a.tolist()
+def _rows(a: list[float], first: float, second: float) -> list[list[float]]:
+    """Rows of I + first·[a]× + second·[a]×²."""
+    x, y, z = a
     xx, yy, zz = x * x, y * y, z * z
     xy, xz, yz = second * x * y, second * x * z, second * y * z
     x, y, z = first * x, first * y, first * z
-    return np.array(
-        [
-            [1.0 - second * (yy + zz), xy - z, xz + y],
-            [xy + z, 1.0 - second * (xx + zz), yz - x],
-            [xz - y, yz + x, 1.0 - second * (xx + yy)],
-        ]
-    )
+    return [
+        [1.0 - second * (yy + zz), xy - z, xz + y],
+        [xy + z, 1.0 - second * (xx + zz), yz - x],
+        [xz - y, yz + x, 1.0 - second * (xx + yy)],
+    ]
