@@ -40,7 +40,9 @@ class WalkerGains:
         swing_kp: stiffness of the swing foot, 1/s².
         trunk_weight: of torso and base orientation.
         trunk_kp: 1/s².
-        posture_weight: of every joint's posture.
+        posture_weight: of the posture of arms, trunk and head.
+        leg_posture_weight: of the legs' posture: enough to tell the knees from a mirror image,
+            too little to pull on the CoM.
         posture_kp: 1/s².
         momentum_weight: of the angular momentum.
         second_contact_weight: of the motion of the less important foot in double support.
@@ -51,15 +53,16 @@ class WalkerGains:
         ground_time: smoothing of the ground's height under the robot, s.
     """
 
-    com_weight: float = 100.0
+    com_weight: float = 1000.0
     height_kp: float = 40.0
     swing_weight: float = 300.0
     swing_kp: float = 400.0
     trunk_weight: float = 20.0
     trunk_kp: float = 80.0
     posture_weight: float = 0.3
+    leg_posture_weight: float = 0.02
     posture_kp: float = 60.0
-    momentum_weight: float = 0.02
+    momentum_weight: float = 0.001
     second_contact_weight: float = 3000.0
     friction: float = 0.6
     sole_margin: float = 0.005
@@ -115,9 +118,10 @@ class Walker:
         for frame in dict.fromkeys((robot.torso, robot.base)):
             task = OrientationTask(frame, weight=gains.trunk_weight, kp=gains.trunk_kp)
             self._trunk.append((controller.add(task), upright.frame(frame).rotation.copy()))
-        self.posture = controller.add(
-            PostureTask(robot, weight=gains.posture_weight, kp=gains.posture_kp)
-        )
+        weights = np.full(robot.na, gains.posture_weight)
+        for leg in robot.legs:
+            weights[np.array(leg) - 6] = gains.leg_posture_weight
+        self.posture = controller.add(PostureTask(robot, weight=weights, kp=gains.posture_kp))
         self.momentum = controller.add(AngularMomentumTask(weight=gains.momentum_weight))
         self._swing_tasks = {
             s.side: FrameTask(s.name, weight=gains.swing_weight, kp=gains.swing_kp)

@@ -1,0 +1,112 @@
+"""What came out of a run, in numbers."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """The result of `wbc.run`.
+
+    Attributes:
+        robot: its name.
+        survived: it did not fall, and nothing ended the run early.
+        fell_at_s: when it fell, s; None when it did not.
+        fell_why: the reason, or an empty text.
+        duration_s: simulated time, s.
+        steps: touchdowns.
+        distance_m: length of the base's way over the ground, walked in half-second strides.
+        displacement_m: (forward, left) of the base from its start, in its first heading, m.
+        turned_rad: heading change, counted over full turns, rad.
+        mean_speed_m_s: distance over time spent walking, m/s.
+        dcm_error_rms_mm: of the measured DCM against its plan.
+        torque_peak_ratio: largest |τ| / τ_max of any joint.
+        torque_excess_nm: by how much any commanded torque exceeded its limit, N·m.
+        joint_limit_excess_rad: by how much any joint went beyond its position limit, rad.
+        qp_failures: ticks without a solution.
+        explanation: the first failed tick's explanation.
+        tick_p50_us: median time of `controller.step`, µs; likewise the 99th percentile and
+            the maximum.
+        estimator_p50_us: median time of the state estimation, µs.
+        real_time_factor: simulated time over wall time.
+        overruns: real-time ticks that began late by more than a period.
+        lateness_p99_us: 99th percentile of how late a real-time tick began, µs.
+    """
+
+    robot: str
+    survived: bool
+    fell_at_s: float | None
+    fell_why: str
+    duration_s: float
+    steps: int
+    distance_m: float
+    displacement_m: tuple[float, float]
+    turned_rad: float
+    mean_speed_m_s: float
+    dcm_error_rms_mm: float
+    torque_peak_ratio: float
+    torque_excess_nm: float
+    joint_limit_excess_rad: float
+    qp_failures: int
+    explanation: str
+    tick_p50_us: float
+    tick_p99_us: float
+    tick_max_us: float
+    estimator_p50_us: float
+    real_time_factor: float
+    overruns: int
+    lateness_p99_us: float
+
+    def to_json(self) -> str:
+        """All fields as a JSON object."""
+        return json.dumps(asdict(self), indent=2)
+
+    def save(self, path: str | Path) -> None:
+        """Write `to_json` to a file."""
+        Path(path).write_text(self.to_json() + "\n", encoding="utf-8")
+
+    def table(self) -> str:
+        """The result for human eyes."""
+        if self.survived:
+            fate = f"survived {self.duration_s:.1f} s"
+        elif self.fell_at_s is not None:
+            fate = f"FELL at {self.fell_at_s:.2f} s: {self.fell_why}"
+        else:
+            fate = f"ended early at {self.duration_s:.2f} s: {self.fell_why}"
+        forward, left = self.displacement_m
+        rows = [
+            ("result", fate),
+            ("steps", f"{self.steps}"),
+            (
+                "distance",
+                f"{self.distance_m:.2f} m  (forward {forward:+.2f} m, left {left:+.2f} m, "
+                f"turned {self.turned_rad * 57.29578:+.0f}°)",
+            ),
+            ("mean speed", f"{self.mean_speed_m_s:.2f} m/s"),
+            ("DCM tracking error", f"{self.dcm_error_rms_mm:.1f} mm rms"),
+            ("peak torque", f"{100.0 * self.torque_peak_ratio:.0f} % of the limit"),
+            ("beyond joint limits", f"{self.joint_limit_excess_rad:.1e} rad"),
+            ("QP failures", f"{self.qp_failures}" + (f"  ({self.explanation})" if self.explanation else "")),
+            (
+                "tick time",
+                f"{self.tick_p50_us:.0f} / {self.tick_p99_us:.0f} / {self.tick_max_us:.0f} µs"
+                "  (median / 99 % / max)",
+            ),
+            ("estimator time", f"{self.estimator_p50_us:.0f} µs  (median)"),
+            ("speed of simulation", f"{self.real_time_factor:.2f} × real time"),
+        ]
+        if self.lateness_p99_us > 0.0:
+            rows.append(
+                ("real-time ticks", f"{self.overruns} overruns, 99 % less than {self.lateness_p99_us:.0f} µs late")
+            )
+        width = max(len(name) for name, _ in rows)
+        head = f"{self.robot}\n" + "─" * (width + 40)
+        return "\n".join([head, *(f"{name:<{width}}  {value}" for name, value in rows)])
+
+    @staticmethod
+    def keys() -> tuple[str, ...]:
+        """Names of the fields, in the order of the JSON."""
+        return tuple(f.name for f in fields(Report))
