@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import pinocchio as pin
@@ -12,9 +13,9 @@ from wbc.robot.feet import find_feet, foot_link
 from wbc.robot.finding import Fact, Finding
 from wbc.robot.inertia import repair_model
 from wbc.robot.limits import set_armature, set_limits
-from wbc.robot.masses import check_mass_matrix
+from wbc.robot.masses import check_mass_matrix, fill_massless
 from wbc.robot.model import build_model
-from wbc.robot.posture import com_offset, nominal_posture, starting_posture
+from wbc.robot.posture import com_offset, nominal_posture, stand_base_up, starting_posture
 from wbc.robot.robot import Robot
 from wbc.robot.soles import make_soles
 from wbc.robot.trunk import find_torso, leg_joints, link_of, moving_joint
@@ -28,11 +29,13 @@ def build(data: RobotData, folders: tuple[Path, ...]) -> Robot:
         RobotDescriptionError: the description is malformed or unusable.
     """
     urdf = read_urdf(data.urdf)
-    model = build_model(urdf)
+    model = build_model(urdf, _known_joints(data, urdf))
     model.name = data.name
     base = link_of(model, urdf, 1)
     facts = [_fact("base", base, None, "root of the tree")]
     findings = _repaired(model)
+    check_mass_matrix(model, pin.neutral(model), str(urdf.path))
+    fill_massless(model)
 
     links, guessed = _feet(data, urdf)
     for side, link in zip(("left", "right"), links, strict=True):
@@ -47,7 +50,7 @@ def build(data: RobotData, folders: tuple[Path, ...]) -> Robot:
     findings += set_limits(model, data, legs)
 
     start = starting_posture(model, data)
-    check_mass_matrix(model, start.q, str(urdf.path))
+    stand_base_up(model, start.q, feet)
     set_armature(model, data)
     soles, sole_facts = make_soles(model, urdf, data, folders, start.q, links)
     posture = nominal_posture(model, start, soles, legs)
@@ -87,6 +90,7 @@ def build(data: RobotData, folders: tuple[Path, ...]) -> Robot:
         legs=legs,
         urdf=urdf,
         package_dirs=folders,
+        respect_up_axis=data.respect_up_axis,
         facts=tuple(facts),
         findings=tuple(findings),
     )
@@ -134,3 +138,15 @@ def _frame(model: pin.Model, data: RobotData, what: str, name: str | None) -> st
             f"{did_you_mean(name, names)}"
         )
     return name
+
+
+def _known_joints(data: RobotData, urdf: Urdf) -> tuple[str, ...]:
+    """The stated patterns of joints to weld, each of which must mean something."""
+    names = [joint.name for joint in urdf.joints]
+    for pattern in data.fixed_joints:
+        if not any(fnmatchcase(name, pattern) for name in names):
+            raise RobotDescriptionError(
+                f"{data.source}: fixed_joints names '{pattern}', which is no joint of "
+                f"{urdf.path.name}{did_you_mean(pattern.strip('*?'), names)}"
+            )
+    return data.fixed_joints

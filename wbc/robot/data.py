@@ -46,6 +46,8 @@ class RobotData:
         sole: rectangle stated for both feet when they have no geometry:
             `height` (sole plane in the foot link, m), `length`, `width`, and
             `center` (x, y).
+        fixed_joints: joints to hold at zero as if welded, by name or pattern (`*Finger*`).
+        respect_up_axis: whether the Collada meshes mean their `<up_axis>`.
         package_dirs: folders that hold packages.
         source: where these things are stated, for messages.
     """
@@ -63,10 +65,13 @@ class RobotData:
     effort_limits: Mapping[str, float] = field(default_factory=dict)
     velocity_limits: Mapping[str, float] = field(default_factory=dict)
     sole: Mapping[str, Any] = field(default_factory=dict)
+    fixed_joints: tuple[str, ...] = ()
+    respect_up_axis: bool = False
     package_dirs: tuple[str, ...] = ()
     source: str = "argument"
 
 
+SOLE_KEYS = ("height", "length", "width", "center")
 _TEXTS = ("left_foot", "right_foot", "torso", "imu", "reference")
 _TABLES = ("nominal_posture", "effort_limits", "velocity_limits")
 _KEYS = tuple(f.name for f in fields(RobotData) if f.name != "source")
@@ -96,6 +101,7 @@ def read_data(path: Path) -> RobotData:
     for key in ("urdf", "srdf"):
         if key in table:
             table[key] = locate(table[key], path.parent, path)
+    table["fixed_joints"] = tuple(table.get("fixed_joints", ()))
     table["package_dirs"] = tuple(
         str((path.parent / folder).resolve()) for folder in table.get("package_dirs", ())
     )

@@ -8,7 +8,7 @@ from wbc.errors import RobotDescriptionError, did_you_mean
 from wbc.robot.urdf import Urdf
 
 # In order of preference: a link made to be the sole, the foot, the last ankle link.
-PARTS = ("sole", "foot", "ankle_roll", "ankleroll", "ankle", "toe")
+PARTS = ("sole", "foot", "ankle roll", "ankle")
 _SIDES = (("left", "right"), ("l", "r"))
 
 
@@ -21,7 +21,7 @@ def find_feet(urdf: Urdf) -> tuple[str, str] | None:
     for part in PARTS:
         pairs = []
         for name in urdf.links:
-            if part not in name.lower():
+            if part not in " ".join(_words(name)):
                 continue
             mirrored = mirror(name)
             if mirrored is not None and side_of(name) == "left" and mirrored in urdf.links:
@@ -75,8 +75,8 @@ def _split(name: str) -> list[str]:
     return re.findall(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+|[^A-Za-z\d]+", name)
 
 
-def _words(name: str) -> set[str]:
-    return {word.lower() for word in _split(name)}
+def _words(name: str) -> list[str]:
+    return [word.lower() for word in _split(name) if word[0].isalpha()]
 
 
 def _like(word: str, model: str) -> str:

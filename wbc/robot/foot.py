@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from wbc.robot.packages import resolve
+from wbc.robot.packages import resolve, up_axis_turn
 from wbc.robot.urdf import Urdf, floats
 
 RIM_POINTS = 24
@@ -41,7 +41,11 @@ class FootSurface:
 
 
 def foot_surface(
-    urdf: Urdf, model: pin.Model, joint_id: int, folders: tuple[Path, ...]
+    urdf: Urdf,
+    model: pin.Model,
+    joint_id: int,
+    folders: tuple[Path, ...],
+    respect_up_axis: bool = False,
 ) -> FootSurface:
     """The collision shapes of all links that move with a joint; visuals if there are none."""
     missing: list[str] = []
@@ -55,7 +59,7 @@ def foot_surface(
                 continue
             for element in link.findall(kind):
                 placement = frame.placement * _origin(element)
-                cloud = _cloud(element, urdf.path, folders, missing)
+                cloud = _cloud(element, urdf.path, folders, missing, respect_up_axis)
                 if cloud is not None:
                     points, radius = cloud
                     parts.append((points @ placement.rotation.T + placement.translation, radius))
@@ -77,7 +81,11 @@ def _origin(element: ET.Element) -> pin.SE3:
 
 
 def _cloud(
-    element: ET.Element, urdf: Path, folders: tuple[Path, ...], missing: list[str]
+    element: ET.Element,
+    urdf: Path,
+    folders: tuple[Path, ...],
+    missing: list[str],
+    respect_up_axis: bool,
 ) -> tuple[np.ndarray, float] | None:
     """Points (n, 3) in the shape's frame and their common radius."""
     geometry = element.find("geometry")
@@ -103,10 +111,10 @@ def _cloud(
         address = shape.get("filename", "")
         path = resolve(address, urdf, folders)
         vertices = _mesh(path, np.array(floats(shape, "scale", (1.0, 1.0, 1.0)))) if path else None
-        if vertices is None:
+        if path is None or vertices is None:
             missing.append(address)
             return None
-        return vertices, 0.0
+        return (vertices @ up_axis_turn(path).T if respect_up_axis else vertices), 0.0
     return None
 
 

@@ -6,15 +6,20 @@ import copy
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import numpy as np
 import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError
-from wbc.robot.packages import resolve
-from wbc.robot.urdf import Urdf
+from wbc.robot.packages import resolve, up_axis_turn
+from wbc.robot.urdf import Urdf, floats
 
 
 def load_geometry(
-    model: pin.Model, urdf: Urdf, kind: pin.GeometryType, folders: tuple[Path, ...]
+    model: pin.Model,
+    urdf: Urdf,
+    kind: pin.GeometryType,
+    folders: tuple[Path, ...],
+    respect_up_axis: bool = False,
 ) -> pin.GeometryModel:
     """The shapes of a URDF, with meshes that cannot be found left out.
 
@@ -29,7 +34,7 @@ def load_geometry(
             robot.remove(link)
             continue
         for shape in list(link.findall(tag)):
-            if not _point_to_file(shape, urdf.path, folders):
+            if not _point_to_file(shape, urdf.path, folders, respect_up_axis):
                 link.remove(shape)
     for joint in list(robot.findall("joint")):
         parent = joint.find("parent")
@@ -46,7 +51,9 @@ def load_geometry(
         ) from error
 
 
-def _point_to_file(shape: ET.Element, urdf: Path, folders: tuple[Path, ...]) -> bool:
+def _point_to_file(
+    shape: ET.Element, urdf: Path, folders: tuple[Path, ...], respect_up_axis: bool
+) -> bool:
     """Replace a mesh's address by the path of its file; False if there is none."""
     mesh = shape.find("geometry/mesh")
     if mesh is None:
@@ -55,4 +62,17 @@ def _point_to_file(shape: ET.Element, urdf: Path, folders: tuple[Path, ...]) -> 
     if path is None:
         return False
     mesh.set("filename", str(path))
+    turn = up_axis_turn(path) if respect_up_axis else np.eye(3)
+    if not np.array_equal(turn, np.eye(3)):
+        _turn(shape, turn)
     return True
+
+
+def _turn(shape: ET.Element, turn: np.ndarray) -> None:
+    """Turn a shape (3, 3) within its origin."""
+    origin = shape.find("origin")
+    if origin is None:
+        origin = ET.SubElement(shape, "origin")
+    rotation = pin.rpy.rpyToMatrix(*floats(origin, "rpy", (0.0, 0.0, 0.0)))
+    rpy = pin.rpy.matrixToRpy(rotation @ turn)
+    origin.set("rpy", " ".join(repr(float(angle)) for angle in rpy))

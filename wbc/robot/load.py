@@ -23,6 +23,8 @@ def load(
     imu: str | None = None,
     nominal_posture: Mapping[str, float] | None = None,
     armature: float | Mapping[str, float] | None = None,
+    sole: Mapping[str, Any] | None = None,
+    fixed_joints: Iterable[str] | None = None,
     package_dirs: Iterable[str | Path] = (),
     name: str | None = None,
 ) -> Robot:
@@ -40,6 +42,10 @@ def load(
         imu: frame of the inertial unit; the base link.
         nominal_posture: joint name to position, rad or m; joints left out stay at 0.
         armature: rotor inertia at the joints, kg·m², one for all or by joint name.
+        sole: `height` of the sole plane in the foot links, `length`, `width` and, if
+            not zero, `center` (x, y) of its rectangle, m, in the foot links' axes; for
+            feet that have no shape.
+        fixed_joints: joints to weld at zero, by name or pattern (`*Finger*`).
         package_dirs: folders that hold packages, for `package://`.
         name: the robot's name.
 
@@ -55,6 +61,8 @@ def load(
         "torso": torso,
         "imu": imu,
         "armature": armature,
+        "sole": sole,
+        "fixed_joints": tuple(fixed_joints) if fixed_joints is not None else None,
         "name": name,
         "nominal_posture": nominal_posture,
         "srdf": Path(srdf).expanduser().resolve() if srdf is not None else None,

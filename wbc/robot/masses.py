@@ -10,6 +10,9 @@ from wbc.errors import RobotDescriptionError
 # Inertia about its own axis below which what hangs on a joint counts as massless, kg·m².
 # A finger of 1 g and 1 mm gyration has 1e-9.
 LEAST_INERTIA = 1e-10
+# A grain of sand the size of a pea: far below what any sensor or motor notices.
+SPECK_MASS = 1e-6
+SPECK_INERTIA = 1e-10
 
 
 def massless_joints(model: pin.Model, q: np.ndarray) -> list[tuple[str, float]]:
@@ -26,6 +29,17 @@ def massless_joints(model: pin.Model, q: np.ndarray) -> list[tuple[str, float]]:
         for joint in range(2, model.njoints)
         if not diagonal[model.joints[joint].idx_v] > LEAST_INERTIA
     ]
+
+
+def fill_massless(model: pin.Model) -> None:
+    """Give a speck of mass to the moving bodies that have none.
+
+    Descriptions put massless links between the axes of a ball joint. The mass
+    matrix does not mind, but a physics engine refuses a moving body without mass.
+    """
+    for joint in range(1, model.njoints):
+        if model.inertias[joint].mass <= 0.0:
+            model.inertias[joint] = pin.Inertia(SPECK_MASS, np.zeros(3), SPECK_INERTIA * np.eye(3))
 
 
 def check_mass_matrix(model: pin.Model, q: np.ndarray, source: str) -> None:

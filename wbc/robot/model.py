@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from fnmatch import fnmatchcase
 
 import numpy as np
 import pinocchio as pin
@@ -24,14 +26,18 @@ ROOT_JOINT = "root_joint"
 NO_RANGE = math.pi
 
 
-def build_model(urdf: Urdf) -> pin.Model:
+def build_model(urdf: Urdf, fixed: Iterable[str] = ()) -> pin.Model:
     """The model with a free-flyer root; each joint after it has one coordinate.
+
+    Args:
+        urdf: the description.
+        fixed: names or patterns of joints to weld at zero.
 
     Raises:
         RobotDescriptionError: the tree is broken or Pinocchio refuses it.
     """
-    base = check_tree(urdf)
-    document = _document(urdf, base)
+    check_tree(urdf)
+    document = _document(urdf, tuple(fixed))
     try:
         model = pin.buildModelFromXML(
             ET.tostring(document, encoding="unicode"), pin.JointModelFreeFlyer()
@@ -50,8 +56,8 @@ def build_model(urdf: Urdf) -> pin.Model:
     return model
 
 
-def check_tree(urdf: Urdf) -> str:
-    """Name of the base link of a well-formed tree.
+def check_tree(urdf: Urdf) -> None:
+    """Refuse a file whose links and joints are not one tree.
 
     Raises:
         RobotDescriptionError: duplicate names, a joint that names no link, an
@@ -88,14 +94,12 @@ def check_tree(urdf: Urdf) -> str:
             "so the robot falls into pieces; join all but the base with a joint"
         )
     anchor = world_joint(urdf)
-    base = anchor.child if anchor else roots[0]
     for joint in urdf.joints:
         if joint.kind in ("floating", "planar") and joint is not anchor:
             raise RobotDescriptionError(
                 f"{urdf.path}, line {urdf.line(joint.element)}: joint '{joint.name}' is "
                 f"{joint.kind}; only the base may float, split it into single joints"
             )
-    return base
 
 
 def world_joint(urdf: Urdf) -> UrdfJoint | None:
@@ -110,7 +114,7 @@ def world_joint(urdf: Urdf) -> UrdfJoint | None:
     return None
 
 
-def _document(urdf: Urdf, base: str) -> ET.Element:
+def _document(urdf: Urdf, fixed: tuple[str, ...]) -> ET.Element:
     robot = ET.Element("robot", name=urdf.element.get("name") or urdf.path.stem)
     anchor = world_joint(urdf)
     for name, element in urdf.links.items():
@@ -121,7 +125,8 @@ def _document(urdf: Urdf, base: str) -> ET.Element:
                 link.append(_inertial(urdf, name, inertial))
     for joint in urdf.joints:
         if joint is not anchor:
-            robot.append(_joint(joint))
+            welded = any(fnmatchcase(joint.name, pattern) for pattern in fixed)
+            robot.append(_joint(joint, welded))
     return robot
 
 
@@ -150,8 +155,9 @@ def _inertial(urdf: Urdf, name: str, inertial: ET.Element) -> ET.Element:
     return whole
 
 
-def _joint(joint: UrdfJoint) -> ET.Element:
+def _joint(joint: UrdfJoint, welded: bool) -> ET.Element:
     kind = "revolute" if joint.kind == "continuous" else joint.kind
+    kind = "fixed" if welded else kind
     clean = ET.Element("joint", name=joint.name, type=kind)
     for tag in ("origin", "parent", "child", "axis", "dynamics"):
         element = joint.element.find(tag)

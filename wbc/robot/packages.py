@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
+import re
 import sysconfig
 from collections.abc import Iterable
 from importlib import metadata
 from pathlib import Path
 
+import numpy as np
 import pinocchio as pin
 
 EXAMPLES = "example-robot-data"
+UP_AXIS = re.compile(rb"<up_axis>\s*(\w+)\s*</up_axis>")
 
 
 def example_robot_data() -> Path | None:
@@ -72,3 +75,16 @@ def resolve(address: str, urdf: Path, folders: Iterable[Path]) -> Path | None:
     else:
         candidates = [urdf.parent / address]
     return next((path for path in candidates if path.is_file()), None)
+
+
+def up_axis_turn(mesh: Path) -> np.ndarray:
+    """(3, 3) rotation from a Collada file's own axes to axes with z up.
+
+    ROS tools and Pinocchio read Collada coordinates as they stand and ignore
+    `<up_axis>`, and most robots are written for that. A few (iCub) mean it.
+    """
+    if mesh.suffix.lower() == ".dae":
+        found = UP_AXIS.search(mesh.read_bytes()[:20000])
+        if found is not None and found.group(1) == b"Y_UP":
+            return np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+    return np.eye(3)

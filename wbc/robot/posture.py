@@ -50,6 +50,26 @@ def starting_posture(model: pin.Model, data: RobotData) -> Posture:
     return Posture(q, "", False, "")
 
 
+def stand_base_up(model: pin.Model, q: np.ndarray, feet: tuple[int, int]) -> None:
+    """Turn the base of `q` (nq,) so that its axis that points from the feet to the mass is up.
+
+    Most robots have the base's z axis up; models from biomechanics have y.
+
+    Args:
+        model: the robot.
+        q: (nq,) a posture, changed in place.
+        feet: ids of the joints that move the feet.
+    """
+    data = model.createData()
+    q[:7] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+    com = pin.centerOfMass(model, data, q)
+    rise = com - 0.5 * (data.oMi[feet[0]].translation + data.oMi[feet[1]].translation)
+    axis = int(np.argmax(np.abs(rise)))
+    up = np.sign(rise[axis]) * np.eye(3)[axis]
+    turn = pin.Quaternion.FromTwoVectors(up, np.array([0.0, 0.0, 1.0]))
+    q[3:7] = turn.coeffs()
+
+
 def _apply(model: pin.Model, q: np.ndarray, reference: Reference) -> None:
     # An SRDF serves several variants of a robot: joints that this one lacks are no mistake.
     for name, value in reference.joints.items():
@@ -81,16 +101,15 @@ def nominal_posture(
 
 
 def placed(model: pin.Model, q: np.ndarray, soles: tuple[int, int]) -> np.ndarray:
-    """`q` (nq,) moved rigidly: base upright, soles' midpoint at the origin, heading x."""
+    """`q` (nq,) moved and turned about z: soles' midpoint at the origin, heading x."""
     data = model.createData()
     q = np.array(q)
-    q[:7] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
     pin.framesForwardKinematics(model, data, q)
     left, right = (data.oMf[sole] for sole in soles)
     ahead = left.rotation[:, 0] + right.rotation[:, 0]
     turn = pin.rpy.rpyToMatrix(0.0, 0.0, -float(np.arctan2(ahead[1], ahead[0])))
     middle = 0.5 * (left.translation + right.translation)
-    q[:7] = pin.SE3ToXYZQUAT(pin.SE3(turn, -turn @ middle))
+    q[:7] = pin.SE3ToXYZQUAT(pin.SE3(turn, -turn @ middle) * pin.XYZQUATToSE3(q[:7]))
     return q
 
 

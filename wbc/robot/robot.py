@@ -34,6 +34,7 @@ class Robot:
         legs: velocity indices (into nv) of the joints from the base to each
             sole, left and right, from the hip down.
         urdf: the parsed description.
+        respect_up_axis: whether Collada meshes mean their `<up_axis>`.
         package_dirs: folders in which `package://` is looked up.
         facts: what was derived from the model and what was stated.
         findings: what loading had to substitute or repair.
@@ -49,6 +50,7 @@ class Robot:
     legs: tuple[tuple[int, ...], tuple[int, ...]]
     urdf: Urdf = field(repr=False)
     package_dirs: tuple[Path, ...] = field(repr=False, default=())
+    respect_up_axis: bool = field(repr=False, default=False)
     facts: tuple[Fact, ...] = field(repr=False, default=())
     findings: tuple[Finding, ...] = field(repr=False, default=())
 
@@ -125,12 +127,12 @@ class Robot:
     @cached_property
     def visual_model(self) -> pin.GeometryModel:
         """The visual shapes; meshes are read on first use, missing ones left out."""
-        return load_geometry(self.model, self.urdf, pin.VISUAL, self.package_dirs)
+        return self._geometry(pin.VISUAL)
 
     @cached_property
     def collision_model(self) -> pin.GeometryModel:
         """The collision shapes; meshes are read on first use, missing ones left out."""
-        return load_geometry(self.model, self.urdf, pin.COLLISION, self.package_dirs)
+        return self._geometry(pin.COLLISION)
 
     def sole(self, name: str) -> Sole:
         """The sole of that name (`left_sole`, `right_sole`) or side (`left`, `right`).
@@ -180,6 +182,9 @@ class Robot:
         from wbc.robot.doctor import check_robot
 
         return check_robot(self)
+
+    def _geometry(self, kind: pin.GeometryType) -> pin.GeometryModel:
+        return load_geometry(self.model, self.urdf, kind, self.package_dirs, self.respect_up_axis)
 
     def _leg_chain(self, sole: Sole) -> list[int]:
         leg = self.legs[self.soles.index(sole)]

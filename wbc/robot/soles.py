@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from wbc.errors import RobotDescriptionError
-from wbc.robot.data import RobotData
+from wbc.errors import RobotDescriptionError, did_you_mean
+from wbc.robot.data import SOLE_KEYS, RobotData
 from wbc.robot.finding import Fact
 from wbc.robot.foot import foot_surface
 from wbc.robot.sole import Side, Sole, SoleFit, fit_sole
@@ -26,15 +26,13 @@ def make_soles(
     q: np.ndarray,
     links: tuple[str, str],
 ) -> tuple[tuple[Sole, Sole], list[Fact]]:
-    """Fit both soles at a posture `q` (nq,) with the base upright, and add their frames.
+    """Fit both soles at an upright posture `q` (nq,), and add their frames.
 
     Raises:
         RobotDescriptionError: a foot has no geometry and none is stated.
     """
     kinematics = model.createData()
-    level = np.array(q)
-    level[:7] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
-    pin.framesForwardKinematics(model, kinematics, level)
+    pin.framesForwardKinematics(model, kinematics, q)
     forward = _forward(model, kinematics, links)
     soles, facts = [], []
     for side, link in zip(SIDES, links, strict=True):
@@ -46,7 +44,7 @@ def make_soles(
             fit = _stated(data, frame.placement)
             facts.append(Fact(f"{side} sole", _size(fit), "stated", data.source))
         else:
-            surface = foot_surface(urdf, model, joint, folders)
+            surface = foot_surface(urdf, model, joint, folders, data.respect_up_axis)
             if not len(surface.points):
                 raise RobotDescriptionError(_no_surface(urdf, link, surface.missing))
             axes = np.hstack([frame.placement.rotation, np.eye(3)])
@@ -82,11 +80,26 @@ def _forward(model: pin.Model, kinematics: pin.Data, links: tuple[str, str]) -> 
 
 def _stated(data: RobotData, placement: pin.SE3) -> SoleFit:
     """The rectangle that a data file states, in the foot link's axes."""
-    x, y = data.sole.get("center", (0.0, 0.0))
-    center = pin.SE3(np.eye(3), np.array([x, y, data.sole["height"]]))
-    return SoleFit(
-        placement * center, 0.5 * data.sole["length"], 0.5 * data.sole["width"], "data file"
-    )
+    for key in data.sole:
+        if key not in SOLE_KEYS:
+            raise RobotDescriptionError(
+                f"{data.source}: the sole has no '{key}'{did_you_mean(key, SOLE_KEYS)}"
+            )
+    try:
+        x, y = data.sole.get("center", (0.0, 0.0))
+        height, length, width = (float(data.sole[k]) for k in ("height", "length", "width"))
+        center = np.array([float(x), float(y), height])
+    except (KeyError, TypeError, ValueError) as error:
+        raise RobotDescriptionError(
+            f"{data.source}: the sole needs height, length and width as numbers in m, "
+            f"and center as two ({error})"
+        ) from error
+    if not (np.isfinite(center).all() and 0.0 <= length < np.inf and 0.0 <= width < np.inf):
+        raise RobotDescriptionError(
+            f"{data.source}: the sole is {length} × {width} m; sizes are finite and positive"
+        )
+    sole = placement * pin.SE3(np.eye(3), center)
+    return SoleFit(sole, 0.5 * length, 0.5 * width, data.source)
 
 
 def _size(fit: SoleFit) -> str:

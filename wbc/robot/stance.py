@@ -44,8 +44,8 @@ def settle(
         over_soles: also bring the centre of mass over the soles' midpoint.
     """
     data = model.createData()
+    # The base moves but does not turn: upright is what the posture means by it.
     free = np.array([0, 1, 2, *sorted(move)])
-    upright = pin.XYZQUATToSE3(q[:7]).rotation
     lower, upper = posture_range(model)
     q0, q = np.array(q), np.array(q)
     for _ in range(ITERATIONS):
@@ -63,8 +63,6 @@ def settle(
         J, e = np.vstack(rows)[:, free], np.concatenate(errors)
         dq = np.zeros(model.nv)
         dq[free] = np.linalg.solve(J.T @ J + DAMPING * np.eye(len(free)), J.T @ e)
-        # The base keeps its orientation: upright is what the posture means by it.
-        dq[:3] = upright.T @ (upright @ dq[:3])
         dq *= min(1.0, STEP / max(float(np.abs(dq[6:]).max()), 1e-12))
         q = pin.integrate(model, q, dq)
         q[7:] = np.clip(q[7:], lower, upper)
