@@ -53,6 +53,7 @@ class InvariantFilter:
         noise: what is assumed of the sensors.
         covariances: per foot (6, 6) of its pose as the encoders see it: position, then
             rotation vector, IMU axes; m, rad.
+        every: periods between two corrections, over which the covariance takes one step.
     """
 
     def __init__(
@@ -62,6 +63,7 @@ class InvariantFilter:
         gravity: np.ndarray,
         noise: EstimatorNoise,
         covariances: Sequence[np.ndarray],
+        every: int = 1,
     ) -> None:
         self._feet = feet
         self._dt = dt
@@ -73,10 +75,8 @@ class InvariantFilter:
         self._bg, self._ba = slice(n - 6, n - 3), slice(n - 3, n)
         self._moved = 9 + 3 * feet  # rows that a gyro error moves
         self.P = np.zeros((n, n))
-        self._transition = np.eye(n)
-        self._transition[_P, _V] = dt * np.eye(3)
-        so3.skew(dt * self._gravity, self._transition[_V, _R])
-        so3.skew(0.5 * dt * dt * self._gravity, self._transition[_P, _R])
+        self._every = every
+        self._transitions: dict[int, np.ndarray] = {}
         # How a gyro error in world axes moves the errors: [I; v×; p×; d×].
         self._lever = np.zeros((self._moved, 3))
         self._lever[_R] = np.eye(3)
@@ -85,7 +85,8 @@ class InvariantFilter:
         self._process[_V] = (noise.accelerometer * dt) ** 2
         self._process[self._bg] = noise.gyro_walk**2 * dt
         self._process[self._ba] = noise.accelerometer_walk**2 * dt
-        self._slip = (noise.slip**2 * dt, noise.twist**2 * dt)
+        self._gyro_step = (noise.gyro * dt) ** 2
+        self._slip, self._twist = noise.slip**2 * dt, noise.twist**2 * dt
         self._diagonal = self.P.reshape(-1)[:: n + 1]
         self._updates = {
             key: _Update(key, n, self._place, self._turn, covariances)
@@ -123,36 +124,63 @@ class InvariantFilter:
             self._diagonal[block] = sigma**2
         # Heading and place are what the reset says they are: nothing measures them.
         self._diagonal[2] = 0.0
-        self._corrections = 0
+        self._pending = self._corrections = 0
+        self._wander = [0.0] * self._feet
 
-    def propagate(self, gyro: np.ndarray, accelerometer: np.ndarray, slip: Sequence[float]) -> None:
-        """Advance by one period.
+    def propagate(self, gyro: np.ndarray, accelerometer: np.ndarray, slip: Sequence[float]) -> bool:
+        """Advance by one period; tell whether a correction is due.
 
         Args:
             gyro: (3,) mean over the period, IMU axes, rad/s.
             accelerometer: (3,) mean specific force over the period, IMU axes, m/s².
             slip: per foot, a factor on its wandering; 0 for a foot in the air.
         """
-        dt, R, X = self._dt, self.R, self.vectors
+        dt, X = self._dt, self.vectors
         half = so3.exp((0.5 * dt) * (gyro - self.gyro_bias))
-        middle = R @ half
+        middle = self.R @ half
         acceleration = middle @ (accelerometer - self.accelerometer_bias) + self._gravity
-        so3.skews(X, self._skews)
-        lever, transition, moved = self._lever, self._transition, self._moved
-        minus = -dt * R
+        X[1] += dt * X[0] + (0.5 * dt * dt) * acceleration
+        X[0] += dt * acceleration
+        self.R = middle @ half
+        self._pending += 1
+        for i, factor in enumerate(slip):
+            self._wander[i] += factor * factor
+        if self._pending < self._every:
+            return False
+        self._catch_up()
+        return True
+
+    def _catch_up(self) -> None:
+        """Propagate the covariance over the periods since it was last."""
+        count = self._pending
+        if count == 0:
+            return
+        self._pending = 0
+        transition = self._transitions.get(count)
+        if transition is None:
+            transition = self._transitions[count] = self._transition_over(count * self._dt)
+        minus = (-count * self._dt) * self.R
+        so3.skews(self.vectors, self._skews)
+        lever, moved = self._lever, self._moved
         transition[:moved, self._bg] = lever @ minus
         transition[_V, self._ba] = minus
         P = self.P
         np.matmul(transition @ P, transition.T, out=P)
-        P[:moved, :moved] += (self._noise.gyro * dt) ** 2 * (lever @ lever.T)
-        for i, factor in enumerate(slip):
-            square = factor * factor
-            self._process[self._place[i]] = square * self._slip[0]
-            self._process[self._turn[i]] = square * self._slip[1]
-        self._diagonal += self._process
-        X[1] += dt * X[0] + (0.5 * dt * dt) * acceleration
-        X[0] += dt * acceleration
-        self.R = middle @ half
+        P[:moved, :moved] += (count * self._gyro_step) * (lever @ lever.T)
+        process = self._process
+        for i, square in enumerate(self._wander):
+            process[self._place[i]] = (square / count) * self._slip
+            process[self._turn[i]] = (square / count) * self._twist
+            self._wander[i] = 0.0
+        self._diagonal += count * process
+
+    def _transition_over(self, time: float) -> np.ndarray:
+        """The constant part of the errors' transition matrix."""
+        transition = np.eye(len(self.P))
+        transition[_P, _V] = time * np.eye(3)
+        so3.skew(time * self._gravity, transition[_V, _R])
+        so3.skew(0.5 * time * time * self._gravity, transition[_P, _R])
+        return transition
 
     def land(self, foot: int, h: np.ndarray, F: np.ndarray) -> None:
         """Take a sole as standing where the legs say it is now.
@@ -162,6 +190,7 @@ class InvariantFilter:
             h: (3,) sole centre in IMU axes, m.
             F: (3, 3) sole axes to IMU axes.
         """
+        self._catch_up()
         self.vectors[2 + foot] = self.p + self.R @ h
         self.F[foot] = self.R @ F
         P = self.P

@@ -35,14 +35,27 @@ class JointFilter:
         """Forget: the next reading is taken as it is."""
         self._fresh = True
 
-    def update(self, position: np.ndarray, velocity: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Filtered (position, velocity); views that the next update overwrites."""
+    def update(
+        self,
+        position: np.ndarray,
+        velocity: np.ndarray,
+        acceleration: np.ndarray | None = None,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Filtered (position, velocity); views that the next update overwrites.
+
+        Args:
+            position: (na,) encoders, rad.
+            velocity: (na,) rad/s.
+            acceleration: (na,) foreseen over the period that ends now, rad/s²; none: zero.
+        """
         x = self._x
         if self._fresh or self._passes:
             x[0] = position
             x[1] = velocity
             self._fresh = False
             return x[0], x[1]
+        if acceleration is not None:
+            x[1] += self._dt * acceleration
         x[0] += self._dt * x[1]
         innovation = self._prediction
         np.subtract(position, x[0], out=innovation[0])
