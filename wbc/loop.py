@@ -24,6 +24,10 @@ _SPIN = 300e-6  # s: the scheduler wakes a sleeper up to this late
 _STRIDE = 0.5  # s between the points over which the way is added up
 
 
+class StopRun(Exception):
+    """Raised in `before_tick` or `progress`: ends the run early, with the report so far."""
+
+
 class Controller(Protocol):
     """Anything that turns states into commands runs in `run`.
 
@@ -105,9 +109,10 @@ def run(
         real_time: wait for the wall clock, so that a second takes a second.
         before_tick: called with the plant's time before each tick, to change commands or push.
         progress: called about ten times a second.
+            Either of them may raise `StopRun` to end the run.
 
     Raises:
-        WbcError: the duration is not positive.
+        WbcError: the duration is not positive, or the run was stopped before its first tick.
     """
     if not duration > 0.0:
         raise WbcError(f"duration = {duration} s must be positive")
@@ -152,6 +157,10 @@ def run(
                 book.fell(plant.time, reason)
                 break
             tick += 1
+    except StopRun as stop:
+        if book.empty:
+            raise WbcError(f"the run was stopped before its first tick: {stop}") from stop
+        book.stopped(str(stop) or "stopped")
     finally:
         gc.unfreeze()
         if collecting:
@@ -237,6 +246,7 @@ class _Book:
         self._peak_ratio = self._torque_excess = self._joint_excess = 0.0
         self._fell_at: float | None = None
         self._fell_why = ""
+        self._stopped = False
         self._trail = [start.q[:2].copy()]
         self._trail_time = [0.0]
         self._yaw = _yaw(start)
@@ -282,6 +292,13 @@ class _Book:
     def fell(self, at: float, why: str) -> None:
         self._fell_at, self._fell_why = at, why
 
+    @property
+    def empty(self) -> bool:
+        return self._count == 0
+
+    def stopped(self, why: str) -> None:
+        self._stopped, self._fell_why = True, why
+
     def progress(self, now: float, duration: float) -> Progress:
         k = self._count
         recent = slice(max(0, k - 50), k)
@@ -313,7 +330,7 @@ class _Book:
         period = 1e6 * (self._time / max(self._count - 1, 1))
         return Report(
             robot=self.robot.name,
-            survived=self._fell_at is None,
+            survived=self._fell_at is None and not self._stopped,
             fell_at_s=self._fell_at,
             fell_why=self._fell_why,
             duration_s=simulated,
