@@ -1,0 +1,131 @@
+"""How far each robot walks in physics: the table of the README.
+
+Every run is in MuJoCo with physics at 1 kHz, friction 0.8, the URDF's torque limits, noisy
+sensors (encoders, joint velocities, IMU, foot forces) and no ground truth in the walker. A
+cell passes when the robot survives, gets as far as asked, and no QP fails, no torque and no
+joint position exceeds its limit.
+
+    python benchmarks/walk.py                     # all robots, 5 seeds
+    python benchmarks/walk.py --robot g1 --seeds 2
+"""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+import argparse
+import json
+import statistics
+import sys
+import time
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict
+from pathlib import Path
+
+import wbc
+from wbc.trials import Scenario, circle, forward, run_scenario, sideways, stop_and_stand, turn
+
+SCENARIOS: dict[str, list[Scenario]] = {
+    "talos": [
+        forward(10.0, 0.5),
+        sideways(2.0, 0.15),
+        turn(180.0, 0.3),
+        circle(1.0, 0.25),
+        forward(2.0, -0.2),
+        stop_and_stand(0.5),
+    ],
+    "g1": [forward(10.0, 0.35), turn(90.0, 0.3), sideways(1.0, 0.1), stop_and_stand(0.35)],
+    "simple_humanoid": [
+        forward(10.0, 0.4),
+        turn(90.0, 0.3),
+        sideways(1.0, 0.1),
+        stop_and_stand(0.4),
+    ],
+    "romeo": [forward(10.0, 0.2), stop_and_stand(0.2)],
+}
+
+
+def trial(job: tuple[str, int, int]) -> tuple[str, int, int, wbc.Report]:
+    """One run in a process of its own."""
+    name, index, seed = job
+    report = run_scenario(wbc.load(name), SCENARIOS[name][index], seed)
+    return name, index, seed, report
+
+
+def main() -> int:
+    """Run the trials, print the table, write the JSON."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--robot", action="append", choices=sorted(SCENARIOS), help="only this one")
+    parser.add_argument("--scenario", default="", help="only scenarios whose name contains this")
+    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--jobs", type=int, default=1, help="processes; timings need 1")
+    parser.add_argument("--json", type=Path, help="write all reports here")
+    args = parser.parse_args()
+    jobs = [
+        (name, index, seed)
+        for name in (args.robot or SCENARIOS)
+        for index, scenario in enumerate(SCENARIOS[name])
+        if args.scenario in scenario.name
+        for seed in range(args.seeds)
+    ]
+    results: dict[tuple[str, int], list[wbc.Report]] = {}
+    begun = time.perf_counter()
+    with ProcessPoolExecutor(args.jobs) as pool:
+        for name, index, seed, report in pool.map(trial, jobs):
+            results.setdefault((name, index), []).append(report)
+            scenario = SCENARIOS[name][index]
+            mark = "ok  " if scenario.passed(report) else "FAIL"
+            fate = report.fell_why or (report.explanation[:80] if report.qp_failures else "")
+            print(
+                f"{mark} {name:16} {scenario.name:28} seed {seed}  "
+                f"{scenario.measure(report):7.2f} {scenario.unit}  {fate}",
+                file=sys.stderr,
+                flush=True,
+            )
+    print(table(results))
+    print(f"\n{len(jobs)} runs in {time.perf_counter() - begun:.0f} s")
+    if args.json:
+        rows = [
+            {"robot": n, "scenario": SCENARIOS[n][i].name, "seed": s, **asdict(r)}
+            for (n, i), reports in results.items()
+            for s, r in enumerate(reports)
+        ]
+        args.json.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+    failed = [
+        r for (n, i), reports in results.items() for r in reports if not SCENARIOS[n][i].passed(r)
+    ]
+    return 1 if failed else 0
+
+
+def table(results: dict[tuple[str, int], list[wbc.Report]]) -> str:
+    """A Markdown table, one row per robot and scenario."""
+    lines = [
+        "| robot | scenario | passed | reached (worst) | speed m/s | DCM error mm rms | "
+        "peak torque % | beyond joint limit rad | QP failures | tick µs p50 / p99 | × real time |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    for (name, index), reports in results.items():
+        scenario = SCENARIOS[name][index]
+        passed = sum(scenario.passed(r) for r in reports)
+
+        def median(key: str, of: list[wbc.Report] = reports) -> float:
+            return statistics.median(getattr(r, key) for r in of)
+
+        worst = min(scenario.measure(r) for r in reports)
+        lines.append(
+            f"| {name} | {scenario.name} | {passed}/{len(reports)} | {worst:.2f} {scenario.unit} | "
+            f"{median('mean_speed_m_s'):.2f} | {median('dcm_error_rms_mm'):.1f} | "
+            f"{100 * max(r.torque_peak_ratio for r in reports):.0f} | "
+            f"{max(r.joint_limit_excess_rad for r in reports):.0e} | "
+            f"{sum(r.qp_failures for r in reports)} | "
+            f"{median('tick_p50_us'):.0f} / {median('tick_p99_us'):.0f} | "
+            f"{median('real_time_factor'):.1f} |"
+        )
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

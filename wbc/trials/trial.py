@@ -1,0 +1,46 @@
+"""One scenario, one robot, one seed."""
+
+from __future__ import annotations
+
+from wbc.estimation import GroundTruthEstimator
+from wbc.loop import StateEstimator, run
+from wbc.report import Report
+from wbc.robot import Robot
+from wbc.sim import Mujoco
+from wbc.state import State
+from wbc.trials.scenario import Scenario
+from wbc.walking import Walker
+
+
+def run_scenario(
+    robot: Robot,
+    scenario: Scenario,
+    seed: int,
+    *,
+    walker: Walker | None = None,
+    estimator: StateEstimator | None = None,
+    start: State | None = None,
+) -> Report:
+    """Run a scenario in MuJoCo with noisy sensors and the base-state estimator.
+
+    Args:
+        robot: the robot.
+        scenario: what it has to do.
+        seed: of the sensor noise.
+        walker: `Walker(robot)` when left out.
+        estimator: the filter on what the sensors deliver when left out; a
+            `GroundTruthEstimator` gets the exact state.
+        start: where it starts; standing at the origin when left out.
+    """
+    walker = walker or Walker(robot)
+
+    def command(time: float) -> None:
+        walker.velocity = scenario.velocity_at(time)
+
+    truth = isinstance(estimator, GroundTruthEstimator)
+    with Mujoco(robot, dt=walker.dt, seed=seed, ground_truth=truth) as plant:
+        if start is not None:
+            plant.reset(start)
+        return run(
+            walker, plant, scenario.duration, estimator=estimator, before_tick=command
+        )
