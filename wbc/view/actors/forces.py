@@ -1,0 +1,65 @@
+"""Contact forces as arrows that start at the centre of pressure."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wbc.view.actors.actor import Actor, Moment, Node, Proportions, hide, stretch
+from wbc.view.colours import FORCE
+from wbc.view.objects import cylinder, mesh, see_through
+from wbc.view.slot import CONTACTS
+
+_RADIUS = 0.012  # m, on a robot of human size
+_HEAD = 0.09  # m
+#: Length of the arrow that carries the robot's weight, in heights of its centre of mass.
+_LENGTH = 0.6
+#: Forces below this part of the weight are not drawn.
+_LEAST = 0.005
+
+
+class Forces(Actor):
+    """One arrow per loaded contact; as long as the force is large."""
+
+    def __init__(self, proportions: Proportions) -> None:
+        self._weight = proportions.weight
+        self._scale = _LENGTH * proportions.com_height / proportions.weight
+        self._head = _HEAD * proportions.unit
+        radius = _RADIUS * proportions.unit
+        # Arrows run inside the leg that bears them: they are drawn over the robot.
+        material = see_through(FORCE)
+        self.nodes = []
+        for i in range(CONTACTS):
+            shaft = mesh(cylinder(radius, 1.0), material, order=10)
+            head = mesh(cylinder(2.6 * radius, 1.0, top=0.0), material, order=10)
+            self.nodes += [Node(f"forces/{i}/shaft", (shaft,)), Node(f"forces/{i}/head", (head,))]
+
+    def place(self, moment: Moment, poses: np.ndarray) -> None:
+        hide(poses)
+        for i, (placement, wrench) in enumerate(moment.contacts.values()):
+            force = placement.rotation @ wrench[:3]
+            size = float(np.sqrt(force @ force))
+            if not size > _LEAST * self._weight:
+                continue
+            start = placement.act(centre_of_pressure(wrench))
+            way = force / size
+            length = size * self._scale
+            neck = start + max(length - self._head, 0.0) * way
+            stretch(poses[2 * i], start, neck)
+            stretch(poses[2 * i + 1], neck, start + length * way)
+
+
+def centre_of_pressure(wrench: np.ndarray) -> np.ndarray:
+    """Where a contact's force acts on its plane, in contact axes.
+
+    `x = −m_y / f_z, y = m_x / f_z`, the centre when the contact bears nothing.
+
+    Args:
+        wrench: (6,) force then moment at the contact's centre, contact axes; N, N·m.
+
+    Returns:
+        (3,) m.
+    """
+    normal = float(wrench[2])
+    if normal < 1.0:
+        return np.zeros(3)
+    return np.array([-wrench[4] / normal, wrench[3] / normal, 0.0])

@@ -1,0 +1,70 @@
+"""The support polygon: its edges, and a translucent filling."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wbc.view.actors.actor import Actor, Moment, Node, Proportions, hide, stretch
+from wbc.view.colours import SUPPORT, faded
+from wbc.view.objects import cylinder, flat, mesh, see_through, triangles
+from wbc.view.slot import SUPPORT as CORNERS
+
+_LIFT = np.array([0.0, 0.0, 0.003])
+_RADIUS = 0.004  # m, on a robot of human size
+_CORNER = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+
+
+class Support(Actor):
+    """Edges are stretched cylinders; the filling is stretched right-angled triangles."""
+
+    def __init__(self, proportions: Proportions) -> None:
+        radius = _RADIUS * proportions.unit
+        edge, fill = see_through(SUPPORT), flat(faded(SUPPORT, 0.22))
+        normals = np.tile([0.0, 0.0, 1.0], (3, 1))
+        self.nodes = []
+        for i in range(CORNERS):
+            line = mesh(cylinder(radius, 1.0, segments=6), edge, order=4)
+            self.nodes.append(Node(f"support/edge_{i}", (line,)))
+        for i in range(2 * (CORNERS - 2)):
+            piece = mesh(triangles(_CORNER, np.array([[0, 1, 2]]), normals), fill, order=2)
+            self.nodes.append(Node(f"support/fill_{i}", (piece,)))
+
+    def place(self, moment: Moment, poses: np.ndarray) -> None:
+        hide(poses)
+        corners = moment.snapshot.telemetry.support
+        if len(corners) < 3 or not np.isfinite(corners).all():
+            return
+        corners = corners + _LIFT
+        for i in range(len(corners)):
+            stretch(poses[i], corners[i - 1], corners[i])
+        fills = poses[CORNERS:]
+        for i in range(1, len(corners) - 1):
+            lay_triangle(fills[2 * i - 2 : 2 * i], corners[0], corners[i], corners[i + 1])
+
+
+def lay_triangle(rows: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> None:
+    """Cover a level triangle by two right-angled ones: the poses of two unit triangles.
+
+    A pose cannot shear, but the height on the longest side cuts any triangle
+    into two with a right angle, and those are a unit triangle stretched.
+
+    Args:
+        rows: (2, 10) poses to be written.
+        a: (3,) corner, m; so are `b` and `c`.
+    """
+    points = np.stack([a, b, c])
+    sides = np.linalg.norm(np.roll(points, -1, 0) - np.roll(points, -2, 0), axis=1)
+    k = int(np.argmax(sides))  # the corner opposite the longest side
+    if sides[k] < 1e-9:
+        return
+    top, left, right = points[k], points[k - 2], points[k - 1]
+    along = (right - left) / sides[k]
+    foot = left + along * float(along @ (top - left))
+    for row, end in zip(rows, (left, right), strict=True):
+        x, y = end - foot, top - foot
+        if x[0] * y[1] - x[1] * y[0] < 0.0:
+            x, y = y, x
+        yaw = float(np.arctan2(x[1], x[0]))
+        row[0:3] = foot
+        row[3:7] = (0.0, 0.0, np.sin(0.5 * yaw), np.cos(0.5 * yaw))
+        row[7:10] = (np.hypot(x[0], x[1]), np.hypot(y[0], y[1]), 1.0)

@@ -1,0 +1,47 @@
+"""What each colour means. The page's legend is made from this."""
+
+from __future__ import annotations
+
+from wbc.command import Status
+from wbc.view.objects import Colour, rgb
+
+FORCE = rgb("#d1342b")
+COM = rgb("#23272f")
+DCM = rgb("#7a3fc4")
+ZMP = rgb("#f0a202")
+SUPPORT = rgb("#1f9d7a")
+LEFT = rgb("#2467d6")
+RIGHT = rgb("#e06a10")
+SWING = rgb("#5b6472")
+BARE = rgb("#8fa3b8")
+TERRAIN = rgb("#cfd6dd")
+
+STATUS: dict[Status, Colour] = {
+    Status.OK: rgb("#2eaf5d"),
+    Status.INFEASIBLE: rgb("#f0a202"),
+    Status.FAILED: rgb("#d1342b"),
+}
+
+#: (kind of mark, colour, meaning): `disc`, `ring`, `line`, `area` or `box`.
+LEGEND: tuple[tuple[str, Colour, str], ...] = (
+    ("line", FORCE, "contact force"),
+    ("disc", COM, "centre of mass, and its trail"),
+    ("disc", DCM, "DCM (capture point)"),
+    ("ring", DCM, "DCM reference"),
+    ("disc", ZMP, "ZMP"),
+    ("area", SUPPORT, "support polygon"),
+    ("box", LEFT, "left footstep (faint: made)"),
+    ("box", RIGHT, "right footstep (faint: made)"),
+    ("dots", SWING, "swing path"),
+)
+
+
+def faded(colour: Colour, opacity: float) -> Colour:
+    """The colour, more transparent."""
+    return (*colour[:3], opacity)
+
+
+def css(colour: Colour) -> str:
+    """The colour as a page's style sheet writes it."""
+    red, green, blue, opacity = colour
+    return f"rgba({round(255 * red)},{round(255 * green)},{round(255 * blue)},{opacity})"

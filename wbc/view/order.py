@@ -1,0 +1,32 @@
+"""What the viewer's process is told when it starts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from wbc.view.block import Block
+
+if TYPE_CHECKING:
+    from wbc.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class Order:
+    """The whole of the process's input, pickled.
+
+    Attributes:
+        robot: whom to draw.
+        descriptor: of the ring's shared memory.
+        port: of the page; None for the first free one, 0 for any.
+        rate: of the snapshots, Hz.
+        blocks: terrain.
+        parent: process whose end is the viewer's end.
+    """
+
+    robot: Robot
+    descriptor: int
+    port: int | None
+    rate: float
+    blocks: tuple[Block, ...]
+    parent: int

@@ -1,0 +1,103 @@
+// The stage around meshcat's viewer: floor, lights, camera, and the cards on top.
+// `show` is what both the live page and a recording call with a snapshot's words.
+"use strict";
+const BACKGROUND = 0xe8edf2;
+var viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
+const THREE = MeshCat.THREE;
+const element = (id) => document.getElementById(id);
+// Read by tests, to wait for a complete scene instead of for a time.
+var wbc = {bodies: 0, frames: 0, ready: false, time: null};
+
+function makeStage(scale) {
+  for (const path of [["Lights"], ["Grid"], ["Axes"]]) {
+    viewer.scene_tree.find(path).object.visible = false;
+  }
+  const rgb = [16, 8, 0].map((shift) => ((BACKGROUND >> shift) & 255) / 255);
+  viewer.set_property(["Background"], "bottom_color", rgb);
+  viewer.set_property(["Background"], "top_color", rgb);
+  // The floor fades into the background, so that it has no edge to walk off.
+  viewer.scene.fog = new THREE.Fog(BACKGROUND, 5 * scale, 15 * scale);
+
+  const stage = viewer.scene_tree.find(["wbc", "stage"]).object;
+  const floor = new THREE.Mesh(
+    new THREE.PlaneGeometry(60, 60), new THREE.MeshLambertMaterial({color: 0xd3d9df}));
+  floor.receiveShadow = true;
+  floor.position.z = -0.004;
+  stage.add(floor);
+  const lines = (step, half, colour, z) => {
+    const grid = new THREE.GridHelper(2 * half, Math.round(2 * half / step), colour, colour);
+    grid.rotateX(Math.PI / 2);
+    grid.position.z = z;
+    stage.add(grid);
+  };
+  lines(0.25, 8, 0xc6cfd8, -0.003);
+  lines(1.0, 16, 0xa7b3bf, -0.002);
+
+  stage.add(new THREE.HemisphereLight(0xffffff, 0xb4bcc6, 0.64));
+  const sun = new THREE.DirectionalLight(0xfff6ea, 0.42);
+  sun.position.set(2.2, 1.8, 5.0);
+  sun.castShadow = true;
+  sun.shadow.mapSize.set(2048, 2048);
+  Object.assign(sun.shadow.camera, {left: -3, right: 3, top: 3, bottom: -3, near: 0.5, far: 12});
+  sun.shadow.bias = -0.0006;
+  sun.shadow.normalBias = 0.01;
+  sun.shadow.radius = 3;
+  const fill = new THREE.DirectionalLight(0xe6efff, 0.30);
+  fill.position.set(-1.5, -3.0, 1.5);
+  // Their targets move with the stage; by default they would stay at the origin.
+  stage.add(sun, sun.target, fill, fill.target);
+
+  viewer.camera.fov = 32;
+  viewer.camera.near = 0.02;
+  viewer.camera.far = 60;
+  // Of the camera's parent y is up and z is the robot's right.
+  const distance = 1.85 * scale;
+  viewer.camera.position.set(0.86 * distance, 0.34 * distance, 1.05 * distance);
+  // Orbit controls count in the axes of the camera's parent, three.js's lookAt in the
+  // world's: a camera that follows would keep looking at the origin.
+  const turn = new THREE.Matrix4();
+  viewer.camera.lookAt = function (target) {
+    this.quaternion.setFromRotationMatrix(turn.lookAt(this.position, target, this.up));
+  };
+  viewer.set_dirty();
+}
+
+function addBody(bytes) {
+  viewer.handle_command_bytearray(bytes);
+  wbc.bodies += 1;
+}
+
+function finishBodies() {
+  // Marks are no things: only the robot and the terrain cast shadows.
+  const root = viewer.scene_tree.find(["wbc"]);
+  for (const [name, child] of Object.entries(root.children)) {
+    const solid = name === "robot" || name === "terrain";
+    if (name === "stage") continue;
+    child.object.traverse((thing) => {
+      thing.castShadow = name === "robot";
+      thing.receiveShadow = solid;
+      thing.frustumCulled = solid;
+    });
+  }
+  element("wait").remove();
+  viewer.set_dirty();
+}
+
+const nodesAt = (paths) =>
+  paths.map((path) => viewer.scene_tree.find(path.split("/").filter((x) => x)).object);
+
+function place(object, pose, at) {
+  object.position.fromArray(pose, at);
+  object.quaternion.fromArray(pose, at + 3);
+  object.scale.fromArray(pose, at + 7);
+  object.visible = pose[at + 7] > 0;
+}
+
+function show(words) {
+  element("lamp").style.background = words.colour;
+  element("lamp").title = words.status;
+  element("time").textContent = `t = ${words.time.toFixed(2)} s`;
+  element("phase").textContent = words.phase;
+  element("text").textContent = words.text;
+  wbc.time = words.time;
+}

@@ -1,0 +1,206 @@
+"""`Recording`: snapshots of a run, made into one HTML file that plays offline."""
+
+from __future__ import annotations
+
+import base64
+import struct
+import zlib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wbc.view.block import Block
+from wbc.view.errors import ViewerError
+from wbc.view.slot import Layout, Slot
+from wbc.view.snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from wbc.robot import Robot
+    from wbc.view.actors import Node
+
+_STILL = 1e-5  # m or 1: a pose that changes by less has not changed
+_DISCRETE, _LINEAR = 2300, 2301  # three.js's names of interpolations
+_GZIP = 16 + zlib.MAX_WBITS
+
+
+class Recording:
+    """Collects snapshots cheaply; the file is made after the run.
+
+    The file holds meshcat's page, the robot's meshes and an animation: it needs
+    no network and no server. It plays at once, over and over.
+
+    Args:
+        robot: the robot.
+        path: where `close` (or leaving the `with` block) saves to.
+        rate: frames per second of the run's own time, Hz.
+        blocks: boxes of terrain.
+
+    Raises:
+        ViewerError: the rate is not positive.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        path: str | Path | None = None,
+        *,
+        rate: float = 30.0,
+        blocks: Sequence[Block] = (),
+    ) -> None:
+        if not rate > 0.0:
+            raise ViewerError(f"rate is {rate} Hz; a recording needs a positive one")
+        self.robot = robot
+        self.rate = float(rate)
+        self._path = Path(path) if path is not None else None
+        self._blocks = tuple(blocks)
+        layout = Layout.of(robot.model)
+        self._buffer = bytearray(layout.nbytes)
+        self._slot = Slot(layout, self._buffer)
+        self._frames: list[bytes] = []
+        self._due = -np.inf
+        self._last = -np.inf
+
+    def __len__(self) -> int:
+        """Number of frames."""
+        return len(self._frames)
+
+    def due(self, now: float) -> bool:
+        """Whether a snapshot of this time of the run, s, would be kept."""
+        return now >= self._due or now < self._last
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Keep a copy of the snapshot, if the next frame is due.
+
+        A time before the previous one begins a new run, and the recording anew.
+
+        Raises:
+            StateError: `snapshot.q` has the wrong size.
+            ViewerError: another part of it has the wrong shape.
+        """
+        now = float(snapshot.time)
+        if not self.due(now):
+            return
+        if now < self._last:
+            self._frames.clear()
+            self._due = now
+        self._slot.write(snapshot)
+        self._frames.append(bytes(self._buffer))
+        # Half a tick's grace: 0.1 s in ticks of 2 ms does not count up to 0.1 exactly.
+        self._due = max(self._due, now - 1.0 / self.rate) + 1.0 / self.rate - 1e-9
+        self._last = now
+
+    def save(self, path: str | Path) -> Path:
+        """Make the file.
+
+        Returns:
+            The path of the file.
+
+        Raises:
+            ViewerError: nothing was recorded, or the file cannot be written.
+        """
+        path = Path(path)
+        html = self._html()
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(html, "utf-8")
+        except OSError as error:
+            raise ViewerError(
+                f"cannot write the recording to {path}: {error.strerror}; give another path"
+            ) from error
+        return path
+
+    def close(self) -> None:
+        """Save to the path that was given at the beginning, if one was and there is a frame."""
+        if self._path is not None and self._frames:
+            self.save(self._path)
+
+    def __enter__(self) -> Recording:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _html(self) -> str:
+        # Drawing is needed only now: a run that records does not wait for its modules.
+        from wbc.view.objects import set_animation
+        from wbc.view.page_text import recorded_page, words
+        from wbc.view.scene import Scene
+
+        scene = Scene(self.robot, self._blocks)
+        shown, poses = [], []
+        for snapshot in self._snapshots():
+            if scene.update(snapshot):
+                shown.append(words(snapshot))
+                poses.append(scene.poses.copy())
+        if not shown:
+            raise ViewerError("nothing was recorded: show() at least one snapshot before save()")
+        times = np.array([w["time"] for w in shown]) - shown[0]["time"]
+        track = np.stack(poses)
+        duration = max(float(times[-1]), 1.0 / self.rate)
+        clips = [
+            clip
+            for i, (path, node) in enumerate(zip(scene.paths, scene.nodes, strict=True))
+            if (clip := _clip(path, node, times, track[:, i], duration)) is not None
+        ]
+        story = {
+            "scale": scene.proportions.top,
+            "paths": scene.paths,
+            "first": np.round(track[0], 5).ravel().tolist(),
+            "words": shown,
+        }
+        packer = zlib.compressobj(6, zlib.DEFLATED, _GZIP)
+        packed = b"".join(
+            packer.compress(struct.pack("<I", len(message)) + message)
+            for message in (*scene.commands(), set_animation(clips))
+        )
+        packed += packer.flush()
+        return recorded_page(self.robot.name, story, base64.b64encode(packed).decode("ascii"))
+
+    def _snapshots(self) -> Iterator[Snapshot]:
+        for frame in self._frames:
+            self._buffer[:] = frame
+            yield self._slot.read()
+
+
+def _clip(
+    path: str, node: Node, times: np.ndarray, poses: np.ndarray, duration: float
+) -> dict[str, Any] | None:
+    """A node's way through the run; None if it stays where it is."""
+    from wbc.view.objects import floats
+
+    tracks = []
+    for name, kind, columns in (
+        ("position", "vector3", slice(0, 3)),
+        ("quaternion", "quaternion", slice(3, 7)),
+        ("scale", "vector3", slice(7, 10)),
+    ):
+        values = poses[:, columns]
+        moved = np.abs(np.diff(values, axis=0)).max(axis=1) > _STILL
+        if not moved.any():
+            continue
+        keys = np.concatenate([[True], moved])
+        if node.smooth:
+            # Also the end of each rest, or the rest would become a slow way.
+            keys[:-1] |= moved
+        tracks.append(
+            {
+                "name": f".{name}",
+                "type": kind,
+                "times": floats(times[keys]),
+                "values": floats(values[keys]),
+                "interpolation": _LINEAR if node.smooth else _DISCRETE,
+            }
+        )
+    if not tracks:
+        return None
+    # All clips have one length, or each would begin anew at a time of its own.
+    clip = {"fps": 1, "name": "run", "duration": duration, "tracks": tracks}
+    return {"path": path, "clip": clip}

@@ -1,0 +1,134 @@
+"""The scene: its bodies, made once, and their poses at a snapshot.
+
+This is the one place where drawing happens. The live viewer sends the poses that
+changed; a recording turns them into tracks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.view.actors import (
+    Actor,
+    Balance,
+    Body,
+    Footsteps,
+    Forces,
+    Lamp,
+    Moment,
+    Node,
+    Proportions,
+    Stage,
+    Support,
+    Swing,
+    Trail,
+)
+from wbc.view.block import Block
+from wbc.view.colours import TERRAIN
+from wbc.view.looks import looks_of
+from wbc.view.objects import box, matte, mesh, set_object
+from wbc.view.snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from wbc.robot import Robot
+
+ROOT = "/wbc"
+_HIDDEN = np.array([0.0, 0, 0, 0, 0, 0, 1, 0, 0, 0])
+
+
+class Scene:
+    """Everything that is drawn.
+
+    Args:
+        robot: what to draw; its meshes are read here.
+        blocks: the terrain, if it is not flat.
+
+    Attributes:
+        nodes: places of the scene's tree, in the order of `poses`.
+        poses: (n, 10) `[position, quaternion x y z w, scale]` of each node.
+        proportions: of the robot.
+        source: what the robot is drawn from when it has no visual shapes.
+    """
+
+    def __init__(self, robot: Robot, blocks: Sequence[Block] = ()) -> None:
+        self._model = robot.model
+        self._data = robot.model.createData()
+        self._soles = {sole.name: int(sole.frame_id) for sole in robot.soles}
+        self._frames = {frame.name: i for i, frame in enumerate(self._model.frames)} | self._soles
+        self._blocks = tuple(blocks)
+        looks = looks_of(robot)
+        self.source = looks.source
+        weight = robot.mass * float(np.linalg.norm(self._model.gravity.linear))
+        self.proportions = p = Proportions(robot.com_height, looks.top, max(weight, 1e-3))
+        self._actors: list[Actor] = [
+            Body(self._model, looks.shapes),
+            Stage(p),
+            Footsteps(robot.soles, p),
+            Support(p),
+            Forces(p),
+            Balance(p),
+            Trail(p),
+            Swing(p),
+            Lamp(p),
+        ]
+        self.nodes: list[Node] = [node for actor in self._actors for node in actor.nodes]
+        self.poses = np.tile(_HIDDEN, (len(self.nodes), 1))
+        self._time: float | None = None
+
+    @property
+    def paths(self) -> list[str]:
+        """Full path of each node."""
+        return [n.path if n.path.startswith("/") else f"{ROOT}/{n.path}" for n in self.nodes]
+
+    def commands(self) -> Iterator[bytes]:
+        """The commands that make every body."""
+        for path, node in zip(self.paths, self.nodes, strict=True):
+            for i, part in enumerate(node.parts):
+                yield set_object(f"{path}/{i}", part)
+        for i, block in enumerate(self._blocks):
+            place = pin.SE3(pin.utils.rotate("z", block.yaw), np.asarray(block.centre, dtype=float))
+            body = mesh(box(*map(float, block.size)), matte(TERRAIN), place.homogeneous)
+            yield set_object(f"{ROOT}/terrain/{i}", body)
+
+    def update(self, snapshot: Snapshot) -> bool:
+        """Move everything to where it is in the snapshot.
+
+        Returns:
+            False when the configuration is not finite; nothing has moved then.
+        """
+        if not np.isfinite(snapshot.q).all():
+            return False
+        if self._time is None or snapshot.time < self._time:
+            for actor in self._actors:
+                actor.restart()
+            self._time = snapshot.time
+        moment = self._moment(snapshot, snapshot.time - self._time)
+        self._time = snapshot.time
+        start = 0
+        for actor in self._actors:
+            stop = start + len(actor.nodes)
+            actor.place(moment, self.poses[start:stop])
+            start = stop
+        # One wrong number would spoil the whole message, so it costs only its own mark.
+        spoilt = ~np.isfinite(self.poses).all(axis=1)
+        self.poses[spoilt] = _HIDDEN
+        return True
+
+    def _moment(self, snapshot: Snapshot, dt: float) -> Moment:
+        pin.framesForwardKinematics(self._model, self._data, snapshot.q)
+        com = snapshot.telemetry.com
+        if not np.isfinite(com).all():
+            com = pin.centerOfMass(self._model, self._data, False).copy()
+        placements = self._data.oMf
+        contacts = {
+            name: (placements[self._frames[name]], wrench)
+            for name, wrench in snapshot.wrenches.items()
+            if np.isfinite(wrench).all() and name in self._frames
+        }
+        soles = {name: placements[frame] for name, frame in self._soles.items()}
+        base = np.array(self._data.oMi[1].translation)
+        return Moment(snapshot, self._data, contacts, soles, com, base, dt)
