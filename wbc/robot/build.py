@@ -33,11 +33,11 @@ def build(data: RobotData, folders: tuple[Path, ...]) -> Robot:
     model.name = data.name
     base = link_of(model, urdf, 1)
     facts = [_fact("base", base, None, "root of the tree")]
-    findings = _repaired(model)
+    findings = _repaired(model, urdf)
     check_mass_matrix(model, pin.neutral(model), str(urdf.path))
     fill_massless(model)
 
-    links, guessed = _feet(data, urdf)
+    links, guessed = feet_links(data, urdf)
     for side, link in zip(("left", "right"), links, strict=True):
         facts.append(_fact(f"{side} foot", link, None if guessed else data.source, "its name"))
     feet = (moving_joint(model, links[0]), moving_joint(model, links[1]))
@@ -102,21 +102,21 @@ def _fact(name: str, value: str, stated_in: str | None, rule: str) -> Fact:
     return Fact(name, value, "derived", rule)
 
 
-def _repaired(model: pin.Model) -> list[Finding]:
+def _repaired(model: pin.Model, urdf: Urdf) -> list[Finding]:
     return [
         Finding(
             "warning",
-            name,
-            "the body that it moves has an inertia that no rigid body can have",
+            link_of(model, urdf, joint),
+            "its body has an inertia that no rigid body can have",
             "the nearest physical inertia is used instead",
-            "correct the <inertia> of the links on this joint (principal moments positive, "
-            "none larger than the sum of the other two)",
+            "correct the <inertia>: positive principal moments, none above the sum of the others",
+            "non-physical-inertia",
         )
-        for name in repair_model(model)
+        for joint in repair_model(model)
     ]
 
 
-def _feet(data: RobotData, urdf: Urdf) -> tuple[tuple[str, str], bool]:
+def feet_links(data: RobotData, urdf: Urdf) -> tuple[tuple[str, str], bool]:
     """The (left, right) foot links, and whether they were guessed."""
     if data.left_foot is not None and data.right_foot is not None:
         left = foot_link(urdf, data.left_foot, "left")
@@ -124,8 +124,8 @@ def _feet(data: RobotData, urdf: Urdf) -> tuple[tuple[str, str], bool]:
     guess = find_feet(urdf)
     if data.left_foot is not None or data.right_foot is not None or guess is None:
         raise RobotDescriptionError(
-            f"{urdf.path}: which links are the feet? Name both: "
-            f"left_foot=… and right_foot=…{did_you_mean('foot', urdf.links, 6)}"
+            f"{urdf.path}: no two links can be told by their names to be the feet; "
+            f"name both, left_foot=… and right_foot=…{did_you_mean('foot', urdf.links, 6)}"
         )
     return guess, True
 

@@ -42,6 +42,7 @@ class Finding:
         what: what is wrong.
         consequence: what follows from it.
         cure: what to change.
+        code: the kind of defect in a word or two, stable for programs to tell by.
     """
 
     severity: Severity
@@ -49,8 +50,11 @@ class Finding:
     what: str
     consequence: str
     cure: str
+    code: str = ""
 
     def __str__(self) -> str:
+        end = "" if self.cure.endswith(("?", "…")) else "."
         return (
-            f"{self.severity}: {self.subject}: {self.what}; {self.consequence}. Cure: {self.cure}."
+            f"{self.severity}: {self.subject}: {self.what}; {self.consequence}. "
+            f"Cure: {self.cure}{end}"
         )

@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.robot.packages import resolve, up_axis_turn
-from wbc.robot.urdf import Urdf, floats
+from wbc.robot.urdf import Urdf
 
 RIM_POINTS = 24
 
@@ -58,8 +58,8 @@ def foot_surface(
             if frame.parentJoint != joint_id:
                 continue
             for element in link.findall(kind):
-                placement = frame.placement * _origin(element)
-                cloud = _cloud(element, urdf.path, folders, missing, respect_up_axis)
+                placement = frame.placement * _origin(element, urdf)
+                cloud = _cloud(element, urdf, folders, missing, respect_up_axis)
                 if cloud is not None:
                     points, radius = cloud
                     parts.append((points @ placement.rotation.T + placement.translation, radius))
@@ -73,16 +73,16 @@ def foot_surface(
     return FootSurface(np.zeros((0, 3)), np.zeros(0), "none", tuple(missing))
 
 
-def _origin(element: ET.Element) -> pin.SE3:
+def _origin(element: ET.Element, urdf: Urdf) -> pin.SE3:
     origin = element.find("origin")
-    xyz = floats(origin, "xyz", (0.0, 0.0, 0.0))
-    rpy = floats(origin, "rpy", (0.0, 0.0, 0.0))
+    xyz = urdf.numbers(origin, "xyz", (0.0, 0.0, 0.0))
+    rpy = urdf.numbers(origin, "rpy", (0.0, 0.0, 0.0))
     return pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array(xyz))
 
 
 def _cloud(
     element: ET.Element,
-    urdf: Path,
+    urdf: Urdf,
     folders: tuple[Path, ...],
     missing: list[str],
     respect_up_axis: bool,
@@ -93,14 +93,14 @@ def _cloud(
     if shape is None:
         return None
     if shape.tag == "box":
-        half = 0.5 * np.array(floats(shape, "size", (0.0, 0.0, 0.0)))
+        half = 0.5 * np.array(urdf.numbers(shape, "size", (0.0, 0.0, 0.0)))
         signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
         return signs * half, 0.0
     if shape.tag == "sphere":
-        return np.zeros((1, 3)), floats(shape, "radius", (0.0,))[0]
+        return np.zeros((1, 3)), urdf.numbers(shape, "radius", (0.0,))[0]
     if shape.tag in ("cylinder", "capsule"):
-        radius = floats(shape, "radius", (0.0,))[0]
-        half_length = 0.5 * floats(shape, "length", (0.0,))[0]
+        radius = urdf.numbers(shape, "radius", (0.0,))[0]
+        half_length = 0.5 * urdf.numbers(shape, "length", (0.0,))[0]
         ends = np.array([[0.0, 0.0, -half_length], [0.0, 0.0, half_length]])
         if shape.tag == "capsule":
             return ends, radius
@@ -109,8 +109,10 @@ def _cloud(
         return np.vstack([rim + end for end in ends]), 0.0
     if shape.tag == "mesh":
         address = shape.get("filename", "")
-        path = resolve(address, urdf, folders)
-        vertices = _mesh(path, np.array(floats(shape, "scale", (1.0, 1.0, 1.0)))) if path else None
+        path = resolve(address, urdf.path, folders)
+        vertices = (
+            _mesh(path, np.array(urdf.numbers(shape, "scale", (1.0, 1.0, 1.0)))) if path else None
+        )
         if path is None or vertices is None:
             missing.append(address)
             return None

@@ -42,8 +42,8 @@ def repaired(mass: float, inertia: np.ndarray) -> np.ndarray:
     return np.asarray(float(np.trace(second)) * np.eye(3) - second)
 
 
-def repair_model(model: pin.Model) -> list[str]:
-    """Make every moving body of the model physical; names of the joints whose body changed.
+def repair_model(model: pin.Model) -> list[int]:
+    """Make every moving body of the model physical; ids of the joints whose body changed.
 
     A body without any mass is left alone: whether the model can do without it
     is for the mass matrix to say.
@@ -56,5 +56,5 @@ def repair_model(model: pin.Model) -> list[str]:
         model.inertias[joint] = pin.Inertia(
             body.mass, body.lever, repaired(body.mass, body.inertia)
         )
-        changed.append(model.names[joint])
+        changed.append(joint)
     return changed

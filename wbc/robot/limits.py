@@ -57,6 +57,7 @@ def set_limits(
                     "its effort limit is zero or absent",
                     f"{effort[index]:.3g} N·m is assumed, from the mass that it carries",
                     "state the motor's peak in <limit effort=…> or under effort_limits",
+                    "no-effort-limit",
                 )
             )
         if not (np.isfinite(velocity[index]) and velocity[index] > 0.0):
@@ -68,6 +69,7 @@ def set_limits(
                     "its velocity limit is zero or absent",
                     "it is taken as unlimited",
                     "state the motor's top speed in <limit velocity=…> or under velocity_limits",
+                    "no-velocity-limit",
                 )
             )
     model.effortLimit, model.velocityLimit = effort, velocity

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ from wbc.robot.build import build
 from wbc.robot.catalogue import find
 from wbc.robot.packages import search_folders
 from wbc.robot.robot import Robot
+from wbc.robot.stated import with_stated
 
 
 def load(
@@ -55,20 +55,19 @@ def load(
             model; the text names the link, joint or line and the cure.
     """
     data = find(name_or_path)
-    stated: dict[str, Any] = {
-        "left_foot": left_foot,
-        "right_foot": right_foot,
-        "torso": torso,
-        "imu": imu,
-        "armature": armature,
-        "sole": sole,
-        "fixed_joints": tuple(fixed_joints) if fixed_joints is not None else None,
-        "name": name,
-        "nominal_posture": nominal_posture,
-        "srdf": Path(srdf).expanduser().resolve() if srdf is not None else None,
-    }
-    data = replace(data, **{key: value for key, value in stated.items() if value is not None})
-    if srdf is not None and nominal_posture is None:
-        data = replace(data, nominal_posture={})
-    extra = (*package_dirs, *data.package_dirs)
-    return build(data, search_folders(data.urdf, extra))
+    data = with_stated(
+        data,
+        {
+            "srdf": srdf,
+            "left_foot": left_foot,
+            "right_foot": right_foot,
+            "torso": torso,
+            "imu": imu,
+            "nominal_posture": nominal_posture,
+            "armature": armature,
+            "sole": sole,
+            "fixed_joints": fixed_joints,
+            "name": name,
+        },
+    )
+    return build(data, search_folders(data.urdf, (*package_dirs, *data.package_dirs)))

@@ -10,7 +10,7 @@ from wbc.errors import RobotDescriptionError
 # Inertia about its own axis below which what hangs on a joint counts as massless, kg·m².
 # A finger of 1 g and 1 mm gyration has 1e-9.
 LEAST_INERTIA = 1e-10
-# A grain of sand the size of a pea: far below what any sensor or motor notices.
+# A milligram, spread over a centimetre: far below what any sensor or motor notices.
 SPECK_MASS = 1e-6
 SPECK_INERTIA = 1e-10
 
@@ -59,6 +59,8 @@ def check_mass_matrix(model: pin.Model, q: np.ndarray, source: str) -> None:
     M = pin.crba(model, model.createData(), q)
     M = np.triu(M) + np.triu(M, 1).T
     try:
+        if not np.isfinite(M).all():
+            raise np.linalg.LinAlgError
         np.linalg.cholesky(M)
     except np.linalg.LinAlgError:
         raise RobotDescriptionError(

@@ -126,7 +126,7 @@ def _document(urdf: Urdf, fixed: tuple[str, ...]) -> ET.Element:
     for joint in urdf.joints:
         if joint is not anchor:
             welded = any(fnmatchcase(joint.name, pattern) for pattern in fixed)
-            robot.append(_joint(joint, welded))
+            robot.append(_joint(urdf, joint, welded))
     return robot
 
 
@@ -134,43 +134,55 @@ def _inertial(urdf: Urdf, name: str, inertial: ET.Element) -> ET.Element:
     """A complete `<inertial>`: the reader refuses one that lacks a mass or an inertia."""
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
     where = f"{urdf.path}, line {urdf.line(inertial)}: link '{name}'"
-    try:
-        kilograms = float(mass.get("value", "0")) if mass is not None else 0.0
-        tensor = {
-            key: float(inertia.get(key, "0")) if inertia is not None else 0.0
-            for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-        }
-    except ValueError as error:
-        raise RobotDescriptionError(f"{where}: its inertial holds no number ({error})") from error
-    if not all(math.isfinite(value) for value in (kilograms, *tensor.values())):
-        raise RobotDescriptionError(f"{where}: its inertial is not finite; state real values")
+    kilograms = urdf.numbers(mass, "value", (0.0,))[0]
+    tensor = {
+        key: urdf.numbers(inertia, key, (0.0,))[0]
+        for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    }
     if kilograms < 0.0:
         raise RobotDescriptionError(f"{where} has the mass {kilograms} kg; it must be positive")
     whole = ET.Element("inertial")
-    origin = inertial.find("origin")
-    if origin is not None:
-        whole.append(origin)
+    ET.SubElement(whole, "origin", _origin(urdf, inertial.find("origin")))
     ET.SubElement(whole, "mass", value=repr(kilograms))
     ET.SubElement(whole, "inertia", {key: repr(value) for key, value in tensor.items()})
     return whole
 
 
-def _joint(joint: UrdfJoint, welded: bool) -> ET.Element:
+def _joint(urdf: Urdf, joint: UrdfJoint, welded: bool) -> ET.Element:
     kind = "revolute" if joint.kind == "continuous" else joint.kind
     kind = "fixed" if welded else kind
     clean = ET.Element("joint", name=joint.name, type=kind)
-    for tag in ("origin", "parent", "child", "axis", "dynamics"):
-        element = joint.element.find(tag)
-        if element is not None:
-            clean.append(element)
-    if kind != "fixed":
-        limit = joint.element.find("limit")
-        stated = dict(limit.attrib) if limit is not None else {}
-        values = {key: stated.get(key, "0") for key in ("lower", "upper", "effort", "velocity")}
-        if joint.kind == "continuous" or has_no_range(joint):
-            values["lower"], values["upper"] = repr(-NO_RANGE), repr(NO_RANGE)
-        ET.SubElement(clean, "limit", values)
+    ET.SubElement(clean, "origin", _origin(urdf, joint.element.find("origin")))
+    ET.SubElement(clean, "parent", link=joint.parent)
+    ET.SubElement(clean, "child", link=joint.child)
+    if kind == "fixed":
+        return clean
+    where = f"{urdf.path}, line {urdf.line(joint.element)}: joint '{joint.name}'"
+    axis = urdf.numbers(joint.element.find("axis"), "xyz", (1.0, 0.0, 0.0))
+    if math.hypot(*axis) < 1e-6:
+        raise RobotDescriptionError(f"{where} has an axis of length zero; state a direction")
+    ET.SubElement(clean, "axis", xyz=_text(axis))
+    limit = joint.element.find("limit")
+    values = {
+        key: urdf.numbers(limit, key, (0.0,))[0] for key in ("lower", "upper", "effort", "velocity")
+    }
+    if joint.kind == "continuous" or has_no_range(joint):
+        values["lower"], values["upper"] = -NO_RANGE, NO_RANGE
+    if values["lower"] > values["upper"]:
+        raise RobotDescriptionError(
+            f"{where} has a lower limit {values['lower']:g} above its upper {values['upper']:g}; "
+            "exchange them"
+        )
+    ET.SubElement(clean, "limit", {key: repr(value) for key, value in values.items()})
     return clean
+
+
+def _origin(urdf: Urdf, origin: ET.Element | None) -> dict[str, str]:
+    return {key: _text(urdf.numbers(origin, key, (0.0, 0.0, 0.0))) for key in ("xyz", "rpy")}
+
+
+def _text(numbers: Iterable[float]) -> str:
+    return " ".join(repr(number) for number in numbers)
 
 
 def has_no_range(joint: UrdfJoint) -> bool:

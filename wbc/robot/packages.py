@@ -56,6 +56,16 @@ def search_folders(urdf: Path, extra: Iterable[str | Path] = ()) -> tuple[Path, 
     return tuple(dict.fromkeys(folders))
 
 
+def package_folder(package: str, folders: Iterable[Path]) -> Path | None:
+    """The folder of a package, or None if no search folder has it."""
+    for folder in folders:
+        if folder.name == package and folder.is_dir():
+            return folder
+        if (folder / package).is_dir():
+            return folder / package
+    return None
+
+
 def resolve(address: str, urdf: Path, folders: Iterable[Path]) -> Path | None:
     """The file that a mesh address means, or None if there is none.
 

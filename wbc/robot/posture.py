@@ -15,8 +15,14 @@ from wbc.robot.srdf import Reference, beside, read_reference
 from wbc.robot.stance import posture_range, settle, unevenness
 
 KNEE_BEND = 0.4
-# Beyond this a sole counts as not flat and the legs are moved, rad and m.
-FLAT = 1e-6
+# Beyond this a correction of the soles is worth telling, rad and m.
+FLAT = 1e-4
+# Beyond this it is made.
+EXACT = 1e-9
+# A centre of mass farther out than this part of the sole's half length is brought back.
+SUPPORTED = 0.6
+# A sole narrower than this half size is a point, m.
+POINT = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,16 +94,25 @@ def nominal_posture(
     move = {index for leg in legs for index in leg}
     if not start.how:
         q = _bent(model, start.q, soles, legs)
-        posture = Posture(placed(model, q, ids), "knees bent", False, "inverse kinematics")
-    else:
-        q = placed(model, start.q, ids)
-        tilt, height = unevenness(model, q, ids)
-        how = start.how
-        if max(tilt, height) > FLAT:
-            q = placed(model, settle(model, q, ids, move), ids)
-            how += f", legs corrected (soles {np.rad2deg(tilt):.1f}° and {1e3 * height:.1f} mm off)"
-        posture = Posture(q, how, start.stated, start.source)
-    return posture
+        return Posture(placed(model, q, ids), "knees bent", False, "inverse kinematics")
+    q = placed(model, start.q, ids)
+    why = []
+    tilt, height = unevenness(model, q, ids)
+    if max(tilt, height) > FLAT:
+        why.append(f"soles {np.rad2deg(tilt):.1f}° and {1e3 * height:.1f} mm off")
+    if max(tilt, height) > EXACT:
+        q = placed(model, settle(model, q, ids, move), ids)
+    ahead = abs(float(com_offset(model, q)[0]))
+    if has_soles(soles) and ahead > SUPPORTED * min(sole.half_length for sole in soles):
+        why.append(f"centre of mass {1e3 * ahead:.0f} mm off")
+        q = placed(model, settle(model, q, ids, move, over_soles=True), ids)
+    how = f"{start.how}, legs corrected ({', '.join(why)})" if why else start.how
+    return Posture(q, how, start.stated, start.source)
+
+
+def has_soles(soles: tuple[Sole, Sole]) -> bool:
+    """Whether the feet have area enough to stand on, not just points."""
+    return all(min(sole.half_length, sole.half_width) > POINT for sole in soles)
 
 
 def placed(model: pin.Model, q: np.ndarray, soles: tuple[int, int]) -> np.ndarray:

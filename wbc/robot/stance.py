@@ -47,6 +47,9 @@ def settle(
     # The base moves but does not turn: upright is what the posture means by it.
     free = np.array([0, 1, 2, *sorted(move)])
     lower, upper = posture_range(model)
+    # A posture that starts inside the margin may stay there, but not beyond the limits.
+    lower = np.maximum(np.minimum(lower, q[7:]), model.lowerPositionLimit[7:])
+    upper = np.minimum(np.maximum(upper, q[7:]), model.upperPositionLimit[7:])
     q0, q = np.array(q), np.array(q)
     for _ in range(ITERATIONS):
         rows, errors = _sole_rows(model, data, q, soles, align)

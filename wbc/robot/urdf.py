@@ -7,6 +7,7 @@ hand Pinocchio a document that it accepts.
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -50,6 +51,23 @@ class Urdf:
     def where(self, element: ET.Element) -> str:
         """`file.urdf:12`, for messages."""
         return f"{self.path.name}:{self.line(element)}"
+
+    def numbers(
+        self, element: ET.Element | None, attribute: str, default: tuple[float, ...]
+    ) -> list[float]:
+        """Numbers of an attribute such as `xyz="0 0 1"`; the default when it is absent.
+
+        Raises:
+            RobotDescriptionError: it holds something else; names the line.
+        """
+        try:
+            return floats(element, attribute, default)
+        except ValueError as error:
+            assert element is not None
+            raise RobotDescriptionError(
+                f"{self.path}, line {self.line(element)}: <{element.tag}> has {error}; "
+                f"it must hold {len(default)} finite numbers"
+            ) from error
 
     def roots(self) -> list[str]:
         """Links that are no joint's child, in file order."""
@@ -161,12 +179,16 @@ def floats(element: ET.Element | None, attribute: str, default: tuple[float, ...
     """Numbers of an attribute such as `xyz="0 0 1"`; the default when it is absent.
 
     Raises:
-        ValueError: the attribute holds something else, or another count of numbers.
+        ValueError: the attribute holds something else, another count of numbers,
+            or one that is not finite.
     """
     text = element.get(attribute) if element is not None else None
     if text is None:
         return list(default)
-    values = [float(word) for word in text.split()]
-    if len(values) != len(default):
-        raise ValueError(f'{attribute}="{text}" holds {len(values)} numbers, not {len(default)}')
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        values = []
+    if len(values) != len(default) or not all(math.isfinite(value) for value in values):
+        raise ValueError(f'{attribute}="{text}"')
     return values

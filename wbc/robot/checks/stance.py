@@ -1,0 +1,228 @@
+"""Can the loaded robot stand: flat soles, mass over the feet, free and strong legs?"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.robot.finding import Finding
+from wbc.robot.posture import has_soles
+from wbc.robot.stance import unevenness
+
+if TYPE_CHECKING:
+    from wbc.robot.robot import Robot
+
+# A sole may be this far from level and from the other one, rad and m.
+TILT, HEIGHT = 1e-3, 1e-4
+# Below this singular value of its Jacobian a leg cannot move the foot in some direction.
+SINGULAR = 1e-2
+# Two soles whose sizes differ by more are not a pair, relative.
+UNLIKE = 0.1
+# Condition number of the mass matrix above which its inverse has lost half its digits.
+ILL_CONDITIONED = 1e8
+
+
+def check_stance(robot: Robot) -> list[Finding]:
+    """Soles, centre of mass, legs, posture and strength in the nominal posture."""
+    return [
+        *_soles(robot),
+        *_heading(robot),
+        *_balance(robot),
+        *_range(robot),
+        *_legs(robot),
+        *_mass_matrix(robot),
+        *_strength(robot),
+    ]
+
+
+def _soles(robot: Robot) -> list[Finding]:
+    ids = (robot.soles[0].frame_id, robot.soles[1].frame_id)
+    tilt, height = unevenness(robot.model, robot.q_nominal, ids)
+    findings = []
+    if tilt > TILT or height > HEIGHT:
+        findings.append(
+            Finding(
+                "error",
+                robot.soles[0].link,
+                f"the soles are {np.rad2deg(tilt):.1f}° from level and {1e3 * height:.1f} mm "
+                "apart in height in the nominal posture, and the legs cannot level them",
+                "the robot cannot stand in it",
+                "state a nominal posture with the feet flat, or legs with more joints",
+                "sole-not-flat",
+            )
+        )
+    for sole in robot.soles:
+        if not has_soles((sole, sole)):
+            findings.append(
+                Finding(
+                    "warning",
+                    sole.link,
+                    f"its sole is {2e3 * sole.half_length:.0f} × {2e3 * sole.half_width:.0f} mm, "
+                    "next to a point",
+                    "it cannot carry a moment: surface contacts and standing still need an area",
+                    "use point contacts, or give the foot a flat collision shape",
+                    "point-foot",
+                )
+            )
+    left, right = ((s.half_length, s.half_width) for s in robot.soles)
+    if not np.allclose(left, right, rtol=UNLIKE, atol=1e-3):
+        findings.append(
+            Finding(
+                "warning",
+                robot.soles[1].link,
+                f"its sole ({2e3 * right[0]:.0f} × {2e3 * right[1]:.0f} mm) differs from the "
+                f"left one ({2e3 * left[0]:.0f} × {2e3 * left[1]:.0f} mm)",
+                "the robot balances better on one side",
+                "compare the feet's collision shapes",
+                "unlike-soles",
+            )
+        )
+    return findings
+
+
+def _heading(robot: Robot) -> list[Finding]:
+    """The soles say where forward is; a base that disagrees is worth a word."""
+    rotation = pin.XYZQUATToSE3(robot.q_nominal[:7]).rotation
+    if rotation[0, 0] > 0.0 or abs(rotation[2, 2]) < 0.5:
+        return []
+    return [
+        Finding(
+            "warning",
+            robot.base,
+            "its x axis points backwards when the left foot is on the left",
+            "if the feet are named right, nothing (iCub is built so); if they are exchanged, "
+            "the robot walks backwards",
+            "check left_foot and right_foot",
+            "backward-base",
+        )
+    ]
+
+
+def _balance(robot: Robot) -> list[Finding]:
+    com = pin.centerOfMass(robot.model, robot.model.createData(), robot.q_nominal)
+    reach = max(min(sole.half_length for sole in robot.soles), 0.01)
+    width = 0.5 * np.linalg.norm(_sole_distance(robot))
+    if abs(com[0]) < reach and abs(com[1]) < width:
+        return []
+    return [
+        Finding(
+            "error" if has_soles(robot.soles) else "warning",
+            robot.name,
+            f"the centre of mass is ({1e3 * com[0]:+.0f}, {1e3 * com[1]:+.0f}) mm from the soles' "
+            "midpoint in the nominal posture, beyond the soles",
+            "it topples when it stands still",
+            "state a nominal posture with the mass over the feet, or check the links' masses",
+            "unbalanced-posture",
+        )
+    ]
+
+
+def _sole_distance(robot: Robot) -> np.ndarray:
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.q_nominal)
+    left, right = (data.oMf[sole.frame_id].translation for sole in robot.soles)
+    return np.asarray(left - right)
+
+
+def _range(robot: Robot) -> list[Finding]:
+    joints = robot.q_nominal[7:]
+    over = np.maximum(robot.q_min - joints, joints - robot.q_max)
+    return [
+        Finding(
+            "error",
+            robot.joint_names[i],
+            f"stands at {joints[i]:.3f} in the nominal posture, {over[i]:.3g} beyond its limit",
+            "the limits of the controller are violated from the start",
+            "correct the posture or the limit",
+            "posture-beyond-limit",
+        )
+        for i in np.flatnonzero(over > 1e-6)
+    ]
+
+
+def _legs(robot: Robot) -> list[Finding]:
+    model, data = robot.model, robot.model.createData()
+    pin.computeJointJacobians(model, data, robot.q_nominal)
+    findings = []
+    for sole, leg in zip(robot.soles, robot.legs, strict=True):
+        J = pin.getFrameJacobian(model, data, sole.frame_id, pin.LOCAL_WORLD_ALIGNED)[:, list(leg)]
+        # A point foot need not turn, so only the position counts.
+        flat = has_soles((sole, sole))
+        J = J if flat else J[:3]
+        rank = int((np.linalg.svd(J, compute_uv=False) > SINGULAR).sum())
+        if rank < len(J):
+            why = (
+                f"has {len(leg)} joints"
+                if len(leg) < len(J)
+                else "is stretched or has parallel axes in the nominal posture"
+            )
+            findings.append(
+                Finding(
+                    "warning",
+                    sole.link,
+                    f"its leg {why} and moves the foot in {rank} of {len(J)} directions",
+                    "the foot cannot be placed freely; tasks on it fight each other",
+                    "bend the knees in the nominal posture, or give the leg the joints it lacks",
+                    "rank-deficient-leg",
+                )
+            )
+    if len(robot.legs[0]) != len(robot.legs[1]):
+        findings.append(
+            Finding(
+                "warning",
+                robot.soles[1].link,
+                f"its leg has {len(robot.legs[1])} joints, the other {len(robot.legs[0])}",
+                "the legs are no pair; a foot may be the wrong link",
+                "check left_foot and right_foot",
+                "unlike-legs",
+            )
+        )
+    return findings
+
+
+def _mass_matrix(robot: Robot) -> list[Finding]:
+    M = pin.crba(robot.model, robot.model.createData(), robot.q_nominal)
+    M = np.triu(M) + np.triu(M, 1).T
+    values = np.linalg.eigvalsh(M)
+    if values[0] > 0.0 and values[-1] < ILL_CONDITIONED * values[0]:
+        return []
+    worst = int(np.argmin(np.diag(M)[6:]))
+    return [
+        Finding(
+            "warning",
+            robot.joint_names[worst],
+            f"moves so little inertia that the mass matrix's eigenvalues range from "
+            f"{values[0]:.2g} to {values[-1]:.2g}",
+            "accelerations of such joints are ill defined and physics needs tiny steps",
+            "state armature (the motor's rotor inertia), or weld the joint with fixed_joints",
+            "ill-conditioned-mass-matrix",
+        )
+    ]
+
+
+def _strength(robot: Robot) -> list[Finding]:
+    """Torques that hold the nominal posture, from the least contact wrenches that balance it."""
+    model, data = robot.model, robot.model.createData()
+    gravity = pin.computeGeneralizedGravity(model, data, robot.q_nominal)
+    pin.computeJointJacobians(model, data, robot.q_nominal)
+    J = np.vstack(
+        [
+            pin.getFrameJacobian(model, data, sole.frame_id, pin.LOCAL_WORLD_ALIGNED)
+            for sole in robot.soles
+        ]
+    )
+    wrenches = np.linalg.lstsq(J[:, :6].T, gravity[:6], rcond=None)[0]
+    tau = gravity[6:] - J[:, 6:].T @ wrenches
+    return [
+        Finding(
+            "warning",
+            robot.joint_names[i],
+            f"needs {abs(tau[i]):.3g} N·m to hold the nominal posture and has {robot.tau_max[i]:g}",
+            "the robot sags or falls",
+            "check the effort limit, the masses and the posture",
+            "too-weak",
+        )
+        for i in np.flatnonzero(np.abs(tau) > robot.tau_max)
+    ]
