@@ -1,0 +1,56 @@
+# make demo    a humanoid walks in physics and in the browser
+# make test    the whole test suite
+# make lint    style, types and the rooms' contracts
+# make clean   forget the environment and everything that was made
+#
+# Needed beforehand: Python 3.10 or newer, pip and make. Everything else goes into .venv.
+#   make PYTHON=python3.12 test     another interpreter
+#   make test ARGS="-k walk"        some tests
+
+PYTHON ?= python3
+ARGS ?=
+BIN := .venv/bin
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test lint format install clean
+
+help:
+	@sed -n 's/^# \{0,1\}//p' Makefile
+
+demo: .venv/run.stamp
+	$(BIN)/wbc walk --tour --real-time --html out/demo.html
+
+test: .venv/dev.stamp
+	$(BIN)/python -m pytest $(ARGS)
+
+lint: .venv/dev.stamp
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: .venv/dev.stamp
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+install: .venv/dev.stamp
+
+# Debian's Python may lack ensurepip: then the pip that is there fills the environment.
+.venv/made.stamp:
+	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 10) or sys.exit("wbc needs Python 3.10 or newer, this is " + sys.version.split()[0] + "; say which:  make PYTHON=python3.11 ...")'
+	$(PYTHON) -m venv --clear .venv || { \
+	  $(PYTHON) -m venv --clear --without-pip .venv && \
+	  $(PYTHON) -m pip --python $(BIN)/python install --quiet pip; }
+	@touch $@
+
+.venv/run.stamp: .venv/made.stamp pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[all]'
+	@touch $@
+
+.venv/dev.stamp: .venv/run.stamp
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[all,dev]'
+	@touch $@
+
+clean:
+	rm -rf .venv build dist out *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	find wbc tests examples benchmarks -name __pycache__ -prune -exec rm -rf {} +
