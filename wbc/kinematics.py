@@ -1,9 +1,9 @@
 """Everything that follows from one state, computed once and shared by all tasks.
 
-Two Pinocchio passes give the dynamics: the composite rigid body algorithm in
-its world convention and the non-linear effects. Centre of mass, centroidal
-momentum and frame accelerations are then read off their by-products instead of
-being computed by passes of their own (see each property).
+Three Pinocchio passes give all of it: the composite rigid body algorithm in its world
+convention, the non-linear effects, and the forward kinematics at zero acceleration. The
+centroidal quantities are then read off the base rows of the mass matrix and of the
+non-linear effects instead of being computed by passes of their own.
 """
 
 from __future__ import annotations
@@ -14,25 +14,14 @@ import pinocchio as pin
 from wbc.robot import Robot
 from wbc.state import State
 
-
-def skew(p: np.ndarray) -> np.ndarray:
-    """(3, 3) matrix of the cross product, `skew(p) @ x = p × x`."""
-    x, y, z = p
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-
-
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """(3,) cross product; several times faster than `np.cross` on one pair."""
-    a0, a1, a2 = a
-    b0, b1, b2 = b
-    return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0])
+_WORLD_AXES = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+_FRAME_AXES = pin.ReferenceFrame.LOCAL
 
 
 class FrameKinematics:
     """One frame's placement, velocity, bias acceleration and Jacobian.
 
-    Velocities and Jacobians are those of the frame's origin in world axes
-    (Pinocchio's LOCAL_WORLD_ALIGNED): linear velocity first, then angular.
+    All are those of the frame's origin, linear part first, then angular.
 
     Attributes:
         placement: `T_world_frame`.
@@ -46,28 +35,15 @@ class FrameKinematics:
 
     __slots__ = ("bias", "jacobian", "placement", "position", "rotation", "velocity")
 
-    def __init__(self, model: pin.Model, data: pin.Data, frame: pin.Frame, frame_id: int) -> None:
-        joint = frame.parentJoint
-        T_world_joint = data.oMi[joint]
-        self.placement = T_world_joint * frame.placement
+    def __init__(
+        self, model: pin.Model, data: pin.Data, frame_id: int, axes: pin.ReferenceFrame
+    ) -> None:
+        self.placement = pin.updateFramePlacement(model, data, frame_id)
         self.rotation = self.placement.rotation
         self.position = self.placement.translation
-        self.jacobian = pin.getFrameJacobian(model, data, frame_id, pin.LOCAL_WORLD_ALIGNED)
-        self.velocity = np.empty(6)
-        self.bias = np.empty(6)
-        # In joint axes: move the joint's spatial velocity and acceleration (which
-        # the non-linear effects left in data.v and data.a_gf, gravity included) to
-        # the frame's origin, and add ω × v for the classical acceleration.
-        R = T_world_joint.rotation
-        p = frame.placement.translation
-        twist, accel = data.v[joint], data.a_gf[joint]
-        omega, alpha = twist.angular, accel.angular
-        linear = twist.linear + cross(omega, p)
-        self.velocity[:3] = R @ linear
-        self.velocity[3:] = R @ omega
-        self.bias[:3] = R @ (accel.linear + cross(alpha, p) + cross(omega, linear))
-        self.bias[:3] += model.gravity.linear
-        self.bias[3:] = R @ alpha
+        self.jacobian = pin.getFrameJacobian(model, data, frame_id, axes)
+        self.velocity = pin.getFrameVelocity(model, data, frame_id, axes).vector
+        self.bias = pin.getFrameClassicalAcceleration(model, data, frame_id, axes).vector
 
 
 class Kinematics:
@@ -80,20 +56,11 @@ class Kinematics:
 
     Attributes:
         state: the state that all of this belongs to.
+        mass: total mass, kg.
         mass_matrix: (nv, nv) M(q), armature included.
         bias_forces: (nv,) h(q, v), Coriolis, centrifugal and gravity.
+        base: `T_world_base`.
         p_com: (3,) centre of mass in the world, m.
-        J_com: (3, nv) `v_com = J_com v`.
-        v_com: (3,) m/s.
-        bias_com: (3,) `J̇_com v`, m/s².
-        J_angular: (3, nv) angular part of the centroidal momentum matrix,
-            `L = J_angular v` about the centre of mass, world axes.
-        bias_angular: (3,) `J̇_angular v`, N·m.
-
-    The base rows of M give the momentum about the base's origin (Featherstone,
-    Rigid Body Dynamics Algorithms, 2008, §6.2 and §9): with R the base's
-    orientation, m the mass and c the centre of mass in base coordinates,
-    `J_com = R M[0:3] / m` and `J_angular = R (M[3:6] − c × M[0:3])`.
 
     Raises:
         StateError: the state has a wrong size, a NaN or a non-unit quaternion.
@@ -103,34 +70,31 @@ class Kinematics:
         self.robot = robot
         self.model = robot.model
         self.data = robot.model.createData()
-        self._frame_objects = list(robot.model.frames)
-        self._frames: dict[int, FrameKinematics] = {}
-        self._mass = pin.computeTotalMass(robot.model)
+        self.mass = float(pin.computeTotalMass(robot.model))
+        self._at_rest = np.zeros(robot.nv)
+        self._gravity = np.concatenate((robot.model.gravity.linear, np.zeros(3)))
+        self._world: dict[int, FrameKinematics] = {}
+        self._local: dict[int, FrameKinematics] = {}
+        self._centroid: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
         self.update(state)
 
     def update(self, state: State) -> None:
-        """Move on to `state`; everything read before belongs to the old one.
+        """Move on to `state`; what was read before still describes the old one.
 
         Raises:
             StateError: see `State.checked`.
         """
-        state = state.checked(self.model)
-        self.state = state
         model, data = self.model, self.data
-        pin.crba(model, data, state.q, pin.Convention.WORLD)
-        pin.nonLinearEffects(model, data, state.q, state.v)
-        self._frames.clear()
-        M = self.mass_matrix = data.M
-        h = self.bias_forces = data.nle
-        R = self.base_rotation = data.oMi[1].rotation
-        self.base_position = data.oMi[1].translation
-        self.p_com = data.oYcrb[1].lever.copy()
-        lever = R.T @ (self.p_com - self.base_position)
-        self.J_com = (R @ M[:3]) / self._mass
-        self.J_angular = R @ (M[3:6] - skew(lever) @ M[:3])
-        self.v_com = self.J_com @ state.v
-        self.bias_com = (R @ h[:3]) / self._mass + model.gravity.linear
-        self.bias_angular = R @ (h[3:6] - cross(lever, h[:3]))
+        self.state = state = state.checked(model)
+        q, v = state.q, state.v
+        self.mass_matrix: np.ndarray = pin.crba(model, data, q, pin.Convention.WORLD)
+        self.bias_forces: np.ndarray = pin.nonLinearEffects(model, data, q, v)
+        pin.forwardKinematics(model, data, q, v, self._at_rest)
+        self.base = data.oMi[1].copy()
+        self.p_com: np.ndarray = data.oYcrb[1].lever.copy()
+        self._world.clear()
+        self._local.clear()
+        self._centroid = None
 
     def frame(self, frame: str | int) -> pin.SE3:
         """`T_world_frame` of a frame, by name or by frame index.
@@ -141,18 +105,28 @@ class Kinematics:
         return self.motion(frame).placement
 
     def motion(self, frame: str | int) -> FrameKinematics:
-        """Placement, velocity, bias and Jacobian of a frame, by name or by frame index.
+        """A frame's kinematics in world axes, by name or by frame index.
 
         Raises:
             FrameNotFound: the model has no frame of that name.
         """
+        return self._motion(frame, self._world, _WORLD_AXES)
+
+    def motion_local(self, frame: str | int) -> FrameKinematics:
+        """A frame's kinematics in its own axes, by name or by frame index.
+
+        Raises:
+            FrameNotFound: the model has no frame of that name.
+        """
+        return self._motion(frame, self._local, _FRAME_AXES)
+
+    def _motion(
+        self, frame: str | int, known: dict[int, FrameKinematics], axes: pin.ReferenceFrame
+    ) -> FrameKinematics:
         frame_id = self.robot.frame_id(frame) if isinstance(frame, str) else frame
-        found = self._frames.get(frame_id)
+        found = known.get(frame_id)
         if found is None:
-            found = FrameKinematics(
-                self.model, self.data, self._frame_objects[frame_id], frame_id
-            )
-            self._frames[frame_id] = found
+            found = known[frame_id] = FrameKinematics(self.model, self.data, frame_id, axes)
         return found
 
     def jacobian(self, frame: str | int) -> np.ndarray:
@@ -164,16 +138,58 @@ class Kinematics:
         return self.motion(frame).jacobian
 
     @property
-    def mass(self) -> float:
-        """Total mass, kg."""
-        return float(self._mass)
+    def J_com(self) -> np.ndarray:
+        """(3, nv) `v_com = J_com v`."""
+        return self._centroidal()[0][:3]
+
+    @property
+    def v_com(self) -> np.ndarray:
+        """(3,) velocity of the centre of mass, m/s."""
+        return self._centroidal()[1][:3]
+
+    @property
+    def bias_com(self) -> np.ndarray:
+        """(3,) `J̇_com v`, m/s²."""
+        return self._centroidal()[2][:3]
+
+    @property
+    def J_angular(self) -> np.ndarray:
+        """(3, nv) `angular_momentum = J_angular v`."""
+        return self._centroidal()[0][3:]
 
     @property
     def angular_momentum(self) -> np.ndarray:
         """(3,) about the centre of mass, world axes, kg·m²/s."""
-        return self.J_angular @ self.state.v
+        return self._centroidal()[1][3:]
+
+    @property
+    def bias_angular(self) -> np.ndarray:
+        """(3,) `J̇_angular v`, N·m."""
+        return self._centroidal()[2][3:]
 
     @property
     def centroidal_momentum(self) -> np.ndarray:
         """(6,) linear then angular momentum about the centre of mass, world axes."""
-        return np.concatenate((self._mass * self.v_com, self.angular_momentum))
+        return np.concatenate((self.mass * self.v_com, self.angular_momentum))
+
+    def _centroidal(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """`(A, A v, Ȧ v)`, A (6, nv) to CoM velocity and angular momentum.
+
+        The base rows of M are the momentum about the base's origin in base axes, those
+        of h its rate less gravity (Featherstone, Rigid Body Dynamics Algorithms, 2008,
+        §9). With R the base's orientation, m the mass and c the centre of mass seen from
+        the base's origin, both in world axes, `A = X M[0:6]` for
+
+            X = [ R/m       0 ]
+                [ −[c]× R   R ].
+        """
+        if self._centroid is None:
+            R = self.base.rotation
+            cx, cy, cz = (self.p_com - self.base.translation).tolist()
+            X = np.zeros((6, 6))
+            X[:3, :3] = R / self.mass
+            X[3:, :3] = np.array(((0.0, cz, -cy), (-cz, 0.0, cx), (cy, -cx, 0.0))) @ R
+            X[3:, 3:] = R
+            A = X @ self.mass_matrix[:6]
+            self._centroid = (A, A @ self.state.v, X @ self.bias_forces[:6] + self._gravity)
+        return self._centroid

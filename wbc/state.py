@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,32 +33,43 @@ class State:
             StateError: wrong size, NaN or infinity, or a quaternion that is
                 not of unit length.
         """
-        q = np.asarray(self.q, dtype=float)
-        v = np.asarray(self.v, dtype=float)
-        _check_vector("q", q, model.nq)
-        _check_vector("v", v, model.nv)
+        q = _checked_vector("q", self.q, model.nq, model)
+        v = _checked_vector("v", self.v, model.nv, model)
         if _has_free_flyer(model):
-            length = float(np.sqrt(q[3:7] @ q[3:7]))
+            quaternion = q[3:7]
+            length = math.sqrt(quaternion.dot(quaternion))
             if abs(length - 1.0) > QUATERNION_TOLERANCE:
                 raise StateError(
                     f"state.q[3:7] is a quaternion of length {length:.6g}, not 1; "
                     "normalise it (pin.normalize(model, q)), order x y z w"
                 )
-        return State(q, v)
+        return self if q is self.q and v is self.v else State(q, v)
 
 
 def _has_free_flyer(model: pin.Model) -> bool:
     return bool(model.njoints > 1 and model.joints[1].nq == 7)
 
 
-def _check_vector(name: str, x: np.ndarray, size: int) -> None:
+def _checked_vector(name: str, x: np.ndarray, size: int, model: pin.Model) -> np.ndarray:
+    x = np.asarray(x, dtype=float)
     if x.shape != (size,):
         raise StateError(f"state.{name} has shape {x.shape}, the model needs ({size},)")
-    # The sum is one fast reduction: it is finite only if every entry is.
-    if not np.isfinite(x.sum()):
-        bad = np.flatnonzero(~np.isfinite(x))
-        first = int(bad[0]) if bad.size else 0
+    # One fast reduction: the square is finite only if every entry is (and not absurd).
+    if not math.isfinite(x.dot(x)):
+        bad = np.flatnonzero(~(np.abs(x) < 1e150))
+        first = int(bad[0])
         raise StateError(
-            f"state.{name}[{first}] is {x[first]} ({bad.size} entries are not finite); "
-            "a controller needs a finite state"
+            f"state.{name}[{first}] ({_coordinate(model, name, first)}) is {x[first]:g}"
+            f"{f', and {bad.size - 1} entries more' if bad.size > 1 else ''}; "
+            "a controller needs a finite state: look at the estimator or sensor behind it"
         )
+    return x
+
+
+def _coordinate(model: pin.Model, name: str, index: int) -> str:
+    """What an entry of q or v is, in words."""
+    for joint, text in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
+        start, size = (joint.idx_q, joint.nq) if name == "q" else (joint.idx_v, joint.nv)
+        if start <= index < start + size:
+            return f"joint '{text}'" if size == 1 else f"joint '{text}', entry {index - start}"
+    return "no joint's"
