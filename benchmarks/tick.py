@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 
 import wbc
-from wbc.controller import WholeBodyController
 from wbc.kinematics import Kinematics
 from wbc.qp import Assembly
 from wbc.sim import Mujoco

@@ -143,6 +143,7 @@ def test_a_missing_frame_lists_near_names():
         wbc.Kinematics(bot, bot.standing()).frame("left_soul")
 
 
+@pytest.mark.filterwarnings("ignore:overflow")
 @pytest.mark.parametrize(
     ("change", "text"),
     [

@@ -39,11 +39,13 @@ class FrameKinematics:
         self, model: pin.Model, data: pin.Data, frame_id: int, axes: pin.ReferenceFrame
     ) -> None:
         self.placement = pin.updateFramePlacement(model, data, frame_id)
-        self.rotation = self.placement.rotation
-        self.position = self.placement.translation
-        self.jacobian = pin.getFrameJacobian(model, data, frame_id, axes)
-        self.velocity = pin.getFrameVelocity(model, data, frame_id, axes).vector
-        self.bias = pin.getFrameClassicalAcceleration(model, data, frame_id, axes).vector
+        self.rotation: np.ndarray = self.placement.rotation
+        self.position: np.ndarray = self.placement.translation
+        self.jacobian: np.ndarray = pin.getFrameJacobian(model, data, frame_id, axes)
+        velocity = pin.getFrameVelocity(model, data, frame_id, axes)
+        bias = pin.getFrameClassicalAcceleration(model, data, frame_id, axes)
+        self.velocity: np.ndarray = velocity.vector
+        self.bias: np.ndarray = bias.vector
 
 
 class Kinematics:
