@@ -33,8 +33,9 @@ def build(data: RobotData, folders: tuple[Path, ...]) -> Robot:
     model.name = data.name
     base = link_of(model, urdf, 1)
     facts = [_fact("base", base, None, "root of the tree")]
-    findings = _repaired(model, urdf)
+    # Before any repair, which would give a massless end a little inertia and hide it.
     check_mass_matrix(model, pin.neutral(model), str(urdf.path))
+    findings = _repaired(model, urdf)
     fill_massless(model)
 
     links, guessed = feet_links(data, urdf)

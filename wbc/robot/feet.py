@@ -16,20 +16,27 @@ def find_feet(urdf: Urdf) -> tuple[str, str] | None:
     """The (left, right) pair of links that names make look like feet, or None.
 
     A pair counts only if it is the one pair for its part of the body: four feet
-    are a quadruped's, and a guess between them would be worth nothing.
+    are a quadruped's, and a guess between them would be worth nothing. Nor is
+    an ankle taken for a foot if one foot has a name and the other has not.
     """
     for part in PARTS:
-        pairs = []
+        pairs, single = [], False
         for name in urdf.links:
             if part not in " ".join(_words(name)):
                 continue
             mirrored = mirror(name)
-            if mirrored is not None and side_of(name) == "left" and mirrored in urdf.links:
+            if mirrored is None:
+                continue
+            if mirrored not in urdf.links:
+                single = True
+            elif side_of(name) == "left":
                 pairs.append((name, mirrored))
         # `l_foot` beside `l_foot_dh_frame`: the plainer name is the link itself.
         pairs.sort(key=lambda pair: len(pair[0]))
         if pairs and (len(pairs) == 1 or len(pairs[0][0]) < len(pairs[1][0])):
             return pairs[0]
+        if pairs or single:
+            return None
     return None
 
 

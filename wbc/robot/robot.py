@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from wbc.robot.urdf import Urdf
 from wbc.state import State
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class Robot:
     """A humanoid with a floating base and two soles; made by `load`.
 
@@ -48,11 +48,14 @@ class Robot:
     imu: str
     q_nominal: np.ndarray
     legs: tuple[tuple[int, ...], tuple[int, ...]]
-    urdf: Urdf = field(repr=False)
-    package_dirs: tuple[Path, ...] = field(repr=False, default=())
-    respect_up_axis: bool = field(repr=False, default=False)
-    facts: tuple[Fact, ...] = field(repr=False, default=())
-    findings: tuple[Finding, ...] = field(repr=False, default=())
+    urdf: Urdf
+    package_dirs: tuple[Path, ...] = ()
+    respect_up_axis: bool = False
+    facts: tuple[Fact, ...] = ()
+    findings: tuple[Finding, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"Robot('{self.name}', {self.na} joints, {self.mass:.1f} kg)"
 
     @property
     def nq(self) -> int:

@@ -16,11 +16,13 @@ Side = Literal["left", "right"]
 # Foot points this far above the lowest one still count as sole, m (rounded edges).
 SOLE_THICKNESS = 0.004
 # How far a foot axis may be from vertical and still be taken for the sole's normal.
-SNAP_ANGLE = np.deg2rad(10.0)
+SNAP_ANGLE = np.deg2rad(30.0)
 # Toe-out up to this is a habit of the posture, not of the foot's own axes.
 HEADING_SNAP = np.deg2rad(20.0)
 # Two candidate planes whose contact areas differ by less than this are equally good.
 AREA_TIE = 0.02
+# Thicknesses of the layers in which planes are compared, m.
+LAYERS = (2e-3, 1e-3, 5e-4, 2e-4)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,8 +74,8 @@ def fit_sole(
 ) -> SoleFit:
     """The rectangle on which a foot rests.
 
-    The normal is the candidate (each foot axis within 10° of up, up itself,
-    the plane through the lowest points) that lets the foot rest on the largest
+    The normal is the candidate (each foot axis within 30° of up, up itself,
+    the planes through their lowest points) that lets the foot rest on the largest
     area: exporters tilt feet and swap their axes, but a sole is where it is flat.
 
     Args:
@@ -105,30 +107,39 @@ def fit_sole(
 def _normals(
     surface: FootSurface, up: np.ndarray, axes: np.ndarray
 ) -> list[tuple[str, np.ndarray]]:
-    found = []
-    for axis in np.hstack([axes, -axes]).T:
-        if axis @ up > np.cos(SNAP_ANGLE):
-            found.append(("foot axis", axis))
-    found.append(("nominal posture", up))
-    points = surface.lowest(up)
-    low = points[points @ up < (points @ up).min() + SOLE_THICKNESS]
-    if len(low) >= 3:
-        _, spread, directions = np.linalg.svd(low - low.mean(axis=0), full_matrices=False)
-        normal = directions[2] * np.sign(directions[2] @ up)
-        # A line of points has no plane; a steep one is an edge, not a sole.
-        if spread[1] > 1e-3 and normal @ up > np.cos(SNAP_ANGLE):
-            found.append(("plane of the lowest points", normal))
+    near = [axis for axis in np.hstack([axes, -axes]).T if axis @ up > np.cos(SNAP_ANGLE)]
+    found = [("foot axis", axis) for axis in near] + [("nominal posture", up)]
+    for normal in (*near, up):
+        plane = _plane(surface, normal)
+        if plane is not None:
+            found.append(("plane of the lowest points", plane))
     return found
 
 
+def _plane(surface: FootSurface, up: np.ndarray) -> np.ndarray | None:
+    """(3,) normal of the plane through the points that are lowest along `up`, if they span one."""
+    points = surface.lowest(up)
+    low = points[points @ up < (points @ up).min() + SOLE_THICKNESS]
+    if len(low) < 3:
+        return None
+    _, spread, directions = np.linalg.svd(low - low.mean(axis=0), full_matrices=False)
+    normal = directions[2] * np.sign(directions[2] @ up)
+    # A line of points has no plane, and a steep one is an edge.
+    return normal if spread[1] > 1e-3 and normal @ up > np.cos(SNAP_ANGLE) else None
+
+
 def _area(surface: FootSurface, normal: np.ndarray, forward: np.ndarray) -> float:
-    """Area on which the foot rests when `normal` is up, m²: a thin layer, to be strict."""
+    """Area on which the foot rests when `normal` is up, m²: mean over ever thinner layers."""
     points = surface.lowest(normal)
-    height = points @ normal
-    low = points[height < height.min() + 0.5 * SOLE_THICKNESS]
+    height = points @ normal - (points @ normal).min()
     x_axis = forward - (forward @ normal) * normal
     x_axis /= np.linalg.norm(x_axis)
-    hull = convex_hull(np.column_stack([low @ x_axis, low @ np.cross(normal, x_axis)]))
+    plan = np.column_stack([points @ x_axis, points @ np.cross(normal, x_axis)])
+    return float(np.mean([_hull_area(plan[height < layer]) for layer in LAYERS]))
+
+
+def _hull_area(points: np.ndarray) -> float:
+    hull = convex_hull(points)
     if len(hull) < 3:
         return 0.0
     x, y = hull.T

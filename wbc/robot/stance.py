@@ -51,26 +51,28 @@ def settle(
     lower = np.maximum(np.minimum(lower, q[7:]), model.lowerPositionLimit[7:])
     upper = np.minimum(np.maximum(upper, q[7:]), model.upperPositionLimit[7:])
     q0, q = np.array(q), np.array(q)
-    for _ in range(ITERATIONS):
-        rows, errors = _sole_rows(model, data, q, soles, align)
-        if over_soles:
-            J_com = pin.jacobianCenterOfMass(model, data, q)
-            middle, J_middle = _middle(model, data, soles)
-            rows.append(J_com[:2] - J_middle[:2])
-            errors.append(middle[:2] - data.com[0][:2])
-        for index, wanted in (joints or {}).items():
-            rows.append(JOINT_WEIGHT * np.eye(model.nv)[index : index + 1])
-            errors.append(np.array([JOINT_WEIGHT * (wanted - q[index + 1])]))
-        rows.append(POSTURE_WEIGHT * np.eye(model.nv))
-        errors.append(POSTURE_WEIGHT * pin.difference(model, q, q0))
-        J, e = np.vstack(rows)[:, free], np.concatenate(errors)
-        dq = np.zeros(model.nv)
-        dq[free] = np.linalg.solve(J.T @ J + DAMPING * np.eye(len(free)), J.T @ e)
-        dq *= min(1.0, STEP / max(float(np.abs(dq[6:]).max()), 1e-12))
-        q = pin.integrate(model, q, dq)
-        q[7:] = np.clip(q[7:], lower, upper)
-        if np.abs(dq).max() < CONVERGED:
-            break
+    # First near the given posture, then without that pull, which would leave an error.
+    for pull in (POSTURE_WEIGHT, 0.0):
+        for _ in range(ITERATIONS):
+            rows, errors = _sole_rows(model, data, q, soles, align)
+            if over_soles:
+                J_com = pin.jacobianCenterOfMass(model, data, q)
+                middle, J_middle = _middle(model, data, soles)
+                rows.append(J_com[:2] - J_middle[:2])
+                errors.append(middle[:2] - data.com[0][:2])
+            for index, wanted in (joints or {}).items():
+                rows.append(JOINT_WEIGHT * np.eye(model.nv)[index : index + 1])
+                errors.append(np.array([JOINT_WEIGHT * (wanted - q[index + 1])]))
+            rows.append(pull * np.eye(model.nv))
+            errors.append(pull * pin.difference(model, q, q0))
+            J, e = np.vstack(rows)[:, free], np.concatenate(errors)
+            dq = np.zeros(model.nv)
+            dq[free] = np.linalg.solve(J.T @ J + DAMPING * np.eye(len(free)), J.T @ e)
+            dq *= min(1.0, STEP / max(float(np.abs(dq[6:]).max()), 1e-12))
+            q = pin.integrate(model, q, dq)
+            q[7:] = np.clip(q[7:], lower, upper)
+            if np.abs(dq).max() < CONVERGED:
+                break
     return q
 
 

@@ -1,0 +1,173 @@
+"""Bad input to `load`: a named error with the place and the cure, never a NaN or a C++ trace."""
+
+from __future__ import annotations
+
+import pytest
+from robottools import CHAPTER, FEET, changed, element, inertial
+
+import wbc.robot
+from wbc.errors import RobotDescriptionError, RobotNotFound, WbcError
+
+
+def load(path, **stated):
+    return wbc.robot.load(path, **{**FEET, **stated})
+
+
+@pytest.mark.parametrize(
+    ("wrong", "near"), [("tolos", "talos"), ("G1", "g1"), ("icub_redced", "icub_reduced")]
+)
+def test_unknown_robot_suggests_near_names(wrong, near):
+    with pytest.raises(RobotNotFound, match=f"no robot '{wrong}'.*'{near}'"):
+        wbc.robot.load(wrong)
+
+
+def test_missing_file_is_not_found():
+    with pytest.raises(RobotNotFound, match=r"no file .*nowhere\.urdf"):
+        wbc.robot.load("/nowhere.urdf")
+
+
+def test_a_folder_is_no_robot(tmp_path):
+    with pytest.raises(RobotDescriptionError, match="folder"):
+        wbc.robot.load(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        ("", "line 1: the XML is malformed"),
+        ("<robot>\n<link name='a'>\n</robot>", "line 3: the XML is malformed"),
+        ("<robot name='r'>\n<link/>\n</robot>", "line 2: a <link> has no name"),
+        ("<robot name='r'></robot>", "no <link>"),
+        ("<sdf version='1.6'/>", "the root element is <sdf>"),
+        ("<robot name='r'>\n\n<xacro:macro name='m'/></robot>", "line 3: <xacro:macro> is xacro"),
+        (
+            "<robot name='r'><link name='a'/>\n<joint name='j' type='fixed'>"
+            "<parent link='a'/></joint></robot>",
+            "line 2: joint 'j' has no <child",
+        ),
+        ("\x00\x01binary", "malformed"),
+    ],
+)
+def test_a_malformed_file_names_its_line(tmp_path, content, complaint):
+    path = tmp_path / "bad.urdf"
+    path.write_text(content)
+    with pytest.raises(RobotDescriptionError, match=complaint) as caught:
+        wbc.robot.load(path)
+    assert "bad.urdf" in str(caught.value)
+
+
+def test_latin_1_bytes_are_a_malformed_file(tmp_path):
+    path = tmp_path / "latin.urdf"
+    path.write_bytes("<robot name='é'/>".encode("latin-1"))
+    with pytest.raises(RobotDescriptionError, match="malformed"):
+        wbc.robot.load(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>', "axis of length zero"),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 1"/>', 'xyz="0 1"; it must hold 3 finite numbers'),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 nan 0"/>', "3 finite numbers"),
+        ('effort="200"', 'effort="strong"', 'effort="strong"'),
+        ('lower="0" upper="2.4"', 'lower="2.4" upper="0"', "lower limit 2.4 above its upper 0"),
+        ('<mass value="4.5"/>', '<mass value="-4.5"/>', "'right_thigh' has the mass -4.5 kg"),
+        ('<mass value="4.5"/>', '<mass value="inf"/>', 'value="inf"'),
+        ('<child link="left_foot"/>', '<child link="leftfoot"/>', "names the link 'leftfoot'"),
+        ('<link name="left_shin">', '<link name="right_shin">', "a second link 'right_shin'"),
+        ('<joint name="left_knee"', '<joint name="right_knee"', "a second joint 'right_knee'"),
+        ('"left_knee" type="revolute"', '"left_knee" type="hinge"', "the type 'hinge'"),
+        ('"neck" type="revolute"', '"neck" type="floating"', "only the base may float"),
+    ],
+)
+def test_a_wrong_element_is_named(tmp_path, old, new, complaint):
+    with pytest.raises(RobotDescriptionError, match=complaint):
+        load(changed(tmp_path, (old, new)))
+
+
+def test_a_link_on_no_joint_is_named(tmp_path):
+    path = changed(tmp_path, (element("joint", "neck"), ""))
+    with pytest.raises(RobotDescriptionError, match=r"'head' hang on no joint"):
+        load(path)
+
+
+def test_a_loop_is_refused(tmp_path):
+    joint = element("joint", "neck").replace('"neck"', '"again"')
+    path = changed(tmp_path, ("</robot>", joint + "</robot>"))
+    with pytest.raises(RobotDescriptionError, match="second joint into the link 'head'"):
+        load(path)
+
+
+def test_massless_ends_make_no_nan_but_an_error_that_names_the_link(tmp_path):
+    path = changed(tmp_path, (inertial("head"), ""))
+    with pytest.raises(RobotDescriptionError, match=r"'neck' \(moves link 'head'\).*<inertial>"):
+        load(path)
+    assert load(path, fixed_joints=["neck"]).na == 19
+
+
+def test_a_massless_base_below_a_heavy_torso_is_no_mistake(tmp_path):
+    robot = load(changed(tmp_path, (inertial("base_link"), "")))
+    assert robot.mass == pytest.approx(54.6 - 7, abs=1e-3)
+
+
+def test_the_chapters_minimal_robot_is_refused_by_name():
+    with pytest.raises(RobotDescriptionError, match="'right_thigh'"):
+        wbc.robot.load(CHAPTER)
+
+
+@pytest.mark.parametrize(
+    ("stated", "complaint"),
+    [
+        ({"left_foot": "leftfoot"}, "no such link; did you mean 'left_foot'"),
+        ({"right_foot": "left_foot"}, "hang on the same joint"),
+        ({"torso": "tors"}, "torso is 'tors'.*did you mean 'torso'"),
+        ({"imu": "imu"}, "imu is 'imu', but the model has no such frame"),
+        ({"nominal_posture": {"left_kne": 0.3}}, "no joint 'left_kne'; did you mean 'left_knee'"),
+        ({"armature": {"knees": 0.3}}, "no joint 'knees'"),
+        ({"fixed_joints": ["wings"]}, "'wings', which is no joint"),
+        ({"sole": {"height": 0.0}}, "height, length and width"),
+        ({"sole": {"hight": 0.0}}, "no 'hight'; did you mean 'height'"),
+        ({"sole": {"height": 0.0, "length": -1, "width": 1}}, "finite and positive"),
+    ],
+)
+def test_a_wrong_statement_is_named(stated, complaint):
+    with pytest.raises(RobotDescriptionError, match=complaint):
+        wbc.robot.load("simple_humanoid", **stated)
+
+
+def test_feet_that_nobody_names_are_asked_for():
+    with pytest.raises(RobotDescriptionError, match="name both, left_foot=… and right_foot=…"):
+        wbc.robot.load("solo12")
+    with pytest.raises(RobotDescriptionError, match="name both"):
+        wbc.robot.load("icub_reduced", left_foot="l_sole")
+
+
+def test_a_foot_without_shape_asks_for_its_sole():
+    with pytest.raises(RobotDescriptionError, match=r"no surface to stand on.*\[sole\]"):
+        wbc.robot.load("simple_humanoid_classical")
+
+
+def test_a_foot_whose_mesh_is_missing_names_the_mesh(tmp_path):
+    foot = element("link", "left_foot")
+    shape = '<mesh filename="package://nowhere/foot.stl"/>'
+    bare = foot.replace(foot[foot.index("    <visual>") : foot.index("    <collision>")], "")
+    bare = bare.replace('<box size="0.22 0.1 0.04"/>', shape)
+    path = changed(tmp_path, (foot, bare))
+    with pytest.raises(
+        RobotDescriptionError, match="its mesh package://nowhere/foot.stl is missing"
+    ):
+        load(path)
+    robot = load(path, sole={"height": -0.08, "length": 0.2, "width": 0.1, "center": (0.04, 0)})
+    assert robot.soles[0].placement.translation == pytest.approx([0.04, 0, -0.08])
+    assert len(robot.collision_model.geometryObjects) == 22
+
+
+def test_every_error_is_the_librarys_own_and_one_line(tmp_path):
+    """Cut our URDF short anywhere: never another exception, never a success."""
+    text = changed(tmp_path).read_text()
+    path = tmp_path / "cut.urdf"
+    for length in range(0, len(text) - 10, 997):
+        path.write_text(text[:length])
+        with pytest.raises(WbcError) as caught:
+            load(path)
+        assert "\n" not in str(caught.value)

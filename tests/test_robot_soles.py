@@ -1,0 +1,149 @@
+"""Soles and the plane geometry under them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+import wbc.robot
+from wbc.robot.foot import FootSurface, foot_surface
+from wbc.robot.polygon import convex_hull, inscribed_rectangle
+from wbc.robot.sole import fit_sole
+
+finite = st.floats(-1.0, 1.0)
+points = st.lists(st.tuples(finite, finite), min_size=3, max_size=40)
+
+
+def inside(hull, p, slack=1e-9):
+    a, b = hull, np.roll(hull, -1, axis=0)
+    edge, to = b - a, p - a
+    length = np.linalg.norm(edge, axis=1)
+    return ((edge[:, 0] * to[:, 1] - edge[:, 1] * to[:, 0]) / length >= -slack).all()
+
+
+@given(points)
+@settings(max_examples=60, deadline=None)
+def test_hull_holds_all_points_and_its_corners_are_among_them(cloud):
+    cloud = np.array(cloud)
+    hull = convex_hull(cloud)
+    assume(len(hull) >= 3)
+    assert all(inside(hull, p, 1e-7) for p in cloud)
+    for corner in hull:
+        assert np.abs(cloud - corner).max(axis=1).min() < 1e-8
+
+
+@given(points)
+@settings(max_examples=60, deadline=None)
+def test_inscribed_rectangle_lies_in_the_hull(cloud):
+    hull = convex_hull(np.array(cloud))
+    assume(len(hull) >= 3)
+    x0, x1, y0, y1 = inscribed_rectangle(hull)
+    assert x0 <= x1
+    assert y0 <= y1
+    for x in (x0, x1):
+        for y in (y0, y1):
+            assert inside(hull, np.array([x, y]), 1e-6)
+
+
+def test_inscribed_rectangle_is_the_largest():
+    assert inscribed_rectangle(np.array([[0, 0], [2, 0], [2, 1], [0, 1.0]])) == pytest.approx(
+        (0, 2, 0, 1)
+    )
+    # In a triangle the best rectangle on the base has half of its area.
+    x0, x1, y0, y1 = inscribed_rectangle(np.array([[0, 0], [1, 0], [0.5, 1.0]]))
+    assert (x1 - x0) * (y1 - y0) == pytest.approx(0.25, rel=1e-3)
+    # In a disc it is the square.
+    angle = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    x0, x1, y0, y1 = inscribed_rectangle(np.column_stack([np.cos(angle), np.sin(angle)]))
+    assert (x1 - x0) * (y1 - y0) == pytest.approx(2.0, rel=2e-3)
+
+
+def test_points_on_a_line_have_no_rectangle():
+    x0, x1, y0, y1 = inscribed_rectangle(convex_hull(np.array([[0, 0], [1, 1], [2, 2.0]])))
+    assert (x1 - x0, y1 - y0) == (0, 0)
+
+
+def box(length, width, height):
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 0)], dtype=float)
+    return signs * [0.5 * length, 0.5 * width, height]
+
+
+angles = st.floats(-np.pi, np.pi)
+
+
+@given(
+    length=st.floats(0.1, 0.3),
+    width=st.floats(0.05, 0.09),
+    turn=st.tuples(angles, angles, angles),
+    tilt=st.floats(-0.06, 0.06),
+)
+@settings(max_examples=50, deadline=None)
+def test_a_box_foot_is_found_in_any_axes_and_under_a_tilted_frame(length, width, turn, tilt):
+    """The foot link may have swapped axes, and its frame may be tilted against its sole."""
+    R = pin.rpy.rpyToMatrix(*turn)  # from a level frame, x forward, to the joint's axes
+    surface = FootSurface(box(length, width, 0.05) @ R.T, np.zeros(8), "collision")
+    tilted = R @ pin.rpy.rpyToMatrix(0.0, tilt, 0.0)
+    fit = fit_sole(surface, R[:, 2], R[:, 0], tilted)
+    # A tilt of two tenths of a millimetre along the sole is taken for rounding.
+    exact = tilt == 0.0 or abs(tilt) > 3e-3
+    np.testing.assert_allclose(fit.placement.rotation, R, atol=1e-9 if exact else 3e-3)
+    slack = 1e-6 if exact else 1e-3
+    np.testing.assert_allclose(R.T @ fit.placement.translation, [0, 0, -0.05], atol=slack)
+    assert fit.half_length == pytest.approx(length / 2, abs=slack)
+    assert fit.half_width == pytest.approx(width / 2, abs=slack)
+
+
+@given(lean=st.floats(-0.1, 0.1))
+@settings(max_examples=30, deadline=None)
+def test_a_foot_that_stands_tilted_snaps_to_its_own_flat_side(lean):
+    """The posture in which a sole is looked for need not be quite level."""
+    up = pin.rpy.rpyToMatrix(0.0, lean, 0.0)[:, 2]
+    surface = FootSurface(box(0.2, 0.1, 0.05), np.zeros(8), "collision")
+    fit = fit_sole(surface, up, np.array([1.0, 0, 0]), np.eye(3))
+    np.testing.assert_allclose(fit.placement.rotation, np.eye(3), atol=1e-9)
+    assert fit.half_length == pytest.approx(0.1, abs=1e-6)
+
+
+def test_spheres_touch_below_their_centres():
+    centres = np.array([[0.1, 0.03, 0], [0.1, -0.03, 0], [-0.1, 0.03, 0], [-0.1, -0.03, 0.0]])
+    fit = fit_sole(
+        FootSurface(centres, np.full(4, 0.005), "collision"),
+        np.array([0, 0, 1.0]),
+        np.array([1.0, 0, 0]),
+        np.eye(3),
+    )
+    assert fit.placement.translation == pytest.approx([0, 0, -0.005])
+    assert (fit.half_length, fit.half_width) == pytest.approx((0.1, 0.03))
+
+
+def test_rounded_edges_do_not_count_as_sole():
+    flat = box(0.2, 0.1, 0.05)
+    rim = box(0.24, 0.14, 0.04)  # one centimetre higher all round
+    surface = FootSurface(np.vstack([flat, rim]), np.zeros(16), "collision")
+    fit = fit_sole(surface, np.array([0, 0, 1.0]), np.array([1.0, 0, 0]), np.eye(3))
+    assert fit.half_length == pytest.approx(0.1, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["talos", "g1", "romeo", "simple_humanoid", "icub", "human"])
+def test_sole_rectangles_lie_within_the_foots_outline(name):
+    robot = wbc.robot.load(name)
+    for sole in robot.soles:
+        surface = foot_surface(
+            robot.urdf, robot.model, sole.joint_id, robot.package_dirs, robot.respect_up_axis
+        )
+        low = surface.lowest(sole.placement.rotation[:, 2])
+        local = (low - sole.placement.translation) @ sole.placement.rotation
+        assert local[:, 2].min() == pytest.approx(0, abs=1e-9)
+        hull = convex_hull(local[:, :2])
+        for corner in sole.corners:
+            assert inside(hull, corner[:2], 1e-6)
+
+
+@pytest.mark.parametrize("name", ["talos", "g1", "romeo", "simple_humanoid", "icub"])
+def test_left_and_right_soles_mirror_each_other(name):
+    left, right = wbc.robot.load(name).soles
+    assert left.half_length == pytest.approx(right.half_length, abs=1e-3)
+    assert left.half_width == pytest.approx(right.half_width, abs=1e-3)
