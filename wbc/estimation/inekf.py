@@ -98,12 +98,14 @@ class InvariantFilter:
     @property
     def v(self) -> np.ndarray:
         """(3,) velocity of the IMU, world axes, m/s."""
-        return self.vectors[0]
+        velocity: np.ndarray = self.vectors[0]
+        return velocity
 
     @property
     def p(self) -> np.ndarray:
         """(3,) position of the IMU relative to its place at the reset, world axes, m."""
-        return self.vectors[1]
+        place: np.ndarray = self.vectors[1]
+        return place
 
     def reset(self, R: np.ndarray, v: np.ndarray) -> None:
         """Start at a pose and velocity, with unknown biases and no feet on the ground."""

@@ -8,26 +8,34 @@ import numpy as np
 class JointFilter:
     """One stationary Kalman filter per joint over position and velocity.
 
-    The model is `q̇ = v`, with an acceleration that is white noise of standard deviation
-    `acceleration` per period; measured are both q and v. With all joints alike, the
-    stationary gain is one 2×2 matrix, found once.
+    The model is `q̇ = v, v̇ = a + e` with the foreseen acceleration a, zero if nobody
+    foresees one, and an error e that is white noise; measured are both q and v. With all
+    joints alike, the stationary gain is one 2×2 matrix, found once.
 
     Args:
         na: number of joints.
         dt: period, s.
         position: standard deviation of the encoders, rad.
         velocity: standard deviation of the velocity readings, rad/s.
-        acceleration: how hard a joint is believed to accelerate unforeseen, rad/s².
+        acceleration: standard deviation of e per period when nothing is foreseen, rad/s².
             Larger follows faster and smooths less; infinity passes readings through.
+        surprise: that of e when an acceleration is foreseen, rad/s².
     """
 
     def __init__(
-        self, na: int, dt: float, position: float, velocity: float, acceleration: float
+        self,
+        na: int,
+        dt: float,
+        position: float,
+        velocity: float,
+        acceleration: float,
+        surprise: float,
     ) -> None:
         self._dt = dt
         self._x = np.zeros((2, na))
         self._prediction = np.zeros((2, na))
-        self.gain = stationary_gain(dt, position, velocity, acceleration)
+        self._gain = stationary_gain(dt, position, velocity, acceleration)
+        self._foreseen_gain = stationary_gain(dt, position, velocity, surprise)
         self._passes = not np.isfinite(acceleration)
         self._fresh = True
 
@@ -54,13 +62,15 @@ class JointFilter:
             x[1] = velocity
             self._fresh = False
             return x[0], x[1]
+        gain = self._gain
         if acceleration is not None:
+            gain = self._foreseen_gain
             x[1] += self._dt * acceleration
         x[0] += self._dt * x[1]
         innovation = self._prediction
         np.subtract(position, x[0], out=innovation[0])
         np.subtract(velocity, x[1], out=innovation[1])
-        x += self.gain @ innovation
+        x += gain @ innovation
         return x[0], x[1]
 
 
