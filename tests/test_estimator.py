@@ -1,0 +1,305 @@
+"""The estimator against the truth of the physics."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from simtools import Hold, Sway, moved, robot, run, upright
+
+from wbc.errors import ContactError, MeasurementError, StateError
+from wbc.estimation import Estimator, GroundTruthEstimator
+from wbc.measurement import Measurement
+from wbc.sim import Mujoco, SensorNoise
+from wbc.state import State
+
+pytest.importorskip("mujoco")
+
+
+@dataclasses.dataclass
+class Trial:
+    """A run of a swaying robot: measurements with the truth, and the plant's biases."""
+
+    measurements: list[Measurement]
+    gyro_bias: np.ndarray
+    accelerometer_bias: np.ndarray
+
+
+@cache
+def swaying(name: str = "talos", duration: float = 6.0, quiet: bool = False, far: bool = False):
+    r = robot(name)
+    hold, sway = Hold(r), Sway(r)
+    noise = SensorNoise.none() if quiet else SensorNoise()
+    found = []
+    with Mujoco(r, ground_truth=True, noise=noise, seed=3) as plant:
+        if far:
+            plant.reset(moved(r.standing(), (100.0, -50.0, 0.0), 2.0))
+        for _ in range(round(duration / plant.dt)):
+            m = plant.measure()
+            found.append(m)
+            plant.step(hold(m, sway(plant.time)))
+        return Trial(found, plant._noise.gyro_bias, plant._noise.accelerometer_bias)
+
+
+def follow(estimator: Estimator, trial: Trial) -> list[State]:
+    estimator.reset(trial.measurements[0].ground_truth)
+    blind = (dataclasses.replace(m, ground_truth=None) for m in trial.measurements)
+    return [estimator.update(m) for m in blind]
+
+
+def errors(trial: Trial, states: list[State]) -> dict[str, np.ndarray]:
+    pairs = list(zip(states, (m.ground_truth for m in trial.measurements), strict=True))
+    return {
+        "attitude": np.array([upright(s) - upright(t) for s, t in pairs]),
+        "place": np.array([s.q[:3] - t.q[:3] for s, t in pairs]),
+        "linear": np.array([s.v[:3] - t.v[:3] for s, t in pairs]),
+        "angular": np.array([s.v[3:6] - t.v[3:6] for s, t in pairs]),
+        "joints": np.array([s.v[6:] - t.v[6:] for s, t in pairs]),
+    }
+
+
+def rms(x: np.ndarray) -> np.ndarray:
+    return np.sqrt(np.mean(x**2, axis=0))
+
+
+@pytest.mark.parametrize("name", ["talos", "g1", "romeo", "simple_humanoid"])
+def test_the_estimate_follows_a_swaying_robot(name):
+    r = robot(name)
+    trial = swaying(name)
+    moving = max(np.abs(m.ground_truth.v[:3]).max() for m in trial.measurements)
+    assert moving > 0.01, "the robot is to move"
+    e = errors(trial, follow(Estimator(r), trial))
+    settled = {key: value[500:] for key, value in e.items()}
+    assert np.degrees(rms(settled["attitude"][:, :2])).max() < 0.2
+    assert np.degrees(np.abs(settled["attitude"][:, 2])).max() < 0.5
+    assert rms(settled["linear"]).max() < 0.01
+    assert np.abs(settled["linear"].mean(axis=0)).max() < 0.005
+    assert rms(settled["angular"]).max() < 0.04
+    assert np.abs(settled["place"]).max() < 0.01
+    assert rms(settled["joints"].ravel()) < (0.055 if name == "g1" else 0.04)
+
+
+def test_without_noise_the_estimate_is_nearly_exact():
+    r = robot()
+    trial = swaying(quiet=True, duration=3.0)
+    e = errors(trial, follow(Estimator(r, joint_acceleration=np.inf), trial))
+    # What is left is the soles': they rock and creep a little under a swaying robot.
+    assert np.degrees(np.abs(e["attitude"])).max() < 0.15
+    assert rms(e["linear"]).max() < 2e-3
+    assert np.abs(e["angular"]).max() < 2e-3
+    assert np.abs(e["place"]).max() < 5e-3
+    np.testing.assert_array_equal(e["joints"], 0.0)
+
+
+def test_the_gyro_bias_is_found():
+    r = robot()
+    trial = swaying()
+    estimator = Estimator(r)
+    follow(estimator, trial)
+    assert np.abs(trial.gyro_bias).max() > 5e-4, "there is a bias to find"
+    np.testing.assert_allclose(estimator.filter.gyro_bias, trial.gyro_bias, atol=4e-4)
+
+
+def test_a_large_constant_gyro_bias_is_found_from_standing_soles():
+    r = robot()
+    trial = swaying()
+    bias = np.array([0.01, -0.015, 0.02])
+    biased = Trial(
+        [dataclasses.replace(m, gyro=m.gyro + bias) for m in trial.measurements], bias, bias
+    )
+    estimator = Estimator(r)
+    states = follow(estimator, biased)
+    np.testing.assert_allclose(estimator.filter.gyro_bias, trial.gyro_bias + bias, atol=1.2e-3)
+    e = errors(biased, states)
+    assert np.degrees(np.abs(e["attitude"][1500:])).max() < 0.5
+
+
+def test_the_vertical_accelerometer_bias_is_found():
+    r = robot()
+    trial = swaying()
+    estimator = Estimator(r)
+    follow(estimator, trial)
+    data = r.model.createData()
+    pin.framesForwardKinematics(r.model, data, trial.measurements[-1].ground_truth.q)
+    up = data.oMf[r.frame_id(r.imu)].rotation[2]
+    # The horizontal ones cannot be told from a tilt by a robot that stands.
+    found = up @ (estimator.filter.accelerometer_bias - trial.accelerometer_bias)
+    assert abs(found) < 2e-3
+    assert abs(up @ trial.accelerometer_bias) > 4e-3, "there is a bias to find"
+
+
+def test_a_wrong_first_tilt_is_corrected():
+    r = robot()
+    trial = swaying()
+    start = trial.measurements[0].ground_truth
+    tilted = start.q.copy()
+    turn = pin.Quaternion(pin.rpy.rpyToMatrix(0.02, -0.02, 0.0))
+    tilted[3:7] = (turn * pin.Quaternion(start.q[3:7])).coeffs()
+    estimator = Estimator(r)
+    estimator.reset(State(tilted, start.v))
+    states = [estimator.update(m) for m in trial.measurements]
+    e = errors(trial, states)["attitude"]
+    assert np.degrees(np.abs(e[0, :2])).min() > 1.0
+    assert np.degrees(np.abs(e[2000:, :2])).max() < 0.3
+
+
+def test_the_filter_knows_how_wrong_it_is():
+    r = robot()
+    trial = swaying()
+    estimator = Estimator(r)
+    follow(estimator, trial)
+    sigma = np.sqrt(np.diag(estimator.filter.P))
+    assert np.all(np.linalg.eigvalsh(estimator.filter.P) > -1e-12)
+    np.testing.assert_allclose(estimator.filter.P, estimator.filter.P.T, atol=1e-9)
+    off = np.abs(estimator.filter.gyro_bias - trial.gyro_bias)
+    assert np.all(off < 4.0 * sigma[-6:-3])
+    assert sigma[3:6].max() < 0.02
+
+
+def test_the_estimate_turns_and_moves_with_the_scene():
+    r = robot()
+    trial = swaying(duration=2.0)
+    away = Trial(
+        [
+            dataclasses.replace(m, ground_truth=moved(m.ground_truth, (100.0, -50.0, 0.0), 2.0))
+            for m in trial.measurements
+        ],
+        trial.gyro_bias,
+        trial.accelerometer_bias,
+    )
+    here, there = follow(Estimator(r), trial), follow(Estimator(r), away)
+    for a, b in zip(here[::50], there[::50], strict=True):
+        expected = moved(a, (100.0, -50.0, 0.0), 2.0)
+        np.testing.assert_allclose(b.v, expected.v, atol=1e-8)
+        np.testing.assert_allclose(b.q[:3], expected.q[:3], atol=1e-8)
+        np.testing.assert_allclose(upright(b), upright(expected), atol=1e-8)
+
+
+def test_it_follows_a_robot_that_stands_far_away_and_turned():
+    trial = swaying(far=True, duration=3.0)
+    e = errors(trial, follow(Estimator(robot()), trial))
+    assert np.abs(e["place"]).max() < 0.01
+    assert rms(e["linear"][500:]).max() < 0.01
+
+
+@pytest.mark.parametrize("hint", [None, ("left_sole", "right_sole")])
+def test_without_foot_sensors_the_kinematics_or_the_caller_tell_contacts(hint):
+    r = robot()
+    trial = swaying(duration=3.0)
+    estimator = Estimator(r)
+    estimator.reset(trial.measurements[0].ground_truth)
+    bare = [dataclasses.replace(m, foot_wrenches={}) for m in trial.measurements]
+    states = [estimator.update(m, contacts=hint) for m in bare]
+    assert estimator.contacts == ("left_sole", "right_sole")
+    assert rms(errors(trial, states)["linear"][500:]).max() < 0.01
+
+
+def test_contacts_switch_with_hysteresis():
+    r = robot()
+    estimator = Estimator(r)
+    m = swaying(duration=3.0).measurements[0]
+    weight = 9.81 * r.mass
+    seen = []
+    for share in (0.5, 0.08, 0.06, 0.04, 0.06, 0.08, 0.12):
+        feet = {"left_sole": np.zeros(6), "right_sole": np.zeros(6)}
+        feet["left_sole"][2] = share * weight
+        feet["right_sole"][2] = 0.5 * weight
+        estimator.update(dataclasses.replace(m, foot_wrenches=feet))
+        assert "right_sole" in estimator.contacts
+        seen.append("left_sole" in estimator.contacts)
+    assert seen == [True, True, True, False, False, False, True]
+
+
+def test_a_fall_through_the_air_is_integrated():
+    r = robot()
+    start = moved(r.standing(), (0.0, 0.0, 1.0), 0.0)
+    with Mujoco(r, noise=SensorNoise.none(), ground_truth=True) as plant:
+        plant.reset(start)
+        estimator = Estimator(r)
+        estimator.reset(start)
+        hold = Hold(r)
+        for _ in range(100):
+            state = estimator.update(plant.measure())
+            plant.step(hold(plant.measure()))
+        assert estimator.contacts == ()
+        truth = plant.measure().ground_truth
+        state = estimator.update(plant.measure())
+    assert truth.v[2] < -1.5
+    np.testing.assert_allclose(state.q[:3], truth.q[:3], atol=5e-3)
+    np.testing.assert_allclose(state.v[:3], truth.v[:3], atol=0.02)
+
+
+def test_the_exact_state_is_never_looked_at():
+    r = robot()
+    trial = swaying(duration=2.0)
+    lied = [
+        dataclasses.replace(m, ground_truth=State(np.full(r.nq, np.nan), np.full(r.nv, np.nan)))
+        for m in trial.measurements
+    ]
+    estimator = Estimator(r)
+    estimator.reset(trial.measurements[0].ground_truth)
+    last = [estimator.update(m) for m in lied][-1]
+    np.testing.assert_array_equal(last.q, follow(Estimator(r), trial)[-1].q)
+
+
+def test_ground_truth_estimator_hands_on_the_truth_or_says_that_there_is_none():
+    r = robot()
+    with Mujoco(r, ground_truth=True) as plant:
+        run(plant, 0.02, Hold(r))
+        m = plant.measure()
+    estimator = GroundTruthEstimator()
+    estimator.reset(r.standing())
+    assert estimator.update(m) is m.ground_truth
+    with pytest.raises(MeasurementError, match="ground_truth=True"):
+        estimator.update(dataclasses.replace(m, ground_truth=None))
+
+
+def _with(array: np.ndarray, index: int, value: float) -> np.ndarray:
+    changed = array.copy()
+    changed[index] = value
+    return changed
+
+
+@pytest.mark.parametrize("field", ["joint_position", "joint_velocity", "gyro", "accelerometer"])
+def test_bad_readings_are_named(field):
+    estimator = Estimator(robot())
+    m = swaying(duration=2.0).measurements[0]
+    reading = getattr(m, field)
+    with pytest.raises(MeasurementError, match=f"{field} has shape"):
+        estimator.update(dataclasses.replace(m, **{field: reading[:-1]}))
+    with pytest.raises(MeasurementError, match=f"{field} has entries"):
+        estimator.update(dataclasses.replace(m, **{field: _with(reading, 1, np.nan)}))
+
+
+def test_bad_foot_wrenches_and_contacts_are_named():
+    estimator = Estimator(robot())
+    m = swaying(duration=2.0).measurements[0]
+    for wrench in (None, np.zeros(3), np.full(6, np.nan)):
+        feet = {"left_sole": np.zeros(6)}
+        if wrench is not None:
+            feet["right_sole"] = wrench
+        with pytest.raises(MeasurementError, match="right_sole"):
+            estimator.update(dataclasses.replace(m, foot_wrenches=feet))
+    with pytest.raises(ContactError, match="middle_sole"):
+        estimator.update(m, contacts=("middle_sole",))
+
+
+def test_a_bad_start_is_refused():
+    r = robot()
+    with pytest.raises(StateError):
+        Estimator(r).reset(State(np.zeros(3), np.zeros(r.nv)))
+
+
+def test_the_state_is_the_callers_own():
+    estimator = Estimator(robot())
+    trial = swaying(duration=2.0)
+    first = estimator.update(trial.measurements[0])
+    kept = first.q.copy(), first.v.copy()
+    for m in trial.measurements[1:10]:
+        second = estimator.update(m)
+    np.testing.assert_array_equal(first.q, kept[0])
+    np.testing.assert_array_equal(first.v, kept[1])
+    assert np.linalg.norm(second.q[3:7]) == pytest.approx(1.0, abs=1e-12)

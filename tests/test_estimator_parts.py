@@ -1,0 +1,195 @@
+"""The estimator's building blocks against plain formulas."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from wbc.estimation import EstimatorNoise, so3
+from wbc.estimation.contact import ContactTrigger
+from wbc.estimation.inekf import InvariantFilter
+from wbc.estimation.joints import JointFilter, stationary_gain
+
+vectors = st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3).map(np.array)
+
+
+@settings(deadline=None)
+@given(a=vectors, scale=st.sampled_from([1.0, 1e-2, 1e-4, 1e-7, 0.0]))
+def test_rotations_agree_with_pinocchio(a, scale):
+    a = scale * a
+    R = pin.exp3(a)
+    np.testing.assert_allclose(so3.exp(a), R, atol=1e-12)
+    np.testing.assert_allclose(so3.exps(np.array([a, -a]))[1], R.T, atol=1e-12)
+    turn, smear = so3.exp_and_integral(a)
+    np.testing.assert_allclose(turn, R, atol=1e-12)
+    # ∫ exp(s a) ds is the transposed right Jacobian, i.e. the left one.
+    np.testing.assert_allclose(smear, pin.Jexp3(-a), atol=1e-7)
+    quaternion = np.array(so3.quaternion(R))
+    assert quaternion[3] >= 0.0
+    np.testing.assert_allclose(pin.Quaternion(quaternion).toRotationMatrix(), R, atol=1e-12)
+
+
+@given(a=vectors, b=vectors)
+def test_skew_matrices_are_cross_products(a, b):
+    one, many = np.zeros((3, 3)), np.zeros((2, 3, 3))
+    so3.skew(a, one)
+    so3.skews(np.array([b, a]), many)
+    np.testing.assert_allclose(one @ b, np.cross(a, b), atol=1e-12)
+    np.testing.assert_array_equal(many[1], one)
+    np.testing.assert_array_equal(so3.vee(many[1:]), [a])
+
+
+def filled(seed: int = 0) -> tuple[InvariantFilter, np.ndarray, np.ndarray]:
+    """A filter that stands on two feet, with a covariance of a few hundred steps."""
+    random = np.random.default_rng(seed)
+    noise = EstimatorNoise()
+    covariance = 1e-6 * np.eye(6)
+    f = InvariantFilter(2, 0.002, np.array([0.0, 0.0, -9.81]), noise, [covariance] * 2)
+    f.reset(pin.rpy.rpyToMatrix(0.1, -0.2, 0.7), np.array([0.3, -0.1, 0.05]))
+    h = np.array([[0.1, 0.1, -0.9], [0.0, -0.1, -0.85]])
+    F = np.array([pin.rpy.rpyToMatrix(0.05, 0.1, 0.0), np.eye(3)])
+    for foot in range(2):
+        f.land(foot, h[foot], F[foot])
+    for _ in range(200):
+        f.propagate(random.normal(0.1, 0.3, 3), random.normal(0.0, 1.0, 3), [1.0, 1.0])
+    return f, h, F
+
+
+def test_landing_puts_the_foot_where_the_legs_see_it():
+    f, h, F = filled()
+    f.land(1, h[1], F[1])
+    np.testing.assert_allclose(f.vectors[3], f.p + f.R @ h[1], atol=1e-12)
+    np.testing.assert_allclose(f.F[1], f.R @ F[1], atol=1e-12)
+    # Just landed, foot and IMU differ by the legs' noise alone.
+    place, turn = slice(12, 15), slice(18, 21)
+    H = np.zeros((6, 27))
+    H[:3, 6:9], H[:3, place] = np.eye(3), -np.eye(3)
+    H[3:, :3], H[3:, turn] = np.eye(3), -np.eye(3)
+    np.testing.assert_allclose(H @ f.P @ H.T, 1e-6 * np.eye(6), atol=1e-12)
+
+
+@pytest.mark.parametrize("feet", [(0,), (1,), (0, 1)])
+def test_a_correction_is_the_textbook_kalman_update(feet):
+    f, _, _ = filled()
+    random = np.random.default_rng(1)
+    rows = list(feet)
+    xi = 1e-5 * random.standard_normal(3)
+    F = np.array([f.R.T @ so3.exp(xi) @ f.F[i] for i in rows])
+    off = 1e-4 * random.standard_normal((len(rows), 3))
+    h = np.array([f.R.T @ (f.vectors[2 + i] - f.p + o) for i, o in zip(rows, off, strict=True)])
+    H = np.zeros((6 * len(rows), 27))
+    r = np.zeros(6 * len(rows))
+    for k, i in enumerate(rows):
+        H[6 * k : 6 * k + 3, 6:9] = H[6 * k + 3 : 6 * k + 6, 0:3] = np.eye(3)
+        H[6 * k : 6 * k + 3, 9 + 3 * i : 12 + 3 * i] = -np.eye(3)
+        H[6 * k + 3 : 6 * k + 6, 15 + 3 * i : 18 + 3 * i] = -np.eye(3)
+        r[6 * k : 6 * k + 3] = off[k]
+        r[6 * k + 3 : 6 * k + 6] = xi
+    P = f.P.copy()
+    K = P @ H.T @ np.linalg.inv(H @ P @ H.T + 1e-6 * np.eye(len(r)))
+    step = -K @ r
+    expected_P = (np.eye(27) - K @ H) @ P
+    bias, v, R = f.gyro_bias.copy(), f.v.copy(), f.R.copy()
+    f.correct(feet, h, F)
+    np.testing.assert_allclose(f.P, expected_P, atol=1e-12)
+    np.testing.assert_allclose(f.gyro_bias - bias, step[21:24], atol=1e-9)
+    turn = pin.exp3(step[:3])
+    np.testing.assert_allclose(f.R, turn @ R, atol=1e-10)
+    np.testing.assert_allclose(f.v, turn @ v + pin.Jexp3(-step[:3]) @ step[3:6], atol=1e-10)
+
+
+def test_errors_propagate_as_the_linear_model_says():
+    """Two filters that differ by a small error: its change is the transition matrix's."""
+    random = np.random.default_rng(2)
+    gyro, force = np.array([0.4, -0.3, 0.8]), np.array([0.5, -1.0, 9.0])
+    xi = 1e-6 * random.standard_normal(27)
+
+    def disturbed(by: np.ndarray) -> InvariantFilter:
+        f, _, _ = filled()
+        f._retract(by)
+        return f
+
+    def error(a: InvariantFilter, b: InvariantFilter) -> np.ndarray:
+        """ξ with a = exp(ξ) b, to first order."""
+        turn = pin.log3(a.R @ b.R.T)
+        moved = a.vectors - b.vectors - np.cross(turn, b.vectors)
+        feet = [pin.log3(x @ y.T) for x, y in zip(a.F, b.F, strict=True)]
+        return np.concatenate(
+            [
+                turn,
+                moved.ravel(),
+                *feet,
+                a.gyro_bias - b.gyro_bias,
+                a.accelerometer_bias - b.accelerometer_bias,
+            ]
+        )
+
+    a, b = disturbed(xi), disturbed(np.zeros(27))
+    before = error(a, b)
+    np.testing.assert_allclose(before, xi, atol=1e-10)
+    for f in (a, b):
+        f.propagate(gyro, force, [1.0, 1.0])
+    after = error(a, b)
+    transition = b._transitions[1]
+    # First order in the period: what is left is of the size of dt².
+    np.testing.assert_allclose(after, transition @ before, atol=3e-11)
+    assert np.abs(after - before).max() > 3e-9, "the step changes the error"
+
+
+def test_a_foot_in_the_air_leaves_the_rest_certain():
+    f, _, _ = filled()
+    noise = f.P[9:12, 9:12].copy()
+    f.propagate(np.zeros(3), np.array([0.0, 0.0, 9.81]), [0.0, 5.0])
+    grown = f.P[12:15, 12:15].trace()
+    assert f.P[9:12, 9:12].trace() < noise.trace() + 1e-6
+    assert grown > 0.0
+
+
+def test_joint_filter_smooths_and_follows():
+    random = np.random.default_rng(3)
+    dt, n = 0.002, 3000
+    time = dt * np.arange(n)
+    q, v = 0.1 * np.sin(6.0 * time), 0.6 * np.cos(6.0 * time)
+    a = -3.6 * np.sin(6.0 * time)
+    noisy_q = q + 1e-3 * random.standard_normal(n)
+    noisy_v = v + 0.05 * random.standard_normal(n)
+
+    def errors(acceleration: float, foreseen: bool) -> tuple[float, float]:
+        f = JointFilter(1, dt, 1e-3, 0.05, acceleration, acceleration)
+        out = []
+        for k in range(n):
+            known = np.array([a[k]]) if foreseen else None
+            x, y = f.update(noisy_q[k : k + 1], noisy_v[k : k + 1], known)
+            out.append((x[0] - q[k], y[0] - v[k]))
+        deviation = np.std(np.array(out)[100:], axis=0)
+        return float(deviation[0]), float(deviation[1])
+
+    plain, helped = errors(10.0, False), errors(5.0, True)
+    assert plain[0] < 0.6e-3
+    assert plain[1] < 0.028
+    assert helped[1] < 0.7 * plain[1]
+    assert errors(np.inf, False)[1] == pytest.approx(0.05, rel=0.05)
+
+
+def test_stationary_gain_is_a_fixed_point_of_the_riccati_equation():
+    dt, s, w, a = 0.002, 1e-3, 0.05, 12.0
+    K = stationary_gain(dt, s, w, a)
+    A = np.array([[1.0, dt], [0.0, 1.0]])
+    kick = a * np.array([0.5 * dt * dt, dt])
+    N = np.diag([s * s, w * w])
+    # K = P (P + N)^-1  gives  P = (1 - K)^-1 K N.
+    P = np.linalg.solve(np.eye(2) - K, K @ N)
+    after = P - K @ P
+    np.testing.assert_allclose(A @ after @ A.T + np.outer(kick, kick), P, rtol=1e-6)
+
+
+def test_the_less_a_sole_carries_the_less_it_is_trusted():
+    trigger = ContactTrigger()
+    factors = [trigger.slip_factor(share) for share in (0.8, 0.4, 0.2, 0.05, 0.0)]
+    assert factors[0] == factors[1] == 1.0
+    assert factors == sorted(factors)
+    assert factors[2] == pytest.approx(2.0)
+    assert np.isfinite(factors[-1])
