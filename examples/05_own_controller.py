@@ -1,0 +1,41 @@
+"""A controller of your own in `wbc.run`: anything with `reset(state)` and `step(state, wrenches)`.
+
+This one knows nothing of balance: it holds every joint where it was, with springs and dampers,
+around the torques that carry the weight.
+"""
+
+import numpy as np
+
+import wbc
+
+
+class HoldPosture:
+    """Joint springs and dampers around the static torques."""
+
+    def __init__(self, robot, stiffness=20.0, damping=0.6):
+        self.robot = robot
+        self.kp = stiffness * robot.tau_max  # N·m/rad
+        self.kd = damping * robot.tau_max  # N·m·s/rad
+
+    def reset(self, state):
+        """Take the present posture as the one to hold."""
+        kin = wbc.Kinematics(self.robot, state)
+        self.q = state.q[7:].copy()
+        # The smallest foot wrenches that carry the weight at rest, and the torques to them.
+        J = np.vstack([kin.jacobian(sole.name) for sole in self.robot.soles])
+        loads = np.linalg.lstsq(J[:, :6].T, kin.bias_forces[:6], rcond=None)[0]
+        self.tau = kin.bias_forces[6:] - J[:, 6:].T @ loads
+
+    def step(self, state, foot_wrenches=None):
+        """One tick."""
+        tau = self.tau + self.kp * (self.q - state.q[7:]) - self.kd * state.v[6:]
+        tau = np.clip(tau, -self.robot.tau_max, self.robot.tau_max)
+        still = np.zeros(self.robot.na)
+        return wbc.Command(tau, np.zeros(self.robot.nv), {}, self.q, still)
+
+
+robot = wbc.load("simple_humanoid")
+with wbc.sim.Mujoco(robot) as plant:
+    plant.schedule_push(1.0, [3.0, 0.0, 0.0])  # N·s
+    report = wbc.run(HoldPosture(robot), plant, duration=3.0)
+print(report.table())

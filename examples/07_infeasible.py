@@ -1,0 +1,26 @@
+"""Ask for the impossible: the QP says which of its rows cannot hold together.
+
+The command stays finite and safe all the same.
+"""
+
+import numpy as np
+
+import wbc
+
+robot = wbc.load("talos")
+state = robot.standing()
+controller = wbc.WholeBodyController(robot)
+controller.add(wbc.PostureTask(robot))
+controller.set_contacts([wbc.SurfaceContact.of(sole) for sole in robot.soles])
+print("standing:", controller.step(state).status.value)
+
+# Priority 0 is exact. Nothing presses a foot off the ground and keeps it there.
+lift = controller.add(wbc.ComTask(priority=0))
+lift.acceleration = np.array([0.0, 0.0, -20.0])  # m/s², faster than it can fall
+command = controller.step(state)
+print("pulled down:", command.status.value)
+print(" ", command.explanation)
+print("torques are finite:", np.isfinite(command.tau).all())
+
+lift.acceleration = np.zeros(3)
+print("let be:", controller.step(state).status.value)
