@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ from wbc.errors import ContactError, GaitError
 from wbc.gait import DcmReference, Feet, GaitParameters, Phase, Placement, Schedule, Velocity
 from wbc.gait.footsteps import SIDES
 from wbc.gait.planar import point, wrap, yaw_of
+from wbc.gait.reach import LegReach
 from wbc.gait.dcm_plan import dcm_now
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
@@ -41,8 +43,10 @@ class WalkerGains:
         trunk_weight: of torso and base orientation.
         trunk_kp: 1/s².
         posture_weight: of the posture of arms, trunk and head.
-        leg_posture_weight: of the legs' posture: enough to tell the knees from a mirror image,
-            too little to pull on the CoM.
+        leg_posture_weight: of the legs' posture, the knees left out: too little to pull on
+            the CoM.
+        knee_posture_weight: of the knees: a leg that is almost straight behind the robot can
+            lift its foot by bending the knee or by hiking the hip, and only this tells it which.
         posture_kp: 1/s².
         momentum_weight: of the angular momentum.
         second_contact_weight: of the motion of the less important foot in double support.
@@ -61,6 +65,7 @@ class WalkerGains:
     trunk_kp: float = 80.0
     posture_weight: float = 0.3
     leg_posture_weight: float = 0.02
+    knee_posture_weight: float = 0.5
     posture_kp: float = 60.0
     momentum_weight: float = 0.001
     second_contact_weight: float = 3000.0
@@ -114,6 +119,7 @@ class Walker:
             )
         )
         upright = Kinematics(robot, robot.standing())
+        self._reach = LegReach(robot)
         self._trunk = []
         for frame in dict.fromkeys((robot.torso, robot.base)):
             task = OrientationTask(frame, weight=gains.trunk_weight, kp=gains.trunk_kp)
@@ -121,6 +127,7 @@ class Walker:
         weights = np.full(robot.na, gains.posture_weight)
         for leg in robot.legs:
             weights[np.array(leg) - 6] = gains.leg_posture_weight
+        weights[list(self._reach.knees)] = gains.knee_posture_weight
         self.posture = controller.add(PostureTask(robot, weight=weights, kp=gains.posture_kp))
         self.momentum = controller.add(AngularMomentumTask(weight=gains.momentum_weight))
         self._swing_tasks = {
@@ -265,9 +272,17 @@ class Walker:
         ground = self._ground_height(feet)
         blend = min(self.dt / gains.ground_time, 1.0)
         self._ground += blend * (ground - self._ground)
-        self._height_now += 0.25 * blend * (gait.com_height - self._height_now)
+        height = min(gait.com_height, self._reach.com_height(self._step_length()))
+        self._height_now += 0.25 * blend * (height - self._height_now)
         assert self.com.target is not None
         self.com.target[2] = self._ground + self._height_now
+
+    def _step_length(self) -> float:
+        """Length of the steps of now, m: how far a foot is left behind."""
+        if self.schedule.phase is Phase.STAND:
+            return 0.0
+        velocity = self.schedule.velocity
+        return math.hypot(velocity.forward, velocity.left) * self.gait.step_duration
 
     def _support(self, feet: Feet) -> list[complex]:
         schedule = self.schedule

@@ -85,7 +85,7 @@ class GaitParameters:
         T_left_right = kin.frame(left.name).inverse() * kin.frame(right.name)
         width = float(abs(T_left_right.translation[1]))
         foot_width = left.half_width + right.half_width
-        height = 0.97 * robot.com_height
+        height = robot.com_height
         natural = math.sqrt(height / GRAVITY)
         leg = robot.leg_length
         return cls(
@@ -97,7 +97,7 @@ class GaitParameters:
             step_width=width,
             least_width=min(width, max(foot_width + 0.02, 0.75 * width)),
             max_step=0.55 * leg,
-            max_side_step=0.25 * leg,
+            max_side_step=0.3 * leg,
             max_turn=0.5,
             com_height=height,
         )

@@ -56,7 +56,7 @@ class Scenario:
 
 
 # The first and last steps are slower than the command: their time is added to the walk.
-_START_AND_STOP = 3.0
+_START_AND_STOP = 1.5
 
 
 def forward(distance: float, speed: float, rest: float = 3.0) -> Scenario:
