@@ -8,6 +8,7 @@ in a trial is one that was asked for.
 
 from __future__ import annotations
 
+import logging
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ import pinocchio as pin
 from wbc.errors import MissingExtra, PlantError
 from wbc.robot import Robot
 from wbc.sim.terrain import Terrain
+
+_log = logging.getLogger(__name__)
 
 #: Contact bits. A sole meets the ground, the ground meets nothing of itself, and the
 #: two soles meet each other only when `feet_collide` asks for it.
@@ -42,6 +45,9 @@ def import_mujoco() -> Any:
         import mujoco
     except ImportError as error:
         raise MissingExtra("mujoco", "sim") from error
+    # Left alone, MuJoCo writes its warnings into a file in the working directory.
+    if mujoco.get_mju_user_warning() is None:
+        mujoco.set_mju_user_warning(_log.warning)
     return mujoco
 
 
