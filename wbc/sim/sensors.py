@@ -43,7 +43,10 @@ class Sensors:
         self._imu = model.site("imu").id
         self._feet = np.array([model.site(s.name).id for s in robot.soles])
         self._bodies = model.site_bodyid[self._feet]
-        self._root = model.body_rootid[self._bodies[0]]
+        # Views of MuJoCo's own memory, taken once: each access to `data` makes a new one.
+        self._external = data.cfrc_ext
+        self._com = data.subtree_com[model.body_rootid[self._bodies[0]]]
+        self._places, self._axes = data.site_xpos, data.site_xmat
         self._twist = np.empty(6)
         self._sums = np.zeros(3 + 6 * len(robot.soles))
         self._samples = 0
@@ -61,9 +64,8 @@ class Sensors:
         mujoco.mj_objectAcceleration(
             model, data, mujoco.mjtObj.mjOBJ_SITE, self._imu, self._twist, 1
         )
-        sums = self._sums
-        sums[:3] += self._twist[3:]
-        sums[3:] += self._foot_wrenches()
+        self._sums[:3] += self._twist[3:]
+        self._add_foot_wrenches()
         self._samples += 1
 
     def update(self) -> None:
@@ -101,21 +103,29 @@ class Sensors:
         )
         self._gyro[:] = self._twist[:3]
 
-    def _foot_wrenches(self) -> np.ndarray:
-        """Contact wrenches at the sole centres in sole axes, one after the other."""
-        data = self._data
+    def _add_foot_wrenches(self) -> None:
+        """Add the contact wrenches at the sole centres, in sole axes, to the sums.
+
+        Scalar by scalar: for two feet, numpy's overhead is twice the cost of the products.
+        """
         # cfrc_ext is moment then force about the robot's CoM, in world axes.
-        external = data.cfrc_ext[self._bodies]
-        moment, force = external[:, :3], external[:, 3:]
-        lever = data.subtree_com[self._root] - data.site_xpos[self._feet]
-        world = np.empty((len(external), 2, 3))
-        world[:, 0] = force
-        world[:, 1] = moment
-        world[:, 1, 0] += lever[:, 1] * force[:, 2] - lever[:, 2] * force[:, 1]
-        world[:, 1, 1] += lever[:, 2] * force[:, 0] - lever[:, 0] * force[:, 2]
-        world[:, 1, 2] += lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]
-        wrenches: np.ndarray = world @ data.site_xmat[self._feet].reshape(-1, 3, 3)
-        return wrenches.ravel()
+        external = self._external[self._bodies].tolist()
+        cx, cy, cz = self._com.tolist()
+        for i, (mx, my, mz, fx, fy, fz) in enumerate(external):
+            if fx == fy == fz == 0.0:
+                continue
+            x, y, z = self._places[self._feet[i]].tolist()
+            x, y, z = cx - x, cy - y, cz - z
+            mx, my, mz = mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx
+            a, b, c, d, e, f, g, h, k = self._axes[self._feet[i]].tolist()
+            self._sums[3 + 6 * i : 9 + 6 * i] += (
+                a * fx + d * fy + g * fz,
+                b * fx + e * fy + h * fz,
+                c * fx + f * fy + k * fz,
+                a * mx + d * my + g * mz,
+                b * mx + e * my + h * mz,
+                c * mx + f * my + k * mz,
+            )
 
     def _stands(self, i: int) -> bool:
         sole, site = self._robot.soles[i], self._feet[i]
@@ -126,7 +136,7 @@ class Sensors:
     def _standing_wrenches(self, feet: list[int]) -> np.ndarray:
         """(k, 6) the smallest wrenches that carry the weight at rest, in sole axes."""
         data = self._data
-        com = data.subtree_com[self._root]
+        com = self._com
         scale = np.diag([1.0, 1.0, 1.0, _MOMENT_SCALE, _MOMENT_SCALE, _MOMENT_SCALE])
         columns = []
         for i in feet:
