@@ -14,20 +14,22 @@ import sys
 import time
 import weakref
 import webbrowser
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 import wbc
-from wbc.view.block import Block
+from wbc.view.due import next_due
 from wbc.view.errors import ViewerError
 from wbc.view.order import Order
 from wbc.view.recording import Recording
 from wbc.view.ring import Ring
 from wbc.view.slot import Layout
 from wbc.view.snapshot import Snapshot
+from wbc.view.terrain import checked_boxes
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 _PATIENCE = 30.0  # s, for the process to start
+_LOOK = 0.5  # s, between two looks whether it is still there
 _GRACE = 2.0  # s, for it to end by itself
 
 
@@ -52,14 +55,15 @@ class Meshcat:
         rate: frames per second, Hz.
         record: also make a recording, written to this path when the viewer closes.
         open: open the page in the browser.
-        blocks: boxes of terrain.
+        boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
         announce: print the page's address.
 
     Attributes:
         url: address of the page; it answers on this machine only.
 
     Raises:
-        ViewerError: the process does not start, or the port is taken.
+        ViewerError: the process does not start, the port is taken, or `rate` or `boxes` make no
+            sense.
     """
 
     def __init__(
@@ -70,7 +74,7 @@ class Meshcat:
         rate: float = 30.0,
         record: str | Path | None = None,
         open: bool = False,
-        blocks: Sequence[Block] = (),
+        boxes: np.ndarray | None = None,
         announce: bool = True,
     ) -> None:
         if not rate > 0.0:
@@ -78,7 +82,8 @@ class Meshcat:
         self.rate = float(rate)
         self._ring = Ring(Layout.of(robot.model))
         self._record = Path(record) if record is not None else None
-        self._recording = Recording(robot, blocks=blocks) if record is not None else None
+        self._recording = Recording(robot, boxes=boxes) if record is not None else None
+        self._due = self._look = 0.0
         self._process = _start(self._ring.descriptor)
         self._stop = weakref.finalize(self, _end, self._process)
         order = Order(
@@ -87,7 +92,7 @@ class Meshcat:
             self._ring.descriptor,
             port,
             self.rate,
-            tuple(blocks),
+            checked_boxes(boxes),
             os.getpid(),
         )
         try:
@@ -95,8 +100,6 @@ class Meshcat:
         except BaseException:
             self.close()
             raise
-        self._dead = False
-        self._due = 0.0
         if announce:
             print(f"Viewer: {self.url}", flush=True)
         if open:
@@ -133,13 +136,18 @@ class Meshcat:
         """
         now = time.perf_counter()
         if now >= self._due:
-            # Counted on, not from now, so that the mean rate is kept; unless far behind.
-            self._due = max(self._due, now - 1.0 / self.rate) + 1.0 / self.rate
+            self._due = next_due(self._due, now, 1.0 / self.rate)
         self._ring.write(snapshot)
         if self._recording is not None:
             self._recording.show(snapshot)
-        if not self._dead and self._process.poll() is not None:
-            self._dead = True
+        if now >= self._look:
+            self._look_after(now)
+
+    def _look_after(self, now: float) -> None:
+        """Report the end of the process, once."""
+        self._look = now + _LOOK
+        if self._process.poll() is not None:
+            self._look = float("inf")
             logger.warning(
                 "the viewer's process has ended (exit code %s); the run goes on without it",
                 self._process.returncode,
@@ -147,6 +155,7 @@ class Meshcat:
 
     def close(self) -> None:
         """End the viewer's process, and write the recording if there is one."""
+        self._look = float("inf")
         self._stop()
         self._ring.close()
         recording, self._recording = self._recording, None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from wbc.view.block import Block
+import numpy as np
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
@@ -20,7 +20,7 @@ class Order:
         descriptor: of the ring's shared memory.
         port: of the page; None for the first free one, 0 for any.
         rate: of the snapshots, Hz.
-        blocks: terrain.
+        boxes: (n, 6) terrain: centre and half sizes, m.
         parent: process whose end is the viewer's end.
     """
 
@@ -28,5 +28,5 @@ class Order:
     descriptor: int
     port: int | None
     rate: float
-    blocks: tuple[Block, ...]
+    boxes: np.ndarray
     parent: int

@@ -5,17 +5,18 @@ from __future__ import annotations
 import base64
 import struct
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wbc.view.block import Block
+from wbc.view.due import next_due
 from wbc.view.errors import ViewerError
 from wbc.view.slot import Layout, Slot
 from wbc.view.snapshot import Snapshot
+from wbc.view.terrain import checked_boxes
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 _STILL = 1e-5  # m or 1: a pose that changes by less has not changed
 _DISCRETE, _LINEAR = 2300, 2301  # three.js's names of interpolations
+#: Ticks of 2 ms do not add up to 0.1 s exactly.
+_GRACE = 1e-9
 _GZIP = 16 + zlib.MAX_WBITS
 
 
@@ -36,10 +39,10 @@ class Recording:
         robot: the robot.
         path: where `close` (or leaving the `with` block) saves to.
         rate: frames per second of the run's own time, Hz.
-        blocks: boxes of terrain.
+        boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
 
     Raises:
-        ViewerError: the rate is not positive.
+        ViewerError: the rate is not positive, or the boxes are no boxes.
     """
 
     def __init__(
@@ -48,14 +51,14 @@ class Recording:
         path: str | Path | None = None,
         *,
         rate: float = 30.0,
-        blocks: Sequence[Block] = (),
+        boxes: np.ndarray | None = None,
     ) -> None:
         if not rate > 0.0:
             raise ViewerError(f"rate is {rate} Hz; a recording needs a positive one")
         self.robot = robot
         self.rate = float(rate)
         self._path = Path(path) if path is not None else None
-        self._blocks = tuple(blocks)
+        self._boxes = checked_boxes(boxes)
         layout = Layout.of(robot.model)
         self._buffer = bytearray(layout.nbytes)
         self._slot = Slot(layout, self._buffer)
@@ -85,11 +88,10 @@ class Recording:
             return
         if now < self._last:
             self._frames.clear()
-            self._due = now
+            self._due = -np.inf
         self._slot.write(snapshot)
         self._frames.append(bytes(self._buffer))
-        # Half a tick's grace: 0.1 s in ticks of 2 ms does not count up to 0.1 exactly.
-        self._due = max(self._due, now - 1.0 / self.rate) + 1.0 / self.rate - 1e-9
+        self._due = next_due(self._due, now, 1.0 / self.rate) - _GRACE
         self._last = now
 
     def save(self, path: str | Path) -> Path:
@@ -134,7 +136,7 @@ class Recording:
         from wbc.view.page_text import recorded_page, words
         from wbc.view.scene import Scene
 
-        scene = Scene(self.robot, self._blocks)
+        scene = Scene(self.robot, self._boxes)
         shown, poses = [], []
         for snapshot in self._snapshots():
             if scene.update(snapshot):

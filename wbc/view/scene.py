@@ -6,7 +6,7 @@ changed; a recording turns them into tracks.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,11 +27,11 @@ from wbc.view.actors import (
     Swing,
     Trail,
 )
-from wbc.view.block import Block
 from wbc.view.colours import TERRAIN
 from wbc.view.looks import looks_of
-from wbc.view.objects import box, matte, mesh, set_object
+from wbc.view.objects import matte, mesh, set_object, triangles
 from wbc.view.snapshot import Snapshot
+from wbc.view.terrain import box_mesh, checked_boxes
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
@@ -45,7 +45,7 @@ class Scene:
 
     Args:
         robot: what to draw; its meshes are read here.
-        blocks: the terrain, if it is not flat.
+        boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
 
     Attributes:
         nodes: places of the scene's tree, in the order of `poses`.
@@ -54,12 +54,12 @@ class Scene:
         source: what the robot is drawn from when it has no visual shapes.
     """
 
-    def __init__(self, robot: Robot, blocks: Sequence[Block] = ()) -> None:
+    def __init__(self, robot: Robot, boxes: np.ndarray | None = None) -> None:
         self._model = robot.model
         self._data = robot.model.createData()
         self._soles = {sole.name: int(sole.frame_id) for sole in robot.soles}
         self._frames = {frame.name: i for i, frame in enumerate(self._model.frames)} | self._soles
-        self._blocks = tuple(blocks)
+        self._boxes = checked_boxes(boxes)
         looks = looks_of(robot)
         self.source = looks.source
         weight = robot.mass * float(np.linalg.norm(self._model.gravity.linear))
@@ -89,10 +89,9 @@ class Scene:
         for path, node in zip(self.paths, self.nodes, strict=True):
             for i, part in enumerate(node.parts):
                 yield set_object(f"{path}/{i}", part)
-        for i, block in enumerate(self._blocks):
-            place = pin.SE3(pin.utils.rotate("z", block.yaw), np.asarray(block.centre, dtype=float))
-            body = mesh(box(*map(float, block.size)), matte(TERRAIN), place.homogeneous)
-            yield set_object(f"{ROOT}/terrain/{i}", body)
+        if len(self._boxes):
+            body = mesh(triangles(*box_mesh(self._boxes)), matte(TERRAIN))
+            yield set_object(f"{ROOT}/terrain", body)
 
     def update(self, snapshot: Snapshot) -> bool:
         """Move everything to where it is in the snapshot.

@@ -43,7 +43,7 @@ class Show:
 
     def __init__(self, order: Order) -> None:
         self.ring = Ring(Layout.of(order.robot.model), order.descriptor)
-        self.scene = Scene(order.robot, order.blocks)
+        self.scene = Scene(order.robot, order.boxes)
         self.bodies = list(self.scene.commands())
         self.words: dict[str, Any] | None = None
         self.frames = 0

@@ -132,10 +132,11 @@ class Slot:
 
     def _write_footsteps(self, footsteps: tuple[Footstep, ...]) -> int:
         footsteps = footsteps[:FOOTSTEPS]
-        for row, step in zip(self._footsteps, footsteps, strict=False):
-            row[0] = 1.0 if step.side == "right" else 0.0
-            row[1:4] = step.position
-            row[4] = step.yaw
+        rows = self._footsteps
+        for i, step in enumerate(footsteps):
+            rows[i, 0] = step.side == "right"
+            rows[i, 1:4] = step.position
+            rows[i, 4] = step.yaw
         return len(footsteps)
 
     def _complain(self, name: str) -> None:

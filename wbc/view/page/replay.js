@@ -47,7 +47,7 @@ function wirePlayer(animator, story) {
     requestAnimationFrame(tick);
     const index = lastBefore(story.words, start + animator.time + 1e-6);
     play.textContent = animator.playing ? "❚❚" : "▶";
-    if (animator.playing) seek.value = animator.time;
+    seek.value = animator.time;
     clock.textContent = `${animator.time.toFixed(1)} / ${animator.duration.toFixed(1)} s`;
     if (index === shown) return;
     shown = index;

@@ -40,7 +40,7 @@ function makeStage(scale) {
   sun.shadow.mapSize.set(2048, 2048);
   Object.assign(sun.shadow.camera, {left: -3, right: 3, top: 3, bottom: -3, near: 0.5, far: 12});
   sun.shadow.bias = -0.0006;
-  sun.shadow.normalBias = 0.01;
+  sun.shadow.normalBias = 0.02;
   sun.shadow.radius = 3;
   const fill = new THREE.DirectionalLight(0xe6efff, 0.30);
   fill.position.set(-1.5, -3.0, 1.5);

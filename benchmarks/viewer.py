@@ -1,0 +1,199 @@
+"""What showing a run costs the loop, and how fast the viewer follows.
+
+Measured in a loop of the given rate: `show` of a full snapshot to the live viewer (into
+shared memory) and to a recording (into a list), and `due`, which a loop may ask first.
+Then the viewer's own frames per second, as an audience that answers at once receives
+them, and with --browser as a headless Chromium draws them (in software: far below a GPU).
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import gc
+import json
+import shutil
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+import wbc
+from wbc.telemetry import Footstep, Telemetry
+from wbc.view import Meshcat, Recording, Snapshot
+
+Row = dict[str, float | str]
+FLAGS = [
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    "--no-sandbox",
+    "--disable-dev-shm-usage",
+]
+
+
+def full_snapshot(robot: wbc.Robot, tick: int, dt: float) -> Snapshot:
+    """A snapshot with everything in it, as a walk makes it."""
+    q = robot.q_nominal.copy()
+    q[0] += 0.3 * tick * dt
+    q[7:] += 0.05 * np.sin(0.01 * tick)
+    point = np.array([q[0], 0.0, 0.0])
+    telemetry = Telemetry(
+        com=point + np.array([0, 0, robot.com_height]),
+        dcm=point,
+        dcm_reference=point,
+        zmp=point,
+        support=point + np.array([[-0.1, -0.1, 0], [0.1, -0.1, 0], [0.1, 0.1, 0], [-0.1, 0.1, 0]]),
+        footsteps=tuple(Footstep("left", point + 0.2 * k, 0.0) for k in range(4)),
+        swing_path=point + np.linspace([0, 0.1, 0], [0.3, 0.1, 0], 20),
+        phase="double",
+    )
+    wrenches = {s.name: np.array([0, 0, 4.9 * robot.mass, 1, 1, 0]) for s in robot.soles}
+    return Snapshot(tick * dt, q, wrenches, telemetry, text="0.30 m/s, tick 0.4 ms")
+
+
+def cost(what: str, action: Callable[[Snapshot], object], snapshots: list[Snapshot]) -> Row:
+    """Time of an action in a loop at the snapshots' rate, µs."""
+    dt = snapshots[1].time - snapshots[0].time
+    spent = []
+    gc.collect()
+    gc.disable()
+    due = time.perf_counter()
+    for snapshot in snapshots:
+        due += dt
+        while time.perf_counter() < due:
+            time.sleep(max(0.0, due - time.perf_counter() - 2e-4))
+        start = time.perf_counter()
+        action(snapshot)
+        spent.append(time.perf_counter() - start)
+    gc.enable()
+    p50, p99, most = 1e6 * np.percentile(spent, [50, 99, 100])
+    return {"what": what, "p50_us": p50, "p99_us": p99, "max_us": most}
+
+
+class Audience(threading.Thread):
+    """A page without a picture: it answers every frame at once, and counts."""
+
+    def __init__(self, url: str) -> None:
+        super().__init__(daemon=True)
+        self.address = url.replace("http", "ws").replace("static/", "socket")
+        self.frames = self.nbytes = 0
+        self.start()
+
+    def run(self) -> None:
+        """Connect and listen until the viewer is gone."""
+        asyncio.run(self._listen())
+
+    async def _listen(self) -> None:
+        from tornado.websocket import websocket_connect
+
+        socket = await websocket_connect(self.address, max_message_size=1 << 28)
+        while (message := await socket.read_message()) is not None:
+            if isinstance(message, str) and ("paths" in message or "words" in message):
+                self.frames += "words" in message
+                self.nbytes += len(message)
+                await socket.write_message("frame")
+
+
+def frames(robot: wbc.Robot, rate: float, seconds: float) -> Row:
+    """Frames per second that reach an audience, and their size."""
+    with Meshcat(robot, port=0, rate=rate, announce=False) as viewer:
+        audience = Audience(viewer.url)
+        tick = 0
+        while audience.frames < 3:  # the scene is complete, and the show goes on
+            viewer.show(full_snapshot(robot, tick := tick + 1, 1.0 / rate))
+            time.sleep(1.0 / rate)
+        before, nbytes, start = audience.frames, audience.nbytes, time.perf_counter()
+        while time.perf_counter() < start + seconds:
+            if viewer.due(0.0):
+                viewer.show(full_snapshot(robot, tick := tick + 1, 1.0 / rate))
+            time.sleep(0.001)
+        count = audience.frames - before
+        size = (audience.nbytes - nbytes) / max(count, 1)
+        passed = time.perf_counter() - start
+    return {"what": f"frames at {rate:g} Hz", "fps": count / passed, "bytes_per_frame": size}
+
+
+def browser_frames(robot: wbc.Robot, seconds: float) -> Row:
+    """Frames per second that a headless Chromium draws."""
+    from playwright.sync_api import sync_playwright
+
+    names = ("chromium", "chromium-browser", "google-chrome")
+    path = next(filter(None, map(shutil.which, names)))
+    with sync_playwright() as playwright, Meshcat(robot, port=0, announce=False) as viewer:
+        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        page = browser.new_page(viewport={"width": 640, "height": 480})
+        viewer.show(full_snapshot(robot, 0, 1 / 30))
+        start = time.perf_counter()
+        page.goto(viewer.url)
+        page.wait_for_function("wbc.ready", timeout=120_000)
+        complete = time.perf_counter() - start
+        before, start, tick = page.evaluate("wbc.frames"), time.perf_counter(), 0
+        while time.perf_counter() < start + seconds:
+            viewer.show(full_snapshot(robot, tick := tick + 1, 1 / 30))
+            time.sleep(1 / 30)
+        count = page.evaluate("wbc.frames") - before
+        passed = time.perf_counter() - start
+        browser.close()
+    row: Row = {"what": "headless Chromium, 640 x 480", "fps": count / passed}
+    return {**row, "complete_after_s": complete}
+
+
+def recorded(robot: wbc.Robot, seconds: float) -> Row:
+    """Making the file of a recording."""
+    recording = Recording(robot)
+    for tick in range(int(30 * seconds)):
+        recording.show(full_snapshot(robot, tick, 1 / 30))
+    with tempfile.TemporaryDirectory() as folder:
+        start = time.perf_counter()
+        path = recording.save(Path(folder) / "run.html")
+        took = time.perf_counter() - start
+        size = path.stat().st_size
+    return {"what": f"recording of {seconds:g} s", "save_s": took, "megabytes": size / 1e6}
+
+
+def show_table(rows: list[Row]) -> None:
+    """Print the rows."""
+    for row in rows:
+        values = [f"{key} {value:.4g}" for key, value in row.items() if not isinstance(value, str)]
+        print(f"  {row['what']:32}" + "  ".join(f"{value:22}" for value in values).rstrip())
+
+
+def main() -> None:
+    """Measure, print the table, write the JSON."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--robot", default="talos")
+    parser.add_argument("--rate", type=float, default=500.0, help="of the loop, Hz")
+    parser.add_argument("--seconds", type=float, default=5.0, help="of each measurement")
+    parser.add_argument("--browser", action="store_true", help="also in a headless Chromium")
+    parser.add_argument("--json", type=Path, help="write the rows to this file")
+    options = parser.parse_args()
+
+    robot = wbc.load(options.robot)
+    dt = 1.0 / options.rate
+    snapshots = [full_snapshot(robot, k, dt) for k in range(int(options.seconds * options.rate))]
+    rows = []
+    with Meshcat(robot, port=0, announce=False) as viewer:
+        time.sleep(3.0)  # its meshes are read meanwhile; that is not what is measured
+        rows.append(cost("show, live", viewer.show, snapshots))
+        rows.append(cost("due, live", lambda s: viewer.due(s.time), snapshots))
+    recording = Recording(robot)
+    rows.append(cost("show, recording (every tick)", recording.show, snapshots))
+    rows.append(frames(robot, 30.0, options.seconds))
+    rows.append(frames(robot, 120.0, options.seconds))
+    rows.append(recorded(robot, 10.0))
+    if options.browser:
+        rows.append(browser_frames(robot, options.seconds))
+    print(f"{robot.name}, loop at {options.rate:g} Hz")
+    show_table(rows)
+    if options.json:
+        text = json.dumps({"robot": robot.name, "rate_hz": options.rate, "rows": rows}, indent=1)
+        options.json.write_text(text + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,254 @@
+"""What a real browser shows: the live page and a recording, by their pixels."""
+
+import base64
+import io
+import os
+import re
+import shutil
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import wbc
+from wbc.command import Status
+from wbc.telemetry import Footstep, Telemetry
+from wbc.view import Meshcat, Recording, Snapshot
+
+pytestmark = pytest.mark.browser
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+FLAGS = [
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    "--no-sandbox",
+    "--disable-dev-shm-usage",
+    "--disable-background-networking",
+    "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1 , EXCLUDE localhost",
+]
+PATIENCE = 60_000  # ms; software rendering on a busy machine is slow, completeness is what counts
+
+
+def need(condition, what):
+    if not condition:
+        if os.environ.get("CI"):
+            pytest.fail(f"{what}; CI must have it")
+        pytest.skip(what)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    path = next(filter(None, map(shutil.which, BROWSERS)), None)
+    need(path, f"no browser: none of {', '.join(BROWSERS)} on PATH")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        need(False, "playwright is not installed")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def page(browser):
+    page = browser.new_page(viewport={"width": 360, "height": 280})
+    page.set_default_timeout(PATIENCE)
+    errors = []
+    page.on("pageerror", lambda error: errors.append(error))
+    yield page
+    page.close()
+    assert errors == []
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return wbc.load("simple_humanoid")
+
+
+def picture(page):
+    """The canvas, (h, w, 3), rendered now."""
+    from PIL import Image
+
+    url = page.evaluate("viewer.capture_image()")
+    image = Image.open(io.BytesIO(base64.b64decode(url.partition(",")[2])))
+    return np.asarray(image.convert("RGB"), dtype=float)
+
+
+def changed(a, b):
+    """Share of the pixels that clearly differ."""
+    return float((np.abs(a - b).max(axis=2) > 24).mean())
+
+
+def hide(page, name, hidden=True):
+    page.evaluate(
+        f"viewer.scene_tree.find(['wbc', '{name}']).object.visible = {str(not hidden).lower()}"
+    )
+
+
+def see(page, viewer, snapshot):
+    """Show a snapshot until the page has drawn it."""
+    viewer.show(snapshot)
+    page.wait_for_function(f"wbc.ready && Math.abs(wbc.time - {snapshot.time}) < 1e-6")
+
+
+def raised_arm(robot):
+    v = np.zeros(robot.nv)
+    for i, name in enumerate(robot.joint_names):
+        if "shoulder_roll" in name:
+            v[6 + i] = 1.2 if name.startswith("left") else -1.2
+    return pin.integrate(robot.model, robot.q_nominal, v)
+
+
+def busy(robot, time=0.0, q=None, status=Status.OK):
+    """A snapshot with everything in it."""
+    weight = 9.81 * robot.mass
+    x, y = 0.3, 0.15
+    telemetry = Telemetry(
+        dcm=np.array([0.05, 0.03, 0.0]),
+        dcm_reference=np.array([0.06, 0.02, 0.0]),
+        zmp=np.array([-0.05, 0.0, 0.0]),
+        support=np.array([[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0.0]]),
+        footsteps=(
+            Footstep("left", np.array([0.5, 0.1, 0]), 0.1),
+            Footstep("right", np.array([0.7, -0.1, 0]), 0.2),
+        ),
+        swing_path=np.array([[0, -0.1, 0], [0.3, -0.1, 0.2], [0.6, -0.1, 0.0]]),
+        phase="double",
+    )
+    wrenches = {sole.name: np.array([0, 0, 0.5 * weight, 0, 0, 0]) for sole in robot.soles}
+    q = robot.q_nominal if q is None else q
+    return Snapshot(time, q, wrenches, telemetry, status, "all is well")
+
+
+def test_the_page_shows_the_robot_and_every_mark(robot, page):
+    with Meshcat(robot, port=0, announce=False) as viewer:
+        page.goto(viewer.url)
+        see(page, viewer, busy(robot))
+        full = picture(page)
+        for name, least in (
+            ("robot", 0.02),
+            ("forces", 0.0005),
+            ("balance", 0.0003),
+            ("support", 0.001),
+            ("footsteps", 0.001),
+            ("swing", 0.0002),
+            ("lamp", 0.0002),
+        ):
+            hide(page, name)
+            assert changed(full, picture(page)) > least, name
+            hide(page, name, hidden=False)
+        assert changed(full, picture(page)) == 0.0
+        assert page.inner_text("#text") == "all is well"
+        assert "support polygon" in page.inner_text("#legend")
+
+
+def test_the_page_follows_the_configuration_and_the_status(robot, page):
+    with Meshcat(robot, port=0, announce=False) as viewer:
+        page.goto(viewer.url)
+        see(page, viewer, busy(robot))
+        before, lamp = picture(page), page.evaluate("element('lamp').style.background")
+        see(page, viewer, busy(robot, 1.0, raised_arm(robot), Status.FAILED))
+        assert changed(before, picture(page)) > 0.003
+        assert page.evaluate("element('lamp').style.background") != lamp
+
+
+def test_the_camera_goes_with_the_robot(robot, page):
+    with Meshcat(robot, port=0, announce=False) as viewer:
+        page.goto(viewer.url)
+        see(page, viewer, Snapshot(0.0, robot.q_nominal))
+        for name in ("stage", "trail"):
+            hide(page, name)
+        here = picture(page)
+        far = robot.q_nominal.copy()
+        far[:2] += (40.0, -25.0)
+        see(page, viewer, Snapshot(1.0, far))
+        for name in ("stage", "trail"):
+            hide(page, name)
+        assert changed(here, picture(page)) < 0.01
+
+
+def test_a_page_that_is_opened_late_or_again_shows_the_present(robot, page):
+    with Meshcat(robot, port=0, announce=False) as viewer:
+        viewer.show(busy(robot, 3.0))
+        for _ in range(2):
+            page.goto(viewer.url)
+            page.wait_for_function("wbc.ready && wbc.time === 3")
+
+
+def test_meshes_of_every_kind_arrive(page):
+    for name in ("talos", "romeo"):  # stl, dae
+        robot = wbc.load(name)
+        with Meshcat(robot, port=0, announce=False) as viewer:
+            page.goto(viewer.url)
+            see(page, viewer, Snapshot(0.0, robot.q_nominal))
+            meshes = page.evaluate(
+                "(() => { let n = 0; viewer.scene_tree.find(['wbc', 'robot']).object.traverse("
+                "(o) => { n += o.isMesh ? 1 : 0; }); return n; })()"
+            )
+            assert meshes >= len(robot.visual_model.geometryObjects)
+            full = picture(page)
+            hide(page, "robot")
+            assert changed(full, picture(page)) > 0.04
+
+
+def test_a_robot_without_shapes_is_seen_all_the_same(robot, page, tmp_path):
+    text = robot.urdf_path.read_text()
+    text = re.sub(r"<visual.*?</visual>", "", text, flags=re.S)
+    bare = tmp_path / "bare.urdf"
+    bare.write_text(text)
+    other = wbc.load(bare, left_foot="left_foot", right_foot="right_foot")
+    with Meshcat(other, port=0, announce=False) as viewer:
+        page.goto(viewer.url)
+        see(page, viewer, Snapshot(0.0, other.q_nominal))
+        full = picture(page)
+        hide(page, "robot")
+        assert changed(full, picture(page)) > 0.02
+        assert "collision shapes" in page.inner_text("#text")
+
+
+def test_a_recording_opens_offline_plays_by_itself_and_moves(robot, browser, tmp_path):
+    recording = Recording(robot)
+    start, end = robot.q_nominal, raised_arm(robot)
+    for k in range(91):
+        q = pin.interpolate(robot.model, start, end, k / 90)
+        q[0] = k / 90
+        status = Status.FAILED if k >= 60 else Status.OK
+        recording.show(busy(robot, 5.0 + k / 30, q, status))
+    path = recording.save(tmp_path / "run.html")
+    assert path.stat().st_size < 4e6
+
+    context = browser.new_context(offline=True, viewport={"width": 360, "height": 280})
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE)
+    asked, errors = [], []
+    page.on("request", lambda request: asked.append(request.url))
+    page.on("pageerror", lambda error: errors.append(error))
+    page.goto(path.as_uri())
+    page.wait_for_function("wbc.ready")
+    assert page.evaluate("viewer.animator.playing")
+    assert page.evaluate("viewer.animator.duration") == pytest.approx(3.0, abs=1e-3)
+    page.wait_for_function("wbc.time > 5.2")  # it goes by itself
+
+    def at(time):
+        page.evaluate(f"element('seek').value = {time}; element('seek').oninput()")
+        page.wait_for_function(f"Math.abs(wbc.time - {5.0 + time}) < 0.04")
+        return picture(page)
+
+    first, last = at(0.0), at(2.9)
+    assert changed(first, last) > 0.003
+    assert page.evaluate("element('lamp').title") == "failed"
+    at(3.0)
+    root = robot.model.names[1]
+    x = page.evaluate(f"viewer.scene_tree.find(['wbc', 'robot', '{root}']).object.position.x")
+    assert x == pytest.approx(1.0, abs=1e-3)  # it ends where the run ended
+    hide(page, "forces")
+    assert changed(last, picture(page)) > 0.0005
+    page.click("#play")
+    page.wait_for_function("viewer.animator.playing")
+    page.wait_for_function("wbc.time < 5.5")  # it goes round
+    assert errors == []
+    assert all(url.startswith(("file:", "data:", "blob:")) for url in asked)
+    context.close()
