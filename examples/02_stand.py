@@ -24,7 +24,7 @@ with wbc.sim.Mujoco(robot, dt=0.002) as plant:
     way = []
     while plant.time < DURATION:
         state = estimator.update(plant.measure())
-        com.target = home + [0.0, SWAY * np.sin(np.pi * plant.time), 0.0]
+        com.target = home + np.array([0.0, SWAY * np.sin(np.pi * plant.time), 0.0])
         command = controller.step(state)
         plant.step(command)
         assert controller.kinematics is not None

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import argparse
-
-import wbc
+from typing import Any
 
 
 def add_robot_options(parser: argparse.ArgumentParser) -> None:
@@ -15,20 +14,10 @@ def add_robot_options(parser: argparse.ArgumentParser) -> None:
     own.add_argument("--srdf", metavar="FILE", help="brings a posture to stand in")
 
 
-def stated(options: argparse.Namespace) -> dict[str, str | None]:
+def stated(options: argparse.Namespace) -> dict[str, Any]:
     """What the options state, as `wbc.load` takes it."""
     return {
         "left_foot": options.left_foot,
         "right_foot": options.right_foot,
         "srdf": options.srdf,
     }
-
-
-def load_robot(name: str, options: argparse.Namespace) -> wbc.Robot:
-    """The robot that the options describe.
-
-    Raises:
-        RobotNotFound: no such robot.
-        RobotDescriptionError: it makes no usable model.
-    """
-    return wbc.load(name, **stated(options))  # type: ignore[arg-type]

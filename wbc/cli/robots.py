@@ -69,8 +69,8 @@ def _short(names: list[str]) -> list[str]:
 
 
 def _facts(robot: wbc.Robot) -> str:
-    title = f"{robot.name}: {robot.na} joints, {robot.mass:.1f} kg, {robot.urdf_path.name}"
-    rows = [(fact.name, fact.value, fact.origin, fact.source) for fact in robot.facts]
-    lines = [title, table(("fact", "value", "", "from"), rows)]
+    lines = [f"{robot.name}: {robot.na} joints, {robot.mass:.1f} kg, {robot.urdf_path.name}"]
+    rows = [(fact.name, fact.origin, fact.source, fact.value) for fact in robot.facts]
+    lines.append(table(("fact", "", "from", "value"), rows))
     lines += [paragraph(str(finding), 0, _WIDTH) for finding in robot.findings]
     return "\n".join(lines)

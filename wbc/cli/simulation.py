@@ -5,24 +5,22 @@ from __future__ import annotations
 import argparse
 import contextlib
 import signal
-import sys
 import warnings
 from collections.abc import Iterator
-from pathlib import Path
 from types import FrameType
-from typing import Any
 
 import wbc
-from wbc.cli.itinerary import Itinerary
-from wbc.cli.parser import BAD_INPUT, FELL, INTERRUPTED, output, push, seconds, seed
+from wbc.cli.itinerary import Itinerary, Velocity
+from wbc.cli.parser import FELL, INTERRUPTED, output, push, seconds, seed
 from wbc.cli.progress import ProgressLine
-from wbc.cli.robot_options import add_robot_options, load_robot
+from wbc.cli.robot_options import add_robot_options, stated
 from wbc.errors import PlantError, WbcError
 from wbc.loop import Progress, StopRun
 from wbc.sim import Flat, Mujoco, Terrain, Tiles
 from wbc.view import Meshcat, Recording
 
-_REACH = 1.5  # m/s: no tiles are laid farther than this takes the robot
+_REACH = 1.5  # m/s: tiles are laid as far as this takes the robot, and a bit
+_FARTHEST = 12.0  # m
 
 
 def add_options(parser: argparse.ArgumentParser, duration: str) -> None:
@@ -33,7 +31,6 @@ def add_options(parser: argparse.ArgumentParser, duration: str) -> None:
         metavar="NAME|FILE",
         help="a robot's name, or a URDF or robot data file (default: talos)",
     )
-    add_robot_options(parser)
     parser.add_argument("--duration", type=seconds, metavar="S", help=f"s (default: {duration})")
     parser.add_argument(
         "--push",
@@ -50,11 +47,13 @@ def add_options(parser: argparse.ArgumentParser, duration: str) -> None:
         default="flat",
         help="flat, or square tiles of random height up to 30 mm",
     )
-    parser.add_argument("--seed", type=seed, default=0, help="of sensor noise and tiles")
+    parser.add_argument(
+        "--seed", type=seed, default=0, metavar="N", help="of sensor noise and tiles (default: 0)"
+    )
     parser.add_argument(
         "--ground-truth",
         action="store_true",
-        help="give the controller the simulator's exact state instead of the estimate",
+        help="give the controller the simulator's exact state instead of an estimate",
     )
     parser.add_argument(
         "--solver", default="daqp", metavar="NAME", help="QP solver (default: daqp)"
@@ -62,18 +61,23 @@ def add_options(parser: argparse.ArgumentParser, duration: str) -> None:
     parser.add_argument(
         "--real-time", action="store_true", help="a second takes a second, not less"
     )
-    parser.add_argument("--no-view", action="store_true", help="do not serve the browser's view")
+    parser.add_argument("--no-view", action="store_true", help="no view in the browser")
     parser.add_argument("--json", type=output, metavar="FILE", help="also write the report as JSON")
     parser.add_argument(
         "--html", type=output, metavar="FILE", help="leave a recording that opens offline"
     )
+    add_robot_options(parser)
 
 
 class Simulation:
-    """A robot, its walker and its plant, ready to run as the options say.
+    """A robot and its walker, to be run in MuJoCo as the options say.
 
     Args:
         options: parsed, see `add_options`.
+
+    Attributes:
+        robot: the robot.
+        walker: its controller.
 
     Raises:
         WbcError: bad input; the text says which.
@@ -81,54 +85,33 @@ class Simulation:
 
     def __init__(self, options: argparse.Namespace) -> None:
         self._options = options
-        self.robot = load_robot(options.robot, options)
+        self.robot = wbc.load(options.robot, **stated(options))
         self.walker = wbc.Walker(self.robot, solver=options.solver)
 
     def run(self, itinerary: Itinerary, duration: float) -> int:
-        """Run, show, report; returns the exit code."""
+        """Run, show, report; returns the exit code.
+
+        Raises:
+            WbcError: bad input.
+        """
         options = self._options
-        for shove in options.push:
-            if shove.time >= duration:
-                raise WbcError(
-                    f"the push at {shove.time:g} s comes after the end at {duration:g} s"
-                )
-        terrain: Terrain = Flat()
-        if options.terrain == "tiles":
-            terrain = Tiles(seed=options.seed, extent=min(12.0, 2.0 + _REACH * duration))
+        terrain = self._terrain(duration)
+        plant = self._plant(terrain, duration)
+        recording = Recording(self.robot, boxes=terrain.boxes()) if options.html else None
         with contextlib.ExitStack() as stack:
-            plant = stack.enter_context(
-                Mujoco(
-                    self.robot,
-                    dt=self.walker.dt,
-                    terrain=terrain,
-                    seed=options.seed,
-                    ground_truth=options.ground_truth,
-                )
-            )
-            for shove in options.push:
-                plant.schedule_push(shove.time, shove.impulse)
-            boxes = terrain.boxes()
-            viewer = None if options.no_view else Meshcat(self.robot, boxes=boxes)
-            if viewer is not None:
-                stack.enter_context(viewer)
-            recording = Recording(self.robot, boxes=boxes) if options.html else None
+            viewer = None
+            if not options.no_view:
+                viewer = stack.enter_context(Meshcat(self.robot, boxes=terrain.boxes()))
             line = ProgressLine()
             stack.callback(line.close)
-            stop = stack.enter_context(_interruptible())
-            stack.enter_context(_clamping_noted(line))
-
-            def command(time: float) -> None:
-                velocity = itinerary.velocity(time)
-                if velocity != command_now[0]:
-                    command_now[0] = velocity
-                    self.walker.velocity = velocity
+            interrupted = stack.enter_context(_interruptible())
+            stack.enter_context(_clamping_told(line))
 
             def progress(now: Progress) -> None:
                 line.show(now)
-                if stop:
+                if interrupted:
                     raise StopRun("interrupted")
 
-            command_now: list[Any] = [None]
             try:
                 report = wbc.run(
                     self.walker,
@@ -138,7 +121,7 @@ class Simulation:
                     viewer=viewer,
                     recording=recording,
                     real_time=options.real_time,
-                    before_tick=command,
+                    before_tick=_Helm(self.walker, itinerary),
                     progress=progress,
                 )
             except PlantError as error:
@@ -148,29 +131,56 @@ class Simulation:
         if options.json is not None:
             report.save(options.json)
         if recording is not None:
-            print(f"\nrecording: {_save(recording, options.html)}")
-        if stop:
+            print(f"\nrecording: {recording.save(options.html).resolve()}")
+        if interrupted:
             return INTERRUPTED
         return 0 if report.survived else FELL
 
+    def _terrain(self, duration: float) -> Terrain:
+        if self._options.terrain == "flat":
+            return Flat()
+        return Tiles(seed=self._options.seed, extent=min(_FARTHEST, 2.0 + _REACH * duration))
 
-def _save(recording: Recording, path: Path) -> Path:
-    return recording.save(path).resolve()
+    def _plant(self, terrain: Terrain, duration: float) -> Mujoco:
+        options = self._options
+        plant = Mujoco(
+            self.robot,
+            dt=self.walker.dt,
+            terrain=terrain,
+            seed=options.seed,
+            ground_truth=options.ground_truth,
+        )
+        for time, impulse in options.push:
+            if time >= duration:
+                raise WbcError(f"the push at {time:g} s comes after the end at {duration:g} s")
+            plant.schedule_push(time, impulse)
+        return plant
+
+
+class _Helm:
+    """Steers a walker along an itinerary; a velocity is set once, not at every tick."""
+
+    def __init__(self, walker: wbc.Walker, itinerary: Itinerary) -> None:
+        self._walker = walker
+        self._itinerary = itinerary
+        self._velocity: Velocity | None = None
+
+    def __call__(self, time: float) -> None:
+        velocity = self._itinerary.velocity(time)
+        if velocity != self._velocity:
+            self._velocity = self._walker.velocity = velocity
 
 
 @contextlib.contextmanager
-def _clamping_noted(line: ProgressLine) -> Iterator[None]:
-    """Velocity commands that were clamped are told once each, in one line."""
-    told = set()
+def _clamping_told(line: ProgressLine) -> Iterator[None]:
+    """A velocity command that is clamped is told in one line."""
 
-    def show(message: Warning | str, *_: object, **__: object) -> None:
-        if str(message) not in told:
-            told.add(str(message))
-            line.note(f"note: {message}")
+    def tell(message: Warning | str, *_: object, **__: object) -> None:
+        line.note(f"note: {message}")
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", wbc.VelocityClamped)
-        warnings.showwarning = show
+        warnings.showwarning = tell
         yield
 
 
@@ -190,7 +200,7 @@ def _interruptible() -> Iterator[list[int]]:
 
     try:
         before = signal.signal(signal.SIGINT, ask)
-    except ValueError:  # not in the main thread: nobody presses Ctrl-C on us
+    except ValueError:  # not in the main thread, which alone gets signals
         yield asked
         return
     try:

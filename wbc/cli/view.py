@@ -8,7 +8,7 @@ from typing import Any
 
 import wbc
 from wbc.cli.parser import output, seconds
-from wbc.cli.robot_options import add_robot_options, load_robot
+from wbc.cli.robot_options import add_robot_options, stated
 from wbc.view import Meshcat, Recording, Snapshot
 
 
@@ -32,7 +32,7 @@ def add_to(subcommands: Any) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Show; returns the exit code."""
-    robot = load_robot(options.robot, options)
+    robot = wbc.load(options.robot, **stated(options))
     snapshot = _standing(robot)
     if options.html is not None:
         recording = Recording(robot)
