@@ -11,7 +11,7 @@ from wbc.errors import FrameNotFound, PlantError, StateError
 from wbc.sim import Flat, Mujoco, SensorNoise, Tiles
 from wbc.state import State
 
-pytest.importorskip("mujoco")
+mujoco = pytest.importorskip("mujoco")
 
 QUIET = SensorNoise.none()
 
@@ -212,7 +212,34 @@ def test_a_tile_holds_a_foot():
         run(plant, 0.3, Hold(r))
         heights = [p[2] for p, _ in plant.contacts()]
         assert len(heights) >= 6
+        assert min(force[2] for _, force in plant.contacts()) > 0.0
         np.testing.assert_allclose(heights, 0.02, atol=1e-3)
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0), (7.3, -4.1), (11.9, 11.9), (30.0, 0.0)])
+def test_the_tiles_about_the_robot_are_there_wherever_it_went(place):
+    """Only the tiles near the robot are in the physics: none of those may be missing."""
+    r = robot()
+    tiles = Tiles(height=0.03, size=0.3, extent=12.0, seed=5)
+    boxes = tiles.boxes()
+    start = moved(r.standing(), (50.0, 20.0, 0.0), 0.7)
+    turn = pin.rpy.rpyToMatrix(0.0, 0.0, 0.7)
+    with Mujoco(r, terrain=tiles, noise=QUIET) as plant:
+        plant.reset(start)
+        x, y, _ = turn @ np.array([*place, 0.0]) + np.array([50.0, 20.0, 0.0])
+        plant.data.qpos[:2] = x, y
+        plant.data.qpos[2] += 0.5
+        plant.step(command(np.zeros(r.na)))
+        random = np.random.default_rng(6)
+        for dx, dy in random.uniform(-1.2, 1.2, (50, 2)):
+            local = turn.T @ np.array([x + dx - 50.0, y + dy - 20.0, 0.0])
+            over = (np.abs(boxes[:, :2] - local[:2]) < boxes[:, 3:5]).all(axis=1)
+            height = float((boxes[over, 2] + boxes[over, 5]).max(initial=0.0))
+            geom = np.array([-1], dtype=np.int32)
+            above = np.array([x + dx, y + dy, 0.2])
+            down = np.array([0.0, 0.0, -1.0])
+            distance = mujoco.mj_ray(plant.model, plant.data, above, down, None, 1, -1, geom)
+            assert 0.2 - distance == pytest.approx(height, abs=1e-9)
 
 
 def test_feet_pass_through_each_other_unless_told_to_collide():

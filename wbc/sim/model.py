@@ -16,7 +16,8 @@ import pinocchio as pin
 
 from wbc.errors import MissingExtra, PlantError
 from wbc.robot import Robot
-from wbc.sim.terrain import Terrain
+from wbc.sim.ground import Ground
+from wbc.sim.terrain import Flat
 
 _log = logging.getLogger(__name__)
 
@@ -56,14 +57,13 @@ def build_model(
     *,
     timestep: float = 0.001,
     friction: float = 0.8,
-    terrain: Terrain | None = None,
+    ground: Ground | None = None,
     feet_collide: bool = False,
 ) -> Any:
     """Compile a `mujoco.MjModel` with the robot's dynamics, soles, motors and stops.
 
     Bodies and joints carry the Pinocchio joints' names, motors too; the sole boxes are
     geoms of the soles' names, at sites of the same name; the site "imu" is the IMU.
-    Ground is the geom "floor" and, with a terrain, the geoms of the mocap body "terrain".
     A motor's gear is 1 and its range the effort limit.
 
     Args:
@@ -72,7 +72,7 @@ def build_model(
         friction: Coulomb coefficient of soles on ground. The contact is frictional in
             two directions; a sole resists twisting and rolling through the spread of
             its corners, so torsional and rolling friction stay off.
-        terrain: tiles on the floor.
+        ground: floor and terrain; the bare floor by default.
         feet_collide: the soles also meet each other.
 
     Raises:
@@ -88,7 +88,8 @@ def build_model(
     spec.option.timestep = timestep
     spec.option.gravity = robot.model.gravity.linear
     _set_options(mujoco, spec.option)
-    _add_ground(mujoco, spec, friction, terrain)
+    surface = {"contype": _GROUND_BIT, "conaffinity": 0, **_surface(friction)}
+    (ground or Ground(Flat())).add_to(mujoco, spec, surface)
     bodies = _add_bodies(mujoco, spec, robot.model)
     for sole in robot.soles:
         above = pin.SE3(np.eye(3), np.array([0.0, 0.0, 0.5 * _SOLE_THICKNESS]))
@@ -138,19 +139,6 @@ def _surface(friction: float) -> dict[str, Any]:
         "friction": [friction, 0.0, 0.0],
         "solref": list(_CONTACT_SOLREF),
     }
-
-
-def _add_ground(mujoco: Any, spec: Any, friction: float, terrain: Terrain | None) -> None:
-    ground = {"contype": _GROUND_BIT, "conaffinity": 0, **_surface(friction)}
-    plane = mujoco.mjtGeom.mjGEOM_PLANE
-    spec.worldbody.add_geom(name="floor", type=plane, size=[0.0, 0.0, 1.0], **ground)
-    boxes = terrain.boxes() if terrain is not None else np.empty((0, 6))
-    if len(boxes) == 0:
-        return
-    # A mocap body can be laid where the robot starts without compiling anew.
-    patch = spec.worldbody.add_body(name="terrain", mocap=True)
-    for box in boxes:
-        patch.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, pos=box[:3], size=box[3:], **ground)
 
 
 def _add_bodies(mujoco: Any, spec: Any, model: pin.Model) -> list[Any]:

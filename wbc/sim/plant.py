@@ -13,6 +13,7 @@ from wbc.errors import PlantError
 from wbc.measurement import Measurement
 from wbc.robot import Robot
 from wbc.sim.convention import Convention
+from wbc.sim.ground import Ground
 from wbc.sim.model import build_model, import_mujoco
 from wbc.sim.noise import Noise, SensorNoise
 from wbc.sim.push import Push, Pushes
@@ -68,11 +69,12 @@ class Mujoco:
         self._sigma = SensorNoise() if noise is None else noise
         self._seed = seed
         self._mujoco = import_mujoco()
+        self._ground = Ground(self.terrain)
         self.model = build_model(
             robot,
             timestep=timestep,
             friction=friction,
-            terrain=self.terrain,
+            ground=self._ground,
             feet_collide=feet_collide,
         )
         self.data = self._mujoco.MjData(self.model)
@@ -108,8 +110,9 @@ class Mujoco:
     def reset(self, state: State | None = None) -> None:
         """Start over at a state, by default `robot.standing()`, with motors off.
 
-        The terrain is laid around the base's place and heading. The first measurement
-        is that of the posture held still: see `Sensors.start`.
+        The terrain moves along: the robot finds it as `robot.standing()` finds it at the
+        world's origin, whatever place and heading it starts at. The first measurement is
+        that of the posture held still: see `Sensors.start`.
 
         Raises:
             StateError: wrong sizes, NaN or a quaternion that is not of unit length.
@@ -118,11 +121,7 @@ class Mujoco:
         mujoco, model, data = self._mujoco, self.model, self.data
         mujoco.mj_resetData(model, data)
         data.qpos[:], data.qvel[:] = self.convention.to_plant(state)
-        if model.nmocap:
-            x, y, z, w = state.q[3:7]
-            yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-            data.mocap_pos[0] = [state.q[0], state.q[1], 0.0]
-            data.mocap_quat[0] = [np.cos(0.5 * yaw), 0.0, 0.0, np.sin(0.5 * yaw)]
+        self._ground.lay(data, *_ground_move(self.robot.standing().q, state.q))
         self._steps = 0
         self._commands.clear()
         self._pushes.clear()
@@ -161,6 +160,7 @@ class Mujoco:
         """
         self._queue(command.tau)
         mujoco, model, data = self._mujoco, self.model, self.data
+        self._ground.follow(data)
         for _ in range(self._substeps):
             while self._commands and self._commands[0][0] <= self._steps:
                 data.ctrl[:] = self._commands.popleft()[1]
@@ -238,15 +238,16 @@ class Mujoco:
         mujoco.mj_copyData(data, model, self.data)
         mujoco.mj_forward(model, data)
         wrench = np.empty(6)
+        root = model.body(self.robot.model.names[1]).id
         found = []
         for i in range(data.ncon):
             contact = data.contact[i]
             mujoco.mj_contactForce(model, data, i, wrench)
-            # The contact's normal points from geom 1 to geom 2, and so does its force.
-            first, second = (model.geom_bodyid[g] for g in contact.geom)
-            sign = 1.0 if model.body_rootid[second] == 1 else -1.0
-            if model.body_rootid[first] == model.body_rootid[second]:
+            first, second = (model.body_rootid[model.geom_bodyid[g]] for g in contact.geom)
+            if first == second:
                 continue
+            # The contact's normal points from geom 1 to geom 2, and so does its force.
+            sign = 1.0 if second == root else -1.0
             force = sign * (wrench[:3] @ contact.frame.reshape(3, 3))
             found.append((contact.pos.copy(), force))
         return found
@@ -283,3 +284,16 @@ def _whole_steps(name: str, value: float, timestep: float, least: int) -> int:
     if steps < least or abs(steps * timestep - value) > 1e-9:
         raise PlantError(f"{name} = {value} s is not a whole number of {timestep} s timesteps")
     return steps
+
+
+def _ground_move(origin: np.ndarray, start: np.ndarray) -> tuple[float, float, float]:
+    """(x, y, yaw) of the motion in the plane that takes one base pose to another."""
+
+    def heading(q: np.ndarray) -> float:
+        x, y, z, w = q[3:7]
+        return float(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+
+    yaw = heading(start) - heading(origin)
+    c, s = np.cos(yaw), np.sin(yaw)
+    x, y = start[:2] - np.array([[c, -s], [s, c]]) @ origin[:2]
+    return float(x), float(y), yaw

@@ -9,6 +9,9 @@ import numpy as np
 
 from wbc.errors import PlantError
 
+#: How deep tiles reach below their lowest top, m.
+_DEPTH = 0.1
+
 
 class Terrain(Protocol):
     """Ground above the infinite floor z = 0, around the place where the robot starts."""
@@ -67,9 +70,8 @@ class Tiles:
         far = np.maximum(abs(x), abs(y)) - half >= self.clearing
         # The boxes reach below the floor: a sole that sinks a little must not find
         # the underside of a thin tile nearer than its top.
-        depth = 0.2
-        centre = 0.5 * (top - depth)
+        thick = 0.5 * self.height + _DEPTH
         sides = np.full(x.size, half)
-        boxes = np.column_stack([x, y, centre, sides, sides, 0.5 * (top + depth)])
+        boxes = np.column_stack([x, y, top - thick, sides, sides, np.full(x.size, thick)])
         kept: np.ndarray = boxes[far]
         return kept
