@@ -18,7 +18,7 @@ class Report:
         fell_why: the reason, or an empty text.
         duration_s: simulated time, s.
         steps: touchdowns.
-        distance_m: length of the base's way over the ground, walked in half-second strides.
+        distance_m: length of the way over the ground, the sway of the gait averaged out.
         displacement_m: (forward, left) of the base from its start, in its first heading, m.
         turned_rad: heading change, counted over full turns, rad.
         mean_speed_m_s: distance over time spent walking, m/s.
@@ -77,6 +77,7 @@ class Report:
         else:
             fate = f"ended early at {self.duration_s:.2f} s: {self.fell_why}"
         forward, left = self.displacement_m
+        why = f"  ({self.explanation})" if self.explanation else ""
         rows = [
             ("result", fate),
             ("steps", f"{self.steps}"),
@@ -89,7 +90,7 @@ class Report:
             ("DCM tracking error", f"{self.dcm_error_rms_mm:.1f} mm rms"),
             ("peak torque", f"{100.0 * self.torque_peak_ratio:.0f} % of the limit"),
             ("beyond joint limits", f"{self.joint_limit_excess_rad:.1e} rad"),
-            ("QP failures", f"{self.qp_failures}" + (f"  ({self.explanation})" if self.explanation else "")),
+            ("QP failures", f"{self.qp_failures}{why}"),
             (
                 "tick time",
                 f"{self.tick_p50_us:.0f} / {self.tick_p99_us:.0f} / {self.tick_max_us:.0f} µs"
@@ -99,9 +100,8 @@ class Report:
             ("speed of simulation", f"{self.real_time_factor:.2f} × real time"),
         ]
         if self.lateness_p99_us > 0.0:
-            rows.append(
-                ("real-time ticks", f"{self.overruns} overruns, 99 % less than {self.lateness_p99_us:.0f} µs late")
-            )
+            late = f"99 % less than {self.lateness_p99_us:.0f} µs late"
+            rows.append(("real-time ticks", f"{self.overruns} overruns, {late}"))
         width = max(len(name) for name, _ in rows)
         head = f"{self.robot}\n" + "─" * (width + 40)
         return "\n".join([head, *(f"{name:<{width}}  {value}" for name, value in rows)])

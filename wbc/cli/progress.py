@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TextIO
 
-from wbc.loop import Progress
+from wbc.book import Progress
 
 _SPARSE = 2.0  # s of the run between lines that are not rewritten
 

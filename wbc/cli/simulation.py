@@ -10,12 +10,13 @@ from collections.abc import Iterator
 from types import FrameType
 
 import wbc
+from wbc.book import Progress
 from wbc.cli.itinerary import Itinerary, Velocity
 from wbc.cli.parser import FELL, INTERRUPTED, output, push, seconds, seed
 from wbc.cli.progress import ProgressLine
 from wbc.cli.robot_options import add_robot_options, stated
 from wbc.errors import PlantError, WbcError
-from wbc.loop import Progress, StopRun
+from wbc.loop import StopRun
 from wbc.sim import Flat, Mujoco, Terrain, Tiles
 from wbc.view import Meshcat, Recording
 

@@ -43,7 +43,9 @@ class Velocity:
         limits = gait.max_velocity
         wanted = (self.forward, self.left, self.turn)
         if not all(abs(w) < float("inf") for w in wanted):
-            raise GaitError(f"velocity {wanted} must be finite: (forward m/s, left m/s, turn rad/s)")
+            raise GaitError(
+                f"velocity {wanted} must be finite: (forward m/s, left m/s, turn rad/s)"
+            )
         return Velocity(*(max(-m, min(m, w)) for w, m in zip(wanted, limits, strict=True)))
 
 
@@ -77,9 +79,7 @@ def clamp_to_reach(
     sign = lateral_sign(swing_side)
     local = stance.to_local(wanted.point)
     forward = max(-gait.max_step, min(gait.max_step, local.real))
-    width = max(
-        gait.least_width, min(gait.step_width + gait.max_side_step, sign * local.imag)
-    )
+    width = max(gait.least_width, min(gait.step_width + gait.max_side_step, sign * local.imag))
     yaw = max(-gait.max_turn, min(gait.max_turn, wrap(wanted.yaw - stance.yaw)))
     return replace(
         wanted,

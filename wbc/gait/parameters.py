@@ -52,9 +52,7 @@ class GaitParameters:
             if not (math.isfinite(value) and value > 0.0):
                 raise GaitError(f"gait parameter {field} = {value} must be a positive number")
         if self.least_width > self.step_width:
-            raise GaitError(
-                f"least_width {self.least_width} exceeds step_width {self.step_width}"
-            )
+            raise GaitError(f"least_width {self.least_width} exceeds step_width {self.step_width}")
 
     @property
     def omega(self) -> float:

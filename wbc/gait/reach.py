@@ -37,7 +37,7 @@ class LegReach:
         self._com_height = robot.com_height
 
     def com_height(self, step: float) -> float:
-        """Greatest CoM height above the soles for steps of length `step` (m), at most the nominal."""
+        """Greatest CoM height (m) for steps of length `step` (m), at most the nominal one."""
         trail = min(_TRAIL * abs(step), 0.9 * self.reach)
         hip = math.sqrt(self.reach**2 - trail**2)
         return self._com_height + min(hip - self._hip_height, 0.0)

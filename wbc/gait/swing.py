@@ -16,7 +16,7 @@ class _Axis:
     a: complex = 0.0
 
     def advance(self, target: complex, speed: complex, remaining: float, dt: float) -> None:
-        """One step of dt along the quintic that is at `target` with `speed`, a = 0, in `remaining`."""
+        """One step of dt on the quintic that is at `target`, with `speed`, after `remaining` s."""
         if remaining <= dt:
             self.x, self.v, self.a = target, speed, 0.0
             return

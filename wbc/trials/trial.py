@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from wbc.estimation import GroundTruthEstimator
-from wbc.loop import StateEstimator, run
+from wbc.loop import run
+from wbc.protocols import StateEstimator
 from wbc.report import Report
 from wbc.robot import Robot
 from wbc.sim import Mujoco
@@ -41,6 +42,4 @@ def run_scenario(
     with Mujoco(robot, dt=walker.dt, seed=seed, ground_truth=truth) as plant:
         if start is not None:
             plant.reset(start)
-        return run(
-            walker, plant, scenario.duration, estimator=estimator, before_tick=command
-        )
+        return run(walker, plant, scenario.duration, estimator=estimator, before_tick=command)

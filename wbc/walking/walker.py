@@ -5,75 +5,30 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 
 from wbc.balance import clamp_to_polygon, convex_hull, corners, feedback_zmp
 from wbc.command import Command
-from wbc.contacts import SurfaceContact
 from wbc.controller import WholeBodyController
-from wbc.errors import ContactError, GaitError
+from wbc.errors import GaitError
 from wbc.gait import DcmReference, Feet, GaitParameters, Phase, Placement, Schedule, Velocity
-from wbc.gait.footsteps import SIDES
-from wbc.gait.planar import point, wrap, yaw_of
-from wbc.gait.reach import LegReach
 from wbc.gait.dcm_plan import dcm_now
+from wbc.gait.footsteps import SIDES
+from wbc.gait.planar import point, wrap
+from wbc.gait.reach import LegReach
 from wbc.kinematics import Kinematics
-from wbc.robot import Robot
+from wbc.robot import Robot, Sole
 from wbc.state import State
-from wbc.tasks import AngularMomentumTask, ComTask, FrameTask, OrientationTask, PostureTask
+from wbc.tasks import AngularMomentumTask, ComTask, OrientationTask, PostureTask
 from wbc.telemetry import Footstep, Telemetry
+from wbc.walking.footing import Footing, about_z
+from wbc.walking.gains import WalkerGains
+from wbc.walking.soles import loads, placements
 
 
 class VelocityClamped(UserWarning):
     """The velocity command was beyond what the gait can do; the text says what it became."""
-
-
-@dataclass(frozen=True, slots=True)
-class WalkerGains:
-    """Weights and gains of the walker's tasks.
-
-    Attributes:
-        com_weight: of the CoM's acceleration.
-        height_kp: stiffness of the CoM height, 1/s².
-        swing_weight: of the swing foot's pose.
-        swing_kp: stiffness of the swing foot, 1/s².
-        trunk_weight: of torso and base orientation.
-        trunk_kp: 1/s².
-        posture_weight: of the posture of arms, trunk and head.
-        leg_posture_weight: of the legs' posture, the knees left out: too little to pull on
-            the CoM.
-        knee_posture_weight: of the knees: a leg that is almost straight behind the robot can
-            lift its foot by bending the knee or by hiking the hip, and only this tells it which.
-        posture_kp: 1/s².
-        momentum_weight: of the angular momentum.
-        second_contact_weight: of the motion of the less important foot in double support.
-        friction: Coulomb coefficient that the QP counts on.
-        sole_margin: what the QP leaves unused at the soles' edges, m.
-        zmp_margin: how far the wished ZMP may leave the support polygon, m.
-        unload_from: share of the double support after which the leaving foot is unloaded.
-        ground_time: smoothing of the ground's height under the robot, s.
-    """
-
-    com_weight: float = 1000.0
-    height_kp: float = 40.0
-    swing_weight: float = 300.0
-    swing_kp: float = 400.0
-    trunk_weight: float = 20.0
-    trunk_kp: float = 80.0
-    posture_weight: float = 0.3
-    leg_posture_weight: float = 0.02
-    knee_posture_weight: float = 0.5
-    posture_kp: float = 60.0
-    momentum_weight: float = 0.001
-    second_contact_weight: float = 3000.0
-    friction: float = 0.6
-    sole_margin: float = 0.005
-    zmp_margin: float = 0.02
-    unload_from: float = 0.6
-    ground_time: float = 0.15
 
 
 class Walker:
@@ -130,17 +85,8 @@ class Walker:
         weights[list(self._reach.knees)] = gains.knee_posture_weight
         self.posture = controller.add(PostureTask(robot, weight=weights, kp=gains.posture_kp))
         self.momentum = controller.add(AngularMomentumTask(weight=gains.momentum_weight))
-        self._swing_tasks = {
-            s.side: FrameTask(s.name, weight=gains.swing_weight, kp=gains.swing_kp)
-            for s in robot.soles
-        }
-        self._soles = {s.side: s for s in robot.soles}
-        self._contacts = {}
-        for sole in robot.soles:
-            contact = SurfaceContact.of(sole, margin=gains.sole_margin, friction=gains.friction)
-            contact.bind(robot)
-            self._contacts[sole.side] = contact
-        self._weight = robot.mass * 9.81
+        self._footing = Footing(robot, controller, gains)
+        self._soles: dict[str, Sole] = {s.side: s for s in robot.soles}
         self._wanted = Velocity()
         self._kin: Kinematics | None = None
         self.reset(robot.standing())
@@ -183,7 +129,9 @@ class Walker:
             if step.side not in SIDES:
                 raise GaitError(f"footstep {k}: side '{step.side}' is neither 'left' nor 'right'")
             if k and step.side == footsteps[k - 1].side:
-                raise GaitError(f"footsteps {k - 1} and {k} are both '{step.side}': sides must alternate")
+                raise GaitError(
+                    f"footsteps {k - 1} and {k} are both '{step.side}': sides must alternate"
+                )
             placement = Placement(point(step.position), step.yaw, float(step.position[2]))
             queue.append((step.side, placement))
         self.schedule.queue[:] = queue
@@ -195,7 +143,7 @@ class Walker:
             StateError: see `State.checked`.
         """
         self._kin = Kinematics(self.robot, state)
-        feet = self._feet(self._kin)
+        feet = placements(self._kin)
         self.schedule = Schedule(self.gait, feet)
         self._ground = 0.5 * (feet.left.height + feet.right.height)
         self._heading = feet.left.yaw + 0.5 * wrap(feet.right.yaw - feet.left.yaw)
@@ -204,9 +152,7 @@ class Walker:
         self._reference = DcmReference(self._dcm, 0j, self._zmp)
         self.posture.target = state.q[7:].copy()
 
-    def step(
-        self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None
-    ) -> Command:
+    def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
         """One tick.
 
         Args:
@@ -218,45 +164,17 @@ class Walker:
             StateError: see `State.checked`.
             ContactError: a foot wrench of the wrong shape or name, or not finite.
         """
-        loads = self._loads(foot_wrenches)
+        shares = loads(self.robot, foot_wrenches)
         assert self._kin is not None
         kin = self._kin
         kin.update(state)
-        feet = self._feet(kin)
+        feet = placements(kin)
         schedule = self.schedule
-        schedule.update(self.dt, feet, self._wanted, loads)
+        schedule.update(self.dt, feet, self._wanted, shares)
         self._balance(kin, feet)
         self._keep_upright(feet)
-        self._place_contacts()
+        self._footing.place(schedule)
         return self.controller.solve(kin)
-
-    def _loads(self, wrenches: Mapping[str, np.ndarray] | None) -> dict[str, float] | None:
-        if not wrenches:
-            return None
-        loads = {}
-        for sole in self.robot.soles:
-            if sole.name not in wrenches:
-                raise ContactError(
-                    f"foot_wrenches has {sorted(wrenches)} but not '{sole.name}'; "
-                    "give both soles, or None"
-                )
-            wrench = np.asarray(wrenches[sole.name], dtype=float)
-            if wrench.shape != (6,):
-                raise ContactError(
-                    f"foot_wrenches['{sole.name}'] has shape {wrench.shape}, expected (6,): "
-                    "force then moment in sole axes"
-                )
-            if not np.isfinite(wrench.sum()):
-                raise ContactError(f"foot_wrenches['{sole.name}'] = {wrench} is not finite")
-            loads[sole.side] = float(wrench[2]) / self._weight
-        return loads
-
-    def _feet(self, kin: Kinematics) -> Feet:
-        def sole(side: str) -> Placement:
-            at = kin.motion(self._soles[side].frame_id)
-            return Placement(point(at.position), yaw_of(at.rotation), float(at.position[2]))
-
-        return Feet(sole("left"), sole("right"))
 
     def _balance(self, kin: Kinematics, feet: Feet) -> None:
         gait, gains, schedule = self.gait, self.gains, self.schedule
@@ -315,45 +233,16 @@ class Walker:
             else:
                 right = schedule.swing.yaw
         self._heading = left + 0.5 * wrap(right - left)
-        turn = _about_z(self._heading)
+        turn = about_z(self._heading)
         for task, upright in self._trunk:
             task.target = turn @ upright
             task.velocity[2] = rate
-
-    def _place_contacts(self) -> None:
-        schedule, controller, contacts = self.schedule, self.controller, self._contacts
-        support, leaving = contacts[schedule.support], contacts[schedule.swing_side]
-        swing_task = self._swing_tasks[schedule.swing_side]
-        for task in self._swing_tasks.values():
-            wanted = schedule.swing is not None and task is swing_task
-            if wanted and task not in controller.tasks:
-                controller.add(task)
-            elif not wanted and task in controller.tasks:
-                controller.remove(task)
-        support.motion_weight = None
-        support.max_force = leaving.max_force = float("inf")
-        if schedule.swing is not None:
-            controller.contacts = (support,)
-            swing = schedule.swing
-            swing_task.target = pin.SE3(_about_z(swing.yaw), np.array(swing.position))
-            swing_task.velocity[:3] = swing.velocity
-            swing_task.velocity[5] = swing.yaw_rate
-            swing_task.acceleration[:3] = swing.acceleration
-            swing_task.acceleration[5] = swing.yaw_acceleration
-            return
-        leaving.motion_weight = self.gains.second_contact_weight
-        if schedule.phase is Phase.TRANSFER and not schedule.stopping:
-            start = self.gains.unload_from
-            left_over = (1.0 - schedule.progress) / (1.0 - start)
-            if left_over < 1.0:
-                leaving.max_force = max(left_over * 0.5 * self._weight, 1.0)
-        controller.contacts = (support, leaving)
 
     @property
     def telemetry(self) -> Telemetry:
         """What the walker sees and intends, for observers."""
         assert self._kin is not None
-        feet = self._feet(self._kin)
+        feet = placements(self._kin)
         schedule = self.schedule
         z = self._ground
 
@@ -387,8 +276,3 @@ class Walker:
     def dcm_error(self) -> float:
         """Distance of the DCM from its reference after the last tick, m."""
         return abs(self._dcm - self._reference.dcm)
-
-
-def _about_z(yaw: float) -> np.ndarray:
-    c, s = np.cos(yaw), np.sin(yaw)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -1,0 +1,252 @@
+"""The walker in physics, judged on the true state, fed only by sensors."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import wbc
+from wbc.errors import ContactError, GaitError, StateError
+from wbc.gait import Phase
+from wbc.sim import Mujoco, Tiles
+
+
+def walk(
+    name: str,
+    velocity: tuple[float, float, float],
+    duration: float,
+    stop: float,
+    seed: int = 3,
+    **plant: object,
+) -> wbc.Report:
+    robot = wbc.load(name)
+    walker = wbc.Walker(robot)
+
+    def command(time: float) -> None:
+        walker.velocity = velocity if 0.2 <= time < stop else (0.0, 0.0, 0.0)
+
+    with Mujoco(robot, seed=seed, **plant) as sim:
+        return wbc.run(walker, sim, duration, before_tick=command)
+
+
+def assert_clean(report: wbc.Report) -> None:
+    assert report.survived, report.table()
+    assert report.qp_failures == 0, report.explanation
+    assert report.joint_limit_excess_rad <= 1e-3
+    assert report.torque_excess_nm <= 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "velocity"),
+    [
+        ("talos", (0.4, 0.0, 0.0)),
+        ("g1", (0.3, 0.0, 0.0)),
+        ("simple_humanoid", (0.4, 0.0, 0.0)),
+        ("romeo", (0.2, 0.0, 0.0)),
+        ("talos", (-0.2, 0.0, 0.0)),
+    ],
+)
+def test_robot_walks_straight_and_stops_on_its_feet(
+    name: str, velocity: tuple[float, float, float]
+) -> None:
+    report = walk(name, velocity, duration=6.0, stop=3.8)
+    assert_clean(report)
+    asked = velocity[0] * 3.6
+    assert 0.7 < report.displacement_m[0] / asked < 1.2
+    assert abs(report.displacement_m[1]) < 0.15
+    assert abs(report.turned_rad) < 0.1
+    assert report.steps >= 5
+
+
+def test_robot_walks_sideways_and_turns_while_walking() -> None:
+    left = walk("simple_humanoid", (0.0, 0.1, 0.0), duration=5.5, stop=4.5)
+    assert_clean(left)
+    assert left.displacement_m[1] > 0.25
+    assert abs(left.displacement_m[0]) < 0.1
+    arc = walk("talos", (0.2, 0.0, -0.3), duration=5.0, stop=5.0)
+    assert_clean(arc)
+    assert arc.turned_rad < -0.8
+    assert arc.displacement_m[0] > 0.3
+
+
+def test_robot_walks_over_random_tiles() -> None:
+    report = walk("talos", (0.3, 0.0, 0.0), 5.0, 5.0, terrain=Tiles(height=0.03, seed=1))
+    assert_clean(report)
+    assert report.displacement_m[0] > 0.7
+
+
+def test_robot_survives_a_push_while_standing() -> None:
+    robot = wbc.load("talos")
+    walker = wbc.Walker(robot)
+    with Mujoco(robot, seed=0) as plant:
+        plant.schedule_push(0.5, (0.0, 0.2 * robot.mass, 0.0))
+        report = wbc.run(walker, plant, 2.5)
+    assert_clean(report)
+    assert report.dcm_error_rms_mm > 5.0  # it was pushed
+
+
+def test_robot_that_is_pushed_over_is_reported_as_fallen() -> None:
+    robot = wbc.load("g1")
+    with Mujoco(robot, seed=0) as plant:
+        plant.schedule_push(0.3, (0.0, 3.0 * robot.mass, 0.0))
+        report = wbc.run(wbc.Walker(robot), plant, 3.0)
+    assert not report.survived
+    assert 0.3 < report.fell_at_s < 3.0
+    assert report.fell_why in report.table()
+
+
+def test_walker_follows_given_footsteps() -> None:
+    robot = wbc.load("talos")
+    walker = wbc.Walker(robot)
+    width = walker.gait.step_width
+    steps = [
+        wbc.Footstep(side, np.array([x, sign * width / 2, 0.0]), 0.0)
+        for side, sign, x in (("right", -1, 0.2), ("left", 1, 0.45), ("right", -1, 0.45))
+    ]
+    with Mujoco(robot, seed=0) as plant:
+        report = wbc.run(_FollowOnStart(walker, steps), plant, 4.5)
+        truth = wbc.Kinematics(robot, plant.ground_truth())
+    assert_clean(report)
+    assert walker.steps == 3
+    assert walker.schedule.phase is Phase.STAND
+    for name, sign in (("left_sole", 1), ("right_sole", -1)):
+        at = truth.frame(name).translation
+        assert at[:2] == pytest.approx([0.45, sign * width / 2], abs=0.04)
+
+
+class _FollowOnStart:
+    """Gives a walker its footsteps after the reset."""
+
+    def __init__(self, walker: wbc.Walker, steps: list[wbc.Footstep]) -> None:
+        self._walker, self._steps = walker, steps
+
+    def reset(self, state: wbc.State) -> None:
+        self._walker.reset(state)
+        self._walker.follow(self._steps)
+
+    def step(self, state: wbc.State, foot_wrenches: object = None) -> wbc.Command:
+        return self._walker.step(state, foot_wrenches)
+
+
+@pytest.mark.parametrize("name", ["talos", "g1"])
+def test_torques_do_not_depend_on_where_the_scene_is(name: str) -> None:
+    robot = wbc.load(name)
+    move = pin.SE3(pin.utils.rotate("z", math.pi / 2), np.array([80.0, -60.0, 0.0]))
+    rng = np.random.default_rng(1)
+    here, there = wbc.Walker(robot), wbc.Walker(robot)
+    with Mujoco(robot, seed=0, ground_truth=True) as plant:
+        here.reset(plant.ground_truth())
+        there.reset(_moved(robot, plant.ground_truth(), move))
+        worst = 0.0
+        while plant.time < 2.5:
+            measurement = plant.measure()
+            state = measurement.ground_truth
+            assert state is not None
+            velocity = (0.3, 0.05, 0.1) if plant.time > 0.2 else (0.0, 0.0, 0.0)
+            here.velocity = there.velocity = velocity
+            command = here.step(state, measurement.foot_wrenches)
+            other = there.step(_moved(robot, state, move), measurement.foot_wrenches)
+            worst = max(worst, float(abs(command.tau - other.tau).max()))
+            plant.step(command)
+    assert here.steps >= 2
+    assert worst < 1e-6
+    assert rng is not None
+
+
+def test_talos_walks_a_hundred_metres_away_facing_another_way() -> None:
+    robot = wbc.load("talos")
+    walker = wbc.Walker(robot)
+    move = pin.SE3(pin.utils.rotate("z", math.pi / 2), np.array([80.0, -60.0, 0.0]))
+    with Mujoco(robot, seed=0) as plant:
+        plant.reset(_moved(robot, robot.standing(), move))
+
+        def command(time: float) -> None:
+            walker.velocity = (0.4, 0.0, 0.0)
+
+        report = wbc.run(walker, plant, 4.0, before_tick=command)
+    assert_clean(report)
+    assert report.displacement_m[0] > 0.9
+    assert abs(report.displacement_m[1]) < 0.15
+
+
+def _moved(robot: wbc.Robot, state: wbc.State, move: pin.SE3) -> wbc.State:
+    q = state.q.copy()
+    base = move * pin.XYZQUATToSE3(q[:7])
+    q[:7] = pin.SE3ToXYZQUAT(base)
+    return wbc.State(q, state.v.copy())
+
+
+def test_walking_goes_by_time_without_foot_sensors() -> None:
+    robot = wbc.load("simple_humanoid")
+    walker = wbc.Walker(robot)
+    with Mujoco(robot, ground_truth=True) as plant:
+        walker.reset(plant.ground_truth())
+        walker.velocity = (0.3, 0.0, 0.0)
+        while plant.time < 3.0:
+            state = plant.measure().ground_truth
+            assert state is not None
+            plant.step(walker.step(state))
+        truth = plant.ground_truth()
+    assert walker.steps >= 3
+    assert truth.q[0] > 0.4
+    assert truth.q[2] > 0.8 * robot.q_nominal[2]
+
+
+def test_velocity_beyond_the_gait_is_clamped_and_said() -> None:
+    walker = wbc.Walker(wbc.load("talos"))
+    with pytest.warns(wbc.VelocityClamped, match=r"talos.*clamped to"):
+        walker.velocity = (3.0, 0.0, 0.0)
+    assert walker.velocity == (walker.gait.max_velocity[0], 0.0, 0.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        walker.velocity = (0.3, 0.0, 0.1)
+
+
+def test_bad_input_names_what_is_wrong() -> None:
+    robot = wbc.load("talos")
+    walker = wbc.Walker(robot)
+    state = robot.standing()
+    with pytest.raises(GaitError, match="three numbers"):
+        walker.velocity = (0.3, 0.0)
+    with pytest.raises(GaitError, match="finite"):
+        walker.velocity = (float("nan"), 0.0, 0.0)
+    with pytest.raises(ContactError, match=r"foot_wrenches\['left_sole'\] has shape \(3,\)"):
+        walker.step(state, {"left_sole": np.zeros(3), "right_sole": np.zeros(6)})
+    with pytest.raises(ContactError, match="not 'right_sole'"):
+        walker.step(state, {"left_sole": np.zeros(6)})
+    with pytest.raises(ContactError, match="not finite"):
+        walker.step(state, {"left_sole": np.full(6, np.nan), "right_sole": np.zeros(6)})
+    broken = state.q.copy()
+    broken[9] = np.nan
+    with pytest.raises(StateError, match=r"q\[9\]"):
+        walker.step(wbc.State(broken, state.v))
+    with pytest.raises(GaitError, match="neither 'left' nor 'right'"):
+        walker.follow([wbc.Footstep("middle", np.zeros(3), 0.0)])
+    with pytest.raises(GaitError, match="alternate"):
+        walker.follow([wbc.Footstep("left", np.zeros(3), 0.0)] * 2)
+
+
+def test_telemetry_shows_the_step_in_the_making() -> None:
+    robot = wbc.load("talos")
+    walker = wbc.Walker(robot)
+    seen = set()
+    with Mujoco(robot, ground_truth=True) as plant:
+        walker.reset(plant.ground_truth())
+        walker.velocity = (0.3, 0.0, 0.0)
+        while plant.time < 1.6:
+            measurement = plant.measure()
+            assert measurement.ground_truth is not None
+            plant.step(walker.step(measurement.ground_truth, measurement.foot_wrenches))
+            telemetry = walker.telemetry
+            seen.add(telemetry.phase)
+            if telemetry.phase in ("left", "right"):
+                assert len(telemetry.footsteps) >= 2
+                assert telemetry.footsteps[0].side != telemetry.phase
+                landing = telemetry.footsteps[0].position
+                assert telemetry.swing_path[-1][:2] == pytest.approx(landing[:2], abs=0.02)
+                assert telemetry.support.shape == (4, 3)
+    assert {"double", "left"} <= seen

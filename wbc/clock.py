@@ -1,0 +1,50 @@
+"""A fixed-rate clock: waits for the next period and notes how late each one began."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+_SPIN = 300e-6  # s: the scheduler wakes a sleeper up to this late
+
+
+class Clock:
+    """Periods of the wall clock.
+
+    Sleeps, then spins the last stretch, because the scheduler's wake-up alone is late by
+    hundreds of microseconds.
+
+    Args:
+        dt: period, s.
+        periods: how many are expected, so that nothing is allocated on the way.
+    """
+
+    def __init__(self, dt: float, periods: int) -> None:
+        self._dt = dt
+        self._late = np.zeros(max(periods, 1))
+        self._count = 0
+        self._next = time.perf_counter()
+
+    def wait(self) -> None:
+        """Return at the beginning of the next period, or at once when it is overdue."""
+        left = self._next - time.perf_counter()
+        if left > _SPIN:
+            time.sleep(left - _SPIN)
+        while (now := time.perf_counter()) < self._next:
+            pass
+        late = now - self._next
+        self._late[self._count % self._late.size] = late
+        self._count += 1
+        # After a long hold-up, do not race to catch up.
+        self._next = self._next + self._dt if late < 10.0 * self._dt else now + self._dt
+
+    @property
+    def lateness(self) -> np.ndarray:
+        """(periods so far,) how late each one began, s."""
+        return self._late[: self._count]
+
+    @property
+    def overruns(self) -> int:
+        """Periods that began later than the next one was due."""
+        return int((self.lateness > self._dt).sum())

@@ -1,0 +1,6 @@
+"""Walking: gait, balance and the whole-body controller put together."""
+
+from wbc.walking.gains import WalkerGains
+from wbc.walking.walker import VelocityClamped, Walker
+
+__all__ = ["VelocityClamped", "Walker", "WalkerGains"]

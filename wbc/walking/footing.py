@@ -1,0 +1,81 @@
+"""Which feet the ground holds, how hard, and where the free one goes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.contacts import SurfaceContact
+from wbc.controller import WholeBodyController
+from wbc.gait import Phase, Schedule
+from wbc.robot import Robot
+from wbc.tasks import FrameTask
+from wbc.walking.gains import WalkerGains
+from wbc.walking.soles import GRAVITY
+
+
+class Footing:
+    """Keeps the controller's contacts and swing task in step with the gait.
+
+    The support foot is held exactly, so that it carries the QP's elimination; the other one
+    in double support by a high weight, because two exact feet and a stretched knee may have
+    no solution. Towards the end of double support the leaving foot is unloaded.
+
+    Args:
+        robot: the robot.
+        controller: whose contacts and swing task are kept.
+        gains: the walker's.
+    """
+
+    def __init__(self, robot: Robot, controller: WholeBodyController, gains: WalkerGains) -> None:
+        self._controller = controller
+        self._gains = gains
+        self._weight = robot.mass * GRAVITY
+        self._contacts: dict[str, SurfaceContact] = {}
+        self._swing_tasks: dict[str, FrameTask] = {}
+        for sole in robot.soles:
+            contact = SurfaceContact.of(sole, margin=gains.sole_margin, friction=gains.friction)
+            contact.bind(robot)
+            self._contacts[sole.side] = contact
+            self._swing_tasks[sole.side] = FrameTask(
+                sole.name, weight=gains.swing_weight, kp=gains.swing_kp
+            )
+
+    def place(self, schedule: Schedule) -> None:
+        """Set contacts and swing task for the phase of now."""
+        support = self._contacts[schedule.support]
+        other = self._contacts[schedule.swing_side]
+        support.motion_weight = None
+        support.max_force = other.max_force = float("inf")
+        self._track_swing(schedule)
+        if schedule.phase is Phase.SWING:
+            self._controller.contacts = (support,)
+            return
+        other.motion_weight = self._gains.second_contact_weight
+        if schedule.phase is Phase.TRANSFER and not schedule.stopping:
+            left_over = (1.0 - schedule.progress) / (1.0 - self._gains.unload_from)
+            if left_over < 1.0:
+                other.max_force = max(left_over * 0.5 * self._weight, 1.0)
+        self._controller.contacts = (support, other)
+
+    def _track_swing(self, schedule: Schedule) -> None:
+        tasks, swing = self._controller.tasks, schedule.swing
+        wanted = self._swing_tasks[schedule.swing_side] if swing is not None else None
+        for task in self._swing_tasks.values():
+            if task is not wanted and task in tasks:
+                self._controller.remove(task)
+        if swing is None or wanted is None:
+            return
+        if wanted not in tasks:
+            self._controller.add(wanted)
+        wanted.target = pin.SE3(about_z(swing.yaw), np.array(swing.position))
+        wanted.velocity[:3] = swing.velocity
+        wanted.velocity[5] = swing.yaw_rate
+        wanted.acceleration[:3] = swing.acceleration
+        wanted.acceleration[5] = swing.yaw_acceleration
+
+
+def about_z(yaw: float) -> np.ndarray:
+    """(3, 3) rotation about the world's z axis."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

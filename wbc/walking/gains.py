@@ -1,0 +1,50 @@
+"""Weights and gains of the walker's tasks, in one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class WalkerGains:
+    """Weights and gains of the walker's tasks.
+
+    Attributes:
+        com_weight: of the CoM's acceleration.
+        height_kp: stiffness of the CoM height, 1/s².
+        swing_weight: of the swing foot's pose.
+        swing_kp: stiffness of the swing foot, 1/s².
+        trunk_weight: of torso and base orientation.
+        trunk_kp: 1/s².
+        posture_weight: of the posture of arms, trunk and head.
+        leg_posture_weight: of the legs' posture, the knees left out: too little to pull on
+            the CoM.
+        knee_posture_weight: of the knees: a leg that is almost straight behind the robot can
+            lift its foot by bending the knee or by hiking the hip, and only this tells it which.
+        posture_kp: 1/s².
+        momentum_weight: of the angular momentum.
+        second_contact_weight: of the motion of the less important foot in double support.
+        friction: Coulomb coefficient that the QP counts on.
+        sole_margin: what the QP leaves unused at the soles' edges, m.
+        zmp_margin: how far the wished ZMP may leave the support polygon, m.
+        unload_from: share of the double support after which the leaving foot is unloaded.
+        ground_time: smoothing of the ground's height under the robot, s.
+    """
+
+    com_weight: float = 1000.0
+    height_kp: float = 40.0
+    swing_weight: float = 300.0
+    swing_kp: float = 400.0
+    trunk_weight: float = 20.0
+    trunk_kp: float = 80.0
+    posture_weight: float = 0.3
+    leg_posture_weight: float = 0.02
+    knee_posture_weight: float = 0.5
+    posture_kp: float = 60.0
+    momentum_weight: float = 0.001
+    second_contact_weight: float = 3000.0
+    friction: float = 0.6
+    sole_margin: float = 0.005
+    zmp_margin: float = 0.02
+    unload_from: float = 0.6
+    ground_time: float = 0.15
