@@ -16,6 +16,12 @@ from wbc.view.objects import Colour
 from wbc.view.snapshot import Snapshot
 
 _HERE = Path(__file__).parent / "page"
+_PHASES = {
+    "stand": "standing",
+    "double": "on both feet",
+    "left": "on the left foot",
+    "right": "on the right foot",
+}
 _MARKS = {
     "line": '<rect x="1" y="5" width="18" height="4" rx="2" fill="{0}"/>',
     "disc": '<circle cx="10" cy="7" r="5" fill="{0}"/>',
@@ -94,6 +100,6 @@ def words(snapshot: Snapshot) -> dict[str, Any]:
         "time": round(float(snapshot.time), 4),
         "status": snapshot.status.value,
         "colour": css(STATUS[snapshot.status]),
-        "phase": snapshot.telemetry.phase,
+        "phase": _PHASES.get(snapshot.telemetry.phase, snapshot.telemetry.phase),
         "text": snapshot.text,
     }

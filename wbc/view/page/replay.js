@@ -41,7 +41,7 @@ function wirePlayer(animator, story) {
   addEventListener("keydown", (event) => {
     if (event.key === " ") { event.preventDefault(); toggle(); }
   });
-  element("player").hidden = false;
+  element("player").hidden = story.words.length < 2;
   let shown = -1;
   const tick = () => {
     requestAnimationFrame(tick);
