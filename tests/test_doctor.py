@@ -102,6 +102,9 @@ DEFECTS = [  # code, subject, severity, replacements
     ("loop", "again", "error", [extra(NECK.replace('"neck"', '"again"'))]),
     ("missing-mesh", "head", "warning", [mesh("skull.stl")]),
     ("missing-mesh", "head", "warning", [mesh("package://example-robot-data/skull.stl")]),
+    ("broken-shape", "head", "warning", [(BALL, "<sphere/>")]),
+    ("broken-shape", "head", "warning", [(BALL, '<ball radius="0.11"/>')]),
+    ("broken-shape", "head", "warning", [(BALL, '<sphere radius="-0.11"/>')]),
     ("unresolved-package", "head", "warning", [mesh("package://lost/skull.stl")]),
     (
         *("feet-not-found", "changed.urdf", "error"),

@@ -98,6 +98,23 @@ def test_a_loop_is_refused(tmp_path):
         load(path)
 
 
+def test_a_loop_apart_from_the_base_is_refused(tmp_path):
+    joint = element("joint", "left_knee")
+    path = changed(
+        tmp_path,
+        (element("joint", "left_hip_pitch"), ""),
+        (
+            "</robot>",
+            joint.replace('"left_knee"', '"round"')
+            .replace("left_thigh", "left_foot")
+            .replace('child link="left_shin"', 'child link="left_thigh"')
+            + "</robot>",
+        ),
+    )
+    with pytest.raises(RobotDescriptionError, match=r"'left_thigh'.* form a loop"):
+        load(path)
+
+
 def test_massless_ends_make_no_nan_but_an_error_that_names_the_link(tmp_path):
     path = changed(tmp_path, (inertial("head"), ""))
     with pytest.raises(RobotDescriptionError, match=r"'neck' \(moves link 'head'\).*<inertial>"):
@@ -154,7 +171,7 @@ def test_a_foot_whose_mesh_is_missing_names_the_mesh(tmp_path):
     bare = bare.replace('<box size="0.22 0.1 0.04"/>', shape)
     path = changed(tmp_path, (foot, bare))
     with pytest.raises(
-        RobotDescriptionError, match="its mesh package://nowhere/foot.stl is missing"
+        RobotDescriptionError, match=r"its mesh package://nowhere/foot\.stl is missing"
     ):
         load(path)
     robot = load(path, sole={"height": -0.08, "length": 0.2, "width": 0.1, "center": (0.04, 0)})

@@ -61,6 +61,8 @@ def find(name_or_path: str | Path) -> RobotData:
 
 def _near(text: str, names: dict[str, Path]) -> str:
     stem = Path(text).stem
+    if len(stem) < 2:
+        return ""
     return did_you_mean(stem, dict.fromkeys((*available(), *names)))
 
 

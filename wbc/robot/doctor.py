@@ -20,6 +20,7 @@ from wbc.robot.checks.limits import check_limits
 from wbc.robot.checks.links import check_links, check_masses
 from wbc.robot.checks.meshes import check_meshes
 from wbc.robot.checks.report import finding_from
+from wbc.robot.checks.shapes import check_shapes
 from wbc.robot.checks.stance import check_stance
 from wbc.robot.checks.tree import check_tree
 from wbc.robot.data import RobotData
@@ -82,6 +83,7 @@ def _examine(urdf: Urdf, folders: tuple[Path, ...]) -> list[Finding]:
         *check_tree(urdf),
         *check_links(urdf),
         *check_limits(urdf),
+        *check_shapes(urdf),
         *check_meshes(urdf, folders),
     ]
 

@@ -14,6 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.robot.packages import resolve, up_axis_turn
+from wbc.robot.shapes import fault, shape_of
 from wbc.robot.urdf import Urdf
 
 RIM_POINTS = 24
@@ -58,6 +59,8 @@ def foot_surface(
             if frame.parentJoint != joint_id:
                 continue
             for element in link.findall(kind):
+                if fault(urdf, element) is not None:
+                    continue
                 placement = frame.placement * _origin(element, urdf)
                 cloud = _cloud(element, urdf, folders, missing, respect_up_axis)
                 if cloud is not None:
@@ -88,8 +91,7 @@ def _cloud(
     respect_up_axis: bool,
 ) -> tuple[np.ndarray, float] | None:
     """Points (n, 3) in the shape's frame and their common radius."""
-    geometry = element.find("geometry")
-    shape = next(iter(geometry), None) if geometry is not None else None
+    shape = shape_of(element)
     if shape is None:
         return None
     if shape.tag == "box":

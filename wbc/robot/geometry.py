@@ -10,8 +10,12 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError
+from wbc.robot.model import document
 from wbc.robot.packages import resolve, up_axis_turn
-from wbc.robot.urdf import Urdf, floats
+from wbc.robot.shapes import fault, material, shape_of
+from wbc.robot.urdf import Urdf
+
+GRAY = "0.6 0.6 0.6 1.0"
 
 
 def load_geometry(
@@ -21,58 +25,77 @@ def load_geometry(
     folders: tuple[Path, ...],
     respect_up_axis: bool = False,
 ) -> pin.GeometryModel:
-    """The shapes of a URDF, with meshes that cannot be found left out.
+    """The shapes of a URDF, with broken ones and meshes that cannot be found left out.
 
     Raises:
         RobotDescriptionError: a mesh is there but cannot be read.
     """
     tag = "visual" if kind == pin.VISUAL else "collision"
-    robot = copy.deepcopy(urdf.element)
-    for link in list(robot.findall("link")):
-        # A base that the file hangs on the world: the model has no frame for the latter.
-        if not model.existBodyName(link.get("name", "")):
-            robot.remove(link)
-            continue
-        for shape in list(link.findall(tag)):
-            if not _point_to_file(shape, urdf.path, folders, respect_up_axis):
-                link.remove(shape)
-    for joint in list(robot.findall("joint")):
-        parent = joint.find("parent")
-        if parent is not None and not model.existBodyName(parent.get("link", "")):
-            robot.remove(joint)
+    robot = document(urdf)
+    defined = _materials(urdf)
+    robot.extend(defined.values())
+    for link in robot.findall("link"):
+        for element in urdf.links[link.get("name", "")].findall(tag):
+            if fault(urdf, element) is None:
+                shape = _shape(urdf, element, folders, respect_up_axis)
+                if shape is not None:
+                    _paint(urdf, element, shape, defined)
+                    link.append(shape)
     try:
         return pin.buildGeomFromUrdfString(
             model, ET.tostring(robot, encoding="unicode"), kind, package_dirs=["/"]
         )
     except Exception as error:
         raise RobotDescriptionError(
-            f"{urdf.path}: its {tag} meshes cannot be read ({error}); "
+            f"{urdf.path}: its {tag} meshes cannot be read ({' '.join(str(error).split())}); "
             "repair or remove the mesh that is named"
         ) from error
 
 
-def _point_to_file(
-    shape: ET.Element, urdf: Path, folders: tuple[Path, ...], respect_up_axis: bool
-) -> bool:
-    """Replace a mesh's address by the path of its file; False if there is none."""
-    mesh = shape.find("geometry/mesh")
-    if mesh is None:
-        return shape.find("geometry") is not None
-    path = resolve(mesh.get("filename", ""), urdf, folders)
-    if path is None:
-        return False
-    mesh.set("filename", str(path))
-    turn = up_axis_turn(path) if respect_up_axis else np.eye(3)
-    if not np.array_equal(turn, np.eye(3)):
-        _turn(shape, turn)
-    return True
+def _shape(
+    urdf: Urdf, element: ET.Element, folders: tuple[Path, ...], respect_up_axis: bool
+) -> ET.Element | None:
+    """A copy of a sound shape, its mesh address replaced by a file; None without that file."""
+    inner = shape_of(element)
+    assert inner is not None
+    inner = copy.deepcopy(inner)
+    origin = element.find("origin")
+    xyz = urdf.numbers(origin, "xyz", (0.0, 0.0, 0.0))
+    rotation = pin.rpy.rpyToMatrix(*urdf.numbers(origin, "rpy", (0.0, 0.0, 0.0)))
+    if inner.tag == "mesh":
+        path = resolve(inner.get("filename", ""), urdf.path, folders)
+        if path is None:
+            return None
+        inner.set("filename", str(path))
+        if respect_up_axis:
+            rotation = rotation @ up_axis_turn(path)
+    shape = ET.Element(element.tag)
+    ET.SubElement(shape, "origin", xyz=_text(xyz), rpy=_text(pin.rpy.matrixToRpy(rotation)))
+    ET.SubElement(shape, "geometry").append(inner)
+    return shape
 
 
-def _turn(shape: ET.Element, turn: np.ndarray) -> None:
-    """Turn a shape (3, 3) within its origin."""
-    origin = shape.find("origin")
-    if origin is None:
-        origin = ET.SubElement(shape, "origin")
-    rotation = pin.rpy.rpyToMatrix(*floats(origin, "rpy", (0.0, 0.0, 0.0)))
-    rpy = pin.rpy.matrixToRpy(rotation @ turn)
-    origin.set("rpy", " ".join(repr(float(angle)) for angle in rpy))
+def _materials(urdf: Urdf) -> dict[str, ET.Element]:
+    """The named colours at the top of the file, the first of each name."""
+    found: dict[str, ET.Element] = {}
+    for element in urdf.element.findall("material"):
+        clean = material(urdf, element, "unnamed")
+        if clean is not None and len(clean):
+            found.setdefault(clean.get("name", ""), clean)
+    return found
+
+
+def _paint(
+    urdf: Urdf, element: ET.Element, shape: ET.Element, defined: dict[str, ET.Element]
+) -> None:
+    """Give a visual its colour: its own, the named one, or gray for a name without a colour."""
+    color = material(urdf, element.find("material"), "unnamed")
+    if color is None or element.tag != "visual":
+        return
+    if not len(color) and color.get("name") not in defined:
+        ET.SubElement(color, "color", rgba=GRAY)
+    shape.append(color)
+
+
+def _text(numbers: list[float] | np.ndarray) -> str:
+    return " ".join(repr(float(number)) for number in numbers)

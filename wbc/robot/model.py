@@ -37,11 +37,9 @@ def build_model(urdf: Urdf, fixed: Iterable[str] = ()) -> pin.Model:
         RobotDescriptionError: the tree is broken or Pinocchio refuses it.
     """
     check_tree(urdf)
-    document = _document(urdf, tuple(fixed))
+    text = ET.tostring(document(urdf, tuple(fixed)), encoding="unicode")
     try:
-        model = pin.buildModelFromXML(
-            ET.tostring(document, encoding="unicode"), pin.JointModelFreeFlyer()
-        )
+        model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
     except Exception as error:
         raise RobotDescriptionError(
             f"{urdf.path}: Pinocchio cannot build a model of it ({error}); "
@@ -93,6 +91,12 @@ def check_tree(urdf: Urdf) -> None:
             f"{urdf.path}: the links {', '.join(repr(r) for r in roots)} hang on no joint, "
             "so the robot falls into pieces; join all but the base with a joint"
         )
+    stray = [link for link in urdf.links if link not in urdf.below(roots[0])]
+    if stray:
+        raise RobotDescriptionError(
+            f"{urdf.path}: the joints of the links {', '.join(repr(s) for s in stray[:4])} form "
+            "a loop apart from the base; remove one joint of the loop"
+        )
     anchor = world_joint(urdf)
     for joint in urdf.joints:
         if joint.kind in ("floating", "planar") and joint is not anchor:
@@ -114,7 +118,8 @@ def world_joint(urdf: Urdf) -> UrdfJoint | None:
     return None
 
 
-def _document(urdf: Urdf, fixed: tuple[str, ...]) -> ET.Element:
+def document(urdf: Urdf, fixed: tuple[str, ...] = ()) -> ET.Element:
+    """The file reduced to its links, inertias and joints, complete and in readable numbers."""
     robot = ET.Element("robot", name=urdf.element.get("name") or urdf.path.stem)
     anchor = world_joint(urdf)
     for name, element in urdf.links.items():

@@ -74,6 +74,20 @@ class Urdf:
         children = {joint.child for joint in self.joints}
         return [name for name in self.links if name not in children]
 
+    def below(self, root: str) -> set[str]:
+        """The links that can be reached from a link, itself included."""
+        children: dict[str, list[str]] = {}
+        for joint in self.joints:
+            children.setdefault(joint.parent, []).append(joint.child)
+        found: set[str] = set()
+        todo = [root]
+        while todo:
+            link = todo.pop()
+            if link not in found:
+                found.add(link)
+                todo += children.get(link, [])
+        return found
+
     def duplicates(self) -> list[tuple[str, str, int]]:
         """(`link` or `joint`, name, line) of every element whose name was already taken."""
         found = []

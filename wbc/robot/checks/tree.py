@@ -94,7 +94,7 @@ def _roots(urdf: Urdf, reached: dict[str, UrdfJoint]) -> list[Finding]:
             )
         ]
     # The base is the root from which most of the robot hangs.
-    sizes = {root: len(_below(urdf, root)) for root in roots}
+    sizes = {root: len(urdf.below(root)) for root in roots}
     base = max(roots, key=lambda root: sizes[root])
     findings = [
         Finding(
@@ -108,7 +108,7 @@ def _roots(urdf: Urdf, reached: dict[str, UrdfJoint]) -> list[Finding]:
         for root in roots
         if root != base
     ]
-    seen = set().union(*(_below(urdf, root) for root in roots))
+    seen = set().union(*(urdf.below(root) for root in roots))
     findings += [
         Finding(
             "error",
@@ -145,17 +145,3 @@ def _roots(urdf: Urdf, reached: dict[str, UrdfJoint]) -> list[Finding]:
             )
         )
     return findings
-
-
-def _below(urdf: Urdf, root: str) -> set[str]:
-    children: dict[str, list[str]] = {}
-    for joint in urdf.joints:
-        children.setdefault(joint.parent, []).append(joint.child)
-    found: set[str] = set()
-    todo = [root]
-    while todo:
-        link = todo.pop()
-        if link not in found:
-            found.add(link)
-            todo += children.get(link, [])
-    return found
