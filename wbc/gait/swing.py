@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from wbc.gait.planar import Placement, wrap
 
+_FREEZE = 0.2  # share of the swing, at its end, in which the target no longer moves
+
 
 @dataclass(slots=True)
 class _Axis:
@@ -67,10 +69,16 @@ class SwingFoot:
         self._height = _Axis(start.height)
 
     def advance(self, dt: float, target: Placement) -> None:
-        """Move on by dt towards `target`."""
-        self.target = target
+        """Move on by dt towards `target`, which counts until the last part of the swing.
+
+        Then the target stays: a quintic that is bent with little time left answers a
+        millimetre of measurement noise with metres per second squared.
+        """
+        remaining = self.duration - self.time
         self.time += dt
-        remaining = self.duration - (self.time - dt)
+        if remaining > _FREEZE * self.duration:
+            self.target = target
+        target = self.target
         yaw = float(self._yaw.x.real)
         goal = yaw + wrap(target.yaw - yaw)
         self._plane.advance(target.point, 0.0, remaining, dt)
