@@ -92,6 +92,34 @@ def test_mass_matrix_is_positive_definite_without_armature(robot):
     assert np.linalg.eigvalsh(M)[0] > 1e-6
 
 
+def test_the_model_is_what_pinocchio_reads_itself(robot):
+    """Cleaning the document changes nothing that a sound file says."""
+    model = robot.model
+    plain = pin.buildModelFromUrdf(str(robot.urdf_path), pin.JointModelFreeFlyer())
+    assert list(model.names) == list(plain.names)
+    assert [frame.name for frame in model.frames][:-2] == [frame.name for frame in plain.frames]
+    repaired = {finding.subject for finding in robot.findings}
+    for joint in range(1, model.njoints):
+        assert model.jointPlacements[joint].isApprox(plain.jointPlacements[joint], 1e-12)
+        links = {f.name for f in model.frames if f.parentJoint == joint}
+        if not links & repaired:
+            assert model.inertias[joint].isApprox(plain.inertias[joint], 1e-12)
+    np.testing.assert_allclose(model.lowerPositionLimit[7:], plain.lowerPositionLimit[7:])
+    np.testing.assert_allclose(model.upperPositionLimit[7:], plain.upperPositionLimit[7:])
+    np.testing.assert_allclose(model.effortLimit, plain.effortLimit)
+    np.testing.assert_allclose(model.velocityLimit, plain.velocityLimit)
+
+
+def test_the_shapes_are_what_pinocchio_reads_itself():
+    robot = wbc.robot.load("simple_humanoid")
+    plain = pin.buildGeomFromUrdf(robot.model, str(robot.urdf_path), pin.VISUAL)
+    ours = robot.visual_model.geometryObjects
+    assert [shape.name for shape in ours] == [shape.name for shape in plain.geometryObjects]
+    for shape, other in zip(ours, plain.geometryObjects, strict=True):
+        assert shape.placement.isApprox(other.placement, 1e-12)
+        np.testing.assert_allclose(shape.meshColor, other.meshColor)
+
+
 def test_armature_is_on_the_joints_only(robot):
     assert not robot.model.armature[:6].any()
     assert (robot.model.armature[6:] >= 0.01).all()

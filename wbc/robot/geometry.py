@@ -76,9 +76,10 @@ def _shape(
 
 
 def _materials(urdf: Urdf) -> dict[str, ET.Element]:
-    """The named colours at the top of the file, the first of each name."""
+    """The named colours of the file, the first of each name, those at its top before the links'."""
     found: dict[str, ET.Element] = {}
-    for element in urdf.element.findall("material"):
+    top = urdf.element.findall("material")
+    for element in (*top, *urdf.element.iterfind("link/visual/material")):
         clean = material(urdf, element, "unnamed")
         if clean is not None and len(clean):
             found.setdefault(clean.get("name", ""), clean)
