@@ -86,7 +86,8 @@ class InvariantFilter:
         self._process[self._bg] = noise.gyro_walk**2 * dt
         self._process[self._ba] = noise.accelerometer_walk**2 * dt
         self._gyro_step = (noise.gyro * dt) ** 2
-        self._slip, self._twist = noise.slip**2 * dt, noise.twist**2 * dt
+        self._slip = noise.slip**2 * dt
+        self._twist = dt * np.array([noise.rock, noise.rock, noise.twist]) ** 2
         self._diagonal = self.P.reshape(-1)[:: n + 1]
         self._updates = {
             key: _Update(key, n, self._place, self._turn, covariances)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 class EstimatorNoise:
     """Standard deviations that the estimator assumes.
 
-    White noise is per sample of one control period. The estimate is insensitive: on a
-    walking Talos and G1, halving or doubling any of these moves the velocity error by
-    less than a third.
+    White noise is per sample of one control period. Most of it hardly matters: on flat
+    floor, halving or doubling moves a walking robot's velocity error by less than a
+    third. `rock` does on tiles: believing a tilted sole fixed trebles it.
 
     Attributes:
         gyro: rad/s.
@@ -24,7 +24,9 @@ class EstimatorNoise:
         encoder: joint position, rad.
         joint_velocity: rad/s.
         slip: wandering of a fully loaded sole, m per √s.
-        twist: turning of a fully loaded sole, rad per √s.
+        twist: turning of a fully loaded sole about the vertical, rad per √s.
+        rock: tilting of a fully loaded sole, rad per √s: much on uneven ground, where a
+            sole rolls over edges; a tilt that is believed fixed would bend the velocity.
         tilt: of the state given at a reset, rad.
         speed: of the state given at a reset, m/s.
     """
@@ -38,6 +40,7 @@ class EstimatorNoise:
     encoder: float = 1e-3
     joint_velocity: float = 0.05
     slip: float = 0.003
-    twist: float = 0.003
+    twist: float = 0.005
+    rock: float = 0.05
     tilt: float = 0.01
     speed: float = 0.05
