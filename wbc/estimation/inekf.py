@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from wbc.estimation import so3
+from wbc.estimation.correction import Correction
 from wbc.estimation.noise import EstimatorNoise
 
 _R, _V, _P = slice(0, 3), slice(3, 6), slice(6, 9)
@@ -90,7 +91,7 @@ class InvariantFilter:
         self._twist = dt * np.array([noise.rock, noise.rock, noise.twist]) ** 2
         self._diagonal = self.P.reshape(-1)[:: n + 1]
         self._updates = {
-            key: _Update(key, n, self._place, self._turn, covariances)
+            key: Correction(key, n, self._place, self._turn, covariances)
             for size in range(1, feet + 1)
             for key in itertools.combinations(range(feet), size)
         }
@@ -212,6 +213,9 @@ class InvariantFilter:
     def correct(self, feet: tuple[int, ...], h: np.ndarray, F: np.ndarray) -> None:
         """Correct by soles that stand still, as the legs see them.
 
+        Innovations too large to be noise mean that a sole has slipped: the least likely
+        one is taken in anew where it is, and nothing else is corrected this time.
+
         Args:
             feet: their indices, ascending.
             h: (k, 3) sole centres in IMU axes, m.
@@ -228,12 +232,22 @@ class InvariantFilter:
         # Of R F F̂ᵀ, a rotation by milliradians, sine and angle are the same.
         turned = (R @ F) @ self.F[rows].transpose(0, 2, 1)
         residual[:, 1] = so3.vee(turned)
-        HP = update.H @ P
+        n = len(P)
+        both = update.both
+        HP = both[:, :n]
+        np.matmul(update.H, P, out=HP)
+        both[:, n] = r = residual.reshape(-1)
         update.turn_noise(R)
         S = HP @ update.H.T + update.N
-        gain = np.linalg.solve(S, HP)  # (m, n): K transposed
-        self._retract(-(residual.reshape(-1) @ gain))
-        P -= HP.T @ gain
+        solved = np.linalg.solve(S, both)  # S⁻¹ [H P, r]
+        unlikely = (r * solved[:, n]).reshape(-1, 6).sum(axis=1)
+        k = int(unlikely.argmax())
+        if unlikely[k] > self._noise.slip_gate:
+            # Taken for truth, the slip of a sole would turn into a bias of the gyro.
+            self.land(feet[k], h[k], F[k])
+            return
+        self._retract(-(solved[:, n] @ HP))
+        P -= HP.T @ solved[:, :n]
         self._corrections += 1
         if self._corrections % _TIDY == 0:
             self._tidy()
@@ -255,38 +269,3 @@ class InvariantFilter:
         self.F = so3.exps(xi[moved : moved + 3 * self._feet].reshape(-1, 3)) @ self.F
         self.gyro_bias = self.gyro_bias + xi[self._bg]
         self.accelerometer_bias = self.accelerometer_bias + xi[self._ba]
-
-
-class _Update:
-    """What is constant, and the workspace, of a correction by one set of feet."""
-
-    def __init__(
-        self,
-        feet: tuple[int, ...],
-        n: int,
-        place: list[slice],
-        turn: list[slice],
-        covariances: Sequence[np.ndarray],
-    ) -> None:
-        m = 6 * len(feet)
-        self.rows: slice | list[int] = list(feet)
-        if list(feet) == list(range(feet[0], feet[-1] + 1)):
-            self.rows = slice(feet[0], feet[-1] + 1)  # a view is cheaper than a gather
-        self.residual = np.empty((len(feet), 2, 3))
-        self.H = np.zeros((m, n))
-        self._C = np.zeros((m, m))
-        for k, i in enumerate(feet):
-            at, to = slice(6 * k, 6 * k + 3), slice(6 * k + 3, 6 * k + 6)
-            self.H[at, _P] = self.H[to, _R] = np.eye(3)
-            self.H[at, place[i]] = self.H[to, turn[i]] = -np.eye(3)
-            self._C[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = covariances[i]
-        self._turn = np.zeros((m, m))
-        blocks = np.arange(2 * len(feet))
-        self._blocks = (blocks, slice(None), blocks, slice(None))
-        self.N = self._C.copy()
-
-    def turn_noise(self, R: np.ndarray) -> None:
-        """Express the legs' noise in world axes: N = R C Rᵀ block by block."""
-        k = len(self._turn) // 3
-        self._turn.reshape(k, 3, k, 3)[self._blocks] = R
-        np.matmul(self._turn @ self._C, self._turn.T, out=self.N)

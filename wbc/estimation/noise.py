@@ -27,6 +27,8 @@ class EstimatorNoise:
         twist: turning of a fully loaded sole about the vertical, rad per √s.
         rock: tilting of a fully loaded sole, rad per √s: much on uneven ground, where a
             sole rolls over edges; a tilt that is believed fixed would bend the velocity.
+        slip_gate: χ² of a sole's six readings from which on it has slipped; noise alone
+            gets there once in 3000 corrections.
         tilt: of the state given at a reset, rad.
         speed: of the state given at a reset, m/s.
     """
@@ -42,5 +44,6 @@ class EstimatorNoise:
     slip: float = 0.003
     twist: float = 0.005
     rock: float = 0.05
+    slip_gate: float = 25.0
     tilt: float = 0.01
     speed: float = 0.05
