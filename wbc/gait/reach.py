@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from wbc.robot import Robot
 
-_BEND = 0.35  # rad: a knee straighter than this has little grip on the height
+_BEND = 0.6  # rad: a knee straighter than this has little grip on height and swing
 _TRAIL = 0.7  # share of a step that the rear foot is behind the hip when it leaves the ground
 
 

@@ -31,13 +31,13 @@ class WalkerGains:
         ground_time: smoothing of the ground's height under the robot, s.
     """
 
-    com_weight: float = 1000.0
+    com_weight: float = 3000.0
     height_kp: float = 40.0
     swing_weight: float = 300.0
     swing_kp: float = 400.0
     trunk_weight: float = 20.0
     trunk_kp: float = 80.0
-    posture_weight: float = 0.3
+    posture_weight: float = 1.0
     leg_posture_weight: float = 0.02
     knee_posture_weight: float = 0.5
     posture_kp: float = 60.0
