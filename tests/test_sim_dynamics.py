@@ -19,7 +19,7 @@ from wbc.state import State
 
 mujoco = pytest.importorskip("mujoco")
 
-ROBOTS = ["talos", "g1", "romeo", "simple_humanoid"]
+ROBOTS = ["talos", "g1", "romeo", "icub", "simple_humanoid"]
 
 
 def world_blocks(state: State) -> np.ndarray:

@@ -242,7 +242,7 @@ def test_the_tiles_about_the_robot_are_there_wherever_it_went(place):
             assert 0.2 - distance == pytest.approx(height, abs=1e-9)
 
 
-def test_feet_pass_through_each_other_unless_told_to_collide():
+def test_feet_meet_each_other_unless_told_to_pass_through():
     r = robot()
     q = r.standing().q.copy()
     for i, name in enumerate(r.joint_names):

@@ -37,8 +37,9 @@ class Mujoco:
         ground_truth: measurements carry the exact state.
         seed: of the sensor noise, which starts anew at every reset.
         latency: age of a command when it reaches the motors, s.
-        feet_collide: the soles also meet each other. Nothing else of the robot
-            collides: limbs pass through each other and a fallen robot through the floor.
+        feet_collide: the soles also meet each other, as boxes of 2 cm. Nothing else of
+            the robot collides: limbs pass through each other, a fallen robot through the
+            floor.
 
     Raises:
         PlantError: a model that MuJoCo cannot represent, or times that do not fit.
@@ -57,7 +58,7 @@ class Mujoco:
         ground_truth: bool = False,
         seed: int = 0,
         latency: float = 0.0,
-        feet_collide: bool = False,
+        feet_collide: bool = True,
     ) -> None:
         self.robot = robot
         self.dt = dt
