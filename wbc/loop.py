@@ -75,6 +75,7 @@ def run(
     gc.disable()  # a collection in mid-tick costs tens of milliseconds; nothing here makes cycles
     try:
         tick = 0
+        expected: np.ndarray | None = None
         while plant.time < end:
             if clock is not None:
                 clock.wait()
@@ -82,11 +83,12 @@ def run(
                 before_tick(plant.time)
             measurement = plant.measure()
             t0 = time.perf_counter()
-            state = estimator.update(measurement)
+            state = estimator.update(measurement, acceleration=expected)
             t1 = time.perf_counter()
             command = controller.step(state, measurement.foot_wrenches or None)
             t2 = time.perf_counter()
             now = plant.time
+            expected = command.acceleration
             plant.step(command)
             truth = _truth(plant) or state
             book.note(now, t1 - t0, t2 - t1, command, truth, controller)

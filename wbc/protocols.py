@@ -55,8 +55,10 @@ class StateEstimator(Protocol):
     def reset(self, state: State) -> None:
         """Start anew at a known state."""
 
-    def update(self, measurement: Measurement) -> State:
-        """The state now."""
+    def update(
+        self, measurement: Measurement, *, acceleration: np.ndarray | None = None
+    ) -> State:
+        """The state now; `acceleration` (nv,) is what the last command was to bring about."""
 
 
 class Observer(Protocol):

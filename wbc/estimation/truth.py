@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from wbc.errors import MeasurementError
 from wbc.measurement import Measurement
 from wbc.state import State
@@ -13,7 +15,9 @@ class GroundTruthEstimator:
     def reset(self, state: State) -> None:
         """Nothing to start."""
 
-    def update(self, measurement: Measurement) -> State:
+    def update(
+        self, measurement: Measurement, *, acceleration: np.ndarray | None = None
+    ) -> State:
         """The exact state.
 
         Raises:
