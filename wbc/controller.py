@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
 
 from wbc.command import Command, Status
 from wbc.contacts import Contact
-from wbc.errors import ContactError, TaskError, WbcError
+from wbc.errors import ContactError, LimitError, TaskError, WbcError
 from wbc.kinematics import Kinematics
 from wbc.limits import AccelerationBound, JointPositionLimit, JointVelocityLimit, TorqueLimit
-from wbc.qp import Assembly, Formulation, Outcome, Problem, Regularisation, explain, make_solver
+from wbc.qp import (
+    Assembly,
+    Formulation,
+    Outcome,
+    Problem,
+    Regularisation,
+    Solution,
+    explain,
+    make_solver,
+    not_finite,
+)
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.tasks import Task
@@ -21,6 +33,8 @@ TaskT = TypeVar("TaskT", bound=Task)
 
 _HOLD_TIME = 0.1  # s, how fast the torque of the last good tick fades after a failure
 _SAFE_DAMPING = 0.05  # share of the torque limit per rad/s
+_EXPLAIN_EVERY = 0.1  # s
+_KEPT = 32  # assemblies
 
 
 class WholeBodyController:
@@ -45,7 +59,14 @@ class WholeBodyController:
         formulation: reduced (fast) or full (readable); the same optimum.
         regularisation: small costs that make the optimum unique.
 
+    Attributes:
+        tasks: those added, in order.
+        kinematics: of the last state; None before the first tick.
+        problem: the last tick's QP, for the curious.
+
     Raises:
+        WbcError: dt is not positive.
+        LimitError: two torque limits, or a limit whose horizon is shorter than dt.
         SolverNotFound: the solver is unknown or not installed.
     """
 
@@ -59,7 +80,7 @@ class WholeBodyController:
         formulation: Formulation = Formulation.REDUCED,
         regularisation: Regularisation | None = None,
     ) -> None:
-        if not dt > 0.0:
+        if not 0.0 < dt < math.inf:
             raise WbcError(f"dt = {dt} must be positive: it is the control period in seconds")
         self.robot = robot
         self.dt = dt
@@ -68,17 +89,25 @@ class WholeBodyController:
             limits = (TorqueLimit(robot), JointPositionLimit(robot), JointVelocityLimit(robot))
         torque = [limit for limit in limits if isinstance(limit, TorqueLimit)]
         if len(torque) > 1:
-            raise WbcError("more than one TorqueLimit given; keep the tighter one")
+            raise LimitError("more than one TorqueLimit given; keep the tighter one")
         self.torque_limit = torque[0] if torque else None
         self.bounds = [limit for limit in limits if isinstance(limit, AccelerationBound)]
+        for bound in self.bounds:
+            if 0.0 < bound.horizon < dt:
+                raise LimitError(
+                    f"{bound.name}: its horizon {bound.horizon} s is shorter than the control "
+                    f"period {dt} s, so it would overshoot; give it at least that"
+                )
         self.formulation = formulation
         self.regularisation = regularisation or Regularisation()
         self.tasks: list[Task] = []
-        self.contacts: tuple[Contact, ...] = ()
         self.kinematics: Kinematics | None = None
-        self.problem: Problem | None = None  #: the last tick's QP, for the curious
+        self.problem: Problem | None = None
+        self._contacts: tuple[Contact, ...] = ()
         self._assemblies: dict[tuple[object, ...], Assembly] = {}
         self._last_tau = np.zeros(robot.na)
+        self._tick = 0
+        self._explanation: tuple[Outcome, int, Status, str] | None = None
 
     def add(self, task: TaskT) -> TaskT:
         """Add a task and return it.
@@ -88,7 +117,9 @@ class WholeBodyController:
             FrameNotFound: the task's frame is missing; the text lists near names.
         """
         if any(task.name == other.name for other in self.tasks):
-            raise TaskError(f"there is a task named '{task.name}' already; give this one another name")
+            raise TaskError(
+                f"there is a task named '{task.name}' already; give this one another name"
+            )
         task.bind(self.robot)
         self.tasks.append(task)
         return task
@@ -104,6 +135,15 @@ class WholeBodyController:
             raise TaskError(f"no task '{task.name}' to remove; there are: {names}")
         self.tasks.remove(task)
 
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """The contacts; set them here or by `set_contacts`."""
+        return self._contacts
+
+    @contacts.setter
+    def contacts(self, contacts: Sequence[Contact]) -> None:
+        self.set_contacts(contacts)
+
     def set_contacts(self, contacts: Sequence[Contact]) -> None:
         """Replace the contacts; no contact at all is free fall.
 
@@ -114,12 +154,15 @@ class WholeBodyController:
             FrameNotFound: a contact's frame is missing.
             ContactError: two contacts of one name.
         """
-        names = [c.name for c in contacts]
-        if len(set(names)) < len(names):
-            raise ContactError(f"two contacts have the same name: {names}")
+        contacts = tuple(contacts)
+        if len({c.name for c in contacts}) < len(contacts):
+            names = ", ".join(f"'{c.name}'" for c in contacts)
+            raise ContactError(
+                f"two contacts have the same name: {names}; give one another by name=…"
+            )
         for contact in contacts:
             contact.bind(self.robot)
-        self.contacts = tuple(contacts)
+        self._contacts = contacts
 
     def step(self, state: State) -> Command:
         """One tick.
@@ -135,31 +178,59 @@ class WholeBodyController:
 
     def solve(self, kin: Kinematics) -> Command:
         """One tick from kinematics that are there already."""
+        self._tick += 1
         assembly = self._assembly()
         problem = self.problem = assembly.build(kin)
+        if not problem.is_finite():
+            reason = not_finite(kin, self.tasks, self._contacts)
+            return self._safe_command(kin, Status.FAILED, reason or "the QP is not finite")
         solution = self.solver.solve(problem)
-        if solution.outcome is not Outcome.SOLVED:
-            return self._safe_command(kin, problem, solution.outcome, solution.detail)
-        acceleration, tau, wrenches = assembly.recover(solution.x)
-        if not np.isfinite(tau.sum()) or not np.isfinite(acceleration.sum()):
-            return self._safe_command(kin, problem, Outcome.FAILED, "the solution is not finite")
-        tau = self._clip(tau)  # what the solver's tolerance leaves
-        self._last_tau = tau
-        return self._command(kin, tau, acceleration, wrenches, Status.OK, "")
+        if solution.outcome is Outcome.SOLVED:
+            acceleration, tau, wrenches = assembly.recover(solution.x)
+            if math.isfinite(tau.dot(tau)) and math.isfinite(acceleration.dot(acceleration)):
+                tau = self._last_tau = self._clip(tau)  # what the solver's tolerance leaves
+                self._explanation = None
+                return self._command(kin, tau, acceleration, wrenches, Status.OK, "")
+            solution = replace(solution, outcome=Outcome.FAILED, detail="not finite")
+        return self._safe_command(kin, *self._explain(problem, solution))
+
+    def _explain(self, problem: Problem, solution: Solution) -> tuple[Status, str]:
+        """Status and reason of a failure; found anew at most every 0.1 s, it takes long."""
+        kept = self._explanation
+        if kept is None or kept[0] != solution.outcome or self._tick >= kept[1]:
+            reason = explain(problem)
+            status = Status.INFEASIBLE
+            if not reason and solution.outcome is Outcome.INFEASIBLE:
+                reason = f"the solver finds no point that holds all rows ({solution.detail})"
+            elif not reason:
+                status = Status.FAILED
+                reason = f"the solver gave up ({solution.detail}); the rows can hold together"
+            until = self._tick + round(_EXPLAIN_EVERY / self.dt)
+            kept = self._explanation = (solution.outcome, until, status, reason)
+        return kept[2], kept[3]
 
     def _assembly(self) -> Assembly:
+        """The assembly of this structure; they are kept, since a gait comes back to each.
+
+        Objects in the key cannot be confused with later ones at the same address: the
+        assembly keeps them alive.
+        """
         key = (
-            tuple((id(t), t.priority) for t in self.tasks),
-            tuple((id(c), c.motion_weight is None) for c in self.contacts),
+            *[(id(t), t.priority) for t in self.tasks],
+            *[(id(c), c.motion_weight is None) for c in self._contacts],
+            *[id(b) for b in self.bounds],
+            id(self.torque_limit),
+            self.formulation,
+            self.regularisation,
         )
         found = self._assemblies.get(key)
         if found is None:
-            if len(self._assemblies) >= 32:  # contacts made anew each tick must not pile up
+            if len(self._assemblies) >= _KEPT:  # contacts made anew each tick must not pile up
                 self._assemblies.clear()
             found = self._assemblies[key] = Assembly(
                 self.robot,
                 self.tasks,
-                self.contacts,
+                self._contacts,
                 self.bounds,
                 self.torque_limit,
                 self.formulation,
@@ -171,20 +242,15 @@ class WholeBodyController:
         if self.torque_limit is None:
             return tau
         limit = self.torque_limit.maximum
-        return np.minimum(np.maximum(tau, -limit), limit)
+        return np.asarray(np.minimum(np.maximum(tau, -limit), limit))
 
-    def _safe_command(
-        self, kin: Kinematics, problem: Problem, outcome: Outcome, detail: str
-    ) -> Command:
+    def _safe_command(self, kin: Kinematics, status: Status, reason: str) -> Command:
         self._last_tau = self._last_tau * (1.0 - min(self.dt / _HOLD_TIME, 1.0))
-        limit = np.where(np.isfinite(self.robot.tau_max), self.robot.tau_max, 0.0)
-        tau = self._clip(self._last_tau - _SAFE_DAMPING * limit * kin.state.v[6:])
-        reason = explain(problem)
-        infeasible = outcome is Outcome.INFEASIBLE or bool(reason)
-        status = Status.INFEASIBLE if infeasible else Status.FAILED
-        text = reason or f"the solver gave up ({detail}); the rows can hold together"
-        wrenches = {c.name: np.zeros(6) for c in self.contacts}
-        return self._command(kin, tau, np.zeros(self.robot.nv), wrenches, status, text)
+        limit = self.robot.tau_max
+        tau = self._last_tau - _SAFE_DAMPING * limit * kin.state.v[6:]
+        tau = self._clip(np.clip(tau, -limit, limit))
+        wrenches = {c.name: np.zeros(6) for c in self._contacts}
+        return self._command(kin, tau, np.zeros(self.robot.nv), wrenches, status, reason)
 
     def _command(
         self,

@@ -186,12 +186,10 @@ class Kinematics:
                 [ −[c]× R   R ].
         """
         if self._centroid is None:
-            R = self.base.rotation
-            cx, cy, cz = (self.p_com - self.base.translation).tolist()
-            X = np.zeros((6, 6))
-            X[:3, :3] = R / self.mass
-            X[3:, :3] = np.array(((0.0, cz, -cy), (-cz, 0.0, cx), (cy, -cx, 0.0))) @ R
-            X[3:, 3:] = R
-            A = X @ self.mass_matrix[:6]
-            self._centroid = (A, A @ self.state.v, X @ self.bias_forces[:6] + self._gravity)
+            to_com = pin.SE3(self.base.rotation, self.base.translation - self.p_com)
+            X = to_com.toDualActionMatrix()
+            X[:3] /= self.mass
+            A = X.dot(self.mass_matrix[:6])
+            rate = X.dot(self.bias_forces[:6]) + self._gravity
+            self._centroid = (A, A.dot(self.state.v), rate)
         return self._centroid

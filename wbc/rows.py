@@ -11,10 +11,11 @@ class RowBlock:
 
     Attributes:
         name: whose rows they are, e.g. "torque limit" or "right_sole cone".
-        unit: unit of the rows' values, e.g. "N·m".
+        unit: unit of the rows' values, e.g. "N·m"; or two of them, "m/s², rad/s²".
         start: first row.
         stop: one past the last row.
         labels: one text per row ("leg_left_4_joint"), or empty.
+        switch: when there are two units, how many rows have the first.
     """
 
     name: str
@@ -22,8 +23,14 @@ class RowBlock:
     start: int
     stop: int
     labels: tuple[str, ...] = ()
+    switch: int = 3
 
     def label(self, row: int) -> str:
         """Text for a row by its index in the whole problem."""
         k = row - self.start
         return f"{self.name} [{self.labels[k]}]" if self.labels else f"{self.name} [{k}]"
+
+    def unit_of(self, row: int) -> str:
+        """Unit of a row by its index in the whole problem."""
+        units = self.unit.split(", ")
+        return units[0] if row - self.start < self.switch else units[-1]

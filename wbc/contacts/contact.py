@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
@@ -27,6 +28,9 @@ class Contact(ABC):
         damping: how fast a residual velocity of the frame is brought to zero, 1/s.
         min_force: least normal force, N.
         max_force: largest normal force, N.
+        name: unique within a controller; the frame's name when left out.
+
+    All of these may be changed from tick to tick, but for frame and name.
 
     Raises:
         ContactError: a value that makes no sense.
@@ -42,34 +46,56 @@ class Contact(ABC):
         motion_weight: float | None = None,
         damping: float = 30.0,
         min_force: float = 0.0,
-        max_force: float = float("inf"),
+        max_force: float = math.inf,
         name: str = "",
     ) -> None:
+        self.frame = frame
         self.name = name or frame
-        if not friction > 0.0:
-            raise ContactError(f"contact '{self.name}': friction {friction} must be positive")
-        if motion_weight is not None and not motion_weight > 0.0:
+        self.friction = friction
+        if motion_weight is not None and not 0.0 < motion_weight < math.inf:
             raise ContactError(
-                f"contact '{self.name}': motion_weight {motion_weight} must be positive, or None for exact"
+                f"contact '{self.name}': motion_weight {motion_weight} must be positive "
+                "and finite, or None for exact"
             )
-        if not damping >= 0.0:
-            raise ContactError(f"contact '{self.name}': damping {damping} must not be negative")
+        if not 0.0 <= damping < math.inf:
+            raise ContactError(
+                f"contact '{self.name}': damping {damping} must be finite and not negative"
+            )
         if not 0.0 <= min_force <= max_force:
             raise ContactError(
                 f"contact '{self.name}': need 0 ≤ min_force ({min_force}) ≤ max_force ({max_force})"
             )
-        self.frame = frame
-        self.friction = friction
         self.motion_weight = motion_weight
         self.damping = damping
         self.min_force = min_force
         self.max_force = max_force
+        self._robot: Robot | None = None
         self._frame_id = -1
 
     @property
-    @abstractmethod
+    def friction(self) -> float:
+        """Coulomb coefficient μ."""
+        return self._friction
+
+    @friction.setter
+    def friction(self, value: float) -> None:
+        if not 0.0 < value < math.inf:
+            raise ContactError(
+                f"contact '{self.name}': friction {value} must be positive and finite"
+            )
+        self._friction = value
+        self._cone: np.ndarray | None = None
+
+    @property
     def cone(self) -> np.ndarray:
         """(k, motion_size) rows of the force cone `cone @ f ≤ 0`, contact axes."""
+        if self._cone is None:
+            self._cone = self._make_cone(self._friction / math.sqrt(2.0))
+        return self._cone
+
+    @abstractmethod
+    def _make_cone(self, mu: float) -> np.ndarray:
+        """The rows of `cone` for the pyramid's coefficient."""
 
     @property
     @abstractmethod
@@ -82,22 +108,17 @@ class Contact(ABC):
         Raises:
             FrameNotFound: the frame is missing.
         """
-        self._frame_id = robot.frame_id(self.frame)
+        if self._robot is not robot:
+            self._frame_id = robot.frame_id(self.frame)
+            self._robot = robot
 
-    def motion(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
-        """`(J, a)` of the motion constraint `J v̇ = a`, in contact axes.
+    def write(self, kin: Kinematics, J: np.ndarray, a: np.ndarray) -> None:
+        """Write `J` (motion_size, nv) and `a` (motion_size,) of `J v̇ = a`, contact axes.
 
-        J is (motion_size, nv), a is (motion_size,), m/s² (and rad/s²).
+        `a` is in m/s² (and rad/s²).
         """
-        at = kin.motion(self._frame_id)
-        R = at.rotation
+        at = kin.motion_local(self._frame_id)
         n = self.motion_size
-        J = np.empty((n, at.jacobian.shape[1]))
-        acceleration = -self.damping * at.velocity - at.bias
-        a = np.empty(n)
-        J[:3] = R.T @ at.jacobian[:3]
-        a[:3] = R.T @ acceleration[:3]
-        if n == 6:
-            J[3:] = R.T @ at.jacobian[3:]
-            a[3:] = R.T @ acceleration[3:]
-        return J, a
+        J[:] = at.jacobian[:n]
+        np.multiply(at.velocity[:n], -self.damping, out=a)
+        a -= at.bias[:n]

@@ -16,11 +16,10 @@ class PointContact(Contact):
 
     motion_size = 3
 
-    @property
-    def cone(self) -> np.ndarray:
-        mu = self.friction / np.sqrt(2.0)
+    def _make_cone(self, mu: float) -> np.ndarray:
         return np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu]], dtype=float)
 
     @property
     def cone_labels(self) -> tuple[str, ...]:
+        """See `Contact`."""
         return ("friction +x", "friction -x", "friction +y", "friction -y")

@@ -28,6 +28,9 @@ class SurfaceContact(Contact):
         half_width: Y, along the frame's y axis, m.
 
     For the other arguments see `Contact`.
+
+    Raises:
+        ContactError: a value that makes no sense.
     """
 
     motion_size = 6
@@ -61,21 +64,24 @@ class SurfaceContact(Contact):
             )
         self.half_length = half_length
         self.half_width = half_width
-        self._cone = wrench_cone(half_length, half_width, friction / np.sqrt(2.0))
 
     @classmethod
     def of(cls, sole: Sole, *, margin: float = 0.0, friction: float = 0.7) -> SurfaceContact:
-        """The contact of a robot's sole, its rectangle shrunk by `margin` (m) all around."""
+        """The contact of a robot's sole, its rectangle shrunk by `margin` (m) all around.
+
+        Raises:
+            ContactError: nothing is left of the rectangle.
+        """
         return cls(
             sole.name, sole.half_length - margin, sole.half_width - margin, friction=friction
         )
 
-    @property
-    def cone(self) -> np.ndarray:
-        return self._cone
+    def _make_cone(self, mu: float) -> np.ndarray:
+        return wrench_cone(self.half_length, self.half_width, mu)
 
     @property
     def cone_labels(self) -> tuple[str, ...]:
+        """See `Contact`."""
         return CONE_LABELS
 
 
@@ -87,7 +93,13 @@ CONE_LABELS = (
 
 
 def wrench_cone(X: float, Y: float, mu: float) -> np.ndarray:
-    """(16, 6) rows of `cone @ wrench ≤ 0` for a rectangle, see `SurfaceContact`."""
+    """(16, 6) rows of `cone @ wrench ≤ 0` for a rectangle, see `SurfaceContact`.
+
+    Args:
+        X: half length, m.
+        Y: half width, m.
+        mu: coefficient of the friction pyramid.
+    """
     rows = [
         [1, 0, -mu, 0, 0, 0],
         [-1, 0, -mu, 0, 0, 0],
@@ -102,7 +114,5 @@ def wrench_cone(X: float, Y: float, mu: float) -> np.ndarray:
         for a in (-1, 1):
             for b in (-1, 1):
                 # sign·τ_z ≤ μ(X+Y) f_z − a (Y f_x + sign·μ τ_x) − b (X f_y + sign·μ τ_y)
-                rows.append(
-                    [a * Y, b * X, -mu * (X + Y), sign * a * mu, sign * b * mu, sign]
-                )
+                rows.append([a * Y, b * X, -mu * (X + Y), sign * a * mu, sign * b * mu, sign])
     return np.array(rows, dtype=float)

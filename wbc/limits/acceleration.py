@@ -26,4 +26,5 @@ class JointAccelerationLimit(AccelerationBound):
         self.maximum = per_joint(self.name, "maximum", maximum, robot)
 
     def bounds(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
+        """See `AccelerationBound`."""
         return -self.maximum, self.maximum

@@ -6,39 +6,42 @@ import numpy as np
 
 from wbc.errors import LimitError
 from wbc.kinematics import Kinematics
-from wbc.limits.limit import AccelerationBound, per_joint
+from wbc.limits.limit import AccelerationBound, moderate_braking, per_joint
 from wbc.robot import Robot
-
-
-_MOST_BRAKING = 20.0  # rad/s²
 
 
 class JointPositionLimit(AccelerationBound):
     """Keeps every joint able to stop before its limit.
 
-    With d the distance to the upper limit (less a margin), the velocity must not
-    exceed what a deceleration a_brake can stop within d, and must bring a joint
-    that is beyond the limit back:
+    A state is viable when a deceleration a_b stops the joint in time: with d the distance to
+    the limit (less a margin) and v the velocity towards it, `v ≤ √(2 a_b d)`. The largest
+    acceleration is the one that, held for a time T, ends in a viable state,
 
-        v_max(d) = min(√(2 a_brake d), d / T)  for d ≥ 0,   d / T  for d < 0,
-        q̈ ≤ (v_max(d) − q̇) / T,
+        a = (w − v) / T,   w = √((a_b T/2)² + a_b (2 d − T v)) − a_b T/2   where 2 d ≥ T v.
 
-    and likewise for the lower limit (after Del Prete, Joint position and velocity
-    bounds in discrete-time acceleration/torque control of robot manipulators, RA-L
-    2018). T is the time over which a violation is corrected: several control periods,
-    so that measurement noise does not turn into acceleration noise. Never more than
-    a_brake is asked for, which a joint's motor must be able to deliver: a limit that asks
-    for more than the torque limit gives would leave the QP without a solution.
+    The viable set is convex in (position, velocity) and full braking never leaves it, so that
+    a joint that is in it stays in it, with decelerations of at most a_b, for every control
+    period up to T (after Del Prete, Joint position and velocity bounds in discrete-time
+    acceleration/torque control of robot manipulators, RA-L 2018, who takes the control period
+    for T). A T of several periods keeps measurement noise out of the accelerations: they
+    change by 2/T per rad/s and 2/T² per rad at most.
+
+    Nearer or faster than that the same law goes on linearly, `a = 2 (d − T v) / T²` (damping
+    ratio 0.7), and beyond the limit gently, `a = 2 (d / recovery − v) / T`: the last stretch
+    to the limit, d ≤ a_b T²/2, is passed by at most a third of it (1.3 mrad at the default
+    values, which the margin covers). More than a_b is never demanded: a limit that asks for
+    more than the motors can give would leave the QP without a solution.
 
     Args:
         robot: the robot.
         margin: distance kept from the limits, rad.
-        braking: a_brake, rad/s², a number or (na,); when left out, what half of the joint's
-            torque limit gives the limb beyond it in the nominal posture, at most 20 rad/s².
-        horizon: T, s.
+        braking: a_b, rad/s², a number or (na,); `moderate_braking` when left out.
+        horizon: T, s; not shorter than the control period.
+        recovery: time within which a joint that is beyond is brought back, s; at least T.
 
     Raises:
-        LimitError: a negative margin, or a horizon or braking that is not positive.
+        LimitError: a negative margin, a braking or horizon that is not positive, or a
+            recovery below the horizon.
     """
 
     name = "joint position limit"
@@ -50,25 +53,49 @@ class JointPositionLimit(AccelerationBound):
         margin: float = 0.02,
         braking: float | np.ndarray | None = None,
         horizon: float = 0.02,
+        recovery: float = 0.2,
     ) -> None:
-        if not horizon > 0.0 or not margin >= 0.0:
-            raise LimitError(f"{self.name}: need horizon ({horizon}) > 0 and margin ({margin}) ≥ 0")
+        if not margin >= 0.0:
+            raise LimitError(f"{self.name}: margin {margin} rad must not be negative")
+        super().__init__(horizon)
+        if not recovery >= horizon:
+            raise LimitError(
+                f"{self.name}: recovery {recovery} s must not be below the horizon {horizon} s"
+            )
         # A joint with little play keeps at least half of it.
         margins = np.minimum(margin, 0.25 * (robot.q_max - robot.q_min))
         self.lower = robot.q_min + margins
         self.upper = robot.q_max - margins
-        if braking is None:
-            inertia = np.diag(Kinematics(robot, robot.standing()).mass_matrix)[6:]
-            braking = np.minimum(_MOST_BRAKING, 0.5 * robot.tau_max / inertia)
+        braking = moderate_braking(robot) if braking is None else braking
         self.braking = per_joint(self.name, "braking", braking, robot)
-        self.horizon = horizon
+        self.recovery = recovery
+        self._half = 0.5 * horizon * self.braking
+        self._distance, self._velocity = np.empty((2, robot.na)), np.empty((2, robot.na))
 
     def bounds(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
+        """See `AccelerationBound`."""
         q, v = kin.state.q[7:], kin.state.v[6:]
-        lower = (-self._speed(q - self.lower) - v) / self.horizon
-        upper = (self._speed(self.upper - q) - v) / self.horizon
-        return np.minimum(lower, self.braking), np.maximum(upper, -self.braking)
+        d, towards = self._distance, self._velocity
+        np.subtract(q, self.lower, out=d[0])
+        np.subtract(self.upper, q, out=d[1])
+        np.negative(v, out=towards[0])
+        towards[1] = v
+        a = self._largest(d, towards)
+        return -a[0], a[1]
 
-    def _speed(self, distance: np.ndarray) -> np.ndarray:
-        stop = np.sqrt(2.0 * self.braking * np.maximum(distance, 0.0))
-        return np.where(distance > 0.0, np.minimum(stop, distance / self.horizon), distance / self.horizon)
+    def _largest(self, d: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """(2, na) largest acceleration towards the lower and the upper limit."""
+        T, braking = self.horizon, self.braking
+        room = 2.0 * np.maximum(d, (T / self.recovery) * d)  # the latter where d < 0
+        room -= T * v
+        a = np.maximum(room, 0.0)
+        a *= braking
+        a += self._half * self._half
+        np.sqrt(a, out=a)
+        a -= self._half
+        np.minimum(room, 0.0, out=room)
+        room /= T
+        a += room
+        a -= v
+        a /= T
+        return np.asarray(np.maximum(a, -braking, out=a))

@@ -26,5 +26,5 @@ class TorqueLimit:
     def __init__(
         self, robot: Robot, maximum: float | np.ndarray | None = None, *, scale: float = 1.0
     ) -> None:
-        limit = robot.tau_max if maximum is None else maximum
-        self.maximum = per_joint(self.name, "maximum", limit, robot) * scale
+        limit = np.asarray(robot.tau_max if maximum is None else maximum, dtype=float)
+        self.maximum = per_joint(self.name, "maximum", limit * scale, robot)

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.errors import LimitError
 from wbc.kinematics import Kinematics
-from wbc.limits.limit import AccelerationBound, per_joint
+from wbc.limits.limit import AccelerationBound, moderate_braking, per_joint
 from wbc.robot import Robot
 
 
 class JointVelocityLimit(AccelerationBound):
-    """`(−v_max − q̇) / T ≤ q̈ ≤ (v_max − q̇) / T`.
+    """`(−v_max − q̇) / T ≤ q̈ ≤ (v_max − q̇) / T`, but never a demand above `braking`.
 
     Args:
         robot: the robot.
-        maximum: rad/s, a number or (na,); the robot's own limits when left out.
-        horizon: T, the time over which a violation is corrected, s.
+        maximum: v_max, rad/s, a number or (na,); the robot's own limits when left out.
+        horizon: T, the time over which a violation is corrected, s; not shorter than the
+            control period.
+        braking: what is demanded at most of a joint that is too fast, rad/s², a number
+            or (na,); `moderate_braking` when left out.
 
     Raises:
-        LimitError: wrong shape, or an entry or horizon that is not positive.
+        LimitError: wrong shape, or an entry, horizon or braking that is not positive.
     """
 
     name = "joint velocity limit"
@@ -30,14 +32,21 @@ class JointVelocityLimit(AccelerationBound):
         maximum: float | np.ndarray | None = None,
         *,
         horizon: float = 0.02,
+        braking: float | np.ndarray | None = None,
     ) -> None:
-        if not horizon > 0.0:
-            raise LimitError(f"{self.name}: horizon {horizon} must be positive")
+        super().__init__(horizon)
         self.maximum = per_joint(
             self.name, "maximum", robot.v_max if maximum is None else maximum, robot
         )
-        self.horizon = horizon
+        braking = moderate_braking(robot) if braking is None else braking
+        self.braking = per_joint(self.name, "braking", braking, robot)
 
     def bounds(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
+        """See `AccelerationBound`."""
         v = kin.state.v[6:]
-        return (-self.maximum - v) / self.horizon, (self.maximum - v) / self.horizon
+        rate = 1.0 / self.horizon
+        low = (-self.maximum - v) * rate
+        high = (self.maximum - v) * rate
+        np.minimum(low, self.braking, out=low)
+        np.maximum(high, -self.braking, out=high)
+        return low, high

@@ -1,9 +1,11 @@
 """The quadratic program: elimination, assembly, solvers, explanation."""
 
-from wbc.qp.assembly import Assembly, Formulation, Regularisation
-from wbc.qp.explanation import explain, least_violation
+from wbc.qp.assembly import Assembly, Formulation
+from wbc.qp.cost import Regularisation
+from wbc.qp.explanation import explain
 from wbc.qp.problem import Outcome, Problem, Solution
 from wbc.qp.solvers import Solver, make_solver
+from wbc.qp.writing import not_finite
 
 __all__ = [
     "Assembly",
@@ -14,6 +16,6 @@ __all__ = [
     "Solution",
     "Solver",
     "explain",
-    "least_violation",
     "make_solver",
+    "not_finite",
 ]

@@ -1,112 +1,171 @@
 """Which unknowns the QP is written in, and how everything else follows from them.
 
-All formulations express the generalised acceleration, the contact forces and the
-joint torques as affine functions of the QP's unknowns x,
+All formulations express the base's acceleration, the contact forces and the joint torques
+as affine functions of the QP's unknowns x. With a one appended, x̂ = (x, 1), each of these
+is a single matrix whose last column is the constant part:
 
-    v̇ = V x + v0,    f = W x + w0,    τ = T x + t0,
+    v̇_base = B x̂,    f = W x̂,    τ = T x̂,
 
-so that the rows of tasks, contacts and limits are assembled in one way. The dynamics
-are `M v̇ + h = Sᵀ τ + Jᵀ f`; its six base rows are what the formulations remove:
+and the joint accelerations are a run of entries of x. So the rows of tasks, contacts and
+limits are assembled in one way, constants and all. The dynamics are
+`M v̇ + h = Sᵀ τ + Jᵀ f`; its six base rows are what the formulations get rid of:
 
-- `full`: x = (v̇, f); the base rows remain as equalities. The readable reference.
-- `stance`: a surface contact that moves exactly as told fixes the base,
-  `J_b v̇_b + J_a q̈_a = a`, and its wrench follows from the base rows through the same
-  6×6 inverse; x = (q̈_a, other forces).
-- `floating`: no such contact; `v̇_b = M_bb⁻¹ (J_bᵀ f − h_b − M_ba q̈_a)`, x = (q̈_a, f).
+- `Full`: x = (v̇, f); the base rows remain as equalities E x̂ = 0. The readable reference.
+- `Stance`: a surface contact that moves exactly as told fixes the base,
+  `J_b v̇_base + J_a q̈ = a`, and its wrench follows from the base rows through the same
+  6×6 inverse; x = (q̈, other forces).
+- `Floating`: no such contact; `v̇_base = M_bb⁻¹ (J_bᵀ f − h_b − M_ba q̈)`, x = (q̈, f).
+
+Forces enter x in units of `unit` newton (newton metre): with the robot's weight for a unit
+they are of the order of one, like accelerations, and H is well conditioned.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
 
 import numpy as np
 
 
-@dataclass(slots=True)
-class Elimination:
-    """The affine maps, see the module's text.
+class Elimination(ABC):
+    """The affine maps of one formulation, kept in arrays that `update` overwrites.
+
+    Args:
+        nv: size of the generalised velocity.
+        nf: number of contact force components.
+        unknowns: n, the size of x.
+        joints: index of the first joint acceleration in x.
+        eliminated: number of force components that are not in x; they come first.
+        unit: see the module's text.
 
     Attributes:
-        V: (nv, n) and v0 (nv,): generalised acceleration.
-        W: (nf, n) and w0 (nf,): contact forces, contact axes, in the contacts' order.
-        T: (na, n) and t0 (na,): joint torques.
-        E: (k, n) and e (k,): equalities `E x = e` that remain.
+        B: (6, n + 1) base acceleration, base axes.
+        W: (nf, n + 1) contact forces, contact axes, in the contacts' order.
+        T: (na, n + 1) joint torques.
+        E: (k, n + 1) what must be zero of x̂.
+        joints: where x holds the joint accelerations.
+        free: where x holds the forces that are not eliminated.
     """
 
-    V: np.ndarray
-    v0: np.ndarray
-    W: np.ndarray
-    w0: np.ndarray
-    T: np.ndarray
-    t0: np.ndarray
-    E: np.ndarray
-    e: np.ndarray
+    def __init__(
+        self, nv: int, nf: int, unknowns: int, joints: int, eliminated: int, unit: float
+    ) -> None:
+        na, n = nv - 6, unknowns
+        self.n = n
+        self.unit = unit
+        self.eliminated = eliminated
+        self.joints = slice(joints, joints + na)
+        self.free = slice(joints + na, n)
+        self.B = np.zeros((6, n + 1))
+        self.W = np.zeros((nf, n + 1))
+        self.T = np.zeros((na, n + 1))
+        self.E = np.zeros((0, n + 1))
+        for k in range(nf - eliminated):
+            self.W[eliminated + k, joints + na + k] = unit
+
+    @abstractmethod
+    def update(self, M: np.ndarray, h: np.ndarray, J: np.ndarray, a: np.ndarray) -> None:
+        """Recompute the maps.
+
+        Args:
+            M: (nv, nv) mass matrix.
+            h: (nv,) bias forces.
+            J: (nf, nv) stacked contact Jacobians, contact axes.
+            a: (nf,) accelerations that the contacts are told, `J v̇ = a`.
+        """
+
+    def project(self, A: np.ndarray, out: np.ndarray) -> None:
+        """Write `out` (k, n + 1) with `A v̇ = out x̂` for rows A (k, nv)."""
+        np.matmul(A[:, :6], self.B, out=out)
+        out[:, self.joints] += A[:, 6:]
+
+    def acceleration(self, x: np.ndarray) -> np.ndarray:
+        """(nv,) generalised acceleration, from x̂ (n + 1,)."""
+        return np.concatenate((self.B @ x, x[self.joints]))
 
 
-def full(M: np.ndarray, h: np.ndarray, J: np.ndarray) -> Elimination:
-    """x = (v̇, f). M (nv, nv), h (nv,), J (nf, nv) stacked contact Jacobians."""
-    nv, nf = M.shape[0], J.shape[0]
-    eye = np.eye(nv + nf)
-    return Elimination(
-        V=eye[:nv],
-        v0=np.zeros(nv),
-        W=eye[nv:],
-        w0=np.zeros(nf),
-        T=np.hstack((M[6:], -J[:, 6:].T)),
-        t0=h[6:],
-        E=np.hstack((M[:6], -J[:, :6].T)),
-        e=-h[:6],
-    )
+class Full(Elimination):
+    """x = (v̇, f)."""
+
+    def __init__(self, nv: int, nf: int, unit: float) -> None:
+        super().__init__(nv, nf, nv + nf, 6, 0, unit)
+        self.B[:, :6] = np.eye(6)
+        self.E = np.zeros((6, self.n + 1))
+
+    def update(self, M: np.ndarray, h: np.ndarray, J: np.ndarray, a: np.ndarray) -> None:
+        nv = M.shape[0]
+        for rows, out in ((slice(0, 6), self.E), (slice(6, nv), self.T)):
+            out[:, :nv] = M[rows]
+            out[:, nv:-1] = -self.unit * J[:, rows].T
+            out[:, -1] = h[rows]
 
 
-def floating(M: np.ndarray, h: np.ndarray, J: np.ndarray) -> Elimination:
-    """x = (q̈_a, f); arguments as in `full`."""
-    nv, nf = M.shape[0], J.shape[0]
-    na = nv - 6
-    n = na + nf
-    inverse = np.linalg.inv(M[:6, :6])
-    V = np.zeros((nv, n))
-    V[:6, :na] = -inverse @ M[:6, 6:]
-    V[:6, na:] = inverse @ J[:, :6].T
-    V[6:, :na].flat[:: na + 1] = 1.0
-    v0 = np.zeros(nv)
-    v0[:6] = -inverse @ h[:6]
-    W = np.zeros((nf, n))
-    W[:, na:].flat[:: nf + 1] = 1.0
-    T = M[6:] @ V
-    T[:, na:] -= J[:, 6:].T
-    return Elimination(
-        V, v0, W, np.zeros(nf), T, M[6:] @ v0 + h[6:], np.empty((0, n)), np.empty(0)
-    )
+class Floating(Elimination):
+    """x = (q̈, f)."""
+
+    def __init__(self, nv: int, nf: int, unit: float) -> None:
+        super().__init__(nv, nf, nv - 6 + nf, 0, 0, unit)
+
+    def update(self, M: np.ndarray, h: np.ndarray, J: np.ndarray, a: np.ndarray) -> None:
+        na = M.shape[0] - 6
+        B, T = self.B, self.T
+        B[:, :na] = -M[:6, 6:]
+        B[:, na:-1] = self.unit * J[:, :6].T
+        B[:, -1] = -h[:6]
+        B[:] = np.linalg.solve(M[:6, :6], B)
+        np.matmul(M[6:, :6], B, out=T)
+        T[:, :na] += M[6:, 6:]
+        T[:, na:-1] -= self.unit * J[:, 6:].T
+        T[:, -1] += h[6:]
 
 
-def stance(M: np.ndarray, h: np.ndarray, J: np.ndarray, a: np.ndarray) -> Elimination:
-    """x = (q̈_a, forces of all contacts but the first).
+class Stance(Elimination):
+    """x = (q̈, forces of all contacts but the first).
 
-    The first six rows of J (nf, nv) belong to a surface contact whose acceleration is
-    exactly `J[:6] v̇ = a`; other arguments as in `full`.
+    The first six rows of J belong to a surface contact that moves exactly as told. With
+    X the inverse of their base columns, P = −X J_a and J' the other contacts' rows,
+
+        v̇_base = P q̈ + X a,                   f_1 = Xᵀ (M_b v̇ + h_b − J'_bᵀ f'),
+        τ = (M_a + Pᵀ M_b) v̇ + h_a + Pᵀ h_b − (J'_a + J'_b P)ᵀ f'.
     """
-    nv, nf = M.shape[0], J.shape[0]
-    na, nr = nv - 6, nf - 6
-    n = na + nr
-    inverse = np.linalg.inv(J[:6, :6])
-    V = np.zeros((nv, n))
-    V[:6, :na] = base = -inverse @ J[:6, 6:]
-    V[6:, :na].flat[:: na + 1] = 1.0
-    v0 = np.zeros(nv)
-    v0[:6] = inverse @ a
-    # M times the acceleration map, without the multiplications by its identity part.
-    MS = M[:, 6:] + M[:, :6] @ base
-    bias = M[:, :6] @ v0[:6] + h
-    rest = J[6:]
-    W = np.zeros((nf, n))
-    W[:6, :na] = inverse.T @ MS[:6]
-    W[:6, na:] = -inverse.T @ rest[:, :6].T
-    W[6:, na:].flat[:: nr + 1] = 1.0
-    w0 = np.zeros(nf)
-    w0[:6] = inverse.T @ bias[:6]
-    T = np.empty((na, n))
-    T[:, :na] = MS[6:] + base.T @ MS[:6]
-    T[:, na:] = -(rest[:, 6:] + rest[:, :6] @ base).T
-    t0 = bias[6:] + base.T @ bias[:6]
-    return Elimination(V, v0, W, w0, T, t0, np.empty((0, n)), np.empty(0))
+
+    def __init__(self, nv: int, nf: int, unit: float) -> None:
+        super().__init__(nv, nf, nv + nf - 12, 0, 6, unit)
+        na = nv - 6
+        self._P = np.empty((6, na))
+        self._base = np.empty((6, na + 1))  # P, and X a in the last column
+        self._inertia = np.empty((nv, na + 1))  # M v̇ + h, of q̈ and one
+
+    def update(self, M: np.ndarray, h: np.ndarray, J: np.ndarray, a: np.ndarray) -> None:
+        na = M.shape[0] - 6
+        base, inertia, B, W, T = self._base, self._inertia, self.B, self.W, self.T
+        X = inverse_of_action(J[:6, :6])
+        np.dot(X, J[:6, 6:], out=self._P)
+        np.negative(self._P, out=base[:, :na])
+        base[:, na] = X.dot(a[:6])
+        np.matmul(M[:, :6], base, out=inertia)
+        inertia[:, :na] += M[:, 6:]
+        inertia[:, na] += h
+        torque = base[:, :na].T.dot(inertia[:6])
+        torque += inertia[6:]
+        wrench = X.T.dot(inertia[:6])
+        for out, joints_and_one in ((B, base), (W[:6], wrench), (T, torque)):
+            out[:, :na] = joints_and_one[:, :na]
+            out[:, -1] = joints_and_one[:, na]
+        if W.shape[0] > 6:
+            others = -self.unit * J[6:]
+            W[:6, na:-1] = X.T.dot(others[:, :6].T)
+            T[:, na:-1] = (others[:, 6:] + others[:, :6].dot(base[:, :na])).T
+
+
+def inverse_of_action(X: np.ndarray) -> np.ndarray:
+    """(6, 6) inverse of the matrix by which a rigid displacement acts on twists.
+
+    For `X = [R, S; 0, R]` it is `[Rᵀ, −Rᵀ S Rᵀ; 0, Rᵀ]`.
+    """
+    R = X[:3, :3]
+    inverse = np.zeros((6, 6))
+    inverse[:3, :3] = inverse[3:, 3:] = R.T
+    inverse[:3, 3:] = R.T.dot(X[:3, 3:]).dot(R.T)
+    np.negative(inverse[:3, 3:], out=inverse[:3, 3:])
+    return inverse

@@ -2,81 +2,127 @@
 
 from __future__ import annotations
 
+import daqp
 import numpy as np
 
 from wbc.qp.problem import Problem
 from wbc.rows import RowBlock
 
-_MAX_NEWTON = 60
-_SHOWN = 6
+_NO_BOUND = 1e30
+_SOFT = 8  # DAQP's flag: may be violated at a price
+_SOFTNESS = 1e-9  # of the rows against the proximal term
+_MAX_PROXIMAL = 10
+_NEGLIGIBLE = 1e-6  # violation of a row of unit norm
+_ROWS_PER_BLOCK = 2
 
 
-def least_violation(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
-    """The point that violates the rows least, and its scaled violations.
+class ElasticRows:
+    """The rows of a problem with every row allowed to give way.
 
-    Minimises `½ Σ (max(0, l − Cx) + max(0, Cx − u))²` over rows scaled to unit norm, by
-    a semismooth Newton method (Mangasarian, A finite Newton method for classification,
-    Optimization Methods and Software 2002). At the optimum the violations s satisfy
-    `Cᵀ s = 0`: when not zero they are a Farkas certificate, and the rows with s ≠ 0 are
-    exactly rows that cannot hold together.
+    Finds the point that violates them least: it minimises the sum of the squared violations
+    over rows scaled to unit norm, by the proximal point method
+    `x⁺ = argmin ½ |x⁺ − x|² + ½ Σ sᵢ² / softness`, whose few steps DAQP solves with soft
+    constraints, each warm from the last (Rockafellar, Monotone operators and the proximal
+    point algorithm, SIAM J. Control and Optimization 1976).
 
-    Returns:
-        x (n,) and s (bounded + m,), s > 0 where the upper bound is exceeded and
-        s < 0 where the lower one is.
+    At the least violation the signed violations s satisfy `Aᵀ s = 0`. When they are not zero
+    that is a Farkas certificate: the rows with s ≠ 0 cannot hold together.
     """
-    n, b = problem.g.size, problem.bounded
-    A = np.vstack((np.eye(b, n), problem.C))
-    norm = np.maximum(np.linalg.norm(A, axis=1), 1e-12)
-    A = A / norm[:, None]
-    lb, ub = problem.lb / norm, problem.ub / norm
-    x = np.zeros(n)
-    damping = 1e-10
 
-    def slack(at: np.ndarray) -> np.ndarray:
-        y = A @ at
-        return np.maximum(y - ub, 0.0) - np.maximum(lb - y, 0.0)
+    def __init__(self, problem: Problem) -> None:
+        n, bounded = problem.g.size, problem.bounded
+        A = np.vstack((np.eye(bounded, n), problem.C))
+        self.norm = np.maximum(np.linalg.norm(A, axis=1), 1e-12)
+        self.A = A / self.norm[:, None]
+        self._lb = np.maximum(problem.lb / self.norm, -_NO_BOUND)
+        self._ub = np.minimum(problem.ub / self.norm, _NO_BOUND)
+        self._model = daqp.Model()
+        self._model.settings = {"rho_soft": _SOFTNESS, "primal_tol": 1e-9, "iter_limit": 2000}
+        sense = np.full(self._lb.size, _SOFT, dtype=np.int32)
+        self._model.setup(np.eye(n), np.zeros(n), self.A, self._ub, self._lb, sense)
 
-    s = slack(x)
-    for _ in range(_MAX_NEWTON):
-        gradient = A.T @ s
-        if np.linalg.norm(gradient) < 1e-10 * (1.0 + np.linalg.norm(s)):
-            break
-        active = A[s != 0.0]
-        step = -np.linalg.solve(active.T @ active + damping * np.eye(n), gradient)
-        length, value = 1.0, s @ s
-        while length > 1e-6:
-            trial = slack(x + length * step)
-            if trial @ trial <= value + 1e-4 * length * 2.0 * (gradient @ step):
+    def least_violation(self, without: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """The point that violates the rows least, and its violations.
+
+        Args:
+            without: (bounded + m,) True for rows to be left out.
+
+        Returns:
+            x (n,), and s (bounded + m,): by how much each scaled row is above its upper bound
+            (positive) or below its lower one (negative).
+        """
+        lb, ub = self._lb, self._ub
+        if without is not None:
+            lb, ub = np.where(without, -_NO_BOUND, lb), np.where(without, _NO_BOUND, ub)
+        x = np.zeros(self.A.shape[1])
+        for _ in range(_MAX_PROXIMAL):
+            start = x
+            self._model.update(f=-start, bupper=ub, blower=lb)
+            x, _, _, _ = self._model.solve()
+            if np.linalg.norm(x - start) < 1e-9 * (1.0 + np.linalg.norm(x)):
                 break
-            length *= 0.5
-        x = x + length * step
-        s = slack(x)
-    return x, s * norm
+        y = self.A @ x
+        return x, np.maximum(y - ub, 0.0) - np.maximum(lb - y, 0.0)
 
 
 def explain(problem: Problem) -> str:
-    """One line that names the rows in conflict, the worst first.
+    """One line that names what cannot hold together: a least set of blocks and their worst rows.
 
-    E.g. "cannot hold together: torque limit [leg_left_4_joint] by 12 N·m, left_sole normal
-    force [fz] by 40 N". Empty when the rows can hold together.
+    E.g. "cannot hold together: torque limit [leg_left_4_joint] above its maximum by 12 N·m;
+    jump [z] off by 3 m/s²". A block is left out when the others are in conflict without it.
+    Empty when the rows can hold together.
     """
-    if not np.isfinite(problem.C).all() or not np.isfinite(problem.H).all():
-        return "the problem has entries that are not finite"
-    _, s = least_violation(problem)
-    size = np.abs(s)
-    worst = float(size.max(initial=0.0))
-    if worst < 1e-6:
+    crossed = np.flatnonzero(problem.lb > problem.ub)
+    if crossed.size:
+        row = int(crossed[0])
+        block = next(b for b in problem.blocks if row < b.stop)
+        return (
+            f"cannot hold: {block.label(row)} must be at least {problem.lb[row]:.4g} and at "
+            f"most {problem.ub[row]:.4g} {block.unit_of(row)}"
+        )
+    elastic = ElasticRows(problem)
+    _, violation = elastic.least_violation()
+    if np.abs(violation).max(initial=0.0) < _NEGLIGIBLE:
         return ""
-    rows = [int(r) for r in np.argsort(-size) if size[r] > 1e-3 * worst][:_SHOWN]
+    guilty, violation = _least_blocks(problem, elastic, violation)
+    violation = violation * elastic.norm
+    return "cannot hold together: " + "; ".join(
+        _describe(problem, block, violation) for block in guilty
+    )
+
+
+def _least_blocks(
+    problem: Problem, elastic: ElasticRows, violation: np.ndarray
+) -> tuple[list[RowBlock], np.ndarray]:
+    """Blocks none of which can be left out, and the violations of their rows alone."""
+    size = np.abs(violation)
+
+    def share(block: RowBlock) -> float:
+        return float(size[block.start : block.stop].max())
+
+    suspects = sorted((b for b in problem.blocks if share(b) > 0.0), key=share)
+    without = np.ones(size.size, dtype=bool)
+    for block in suspects:
+        without[block.start : block.stop] = False
+    guilty = []
+    for block in suspects:
+        rows = slice(block.start, block.stop)
+        without[rows] = True
+        _, remaining = elastic.least_violation(without)
+        if np.abs(remaining).max() < _NEGLIGIBLE:
+            without[rows] = False
+            guilty.append(block)
+    return guilty[::-1], elastic.least_violation(without)[1]
+
+
+def _describe(problem: Problem, block: RowBlock, violation: np.ndarray) -> str:
+    size = np.abs(violation[block.start : block.stop])
+    order = [int(k) for k in np.argsort(-size) if size[k] > 1e-3 * size.max()]
     texts = []
-    for row in rows:
-        block = _block_of(problem.blocks, row)
-        side = "" if problem.equality[row] else ("above its maximum " if s[row] > 0 else "below its minimum ")
-        texts.append(f"{block.label(row)} {side}by {size[row]:.3g} {block.unit}")
-    more = int((size > 1e-3 * worst).sum()) - len(rows)
-    tail = f" (and {more} rows more)" if more > 0 else ""
-    return "cannot hold together: " + "; ".join(texts) + tail
-
-
-def _block_of(blocks: tuple[RowBlock, ...], row: int) -> RowBlock:
-    return next(block for block in blocks if block.start <= row < block.stop)
+    for row in (block.start + k for k in order[:_ROWS_PER_BLOCK]):
+        side = "above its maximum" if violation[row] > 0.0 else "below its minimum"
+        side = "off" if problem.equality[row] else side
+        amount = f"{abs(violation[row]):.3g} {block.unit_of(row)}"
+        texts.append(f"{block.label(row)} {side} by {amount}")
+    more = len(order) - len(texts)
+    return ", ".join(texts) + (f" and {more} more of them" if more > 0 else "")

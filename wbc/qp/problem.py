@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 
@@ -38,6 +39,13 @@ class Problem:
     equality: np.ndarray
     blocks: tuple[RowBlock, ...]
 
+    def is_finite(self) -> bool:
+        """Whether no entry is NaN, nor infinite but for bounds.
+
+        A cost that is not finite shows in g: it is Gᵀ r with H = Gᵀ G, see `wbc.qp.cost`.
+        """
+        return math.isfinite(self.g.dot(self.g)) and not math.isnan((self.ub - self.lb).min())
+
     def values(self, x: np.ndarray) -> np.ndarray:
         """(bounded + m,) what the bounds are compared with at x."""
         return np.concatenate((x[: self.bounded], self.C @ x))
@@ -45,7 +53,7 @@ class Problem:
     def violation(self, x: np.ndarray) -> np.ndarray:
         """(bounded + m,) by how much each row is violated at x, 0 where it is not."""
         y = self.values(x)
-        return np.maximum(np.maximum(self.lb - y, y - self.ub), 0.0)
+        return np.asarray(np.maximum(np.maximum(self.lb - y, y - self.ub), 0.0))
 
 
 class Outcome(Enum):

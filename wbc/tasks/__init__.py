@@ -4,12 +4,13 @@ from wbc.tasks.com import ComTask
 from wbc.tasks.frame import FrameTask, OrientationTask, PositionTask
 from wbc.tasks.momentum import AngularMomentumTask
 from wbc.tasks.posture import PostureTask
-from wbc.tasks.task import Task
+from wbc.tasks.task import JointTask, Task
 
 __all__ = [
     "AngularMomentumTask",
     "ComTask",
     "FrameTask",
+    "JointTask",
     "OrientationTask",
     "PositionTask",
     "PostureTask",

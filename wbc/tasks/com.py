@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.kinematics import Kinematics
-from wbc.robot import Robot
 from wbc.tasks.task import Task
 
 
@@ -19,6 +18,9 @@ class ComTask(Task):
             first evaluated is held.
         velocity: (3,) reference velocity, m/s.
         acceleration: (3,) feed-forward, m/s².
+
+    Raises:
+        TaskError: see `Task`.
     """
 
     unit = "m/s²"
@@ -39,15 +41,11 @@ class ComTask(Task):
         self.velocity = np.zeros(3)
         self.acceleration = np.zeros(3)
 
-    def bind(self, robot: Robot) -> None:
-        if self.target is not None:
-            self.target = self._vector("target", self.target, 3)
-
     def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
+        """See `Task.write`."""
         if self.target is None:
             self.target = kin.p_com.copy()
         A[:] = kin.J_com
-        b[:] = self.acceleration
+        np.subtract(self.acceleration, kin.bias_com, out=b)
         b += self.kd * (self.velocity - kin.v_com)
         b += self.kp * (self.target - kin.p_com)
-        b -= kin.bias_com

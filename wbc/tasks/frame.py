@@ -13,6 +13,11 @@ from wbc.robot import Robot
 from wbc.tasks.task import Task
 
 
+def is_rotation(R: np.ndarray) -> bool:
+    """Whether a (3, 3) matrix is a rotation (to 1e-6): orthonormal and right-handed."""
+    return bool(abs(R @ R.T - np.eye(3)).max() < 1e-6 and np.linalg.det(R) > 0.0)
+
+
 class _FrameTask(Task):
     """What the three frame tasks share: the frame and its row selection."""
 
@@ -35,6 +40,7 @@ class _FrameTask(Task):
         self._frame_id = -1
 
     def bind(self, robot: Robot) -> None:
+        """See `Task.bind`."""
         self._frame_id = robot.frame_id(self.frame)
 
     @abstractmethod
@@ -42,13 +48,13 @@ class _FrameTask(Task):
         """(m,) `x_ref ⊖ x` in world axes; takes the present pose when there is no target."""
 
     def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
+        """See `Task.write`."""
         at = kin.motion(self._frame_id)
         rows = self.rows
         A[:] = at.jacobian[rows]
-        b[:] = self.acceleration
+        np.subtract(self.acceleration, at.bias[rows], out=b)
         b += self.kd * (self.velocity - at.velocity[rows])
         b += self.kp * self._error(at)
-        b -= at.bias[rows]
 
 
 class FrameTask(_FrameTask):
@@ -62,6 +68,9 @@ class FrameTask(_FrameTask):
         target: `T_world_frame` wanted; None: held where first evaluated.
         velocity: (6,) reference velocity, m/s and rad/s, world axes.
         acceleration: (6,) feed-forward, m/s² and rad/s².
+
+    Raises:
+        TaskError: the target is no `pin.SE3`, or see `Task`.
     """
 
     unit = "m/s², rad/s²"
@@ -81,7 +90,9 @@ class FrameTask(_FrameTask):
         super().__init__(frame, 6, weight, kp, kd, priority, name or f"{frame} pose")
         self.labels = ("x", "y", "z", "roll", "pitch", "yaw")
         if target is not None and not isinstance(target, pin.SE3):
-            raise TaskError(f"task '{self.name}': target is a {type(target).__name__}, not a pin.SE3")
+            raise TaskError(
+                f"task '{self.name}': target is a {type(target).__name__}, not a pin.SE3"
+            )
         self.target = target
 
     def _error(self, at: FrameKinematics) -> np.ndarray:
@@ -100,6 +111,9 @@ class PositionTask(_FrameTask):
         target: (3,) m, world; None: held where first evaluated.
         velocity: (3,) m/s.
         acceleration: (3,) m/s².
+
+    Raises:
+        TaskError: a target of the wrong shape, or see `Task`.
     """
 
     unit = "m/s²"
@@ -123,7 +137,7 @@ class PositionTask(_FrameTask):
     def _error(self, at: FrameKinematics) -> np.ndarray:
         if self.target is None:
             self.target = at.position.copy()
-        return self.target - at.position
+        return np.asarray(self.target - at.position)
 
 
 class OrientationTask(_FrameTask):
@@ -133,6 +147,9 @@ class OrientationTask(_FrameTask):
         target: (3, 3) rotation matrix `R_world_frame`; None: held where first evaluated.
         velocity: (3,) rad/s, world axes.
         acceleration: (3,) rad/s².
+
+    Raises:
+        TaskError: the target is no rotation matrix, or see `Task`.
     """
 
     unit = "rad/s²"
@@ -153,7 +170,7 @@ class OrientationTask(_FrameTask):
         self.labels = ("roll", "pitch", "yaw")
         if target is not None:
             target = np.array(target, dtype=float)
-            if target.shape != (3, 3) or abs(target @ target.T - np.eye(3)).max() > 1e-6:
+            if target.shape != (3, 3) or not is_rotation(target):
                 raise TaskError(f"task '{self.name}': target is not a (3, 3) rotation matrix")
         self.target = target
 

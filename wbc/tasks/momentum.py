@@ -17,6 +17,9 @@ class AngularMomentumTask(Task):
     Attributes:
         target: (3,) kg·m²/s.
         rate: (3,) feed-forward L̇_ref, N·m.
+
+    Raises:
+        TaskError: see `Task`.
     """
 
     unit = "N·m"
@@ -35,5 +38,7 @@ class AngularMomentumTask(Task):
         self.rate = np.zeros(3)
 
     def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
+        """See `Task.write`."""
         A[:] = kin.J_angular
-        b[:] = self.rate + self.kp * (self.target - kin.angular_momentum) - kin.bias_angular
+        np.subtract(self.rate, kin.bias_angular, out=b)
+        b += self.kp * (self.target - kin.angular_momentum)

@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from wbc.errors import TaskError
+from wbc.errors import TaskError, did_you_mean
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
-from wbc.tasks.task import Task
+from wbc.tasks.task import JointTask
 
 
-class PostureTask(Task):
+class PostureTask(JointTask):
     """Hold or track joint positions.
 
     `q̈ = q̈_ref + kd (q̇_ref − q̇) + kp (q_ref − q)` for each chosen joint.
@@ -48,24 +48,30 @@ class PostureTask(Task):
         name: str = "posture",
     ) -> None:
         labels = tuple(robot.joint_names if joints is None else joints)
+        if len(set(labels)) < len(labels):
+            raise TaskError(f"task '{name}': a joint is given twice: {', '.join(labels)}")
         if isinstance(weight, Mapping):
             for joint in weight:
                 if joint not in labels:
-                    raise TaskError(f"task '{name}': weight for '{joint}', which is not one of its joints")
+                    raise TaskError(
+                        f"task '{name}': weight for '{joint}', which is not one of its joints"
+                        f"{did_you_mean(joint, labels)}"
+                    )
             weight = np.array([weight.get(joint, 0.0) for joint in labels])
         super().__init__(name, len(labels), weight, kp, kd, priority)
         self.labels = labels
-        self._index = np.array([robot.joint_index(joint) for joint in labels], dtype=int)
+        self.index = np.array([robot.joint_index(joint) for joint in labels], dtype=int)
         if target is None:
-            target = robot.q_nominal[7:][self._index]
+            target = robot.q_nominal[7:][self.index]
         self.target = self._vector("target", target, self.size)
         self.velocity = np.zeros(self.size)
         self.acceleration = np.zeros(self.size)
-        self._rows = np.arange(self.size)
 
-    def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
-        q = kin.state.q[7:][self._index]
-        v = kin.state.v[6:][self._index]
-        A[:] = 0.0
-        A[self._rows, 6 + self._index] = 1.0
-        b[:] = self.acceleration + self.kd * (self.velocity - v) + self.kp * (self.target - q)
+    def write_joints(self, kin: Kinematics, b: np.ndarray) -> None:
+        """See `JointTask.write_joints`."""
+        q = kin.state.q[7:][self.index]
+        v = kin.state.v[6:][self.index]
+        np.subtract(self.velocity, v, out=b)
+        b *= self.kd
+        b += self.acceleration
+        b += self.kp * (self.target - q)

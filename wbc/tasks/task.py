@@ -19,6 +19,8 @@ class Task(ABC):
     one (priority 0) becomes equality rows. The second-order form is
     `b = a_ref + kd (v_ref − v) + kp (x_ref ⊖ x) − J̇ v`.
 
+    A task of your own derives from this and says its rows in `write`.
+
     Args:
         name: unique within a controller; explanations quote it.
         size: number of rows m.
@@ -26,6 +28,9 @@ class Task(ABC):
         kp: position gain, 1/s², scalar or (m,).
         kd: velocity gain, 1/s; critically damped (2 √kp) when left out.
         priority: 0 exact, 1 weighted.
+
+    Attributes:
+        labels: one text per row, for explanations; may be empty.
 
     Raises:
         TaskError: a weight or gain is negative, not finite or of a wrong shape,
@@ -44,14 +49,16 @@ class Task(ABC):
         priority: int,
     ) -> None:
         if priority not in (0, 1):
-            raise TaskError(f"task '{name}': priority {priority!r} is neither 0 (exact) nor 1 (weighted)")
+            raise TaskError(
+                f"task '{name}': priority {priority!r} is neither 0 (exact) nor 1 (weighted)"
+            )
         self.name = name
         self.size = size
         self.priority = priority
         self.labels: tuple[str, ...] = ()
         self.weight = weight
-        self.kp = self._gain("kp", kp)
-        self.kd = 2.0 * np.sqrt(self.kp) if kd is None else self._gain("kd", kd)
+        self.kp = kp
+        self.kd = 2.0 * np.sqrt(self.kp) if kd is None else kd
 
     @property
     def weight(self) -> np.ndarray:
@@ -63,22 +70,52 @@ class Task(ABC):
         self._weight = self._gain("weight", value)
         self.sqrt_weight = np.sqrt(self._weight)
 
+    @property
+    def kp(self) -> np.ndarray:
+        """(m,) position gain per row, 1/s²; set a scalar or (m,)."""
+        return self._kp
+
+    @kp.setter
+    def kp(self, value: float | np.ndarray) -> None:
+        self._kp = self._gain("kp", value)
+
+    @property
+    def kd(self) -> np.ndarray:
+        """(m,) velocity gain per row, 1/s; set a scalar or (m,)."""
+        return self._kd
+
+    @kd.setter
+    def kd(self, value: float | np.ndarray) -> None:
+        self._kd = self._gain("kd", value)
+
     def _gain(self, what: str, value: float | np.ndarray) -> np.ndarray:
-        array = np.asarray(value, dtype=float)
+        array = self._floats(what, value)
         if array.ndim == 0:
             array = np.full(self.size, float(array))
         if array.shape != (self.size,):
             raise TaskError(
-                f"task '{self.name}': {what} has shape {array.shape}, expected a number or ({self.size},)"
+                f"task '{self.name}': {what} has shape {array.shape}, "
+                f"expected a number or ({self.size},)"
             )
         if not (array >= 0.0).all() or not np.isfinite(array).all():
             raise TaskError(f"task '{self.name}': {what} = {value} must be finite and not negative")
+        array.setflags(write=False)  # a change must come through the check
         return array
 
+    def _floats(self, what: str, value: object) -> np.ndarray:
+        try:
+            return np.array(value, dtype=float)
+        except (TypeError, ValueError):
+            raise TaskError(
+                f"task '{self.name}': {what} = {value!r} is neither a number nor an array of them"
+            ) from None
+
     def _vector(self, what: str, value: np.ndarray | tuple[float, ...], size: int) -> np.ndarray:
-        array = np.array(value, dtype=float)
+        array = self._floats(what, value)
         if array.shape != (size,):
-            raise TaskError(f"task '{self.name}': {what} has shape {array.shape}, expected ({size},)")
+            raise TaskError(
+                f"task '{self.name}': {what} has shape {array.shape}, expected ({size},)"
+            )
         if not np.isfinite(array).all():
             raise TaskError(f"task '{self.name}': {what} = {array} must be finite")
         return array
@@ -95,3 +132,25 @@ class Task(ABC):
     @abstractmethod
     def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
         """Write `A` (m, nv) and `b` (m,) of the wish `A v̇ = b`, unweighted."""
+
+
+class JointTask(Task):
+    """A task each of whose rows wishes for one joint's acceleration.
+
+    Weighted ones need no dense rows: they only touch H's diagonal.
+
+    Attributes:
+        index: (m,) the joints, as indices into (na,) vectors.
+    """
+
+    index: np.ndarray
+
+    @abstractmethod
+    def write_joints(self, kin: Kinematics, b: np.ndarray) -> None:
+        """Write `b` (m,), the wished accelerations, rad/s²."""
+
+    def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
+        """See `Task.write`."""
+        A[:] = 0.0
+        A[np.arange(self.size), 6 + self.index] = 1.0
+        self.write_joints(kin, b)

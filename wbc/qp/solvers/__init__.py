@@ -12,13 +12,13 @@ def make_solver(name: str = "daqp", **options: object) -> Solver:
     Args:
         name: "daqp" (the default), "osqp" (persistent workspace), or the name of any
             dense solver that `qpsolvers` finds installed ("quadprog", "proxqp", …).
-        options: passed on to the solver.
+        options: passed on to the solver, by its own names.
 
     Raises:
         SolverNotFound: unknown or not installed; the text says what is there.
     """
     if name == "daqp":
-        return DaqpSolver()
+        return DaqpSolver(**options)  # type: ignore[arg-type]
     if name == "osqp":
         from wbc.qp.solvers.osqp import OsqpSolver
 

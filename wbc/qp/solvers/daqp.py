@@ -6,6 +6,8 @@ programming using recursive LDLᵀ updates, IEEE TAC 2022.
 
 from __future__ import annotations
 
+import math
+
 import daqp
 import numpy as np
 
@@ -14,55 +16,62 @@ from wbc.qp.solvers.solver import Solver
 
 _NO_BOUND = 1e30
 _EQUALITY = 5  # DAQP's flags: active and immutable
-_MAX_ITERATIONS = 1000
+_SOLVED = (1, 4)  # optimal; optimal up to rounding errors
+_INFEASIBLE = -1
+
+_Key = tuple[int, int, bytes]
 
 
 class DaqpSolver(Solver):
-    """A dual active-set method that starts from the active set of the last tick."""
+    """A dual active-set method that starts from the active set of the last tick.
+
+    Args:
+        settings: DAQP's own, by their names. `primal_tol` is in the units of the rows.
+
+    A cold solve has the last word on failure: a stale active set can mislead the warm start.
+    """
 
     name = "daqp"
 
-    def __init__(self) -> None:
-        self._models: dict[tuple[int, int, bytes], daqp.Model] = {}
+    def __init__(self, **settings: float) -> None:
+        # eps_prox: nothing is added to H unless it is singular.
+        self._settings = {"primal_tol": 1e-9, "iter_limit": 1000, "eps_prox": -1e-6, **settings}
+        self._models: dict[_Key, tuple[daqp.Model, np.ndarray, np.ndarray]] = {}
 
     def solve(self, problem: Problem) -> Solution:
-        sense = np.where(problem.equality, _EQUALITY, 0).astype(np.int32)
+        """See `Solver`."""
+        # DAQP's other tolerances are absolute in the scale of the cost.
+        scale = 1.0 / max(float(problem.H.diagonal().max()), 1e-300)
+        H, g = problem.H * scale, problem.g * scale
+        key = (g.size, problem.ub.size, problem.equality.tobytes())
+        known = self._models.get(key)
+        if known is None:
+            return self._solve_cold(key, problem, H, g)
+        model, ub, lb = known
+        np.minimum(problem.ub, _NO_BOUND, out=ub)
+        np.maximum(problem.lb, -_NO_BOUND, out=lb)
+        # Without `sense`, the update keeps the active set. It cannot take an A without rows.
+        A = problem.C if problem.C.shape[0] else None
+        if model.update(H=H, f=g, A=A, bupper=ub, blower=lb) >= 0:
+            x, _, flag, info = model.solve()
+            if flag in _SOLVED and math.isfinite(x.dot(x)):
+                return Solution(x, Outcome.SOLVED, info["iterations"])
+        return self._solve_cold(key, problem, H, g)
+
+    def _solve_cold(self, key: _Key, problem: Problem, H: np.ndarray, g: np.ndarray) -> Solution:
+        self._models.pop(key, None)
+        model = daqp.Model()
+        model.settings = self._settings
         ub = np.minimum(problem.ub, _NO_BOUND)
         lb = np.maximum(problem.lb, -_NO_BOUND)
-        key = (problem.H.shape[0], ub.size, sense.tobytes())
-        model = self._models.get(key)
-        if model is None:
-            return self._solve_cold(key, problem, ub, lb, sense)
-        flag = model.update(H=problem.H, f=problem.g, A=problem.C, bupper=ub, blower=lb)
-        if flag >= 0:
-            x, _, flag, info = model.solve()
-            if flag > 0:
-                return Solution(x, Outcome.SOLVED, info["iterations"])
-        # A stale active set can mislead the warm start: only the cold solve's word counts.
-        return self._solve_cold(key, problem, ub, lb, sense)
-
-    def _solve_cold(
-        self,
-        key: tuple[int, int, bytes],
-        problem: Problem,
-        ub: np.ndarray,
-        lb: np.ndarray,
-        sense: np.ndarray,
-    ) -> Solution:
-        model = daqp.Model()
-        model.settings = {
-            "eps_prox": 0.0,
-            "iter_limit": _MAX_ITERATIONS,
-            "primal_tol": 1e-9,
-        }
-        self._models.pop(key, None)
-        flag, _ = model.setup(problem.H, problem.g, problem.C, ub, lb, sense)
+        sense = np.where(problem.equality, _EQUALITY, 0).astype(np.int32)
+        flag, _ = model.setup(H, g, problem.C, ub, lb, sense)
         iterations = 0
         if flag >= 0:
             x, _, flag, info = model.solve()
             iterations = info["iterations"]
-            if flag > 0:
-                self._models[key] = model
+            if flag in _SOLVED and math.isfinite(x.dot(x)):
+                self._models[key] = (model, ub, lb)
                 return Solution(x, Outcome.SOLVED, iterations)
-        outcome = Outcome.INFEASIBLE if flag == -1 else Outcome.FAILED
-        return Solution(np.zeros(problem.g.size), outcome, iterations, f"daqp exit flag {flag}")
+        outcome = Outcome.INFEASIBLE if flag == _INFEASIBLE else Outcome.FAILED
+        return Solution(np.zeros(g.size), outcome, iterations, f"daqp exit flag {flag}")

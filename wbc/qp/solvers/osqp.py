@@ -6,9 +6,11 @@ quadratic programs, Mathematical Programming Computation 2020.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from wbc.errors import MissingExtra
+from wbc.errors import SolverNotFound
 from wbc.qp.problem import Outcome, Problem, Solution
 from wbc.qp.solvers.solver import Solver
 
@@ -19,88 +21,85 @@ class OsqpSolver(Solver):
     """An operator-splitting method; a few digits, meant for large sparse problems.
 
     Args:
-        tolerance: absolute and relative.
-        max_iterations: before it gives up.
+        settings: OSQP's own, by their names; `eps_abs` and `eps_rel` are 1e-9 when left out,
+            `max_iter` is 20000.
+
+    Raises:
+        SolverNotFound: OSQP is not installed.
     """
 
     name = "osqp"
 
-    def __init__(self, tolerance: float = 1e-7, max_iterations: int = 20000) -> None:
+    def __init__(self, **settings: Any) -> None:
         try:
             import osqp
             from scipy import sparse
         except ImportError as error:
-            raise MissingExtra(error.name or "osqp", "solvers") from error
+            raise SolverNotFound(
+                f"QP solver 'osqp' needs '{error.name}', which is not installed; "
+                "run  pip install osqp"
+            ) from error
         self._osqp = osqp
         self._sparse = sparse
-        self._tolerance = tolerance
-        self._max_iterations = max_iterations
-        self._workspaces: dict[tuple[int, int, int], object] = {}
+        defaults = {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iter": 20000, "verbose": False}
+        self._settings = {**defaults, **settings}
+        self._workspaces: dict[tuple[int, int, int], _Workspace] = {}
 
     def solve(self, problem: Problem) -> Solution:
-        n, b, m = problem.g.size, problem.bounded, problem.C.shape[0]
-        lb = np.maximum(problem.lb, -_NO_BOUND)
-        ub = np.minimum(problem.ub, _NO_BOUND)
-        upper = np.triu_indices(n)
-        # Column-major order of the upper triangle, as OSQP stores it.
-        order = np.lexsort((upper[0], upper[1]))
-        H_values = problem.H[upper[0][order], upper[1][order]]
-        workspace = self._workspaces.get((n, b, m))
-        if workspace is None:
-            workspace = self._setup(problem, H_values, lb, ub, upper, order)
-            self._workspaces[(n, b, m)] = workspace
+        """See `Solver`."""
+        key = (problem.g.size, problem.bounded, problem.C.shape[0])
+        known = self._workspaces.get(key)
+        if known is None:
+            known = _Workspace(self._osqp, self._sparse, problem, self._settings)
+            self._workspaces[key] = known
         else:
-            workspace.update(q=problem.g, l=lb, u=ub, Px=H_values, Ax=_columns(problem.C, b))  # type: ignore[attr-defined]
-        result = workspace.solve(raise_error=False)  # type: ignore[attr-defined]
-        status = result.info.status_val
-        codes = self._osqp.SolverStatus
-        if status == codes.OSQP_SOLVED:
-            return Solution(np.asarray(result.x), Outcome.SOLVED, result.info.iter)
+            known.update(problem)
+        result = known.solver.solve(raise_error=False)
+        status, codes = result.info.status_val, self._osqp.SolverStatus
+        x = np.asarray(result.x, dtype=float)
+        if status == codes.OSQP_SOLVED and np.isfinite(x).all():
+            return Solution(x, Outcome.SOLVED, result.info.iter)
         infeasible = (codes.OSQP_PRIMAL_INFEASIBLE, codes.OSQP_PRIMAL_INFEASIBLE_INACCURATE)
         outcome = Outcome.INFEASIBLE if status in infeasible else Outcome.FAILED
-        del self._workspaces[(n, b, m)]  # its iterates may be poisoned
-        return Solution(np.zeros(n), outcome, result.info.iter, f"osqp: {result.info.status}")
+        del self._workspaces[key]  # its iterates may be poisoned
+        detail = f"osqp: {result.info.status}"
+        return Solution(np.zeros(problem.g.size), outcome, result.info.iter, detail)
 
-    def _setup(
-        self,
-        problem: Problem,
-        H_values: np.ndarray,
-        lb: np.ndarray,
-        ub: np.ndarray,
-        upper: tuple[np.ndarray, ...],
-        order: np.ndarray,
-    ) -> object:
+
+class _Workspace:
+    """OSQP set up once for problems of one size; every entry of H and C is structure."""
+
+    def __init__(self, osqp: Any, sparse: Any, problem: Problem, settings: dict[str, Any]) -> None:
         n, b, m = problem.g.size, problem.bounded, problem.C.shape[0]
-        sparse = self._sparse
-        columns = np.concatenate(([0], np.cumsum(np.arange(1, n + 1))))
-        P = sparse.csc_matrix((H_values, upper[0][order], columns), shape=(n, n))
-        # Every entry of C is kept as structure, also those that are zero today.
-        rows = [
-            np.concatenate(([j], b + np.arange(m))) if j < b else b + np.arange(m)
-            for j in range(n)
-        ]
-        starts = np.concatenate(([0], np.cumsum([r.size for r in rows])))
+        # OSQP stores the upper triangle of H column by column.
+        columns, rows = np.tril_indices(n)
+        self._upper = (rows, columns)
+        starts = np.concatenate(([0], np.cumsum(np.arange(1, n + 1))))
+        P = sparse.csc_matrix((problem.H[self._upper], rows, starts), shape=(n, n))
+        # [I; C]: the identity belongs to the bounded variables.
+        dense = np.arange(b, b + m)
+        row_lists = [np.concatenate(([j], dense)) if j < b else dense for j in range(n)]
+        starts = np.concatenate(([0], np.cumsum([r.size for r in row_lists])))
         A = sparse.csc_matrix(
-            (_columns(problem.C, b), np.concatenate(rows), starts), shape=(b + m, n)
+            (_columns(problem), np.concatenate(row_lists), starts), shape=(b + m, n)
         )
-        workspace = self._osqp.OSQP()
-        workspace.setup(
-            P,
-            problem.g,
-            A,
-            lb,
-            ub,
-            verbose=False,
-            eps_abs=self._tolerance,
-            eps_rel=self._tolerance,
-            max_iter=self._max_iterations,
-            polishing=False,
-        )
-        return workspace
+        self.solver = osqp.OSQP()
+        self.solver.setup(P, problem.g, A, *_clipped(problem), **settings)
+
+    def update(self, problem: Problem) -> None:
+        """New numbers, the same structure."""
+        lb, ub = _clipped(problem)
+        H = problem.H[self._upper]
+        self.solver.update(q=problem.g, l=lb, u=ub, Px=H, Ax=_columns(problem))
 
 
-def _columns(C: np.ndarray, bounded: int) -> np.ndarray:
-    """Values of [I; C] column by column, the identity on the bounded variables."""
+def _clipped(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
+    return np.maximum(problem.lb, -_NO_BOUND), np.minimum(problem.ub, _NO_BOUND)
+
+
+def _columns(problem: Problem) -> np.ndarray:
+    """Values of [I; C] column by column."""
+    C, bounded = problem.C, problem.bounded
     m, n = C.shape
     values = np.empty(bounded * (m + 1) + (n - bounded) * m)
     head = values[: bounded * (m + 1)].reshape(bounded, m + 1)

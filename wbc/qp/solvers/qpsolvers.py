@@ -24,9 +24,10 @@ class QpsolversSolver(Solver):
         import qpsolvers  # imports every installed solver: seconds
 
         if name not in qpsolvers.available_solvers:
+            known = sorted({"daqp", "osqp", *qpsolvers.dense_solvers})
             raise SolverNotFound(
-                f"QP solver '{name}' is not installed{did_you_mean(name, ['daqp', *qpsolvers.available_solvers])} "
-                f"(most solvers come with  pip install {name} )"
+                f"QP solver '{name}' is unknown or not installed{did_you_mean(name, known)} "
+                f"(most solvers come with  pip install {name}  or  pip install 'wbc[solvers]' )"
             )
         if name not in qpsolvers.dense_solvers:
             raise SolverNotFound(
@@ -38,6 +39,7 @@ class QpsolversSolver(Solver):
         self._options = options
 
     def solve(self, problem: Problem) -> Solution:
+        """See `Solver`."""
         b = problem.bounded
         n = problem.g.size
         lb, ub = np.full(n, -np.inf), np.full(n, np.inf)

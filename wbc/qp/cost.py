@@ -1,0 +1,120 @@
+"""The QP's cost: weighted tasks, soft contacts and regularisation as H and g."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wbc.kinematics import Kinematics
+from wbc.qp.contact_rows import ContactRows
+from wbc.qp.elimination import Elimination
+from wbc.qp.writing import write_joint_task, write_task
+from wbc.tasks import JointTask, Task
+
+
+@dataclass(frozen=True, slots=True)
+class Regularisation:
+    """Small costs that make the optimum unique.
+
+    Attributes:
+        force: on every contact force and moment, 1/N² and 1/(N·m)².
+        acceleration: on every joint acceleration, s⁴/rad².
+    """
+
+    force: float = 1e-6
+    acceleration: float = 1e-6
+
+
+class Cost:
+    """Sums up `½ Σ w (A v̇ − b)²` of all tasks as `½ xᵀ H x + gᵀ x`.
+
+    With the residual of all rows written `G x̂`, x̂ = (x, 1), the product `Gᵀ G` holds H and,
+    in its last column, g. Tasks on single joints and the regularisation of unknowns only
+    touch the diagonal.
+
+    Args:
+        tasks: the weighted tasks.
+        contacts: the contacts, soft ones among them.
+        m: the formulation.
+        regularisation: small costs.
+    """
+
+    def __init__(
+        self,
+        tasks: Sequence[Task],
+        contacts: ContactRows,
+        m: Elimination,
+        regularisation: Regularisation,
+    ) -> None:
+        n, na = m.n, m.T.shape[0]
+        self._m = m
+        self._contacts = contacts
+        dense = [t for t in tasks if not isinstance(t, JointTask)]
+        soft = [(c, rows) for c, rows in contacts if c.motion_weight is not None]
+        size = sum(t.size for t in dense) + sum(c.motion_size for c, _ in soft)
+        self._A = np.zeros((size, na + 6))
+        self._b = np.zeros(size)
+        self._root = np.zeros((size, 1))  # of the weights
+        # Each task gets views into the stacked rows, made once.
+        self._tasks = []
+        start = 0
+        for task in dense:
+            rows = slice(start, start + task.size)
+            self._tasks.append((task, self._A[rows], self._b[rows], self._root[rows, 0]))
+            start = rows.stop
+        self._soft = []
+        for contact, source in soft:
+            rows = slice(start, start + contact.motion_size)
+            self._soft.append((contact, source, rows))
+            start = rows.stop
+        self._joint_tasks = [
+            (t, _slice_if_possible(t.index + m.joints.start), np.zeros(t.size))
+            for t in tasks
+            if isinstance(t, JointTask)
+        ]
+        # Residual rows G: those of tasks and soft contacts, then the eliminated forces.
+        self._G = np.zeros((size + m.eliminated, n + 1))
+        self._task_rows = self._G[:size]
+        self._force_rows = self._G[size:]
+        self._root_force = float(np.sqrt(regularisation.force))
+        self._product = np.zeros((n + 1, n + 1))
+        self._small = np.zeros(n)
+        self._small[m.joints] = regularisation.acceleration
+        self._small[m.free] = regularisation.force * m.unit**2
+        self._H = np.zeros((n, n))
+        self._g = np.zeros(n)
+        self._diagonal = self._H.reshape(-1)[:: n + 1]
+
+    def build(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
+        """H (n, n) and g (n,), valid until the next call."""
+        m, A, b, G, rows = self._m, self._A, self._b, self._G, self._task_rows
+        for task, A_task, b_task, root in self._tasks:
+            write_task(task, kin, A_task, b_task)
+            root[:] = task.sqrt_weight
+        for contact, source, target in self._soft:
+            A[target] = self._contacts.J[source]
+            b[target] = self._contacts.a[source]
+            self._root[target] = np.sqrt(contact.motion_weight or 0.0)
+        m.project(A, rows)
+        rows[:, -1] -= b
+        rows *= self._root
+        np.multiply(m.W[: m.eliminated], self._root_force, out=self._force_rows)
+        product, H, g, diagonal = self._product, self._H, self._g, self._diagonal
+        np.dot(G.T, G, out=product)
+        H[:] = product[:-1, :-1]
+        g[:] = product[:-1, -1]
+        diagonal += self._small
+        for joint_task, index, wish in self._joint_tasks:
+            write_joint_task(joint_task, kin, wish)
+            diagonal[index] += joint_task.weight
+            g[index] -= joint_task.weight * wish
+        return H, g
+
+
+def _slice_if_possible(index: np.ndarray) -> np.ndarray | slice:
+    """A run of consecutive indices as a slice, which is several times faster."""
+    if index.size and np.array_equal(index, np.arange(index[0], index[0] + index.size)):
+        return slice(int(index[0]), int(index[0]) + index.size)
+    return index
