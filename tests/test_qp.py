@@ -136,3 +136,33 @@ def test_priority_and_softness_may_change_between_ticks():
     fresh = controller(bot, "left exact, right soft")
     fresh.tasks[1].priority = 0
     np.testing.assert_allclose(control.step(state).tau, fresh.step(state).tau, atol=1e-6)
+
+
+@few
+@given(robots, seeds)
+def test_saying_the_same_thing_twice_exactly_is_no_conflict_even_far_away(name, seed):
+    bot = robot(name)
+    state = standing_state(bot, seed, speed=0.3)
+    state.q[:3] += (300.0, -200.0, 10.0)
+    plain = controller(bot, "left")
+    twice = controller(
+        bot, [*contact_set(bot, "left"), wbc.PointContact("left_sole", name="again")]
+    )
+    twice.add(wbc.OrientationTask("left_sole", priority=0, kp=0.0, kd=30.0))
+    a, b = plain.step(state), twice.step(state)
+    assert a.status is b.status is Status.OK, b.explanation
+    np.testing.assert_allclose(a.acceleration, b.acceleration, atol=1e-5)
+
+
+@some
+@given(robots, st.sampled_from(CONTACT_SETS), seeds, st.data())
+def test_any_weights_give_a_solution_that_meets_the_constraints(name, contacts, seed, data):
+    bot = robot(name)
+    state = standing_state(bot, seed)
+    control = controller(bot, contacts)
+    for task in control.tasks:
+        task.weight = 10.0 ** data.draw(st.floats(-6.0, 6.0), label=task.name)
+    command = control.step(state)
+    assert command.status is Status.OK, command.explanation
+    x = control.solver.solve(control.problem).x
+    assert control.problem.violation(x).max() < 1e-6

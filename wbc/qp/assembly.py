@@ -65,6 +65,7 @@ class Assembly:
             self._m = Stance(robot.nv, nf, unit)
         else:
             self._m = Floating(robot.nv, nf, unit)
+        self._x1 = np.ones(self._m.n + 1)
         weighted = [t for t in tasks if t.priority == 1]
         exact = [t for t in tasks if t.priority == 0]
         self._cost = Cost(weighted, rows, self._m, regularisation)
@@ -88,8 +89,8 @@ class Assembly:
 
     def recover(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
         """Acceleration (nv,), torques (na,) and contact wrenches (6,) by name."""
-        m = self._m
-        x1 = np.append(x, 1.0)
+        m, x1 = self._m, self._x1
+        x1[:-1] = x
         f = m.W @ x1
         wrenches = {}
         for contact, rows in self._contacts:

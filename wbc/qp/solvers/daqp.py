@@ -34,8 +34,10 @@ class DaqpSolver(Solver):
     name = "daqp"
 
     def __init__(self, **settings: float) -> None:
-        # eps_prox: nothing is added to H unless it is singular.
-        self._settings = {"primal_tol": 1e-9, "iter_limit": 1000, "eps_prox": -1e-6, **settings}
+        # A negative eps_prox: nothing is added to H unless it is singular, which zero_tol puts
+        # at a condition number of 1e12. Lower, and rounding makes redundant rows contradict.
+        defaults = {"primal_tol": 1e-9, "zero_tol": 1e-12, "eps_prox": -1e-9, "iter_limit": 1000}
+        self._settings = {**defaults, **settings}
         self._models: dict[_Key, tuple[daqp.Model, np.ndarray, np.ndarray]] = {}
 
     def solve(self, problem: Problem) -> Solution:
