@@ -166,8 +166,8 @@ def test_swing_foot_that_finds_no_ground_keeps_descending() -> None:
     swing = SwingFoot(Placement(0j, 0.0), target, 0.5, 0.06, 0.05)
     for _ in range(350):
         swing.advance(0.002, target)
-    assert swing.position[2] == pytest.approx(-0.05 * 0.2, abs=1e-3)
-    assert swing.velocity[2] == -0.05
+    assert swing.position[2] < -0.03
+    assert -0.45 < swing.velocity[2] < -0.3
 
 
 @given(points, st.floats(0.1, 0.6))

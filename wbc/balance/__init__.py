@@ -2,6 +2,7 @@
 
 from wbc.balance.dcm_feedback import feedback_zmp
 from wbc.balance.fall import fall_reason
+from wbc.balance.step_adjustment import step_shift
 from wbc.balance.support import clamp_to_polygon, convex_hull, corners
 
-__all__ = ["clamp_to_polygon", "convex_hull", "corners", "fall_reason", "feedback_zmp"]
+__all__ = ["clamp_to_polygon", "convex_hull", "corners", "fall_reason", "feedback_zmp", "step_shift"]

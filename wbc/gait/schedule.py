@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 from wbc.gait.dcm_plan import ZmpSegment
@@ -15,7 +15,7 @@ from wbc.gait.footsteps import (
     other,
 )
 from wbc.gait.parameters import GaitParameters
-from wbc.gait.planar import Placement, wrap
+from wbc.gait.planar import Placement, turn, wrap
 from wbc.gait.swing import SwingFoot
 
 PREVIEW_STEPS = 3  # the influence of later steps on today's DCM is below e^(-3ωT) < 0.1 %
@@ -62,6 +62,8 @@ class Schedule:
         steps: touchdowns so far.
         velocity: what the current step was planned with.
         queue: footsteps given as a list, the next first; they go before the velocity.
+        shift: by how much balance moves the present swing's landing place, in the support
+            sole's axes, m.
     """
 
     def __init__(self, gait: GaitParameters, feet: Feet) -> None:
@@ -78,6 +80,7 @@ class Schedule:
         self.stopping = False
         self._from_middle = True
         self._target_local: tuple[complex, float, float] = (0j, 0.0, 0.0)
+        self.shift = 0j
 
     @property
     def swing_side(self) -> str:
@@ -95,21 +98,21 @@ class Schedule:
         return max(self.duration - self.time, 0.0)
 
     @property
-    def target(self) -> Placement:
-        """Landing place of the present swing: fixed in the support sole's axes."""
+    def planned_target(self) -> Placement:
+        """Where the gait wants the present swing to land: fixed in the support sole's axes."""
         stance = self._feet.of(self.support)
         local, yaw, height = self._target_local
         return Placement(stance.to_world(local), wrap(stance.yaw + yaw), stance.height + height)
 
-    def retarget(self, target: Placement) -> None:
-        """Move the landing place of the present swing."""
+    @property
+    def target(self) -> Placement:
+        """Landing place of the present swing: the planned one, moved by `shift` within reach."""
+        planned = self.planned_target
+        if self.shift == 0j:
+            return planned
         stance = self._feet.of(self.support)
-        target = clamp_to_reach(stance, self.swing_side, target, self.gait)
-        self._target_local = (
-            stance.to_local(target.point),
-            wrap(target.yaw - stance.yaw),
-            target.height - stance.height,
-        )
+        moved = replace(planned, point=planned.point + self.shift * turn(stance.yaw))
+        return clamp_to_reach(stance, self.swing_side, moved, self.gait)
 
     def update(
         self, dt: float, feet: Feet, velocity: Velocity, loads: dict[str, float] | None
@@ -160,7 +163,15 @@ class Schedule:
         return "left" if ahead > 0.01 else "right"
 
     def _begin_swing(self) -> None:
-        self.retarget(self._next(self._feet.of(self.support), self.swing_side, 0))
+        stance = self._feet.of(self.support)
+        target = self._next(stance, self.swing_side, 0)
+        target = clamp_to_reach(stance, self.swing_side, target, self.gait)
+        self._target_local = (
+            stance.to_local(target.point),
+            wrap(target.yaw - stance.yaw),
+            target.height - stance.height,
+        )
+        self.shift = 0j
         if self.queue:
             self.queue.pop(0)
         start = self._feet.of(self.swing_side)
@@ -188,7 +199,10 @@ class Schedule:
         else:
             self.support = self.swing_side
             self._from_middle = False
-            self._enter(Phase.TRANSFER, self.gait.double_support)
+            # What the swing took less or more goes to the transfer: the DCM keeps its time.
+            usual = self.gait.double_support
+            early = max(-0.5 * usual, self.duration - self.time)
+            self._enter(Phase.TRANSFER, usual + early)
 
     def _next(self, stance: Placement, side: str, ahead: int) -> Placement:
         if ahead < len(self.queue):
@@ -197,13 +211,16 @@ class Schedule:
 
     def preview(self) -> list[tuple[str, Placement]]:
         """The next footsteps, the present swing's landing place first."""
+        return self._footsteps(self.target)
+
+    def _footsteps(self, landing: Placement) -> list[tuple[str, Placement]]:
         if self.phase is Phase.STAND or self.stopping:
             return []
         steps: list[tuple[str, Placement]] = []
         side, stance, queued = self.swing_side, self._feet.of(self.support), 0
         if self.phase is Phase.SWING:
-            steps.append((side, self.target))
-            side, stance = other(side), self.target
+            steps.append((side, landing))
+            side, stance = other(side), landing
         while len(steps) < PREVIEW_STEPS:
             done = queued >= len(self.queue) and self.velocity.still
             # A stop needs one more step only when the feet are not side by side yet.
@@ -222,6 +239,13 @@ class Schedule:
 
     def zmp_segments(self) -> list[ZmpSegment]:
         """The ZMP from now on, ending at rest midway between the last two feet."""
+        return self._segments(self.target)
+
+    def planned_zmp_segments(self) -> list[ZmpSegment]:
+        """The same as if balance had not moved the present swing's landing place."""
+        return self._segments(self.planned_target)
+
+    def _segments(self, landing: Placement) -> list[ZmpSegment]:
         feet, gait = self._feet, self.gait
         middle = feet.middle
         if self.phase is Phase.STAND:
@@ -231,7 +255,7 @@ class Schedule:
             now = support + (middle - support) * self.progress
             return [ZmpSegment(now, middle, self.remaining), ZmpSegment(middle, middle, 1.0)]
         segments: list[ZmpSegment] = []
-        steps = self.preview()
+        steps = self._footsteps(landing)
         if self.phase is Phase.TRANSFER:
             origin = middle if self._from_middle else feet.of(self.swing_side).point
             now = origin + (support - origin) * self.progress

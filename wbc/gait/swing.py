@@ -6,7 +6,13 @@ from dataclasses import dataclass
 
 from wbc.gait.planar import Placement, wrap
 
-_FREEZE = 0.2  # share of the swing, at its end, in which the target no longer moves
+# Shares of the swing's duration.
+_FREEZE = 0.2  # at its end: the target no longer moves
+_LIFT = 0.12  # at its start: straight up, so that a toe clears the edge it stands at
+_LAND = 0.1  # at its end: straight down
+_APEX = 0.45  # when the apex is reached
+_LATE_ACCELERATION = 3.0  # m/s², downwards, of a foot that is late
+_LATE_SPEED = 0.4  # m/s, at the most
 
 
 @dataclass(slots=True)
@@ -38,9 +44,10 @@ class _Axis:
 class SwingFoot:
     """Reference of the swing sole's centre from lift-off to touchdown.
 
-    Horizontal position and heading are quintics whose end may be moved at any time; the
-    height rises to an apex half-way and comes down at a small speed, which it keeps
-    after the planned time until something is touched.
+    Horizontal position and heading are quintics whose end may be moved; they begin after the
+    foot has lifted and end before it lands. The height rises to an apex and comes down at a
+    small speed; after the planned time the descent quickens until something is touched,
+    because the DCM runs away from a foot that is late.
 
     Args:
         start: where the sole leaves the ground.
@@ -81,16 +88,20 @@ class SwingFoot:
         target = self.target
         yaw = float(self._yaw.x.real)
         goal = yaw + wrap(target.yaw - yaw)
-        self._plane.advance(target.point, 0.0, remaining, dt)
-        self._yaw.advance(goal, 0.0, remaining, dt)
-        half = 0.5 * self.duration
-        if remaining > half:
-            self._height.advance(self._apex, 0.0, remaining - half, dt)
+        if self.time > _LIFT * self.duration:
+            left = remaining - _LAND * self.duration
+            self._plane.advance(target.point, 0.0, left, dt)
+            self._yaw.advance(goal, 0.0, left, dt)
+        fall = (1.0 - _APEX) * self.duration
+        if remaining > fall:
+            self._height.advance(self._apex, 0.0, remaining - fall, dt)
         elif remaining > 0.0:
             self._height.advance(target.height, -self._touchdown_speed, remaining, dt)
         else:
-            self._height.x -= self._touchdown_speed * dt
-            self._height.v, self._height.a = -self._touchdown_speed, 0.0
+            fast = self._height.v.real <= -_LATE_SPEED
+            self._height.a = 0.0 if fast else -_LATE_ACCELERATION
+            self._height.v += self._height.a * dt
+            self._height.x += self._height.v * dt
 
     @property
     def position(self) -> tuple[float, float, float]:

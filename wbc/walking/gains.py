@@ -27,6 +27,8 @@ class WalkerGains:
         friction: Coulomb coefficient that the QP counts on.
         sole_margin: what the QP leaves unused at the soles' edges, m.
         zmp_margin: how far the wished ZMP may leave the support polygon, m.
+        ankle_share: share of the sole over which the ZMP is trusted to catch the DCM; what it
+            cannot catch moves the next footstep.
         unload_from: share of the double support after which the leaving foot is unloaded.
         ground_time: smoothing of the ground's height under the robot, s.
     """
@@ -46,5 +48,6 @@ class WalkerGains:
     friction: float = 0.6
     sole_margin: float = 0.005
     zmp_margin: float = 0.02
+    ankle_share: float = 0.7
     unload_from: float = 0.6
     ground_time: float = 0.15

@@ -8,14 +8,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from wbc.balance import clamp_to_polygon, convex_hull, corners, feedback_zmp
+from wbc.balance import clamp_to_polygon, convex_hull, corners, feedback_zmp, step_shift
 from wbc.command import Command
 from wbc.controller import WholeBodyController
 from wbc.errors import GaitError
 from wbc.gait import DcmReference, Feet, GaitParameters, Phase, Placement, Schedule, Velocity
 from wbc.gait.dcm_plan import dcm_now
 from wbc.gait.footsteps import SIDES
-from wbc.gait.planar import point, wrap
+from wbc.gait.planar import point, turn, wrap
 from wbc.gait.reach import LegReach
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot, Sole
@@ -182,6 +182,7 @@ class Walker:
         c, v = kin.p_com, kin.v_com
         com = point(c)
         self._dcm = com + point(v) / omega
+        self._adjust_step(feet)
         self._reference = dcm_now(schedule.zmp_segments(), omega)
         zmp = feedback_zmp(self._dcm, self._reference, omega, gait.dcm_gain)
         self._zmp = clamp_to_polygon(zmp, self._support(feet), gains.zmp_margin)
@@ -194,6 +195,17 @@ class Walker:
         self._height_now += 0.25 * blend * (height - self._height_now)
         assert self.com.target is not None
         self.com.target[2] = self._ground + self._height_now
+
+    def _adjust_step(self, feet: Feet) -> None:
+        """Move the landing place when the DCM is beyond what the ankles can catch."""
+        schedule, omega = self.schedule, self.gait.omega
+        if schedule.phase is not Phase.SWING:
+            return
+        planned = dcm_now(schedule.planned_zmp_segments(), omega)
+        error = (self._dcm - planned.dcm) * turn(-feet.of(schedule.support).yaw)
+        sole, share = self._soles[schedule.support], self.gains.ankle_share
+        reach = (share * sole.half_length, share * sole.half_width)
+        schedule.shift = step_shift(error, omega, schedule.remaining, reach)
 
     def _step_length(self) -> float:
         """Length of the steps of now, m: how far a foot is left behind."""
@@ -233,9 +245,9 @@ class Walker:
             else:
                 right = schedule.swing.yaw
         self._heading = left + 0.5 * wrap(right - left)
-        turn = about_z(self._heading)
+        heading = about_z(self._heading)
         for task, upright in self._trunk:
-            task.target = turn @ upright
+            task.target = heading @ upright
             task.velocity[2] = rate
 
     @property

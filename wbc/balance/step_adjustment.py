@@ -1,0 +1,33 @@
+"""Step adjustment: where to put the foot when the ankles cannot catch the DCM."""
+
+from __future__ import annotations
+
+import math
+
+
+def step_shift(
+    error: complex, omega: float, remaining: float, reach: tuple[float, float]
+) -> complex:
+    """By how much the next footstep should move, in the support sole's axes, m.
+
+    Left alone, a DCM error e grows to e E until touchdown, `E = exp(ω t)`. The ankles can
+    move the ZMP by at most m, which takes `m (E − 1)` off it. What remains,
+
+        max(0, |e| E − m (E − 1))  on each axis,
+
+    only the foot's place can make up for. The subtraction is also the deadband without
+    which noise and bias would be multiplied by E (after Khadiv, Herzog, Moosavian and
+    Righetti, Walking control based on step timing adaptation, T-RO 2020).
+
+    Args:
+        error: ξ − ξ_ref against the plan without any shift, support sole's axes, m.
+        omega: natural frequency, 1/s.
+        remaining: time to touchdown t, s.
+        reach: m, how far the ZMP may move from its plan along the sole and across it, m.
+    """
+    growth = math.exp(omega * remaining)
+
+    def axis(e: float, m: float) -> float:
+        return math.copysign(max(0.0, abs(e) * growth - m * (growth - 1.0)), e)
+
+    return complex(axis(error.real, reach[0]), axis(error.imag, reach[1]))
