@@ -199,10 +199,9 @@ class Schedule:
         else:
             self.support = self.swing_side
             self._from_middle = False
-            # What the swing took less or more goes to the transfer: the DCM keeps its time.
-            usual = self.gait.double_support
-            early = max(-0.5 * usual, self.duration - self.time)
-            self._enter(Phase.TRANSFER, usual + early)
+            # What the swing took less goes to the transfer, so that the DCM keeps its time.
+            early = max(0.0, self.duration - self.time)
+            self._enter(Phase.TRANSFER, self.gait.double_support + early)
 
     def _next(self, stance: Placement, side: str, ahead: int) -> Placement:
         if ahead < len(self.queue):

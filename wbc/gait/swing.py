@@ -11,7 +11,7 @@ _FREEZE = 0.2  # at its end: the target no longer moves
 _LIFT = 0.12  # at its start: straight up, so that a toe clears the edge it stands at
 _LAND = 0.1  # at its end: straight down
 _APEX = 0.45  # when the apex is reached
-_LATE_ACCELERATION = 3.0  # m/s², downwards, of a foot that is late
+_LATE_ACCELERATION = 6.0  # m/s², downwards, of a foot that is late
 _LATE_SPEED = 0.4  # m/s, at the most
 
 
