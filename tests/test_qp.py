@@ -144,14 +144,17 @@ def test_saying_the_same_thing_twice_exactly_is_no_conflict_even_far_away(name, 
     bot = robot(name)
     state = standing_state(bot, seed, speed=0.3)
     state.q[:3] += (300.0, -200.0, 10.0)
-    plain = controller(bot, "left")
-    twice = controller(
-        bot, [*contact_set(bot, "left"), wbc.PointContact("left_sole", name="again")]
-    )
-    twice.add(wbc.OrientationTask("left_sole", priority=0, kp=0.0, kd=30.0))
+    plain, twice = controller(bot, "left"), controller(bot, "left")
+    twice.add(wbc.FrameTask("left_sole", priority=0, kp=0.0, kd=30.0))
     a, b = plain.step(state), twice.step(state)
     assert a.status is b.status is Status.OK, b.explanation
     np.testing.assert_allclose(a.acceleration, b.acceleration, atol=1e-5)
+    again = wbc.PointContact("left_sole", name="again")
+    command = controller(bot, [*contact_set(bot, "left"), again]).step(state)
+    assert command.status is Status.OK, command.explanation
+    at = wbc.Kinematics(bot, state).motion("left_sole")
+    moves = at.jacobian @ command.acceleration + at.bias
+    np.testing.assert_allclose(moves, -30.0 * at.velocity, atol=1e-7)
 
 
 @some
