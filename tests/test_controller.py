@@ -74,7 +74,7 @@ def test_exact_contacts_move_as_told_and_forces_stay_in_their_cones(name, contac
         assert (contact.cone @ force).max() < 1e-6
         assert force[2] > -1e-6
         velocity, acceleration = contact_acceleration(bot, state, contact, command)
-        tolerance = 1e-7 if contact.motion_weight is None else 0.5
+        tolerance = 1e-7 if contact.motion_weight is None else 2.0
         np.testing.assert_allclose(acceleration, -contact.damping * velocity, atol=tolerance)
 
 
@@ -197,7 +197,7 @@ def test_the_torques_do_not_depend_on_where_the_scene_is(contacts):
             swing = control.add(wbc.FrameTask("right_sole", weight=300.0))
             swing.target = T * kin.frame("right_sole") * pin.SE3(np.eye(3), 0.05 * np.ones(3))
         taus.append([control.step(at).tau for _ in range(2)][-1])
-    np.testing.assert_allclose(taus[1], taus[0], atol=1e-7)
+    np.testing.assert_allclose(taus[1], taus[0], atol=1e-9)
 
 
 def test_bad_use_is_refused_with_the_cure():
