@@ -35,7 +35,7 @@ class State:
         """
         q = _checked_vector("q", self.q, model.nq, model)
         v = _checked_vector("v", self.v, model.nv, model)
-        if _has_free_flyer(model):
+        if model.nq > model.nv:  # a floating base: four numbers for three velocities
             quaternion = q[3:7]
             length = math.sqrt(quaternion.dot(quaternion))
             if abs(length - 1.0) > QUATERNION_TOLERANCE:
@@ -44,10 +44,6 @@ class State:
                     "normalise it (pin.normalize(model, q)), order x y z w"
                 )
         return self if q is self.q and v is self.v else State(q, v)
-
-
-def _has_free_flyer(model: pin.Model) -> bool:
-    return bool(model.njoints > 1 and model.joints[1].nq == 7)
 
 
 def _checked_vector(name: str, x: np.ndarray, size: int, model: pin.Model) -> np.ndarray:
