@@ -12,7 +12,6 @@ work only ever adds time.
 
 from __future__ import annotations
 
-# ruff: noqa: E402
 import os
 
 for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):

@@ -13,7 +13,7 @@ import wbc
 from wbc.errors import WbcError
 from wbc.loop import StopRun
 from wbc.sim import Mujoco, SensorNoise
-from wbc.view.snapshot import Snapshot
+from wbc.snapshot import Snapshot
 
 
 class HoldPosture:

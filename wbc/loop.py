@@ -17,8 +17,8 @@ from wbc.estimation import Estimator
 from wbc.measurement import Measurement
 from wbc.protocols import Controller, Observer, Plant, StateEstimator
 from wbc.report import Report
+from wbc.snapshot import Snapshot
 from wbc.state import State
-from wbc.view.snapshot import Snapshot
 
 
 class StopRun(Exception):

@@ -10,8 +10,8 @@ import numpy as np
 from wbc.command import Command
 from wbc.measurement import Measurement
 from wbc.robot import Robot
+from wbc.snapshot import Snapshot
 from wbc.state import State
-from wbc.view.snapshot import Snapshot
 
 
 class Controller(Protocol):
@@ -55,9 +55,7 @@ class StateEstimator(Protocol):
     def reset(self, state: State) -> None:
         """Start anew at a known state."""
 
-    def update(
-        self, measurement: Measurement, *, acceleration: np.ndarray | None = None
-    ) -> State:
+    def update(self, measurement: Measurement, *, acceleration: np.ndarray | None = None) -> State:
         """The state now; `acceleration` (nv,) is what the last command was to bring about."""
 
 

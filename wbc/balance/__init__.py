@@ -5,4 +5,11 @@ from wbc.balance.fall import fall_reason
 from wbc.balance.step_adjustment import step_shift
 from wbc.balance.support import clamp_to_polygon, convex_hull, corners
 
-__all__ = ["clamp_to_polygon", "convex_hull", "corners", "fall_reason", "feedback_zmp", "step_shift"]
+__all__ = [
+    "clamp_to_polygon",
+    "convex_hull",
+    "corners",
+    "fall_reason",
+    "feedback_zmp",
+    "step_shift",
+]

@@ -15,9 +15,7 @@ class GroundTruthEstimator:
     def reset(self, state: State) -> None:
         """Nothing to start."""
 
-    def update(
-        self, measurement: Measurement, *, acceleration: np.ndarray | None = None
-    ) -> State:
+    def update(self, measurement: Measurement, *, acceleration: np.ndarray | None = None) -> State:
         """The exact state.
 
         Raises:

@@ -22,13 +22,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import wbc
+from wbc.snapshot import Snapshot
 from wbc.view.due import next_due
 from wbc.view.errors import ViewerError
 from wbc.view.order import Order
 from wbc.view.recording import Recording
 from wbc.view.ring import Ring
 from wbc.view.slot import Layout
-from wbc.view.snapshot import Snapshot
 from wbc.view.terrain import checked_boxes
 
 if TYPE_CHECKING:

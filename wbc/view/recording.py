@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wbc.snapshot import Snapshot
 from wbc.view.due import next_due
 from wbc.view.errors import ViewerError
 from wbc.view.slot import Layout, Slot
-from wbc.view.snapshot import Snapshot
 from wbc.view.terrain import checked_boxes
 
 if TYPE_CHECKING:

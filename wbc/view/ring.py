@@ -13,8 +13,8 @@ import tempfile
 
 import numpy as np
 
+from wbc.snapshot import Snapshot
 from wbc.view.slot import Layout, Slot
-from wbc.view.snapshot import Snapshot
 
 SLOTS = 4
 _LINE = 64  # bytes: stamps sit on cache lines of their own

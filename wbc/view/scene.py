@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
+from wbc.snapshot import Snapshot
 from wbc.view.actors import (
     Actor,
     Balance,
@@ -30,7 +31,6 @@ from wbc.view.actors import (
 from wbc.view.colours import TERRAIN
 from wbc.view.looks import looks_of
 from wbc.view.objects import matte, mesh, set_object, triangles
-from wbc.view.snapshot import Snapshot
 from wbc.view.terrain import box_mesh, checked_boxes
 
 if TYPE_CHECKING:

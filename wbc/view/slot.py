@@ -14,9 +14,9 @@ import pinocchio as pin
 
 from wbc.command import Status
 from wbc.errors import StateError
+from wbc.snapshot import Snapshot
 from wbc.telemetry import Footstep, Telemetry
 from wbc.view.errors import ViewerError
-from wbc.view.snapshot import Snapshot
 
 logger = logging.getLogger(__name__)
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from wbc.snapshot import Snapshot
 from wbc.view.objects import Json
-from wbc.view.snapshot import Snapshot
 
 
 @dataclass(frozen=True, eq=False)
