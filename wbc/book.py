@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wbc.balance import heading
 from wbc.clock import Clock
 from wbc.command import Command, Status
 from wbc.gait.planar import wrap
@@ -63,7 +64,7 @@ class Book:
         self._torque_ratio = self._torque_excess = self._joint_excess = 0.0
         self._fell_at: float | None = None
         self._early = ""
-        self._yaw = _yaw(start)
+        self._yaw = heading(robot, start)
         self._turned = 0.0
         self._trail = [start.q[:2].copy()]
         self._here = start.q[:2].copy()
@@ -101,7 +102,7 @@ class Book:
         self._torque_excess = max(self._torque_excess, float((effort - robot.tau_max).max()))
         beyond = max(float((robot.q_min - q).max()), float((q - robot.q_max).max()))
         self._joint_excess = max(self._joint_excess, beyond)
-        yaw = _yaw(truth)
+        yaw = heading(robot, truth)
         self._turned += wrap(yaw - self._yaw)
         self._yaw = yaw
         self._here = truth.q[:2].copy()
@@ -180,8 +181,3 @@ def _way(trail: np.ndarray) -> tuple[float, float]:
     moving = strides > _MOVING * _TRAIL
     speed = float(strides[moving].mean()) / _TRAIL if moving.any() else 0.0
     return float(strides.sum()), speed
-
-
-def _yaw(state: State) -> float:
-    x, y, z, w = state.q[3:7]
-    return float(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))

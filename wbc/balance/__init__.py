@@ -1,15 +1,18 @@
 """Balance: DCM feedback, support polygons, fall detection."""
 
+from wbc.balance.attitude import attitude, heading
 from wbc.balance.dcm_feedback import feedback_zmp
 from wbc.balance.fall import fall_reason
 from wbc.balance.step_adjustment import step_shift
 from wbc.balance.support import clamp_to_polygon, convex_hull, corners
 
 __all__ = [
+    "attitude",
     "clamp_to_polygon",
     "convex_hull",
     "corners",
     "fall_reason",
     "feedback_zmp",
+    "heading",
     "step_shift",
 ]

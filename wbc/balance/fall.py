@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from wbc.balance.attitude import attitude
 from wbc.robot import Robot
 from wbc.state import State
 
@@ -23,8 +24,8 @@ def fall_reason(robot: Robot, state: State, ground: float = 0.0) -> str:
         ground: height of the ground, m.
     """
     q = state.q
-    # z component of the base's z axis: the cosine of the tilt.
-    up = 1.0 - 2.0 * float(q[3] * q[3] + q[4] * q[4])
+    x, y, _, _ = attitude(robot, state)
+    up = 1.0 - 2.0 * (x * x + y * y)  # cosine of the tilt
     if up < math.cos(_MAX_TILT):
         return f"the base is tilted by {math.degrees(math.acos(max(up, -1.0))):.0f}°"
     height = float(q[2]) - ground

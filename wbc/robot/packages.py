@@ -6,7 +6,6 @@ import os
 import re
 import sysconfig
 from collections.abc import Iterable
-from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -22,20 +21,28 @@ def example_robot_data() -> Path | None:
     The package holds data only, under the prefix that Pinocchio's wheel shares
     (`cmeel.prefix`), so there is no module to ask for its place.
     """
-    roots: list[Path] = []
-    try:
-        for file in metadata.files(EXAMPLES) or ():
-            if file.parts[-2:] == (EXAMPLES, "package.xml"):
-                roots.append(Path(str(file.locate())).parent)
-                break
-    except metadata.PackageNotFoundError:
-        pass
-    # A conda or ROS installation has no wheel metadata, but one common prefix.
+    # Beside Pinocchio's wheel, or under the common prefix of a conda or ROS installation.
     prefixes = [Path(sysconfig.get_path("purelib")) / "cmeel.prefix"]
     prefixes += list(Path(pin.__file__).parents)[:6]
     prefixes += [Path(p) for p in os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep) if p]
-    roots += [prefix / "share" / EXAMPLES for prefix in prefixes]
-    return next((root for root in roots if (root / "robots").is_dir()), None)
+    for prefix in prefixes:
+        if (prefix / "share" / EXAMPLES / "robots").is_dir():
+            return prefix / "share" / EXAMPLES
+    return _of_distribution()
+
+
+def _of_distribution() -> Path | None:
+    """Where the installed wheel says its files are: slower to ask than to look."""
+    from importlib import metadata
+
+    try:
+        files = metadata.files(EXAMPLES) or []
+    except metadata.PackageNotFoundError:
+        return None
+    for file in files:
+        if file.parts[-2:] == (EXAMPLES, "package.xml"):
+            return Path(str(file.locate())).parent
+    return None
 
 
 def search_folders(urdf: Path, extra: Iterable[str | Path] = ()) -> tuple[Path, ...]:
