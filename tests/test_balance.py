@@ -1,0 +1,167 @@
+"""Step adjustment, the legs' reach, and the gait's state machine."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import wbc
+from wbc.balance import step_shift
+from wbc.gait import Feet, GaitParameters, Phase, Placement, Schedule, Velocity
+from wbc.gait.reach import LegReach
+
+OMEGA, REACH = 3.4, (0.07, 0.04)
+errors = st.floats(-0.15, 0.15)
+times = st.floats(0.0, 0.6)
+
+
+@given(errors, errors, times)
+def test_shift_makes_up_for_what_the_ankles_cannot(x: float, y: float, remaining: float) -> None:
+    shift = step_shift(complex(x, y), OMEGA, remaining, REACH)
+    for error, reach, moved in ((x, REACH[0], shift.real), (y, REACH[1], shift.imag)):
+        # The pendulum's error under the strongest push-back of the ankle, e' = ω (e − m).
+        growth = math.exp(OMEGA * remaining)
+        left = abs(error) * growth - reach * (growth - 1.0)
+        assert abs(moved) == pytest.approx(max(left, 0.0), abs=1e-12)
+        assert moved * error >= 0.0
+
+
+@given(st.floats(0.05, 0.6))
+def test_errors_that_the_ankles_catch_leave_the_footstep_alone(remaining: float) -> None:
+    caught = 0.99 * REACH[1] * (1.0 - math.exp(-OMEGA * remaining))
+    assert step_shift(complex(0.0, caught), OMEGA, remaining, REACH) == 0j
+
+
+@pytest.mark.parametrize(
+    ("name", "knees"),
+    [
+        ("talos", ("leg_left_4_joint", "leg_right_4_joint")),
+        ("g1", ("left_knee_joint", "right_knee_joint")),
+        ("romeo", ("LKneePitch", "RKneePitch")),
+        ("simple_humanoid", ("left_knee", "right_knee")),
+    ],
+)
+def test_knees_are_found_and_long_steps_lower_the_body(name: str, knees: tuple[str, str]) -> None:
+    robot = wbc.load(name)
+    reach = LegReach(robot)
+    assert tuple(robot.joint_names[k] for k in reach.knees) == knees
+    heights = [reach.com_height(step) for step in np.linspace(0.0, 0.5 * robot.leg_length, 12)]
+    assert all(low <= high + 1e-12 for high, low in itertools.pairwise(heights))
+    assert heights[0] <= robot.com_height + 1e-12
+    assert 0.7 * robot.com_height < heights[-1] < heights[0]
+
+
+def test_reach_is_the_distance_from_hip_to_ankle_with_a_bent_knee() -> None:
+    robot = wbc.load("simple_humanoid")
+    data = robot.model.createData()
+    q = robot.q_nominal.copy()
+    q[7 + robot.joint_index("left_knee")] = 0.6  # straight is 0
+    pin.forwardKinematics(robot.model, data, q)
+    hip = data.oMi[robot.model.getJointId("left_hip_yaw")].translation
+    ankle = data.oMi[robot.model.getJointId("left_ankle_roll")].translation
+    assert LegReach(robot).reach == pytest.approx(float(np.linalg.norm(hip - ankle)), abs=0.01)
+
+
+GAIT = GaitParameters.of(wbc.load("talos"))
+DT = 0.002
+HALF = 0.5 * GAIT.step_width
+SQUARE = Feet(Placement(complex(0.0, HALF), 0.0), Placement(complex(0.0, -HALF), 0.0))
+WALK = Velocity(0.3, 0.0, 0.0)
+
+
+class Ground:
+    """Feet that follow the schedule's swing exactly; contact when told."""
+
+    def __init__(self, feet: Feet = SQUARE) -> None:
+        self.feet = feet
+        self.schedule = Schedule(GAIT, feet)
+
+    def run(self, duration: float, velocity: Velocity, loads: dict[str, float] | None) -> None:
+        schedule = self.schedule
+        for _ in range(round(duration / DT)):
+            schedule.update(DT, self.feet, velocity, loads)
+            if schedule.swing is not None:
+                x, y, z = schedule.swing.position
+                placed = Placement(complex(x, y), schedule.swing.yaw, z)
+                if schedule.swing_side == "left":
+                    self.feet = Feet(placed, self.feet.right)
+                else:
+                    self.feet = Feet(self.feet.left, placed)
+
+
+def test_nothing_happens_without_a_command() -> None:
+    ground = Ground()
+    ground.run(1.0, Velocity(), None)
+    assert ground.schedule.phase is Phase.STAND
+    assert ground.schedule.preview() == []
+    assert ground.schedule.zmp_segments()[0].start == pytest.approx(0j)
+
+
+def test_feet_alternate_and_a_stop_ends_with_both_side_by_side() -> None:
+    ground = Ground()
+    ground.run(3.0, WALK, None)
+    assert ground.schedule.steps >= 3
+    ground.run(3.0, Velocity(), None)
+    schedule, feet = ground.schedule, ground.feet
+    assert schedule.phase is Phase.STAND
+    apart = feet.left.to_local(feet.right.point)
+    assert apart.real == pytest.approx(0.0, abs=1e-3)
+    assert -apart.imag == pytest.approx(GAIT.step_width, abs=1e-3)
+
+
+def test_swing_ends_early_when_the_foot_meets_the_ground() -> None:
+    ground = Ground()
+    ground.run(GAIT.first_transfer + 0.8 * GAIT.single_support, WALK, {"left": 1.0, "right": 0.0})
+    assert ground.schedule.phase is Phase.SWING
+    ground.run(DT, WALK, {"left": 0.8, "right": 0.2})
+    assert ground.schedule.phase is Phase.TRANSFER
+    # The plan keeps its time: what the swing saved is added to the transfer.
+    saved = 0.2 * GAIT.single_support
+    assert ground.schedule.duration == pytest.approx(GAIT.double_support + saved, abs=3 * DT)
+
+
+def test_load_on_a_foot_that_just_left_is_not_a_landing() -> None:
+    ground = Ground()
+    ground.run(GAIT.first_transfer + 0.1 * GAIT.single_support, WALK, {"left": 1.0, "right": 0.0})
+    ground.run(0.1 * GAIT.single_support, WALK, {"left": 0.8, "right": 0.2})
+    assert ground.schedule.phase is Phase.SWING
+
+
+def test_swing_goes_on_until_the_ground_is_found() -> None:
+    ground = Ground()
+    unloaded = {"left": 1.0, "right": 0.0}
+    ground.run(GAIT.first_transfer + GAIT.single_support + 0.1, WALK, unloaded)
+    assert ground.schedule.phase is Phase.SWING
+    assert ground.feet.right.height < -0.01
+    ground.run(DT, WALK, {"left": 0.8, "right": 0.2})
+    assert ground.schedule.phase is Phase.TRANSFER
+
+
+def test_plan_ends_at_rest_between_the_last_two_feet() -> None:
+    ground = Ground()
+    ground.run(1.0, WALK, None)
+    steps = ground.schedule.preview()
+    segments = ground.schedule.zmp_segments()
+    (_, before), (_, last) = steps[-2:]
+    assert segments[-1].end == pytest.approx(0.5 * (before.point + last.point))
+    for one, following in itertools.pairwise(segments):
+        assert one.end == pytest.approx(following.start)  # the ZMP never jumps
+
+
+def test_shift_moves_the_landing_but_not_the_plan_without_it() -> None:
+    ground = Ground()
+    ground.run(GAIT.first_transfer + 0.3 * GAIT.single_support, WALK, None)
+    schedule = ground.schedule
+    planned = schedule.planned_target
+    schedule.shift = complex(0.05, -0.03)
+    assert schedule.planned_target == planned
+    assert schedule.target.point - planned.point == pytest.approx(complex(0.05, -0.03))
+    schedule.shift = complex(0.0, 1.0)  # through the other leg
+    apart = SQUARE.left.to_local(schedule.target.point)
+    assert -apart.imag == pytest.approx(GAIT.least_width)
