@@ -19,6 +19,7 @@ from wbc.gait.planar import Placement, turn, wrap
 from wbc.gait.swing import SwingFoot
 
 PREVIEW_STEPS = 3  # the influence of later steps on today's DCM is below e^(-3ωT) < 0.1 %
+_HURRY = 0.5  # share of the double support that a late touchdown may take off it
 _EARLY_CONTACT_AFTER = 0.6  # share of the swing before which contact is taken for lift-off noise
 
 
@@ -72,6 +73,7 @@ class Schedule:
         self.support = "left"
         self.time = 0.0
         self.duration = 0.0
+        self._hold = 0.0  # time at the start of a transfer in which the weight stays
         self.swing: SwingFoot | None = None
         self.steps = 0
         self.velocity = Velocity()
@@ -89,8 +91,9 @@ class Schedule:
 
     @property
     def progress(self) -> float:
-        """Share of the phase that is over, 0 to 1."""
-        return min(self.time / self.duration, 1.0) if self.duration > 0.0 else 1.0
+        """Share of the swing or of the weight's move that is over, 0 to 1."""
+        whole = self.duration - self._hold
+        return min(max(self.time - self._hold, 0.0) / whole, 1.0) if whole > 0.0 else 1.0
 
     @property
     def remaining(self) -> float:
@@ -106,7 +109,12 @@ class Schedule:
 
     @property
     def target(self) -> Placement:
-        """Landing place of the present swing: the planned one, moved by `shift` within reach."""
+        """Landing place of the present swing: the planned one, moved by `shift` within reach.
+
+        Once the swing is committed, the place it is committed to.
+        """
+        if self.swing is not None and self.swing.committed:
+            return self.swing.target
         planned = self.planned_target
         if self.shift == 0j:
             return planned
@@ -145,6 +153,7 @@ class Schedule:
 
     def _enter(self, phase: Phase, duration: float) -> None:
         self.phase, self.time, self.duration = phase, 0.0, duration
+        self._hold = 0.0
 
     def _begin_walking(self) -> None:
         side = self.queue[0][0] if self.queue else self._first_swing()
@@ -199,9 +208,12 @@ class Schedule:
         else:
             self.support = self.swing_side
             self._from_middle = False
-            # What the swing took less goes to the transfer, so that the DCM keeps its time.
-            early = max(0.0, self.duration - self.time)
-            self._enter(Phase.TRANSFER, self.gait.double_support + early)
+            # The weight keeps its time: after an early touchdown it stays where it is for a
+            # while, after a late one it moves faster. The DCM is where it was to be.
+            usual = self.gait.double_support
+            spare = max(-_HURRY * usual, self.duration - self.time)
+            self._enter(Phase.TRANSFER, usual + spare)
+            self._hold = max(spare, 0.0)
 
     def _next(self, stance: Placement, side: str, ahead: int) -> Placement:
         if ahead < len(self.queue):
@@ -258,7 +270,9 @@ class Schedule:
         if self.phase is Phase.TRANSFER:
             origin = middle if self._from_middle else feet.of(self.swing_side).point
             now = origin + (support - origin) * self.progress
-            segments.append(ZmpSegment(now, support, self.remaining))
+            hold = max(self._hold - self.time, 0.0)
+            segments.append(ZmpSegment(now, now, hold))
+            segments.append(ZmpSegment(now, support, self.remaining - hold))
             segments.append(ZmpSegment(support, support, gait.single_support))
         else:
             segments.append(ZmpSegment(support, support, self.remaining))

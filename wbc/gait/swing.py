@@ -82,9 +82,9 @@ class SwingFoot:
         millimetre of measurement noise with metres per second squared.
         """
         remaining = self.duration - self.time
-        self.time += dt
-        if remaining > _FREEZE * self.duration:
+        if not self.committed:
             self.target = target
+        self.time += dt
         target = self.target
         yaw = float(self._yaw.x.real)
         goal = yaw + wrap(target.yaw - yaw)
@@ -102,6 +102,11 @@ class SwingFoot:
             self._height.a = 0.0 if fast else -_LATE_ACCELERATION
             self._height.v += self._height.a * dt
             self._height.x += self._height.v * dt
+
+    @property
+    def committed(self) -> bool:
+        """The landing place no longer follows the wish."""
+        return self.duration - self.time <= _FREEZE * self.duration
 
     @property
     def position(self) -> tuple[float, float, float]:

@@ -182,9 +182,9 @@ class Walker:
         c, v = kin.p_com, kin.v_com
         com = point(c)
         self._dcm = com + point(v) / omega
-        self._reference = dcm_now(schedule.planned_zmp_segments(), omega)
-        if schedule.phase is Phase.SWING:
+        if schedule.swing is not None and not schedule.swing.committed:
             self._adjust_step(feet)
+        self._reference = dcm_now(schedule.zmp_segments(), omega)
         zmp = feedback_zmp(self._dcm, self._reference, omega, gait.dcm_gain)
         self._zmp = clamp_to_polygon(zmp, self._support(feet), gains.zmp_margin)
         push = omega * omega * (com - self._zmp)
@@ -200,12 +200,11 @@ class Walker:
     def _adjust_step(self, feet: Feet) -> None:
         """Move the landing place when the DCM is beyond what the ankles can catch."""
         schedule, omega = self.schedule, self.gait.omega
-        error = (self._dcm - self._reference.dcm) * turn(-feet.of(schedule.support).yaw)
+        planned = dcm_now(schedule.planned_zmp_segments(), omega)
+        error = (self._dcm - planned.dcm) * turn(-feet.of(schedule.support).yaw)
         sole, share = self._soles[schedule.support], self.gains.ankle_share
         reach = (share * sole.half_length, share * sole.half_width)
         schedule.shift = step_shift(error, omega, schedule.remaining, reach)
-        if schedule.shift != 0j:
-            self._reference = dcm_now(schedule.zmp_segments(), omega)
 
     def _step_length(self) -> float:
         """Length of the steps of now, m: how far a foot is left behind."""
