@@ -10,15 +10,15 @@ def steer(time: float) -> None:
     """Forward, then a curve to the left, then stop."""
     if time < 1.0:
         walker.velocity = (0.0, 0.0, 0.0)
-    elif time < 4.0:
+    elif time < 3.5:
         walker.velocity = (0.3, 0.0, 0.0)
-    elif time < 7.0:
+    elif time < 5.5:
         walker.velocity = (0.2, 0.0, 0.3)
     else:
         walker.velocity = (0.0, 0.0, 0.0)
 
 
 with wbc.sim.Mujoco(robot) as plant:
-    report = wbc.run(walker, plant, duration=9.0, before_tick=steer)
+    report = wbc.run(walker, plant, duration=7.0, before_tick=steer)
 
 print(report.table())

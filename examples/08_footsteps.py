@@ -22,7 +22,7 @@ def start(time: float) -> None:
 
 
 with wbc.sim.Mujoco(robot) as plant:
-    report = wbc.run(walker, plant, duration=8.0, before_tick=start)
+    report = wbc.run(walker, plant, duration=6.5, before_tick=start)
     landed = wbc.Kinematics(robot, plant.ground_truth())
 
 print(report.table())

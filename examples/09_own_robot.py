@@ -26,4 +26,4 @@ for finding in robot.check():  # the model doctor
 walker = wbc.Walker(robot)
 walker.velocity = (0.2, 0.0, 0.0)
 with wbc.sim.Mujoco(robot) as plant:
-    print(wbc.run(walker, plant, duration=4.0).table())
+    print(wbc.run(walker, plant, duration=3.0).table())

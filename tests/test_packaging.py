@@ -125,24 +125,6 @@ def wheel(tmp_path_factory):
     return folder / "installed"
 
 
-def test_the_wheel_finds_its_robots(wheel, tmp_path):
-    code = (
-        "import wbc; from wbc.robot import available;"
-        "print(wbc.__file__, [wbc.load(name).name for name in available()])"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(wheel)},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert str(wheel) in done.stdout
-    for name in ("talos", "g1", "romeo", "simple_humanoid"):
-        assert f"'{name}'" in done.stdout
-
-
 def test_the_wheel_brings_the_page_the_licence_and_the_command(wheel):
     assert list(wheel.glob("wbc/view/page/*.html"))
     assert list(wheel.glob("wbc-*.dist-info/licenses/LICENSE"))
