@@ -44,10 +44,12 @@ install: .venv/dev.stamp
 	@touch $@
 
 .venv/run.stamp: .venv/made.stamp pyproject.toml
+	@echo "installing wbc and what it needs into .venv: once, a minute or so"
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[all]'
 	@touch $@
 
 .venv/dev.stamp: .venv/run.stamp
+	@echo "installing the tools for tests and checks into .venv"
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[all,dev]'
 	@touch $@
 
