@@ -88,7 +88,7 @@ class GaitParameters:
         leg = robot.leg_length
         return cls(
             single_support=2.0 * natural,
-            double_support=0.6 * natural,
+            double_support=0.8 * natural,
             first_transfer=2.0 * natural,
             swing_height=0.07 * leg,
             touchdown_speed=0.05,

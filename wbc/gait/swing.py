@@ -8,9 +8,8 @@ from wbc.gait.planar import Placement, wrap
 
 # Shares of the swing's duration.
 _FREEZE = 0.2  # at its end: the target no longer moves
-_LIFT = 0.12  # at its start: straight up, so that a toe clears the edge it stands at
-_LAND = 0.1  # at its end: straight down
-_APEX = 0.45  # when the apex is reached
+_LIFT = 0.05  # at its start: straight up, so that a toe clears the edge it stands at
+_APEX = 0.5  # when the apex is reached
 _LATE_ACCELERATION = 6.0  # m/s², downwards, of a foot that is late
 _LATE_SPEED = 0.4  # m/s, at the most
 
@@ -44,8 +43,8 @@ class _Axis:
 class SwingFoot:
     """Reference of the swing sole's centre from lift-off to touchdown.
 
-    Horizontal position and heading are quintics whose end may be moved; they begin after the
-    foot has lifted and end before it lands. The height rises to an apex and comes down at a
+    Horizontal position and heading are quintics whose end may be moved; they begin when the
+    foot has lifted. The height rises to an apex and comes down at a
     small speed; after the planned time the descent quickens until something is touched,
     because the DCM runs away from a foot that is late.
 
@@ -89,9 +88,8 @@ class SwingFoot:
         yaw = float(self._yaw.x.real)
         goal = yaw + wrap(target.yaw - yaw)
         if self.time > _LIFT * self.duration:
-            left = remaining - _LAND * self.duration
-            self._plane.advance(target.point, 0.0, left, dt)
-            self._yaw.advance(goal, 0.0, left, dt)
+            self._plane.advance(target.point, 0.0, remaining, dt)
+            self._yaw.advance(goal, 0.0, remaining, dt)
         fall = (1.0 - _APEX) * self.duration
         if remaining > fall:
             self._height.advance(self._apex, 0.0, remaining - fall, dt)

@@ -48,6 +48,6 @@ class WalkerGains:
     friction: float = 0.6
     sole_margin: float = 0.005
     zmp_margin: float = 0.02
-    ankle_share: float = 0.7
+    ankle_share: float = 0.5
     unload_from: float = 0.6
     ground_time: float = 0.15
