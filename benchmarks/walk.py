@@ -63,6 +63,7 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, default=5)
     parser.add_argument("--jobs", type=int, default=1, help="processes; timings need 1")
     parser.add_argument("--json", type=Path, help="write all reports here")
+    parser.add_argument("--readme", type=Path, help="put the table between the marks of this file")
     args = parser.parse_args()
     jobs = [
         (name, index, seed)
@@ -87,6 +88,11 @@ def main() -> int:
             )
     print(table(results))
     print(f"\n{len(jobs)} runs in {time.perf_counter() - begun:.0f} s")
+    if args.readme:
+        head, rest = args.readme.read_text(encoding="utf-8").split("<!-- walk:begin -->")
+        tail = rest.split("<!-- walk:end -->")[1]
+        new = f"{head}<!-- walk:begin -->\n{table(results)}\n<!-- walk:end -->{tail}"
+        args.readme.write_text(new, encoding="utf-8")
     if args.json:
         rows = [
             {"robot": n, "scenario": SCENARIOS[n][i].name, "seed": s, **asdict(r)}
@@ -103,8 +109,9 @@ def main() -> int:
 def table(results: dict[tuple[str, int], list[wbc.Report]]) -> str:
     """A Markdown table, one row per robot and scenario."""
     lines = [
-        "| robot | scenario | passed | reached (worst) | speed m/s | DCM error mm rms | "
-        "peak torque % | beyond joint limit rad | QP failures | tick µs p50 / p99 | × real time |",
+        "| robot | scenario | passed | reached (worst) | speed, m/s | DCM error, mm rms | "
+        "peak torque | beyond joint limits, rad | QP failures | tick, µs (p50 / p99) | "
+        "× real time |",
         "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for (name, index), reports in results.items():
@@ -118,8 +125,8 @@ def table(results: dict[tuple[str, int], list[wbc.Report]]) -> str:
         lines.append(
             f"| {name} | {scenario.name} | {passed}/{len(reports)} | {worst:.2f} {scenario.unit} | "
             f"{median('mean_speed_m_s'):.2f} | {median('dcm_error_rms_mm'):.1f} | "
-            f"{100 * max(r.torque_peak_ratio for r in reports):.0f} | "
-            f"{max(r.joint_limit_excess_rad for r in reports):.0e} | "
+            f"{100 * max(r.torque_peak_ratio for r in reports):.0f} % | "
+            f"{max(r.joint_limit_excess_rad for r in reports):.1g} | "
             f"{sum(r.qp_failures for r in reports)} | "
             f"{median('tick_p50_us'):.0f} / {median('tick_p99_us'):.0f} | "
             f"{median('real_time_factor'):.1f} |"

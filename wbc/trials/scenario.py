@@ -57,6 +57,7 @@ class Scenario:
 
 # The first and last steps are slower than the command: their time is added to the walk.
 _START_AND_STOP = 1.5
+_TURN_START_AND_STOP = 0.6
 
 
 def forward(distance: float, speed: float, rest: float = 3.0) -> Scenario:
@@ -80,7 +81,7 @@ def sideways(distance: float, speed: float, rest: float = 3.0) -> Scenario:
 
 def turn(degrees: float, rate: float, rest: float = 3.0) -> Scenario:
     """Turn left in place."""
-    walk = math.radians(degrees) / rate + _START_AND_STOP
+    walk = math.radians(degrees) / rate + _TURN_START_AND_STOP
     return Scenario(
         f"turn {degrees:g}° in place",
         (0.0, 0.0, rate),
