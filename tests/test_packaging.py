@@ -61,7 +61,7 @@ def test_the_core_asks_for_what_it_says():
     assert set(CORE) <= requirements()
     assert "mujoco" not in requirements()
     assert "mujoco" in requirements("sim")
-    assert requirements("sim", "plots") <= requirements("all")
+    assert requirements("sim", "plots", "solvers") <= requirements("all")
 
 
 def test_nothing_under_the_gpl_in_core_or_all():

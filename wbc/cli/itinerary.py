@@ -11,11 +11,11 @@ _FIRST = 1.0  # s of standing before the first step
 _LAST = 3.0  # s for the last steps, and to stand
 #: What `--tour` shows: s, and shares of the largest forward, sideways and turning speed.
 _TOUR = (
-    (6.0, (0.6, 0.0, 0.0)),  # forward
-    (7.0, (0.5, 0.0, 0.5)),  # a curve
+    (6.0, (0.5, 0.0, 0.0)),  # forward
+    (7.0, (0.4, 0.0, 0.5)),  # a curve
     (5.0, (0.0, 0.5, 0.0)),  # to the left
     (4.0, (0.0, 0.0, -0.6)),  # a turn in place
-    (4.0, (-0.4, 0.0, 0.0)),  # backward
+    (4.0, (-0.35, 0.0, 0.0)),  # backward
 )
 
 

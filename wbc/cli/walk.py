@@ -10,7 +10,7 @@ from wbc.cli.parser import number
 
 _DURATION = 10.0
 _CAUTIOUS = 0.3  # m/s, and
-_SHARE = 0.6  # of what the robot can: the default speed
+_SHARE = 0.4  # of what the robot can: the default speed
 
 
 def add_to(subcommands: Any) -> None:
