@@ -1,6 +1,7 @@
 """All solvers find the same optimum; failures are failures, not numbers."""
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -157,3 +158,23 @@ def test_osqp_missing_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "osqp", None)
     with pytest.raises(SolverNotFound, match=r"'osqp' needs 'osqp'.*pip install osqp"):
         make_solver("osqp")
+
+
+def test_a_problem_on_which_daqp_goes_round_in_circles_is_solved():
+    # Recorded from G1 walking sideways, at the end of a weight transfer: the leaving foot may
+    # bear 1 N at the most, and its cone's rows all but coincide.
+    stored = np.load(Path(__file__).parent / "data" / "cycling_qp.npz")
+    rows = stored["ub"].size
+    problem = Problem(
+        **{name: stored[name] for name in ("H", "g", "C", "lb", "ub", "equality")},
+        bounded=int(stored["bounded"]),
+        blocks=(RowBlock("all", "1", 0, rows),),
+    )
+    found, other = make_solver("daqp").solve(problem), make_solver("osqp").solve(problem)
+    assert found.outcome is other.outcome is Outcome.SOLVED
+
+    def cost(x):
+        return 0.5 * x @ problem.H @ x + problem.g @ x
+
+    assert problem.violation(found.x).max() < 1e-8
+    assert cost(found.x) <= cost(other.x) + 1e-6 * abs(cost(other.x))

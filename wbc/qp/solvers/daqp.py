@@ -18,6 +18,8 @@ _NO_BOUND = 1e30
 _EQUALITY = 5  # DAQP's flags: active and immutable
 _SOLVED = (1, 4)  # optimal; optimal up to rounding errors
 _INFEASIBLE = -1
+_CYCLING = -2
+_LOOSER = (1.0, 10.0, 100.0)  # factors on primal_tol that are tried when a cold solve cycles
 
 _Key = tuple[int, int, bytes]
 
@@ -29,6 +31,9 @@ class DaqpSolver(Solver):
         settings: DAQP's own, by their names. `primal_tol` is in the units of the rows.
 
     A cold solve has the last word on failure: a stale active set can mislead the warm start.
+    Where bounds all but coincide, as when a foot is unloaded to nothing, the method may go round
+    in circles over the last digit of `primal_tol`; then it is tried again with 10 and 100 times
+    that.
     """
 
     name = "daqp"
@@ -62,18 +67,25 @@ class DaqpSolver(Solver):
 
     def _solve_cold(self, key: _Key, problem: Problem, H: np.ndarray, g: np.ndarray) -> Solution:
         self._models.pop(key, None)
-        model = daqp.Model()
-        model.settings = self._settings
         ub = np.minimum(problem.ub, _NO_BOUND)
         lb = np.maximum(problem.lb, -_NO_BOUND)
         sense = np.where(problem.equality, _EQUALITY, 0).astype(np.int32)
-        flag, _ = model.setup(H, g, problem.C, ub, lb, sense)
         iterations = 0
-        if flag >= 0:
-            x, _, flag, info = model.solve()
-            iterations = info["iterations"]
-            if flag in _SOLVED and math.isfinite(x.dot(x)):
-                self._models[key] = (model, ub, lb)
-                return Solution(x, Outcome.SOLVED, iterations)
+        for factor in _LOOSER:
+            model = daqp.Model()
+            model.settings = {
+                **self._settings,
+                "primal_tol": factor * self._settings["primal_tol"],
+            }
+            flag, _ = model.setup(H, g, problem.C, ub, lb, sense)
+            if flag >= 0:
+                x, _, flag, info = model.solve()
+                iterations += info["iterations"]
+                if flag in _SOLVED and math.isfinite(x.dot(x)):
+                    if factor == 1.0:  # a looser model is not kept for the ticks to come
+                        self._models[key] = (model, ub, lb)
+                    return Solution(x, Outcome.SOLVED, iterations)
+            if flag != _CYCLING:
+                break
         outcome = Outcome.INFEASIBLE if flag == _INFEASIBLE else Outcome.FAILED
         return Solution(np.zeros(g.size), outcome, iterations, f"daqp exit flag {flag}")
