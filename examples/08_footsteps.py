@@ -14,15 +14,9 @@ for k, length in enumerate((0.15, 0.25, 0.1, 0.2, 0.2, 0.0)):
     side, sign = (("left", 1.0), ("right", -1.0))[k % 2]
     steps.append(wbc.Footstep(side, np.array([forward, sign * half_width, 0.0]), yaw=0.0))
 
-
-def start(time: float) -> None:
-    """At the first tick: a run begins with a reset, which forgets footsteps."""
-    if time == 0.0:
-        walker.follow(steps)
-
-
+walker.follow(steps)
 with wbc.sim.Mujoco(robot) as plant:
-    report = wbc.run(walker, plant, duration=6.5, before_tick=start)
+    report = wbc.run(walker, plant, duration=6.5)
     landed = wbc.Kinematics(robot, plant.ground_truth())
 
 print(report.table())

@@ -57,6 +57,12 @@ def test_knees_are_found_and_long_steps_lower_the_body(name: str, knees: tuple[s
     assert 0.7 * robot.com_height < heights[-1] < heights[0]
 
 
+def test_knees_that_carry_little_more_than_the_robot_allow_only_short_steps() -> None:
+    romeo, talos = wbc.load("romeo"), wbc.load("talos")
+    assert GaitParameters.of(romeo).max_step < 0.3 * romeo.leg_length
+    assert GaitParameters.of(talos).max_step == pytest.approx(0.51 * talos.com_height)
+
+
 def test_reach_is_the_distance_from_hip_to_ankle_with_a_bent_knee() -> None:
     robot = wbc.load("simple_humanoid")
     data = robot.model.createData()

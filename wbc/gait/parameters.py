@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 from wbc.errors import GaitError
+from wbc.gait.reach import LegReach
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 
@@ -94,8 +95,8 @@ class GaitParameters:
             touchdown_speed=0.05,
             step_width=width,
             least_width=min(width, max(foot_width + 0.02, 0.75 * width)),
-            max_step=0.55 * leg,
-            max_side_step=0.3 * leg,
-            max_turn=0.5,
+            max_step=min(0.51 * height, LegReach(robot).max_step),
+            max_side_step=0.35 * leg,
+            max_turn=0.55,
             com_height=height,
         )

@@ -10,6 +10,7 @@ import pinocchio as pin
 from wbc.robot import Robot
 
 _BEND = 0.6  # rad: a knee straighter than this has little grip on height and swing
+_STRENGTH = 0.84  # share of the knee's torque limit that may go into carrying the robot
 _TRAIL = 0.7  # share of a step that the rear foot is behind the hip when it leaves the ground
 
 
@@ -27,6 +28,8 @@ class LegReach:
     Attributes:
         knees: indices of both knees into (na,) vectors.
         reach: ρ, m.
+        max_step: longest step for which the knees can still carry the robot, m: a longer step
+            lowers the hip, and a bent knee has the weight on a longer lever.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -35,6 +38,9 @@ class LegReach:
         self.reach = min(left.reach, right.reach)
         self._hip_height = left.hip_height
         self._com_height = robot.com_height
+        drop = min(left.drop, right.drop)
+        hip = max(left.hip_height - drop, 0.0)
+        self.max_step = math.sqrt(max(self.reach**2 - hip**2, 0.0)) / _TRAIL
 
     def com_height(self, step: float) -> float:
         """Greatest CoM height (m) for steps of length `step` (m), at most the nominal one."""
@@ -75,3 +81,21 @@ class _Leg:
         bend = math.copysign(_BEND, q[self.knee + 7] - straight)
         self.reach = float(np.linalg.norm(span(bent(self.knee + 6, straight + bend))))
         self.hip_height = float(span(q)[2])
+        longest = float(np.linalg.norm(span(bent(self.knee + 6, straight))))
+        self.drop = self._bearable_drop(robot, data, longest)
+
+    def _bearable_drop(self, robot: Robot, data: pin.Data, longest: float) -> float:
+        """By how much the hip may sink until the knee, alone, is at its strength's end, m.
+
+        With thigh and shank of equal length l, the knee is √(l² − (d/2)²) off the line from hip
+        to ankle at a distance d; the weight's lever grows in proportion.
+        """
+        model, q = robot.model, robot.q_nominal
+        pin.forwardKinematics(model, data, q)
+        knee = data.oMi[list(model.idx_vs).index(self.knee + 6)]
+        lever = abs(float(knee.translation[0] - pin.centerOfMass(model, data, q)[0]))
+        weight = robot.mass * float(np.linalg.norm(model.gravity.linear))
+        strength = _STRENGTH * float(robot.tau_max[self.knee]) / (weight * max(lever, 1e-3))
+        off = math.sqrt(max(longest**2 - self.hip_height**2, 0.0))  # twice the knee's offset
+        bearable = min(off * strength, longest)
+        return self.hip_height - math.sqrt(longest**2 - bearable**2)

@@ -67,7 +67,12 @@ class Schedule:
             sole's axes, m.
     """
 
-    def __init__(self, gait: GaitParameters, feet: Feet) -> None:
+    def __init__(
+        self,
+        gait: GaitParameters,
+        feet: Feet,
+        queue: list[tuple[str, Placement]] | None = None,
+    ) -> None:
         self.gait = gait
         self.phase = Phase.STAND
         self.support = "left"
@@ -77,7 +82,7 @@ class Schedule:
         self.swing: SwingFoot | None = None
         self.steps = 0
         self.velocity = Velocity()
-        self.queue: list[tuple[str, Placement]] = []
+        self.queue = [] if queue is None else queue
         self._feet = feet
         self.stopping = False
         self._from_middle = True

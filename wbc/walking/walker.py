@@ -88,6 +88,7 @@ class Walker:
         self._footing = Footing(robot, controller, gains)
         self._soles: dict[str, Sole] = {s.side: s for s in robot.soles}
         self._wanted = Velocity()
+        self._queue: list[tuple[str, Placement]] = []
         self._kin: Kinematics | None = None
         self.reset(robot.standing())
 
@@ -134,17 +135,19 @@ class Walker:
                 )
             placement = Placement(point(step.position), step.yaw, float(step.position[2]))
             queue.append((step.side, placement))
-        self.schedule.queue[:] = queue
+        self._queue[:] = queue
 
     def reset(self, state: State) -> None:
         """Start anew, standing, from a state with both soles on the ground.
+
+        What is wanted of it stays: the velocity, and footsteps given by `follow`.
 
         Raises:
             StateError: see `State.checked`.
         """
         self._kin = Kinematics(self.robot, state)
         feet = placements(self._kin)
-        self.schedule = Schedule(self.gait, feet)
+        self.schedule = Schedule(self.gait, feet, self._queue)
         self._ground = 0.5 * (feet.left.height + feet.right.height)
         self._heading = feet.left.yaw + 0.5 * wrap(feet.right.yaw - feet.left.yaw)
         self._height_now = float(self._kin.p_com[2]) - self._ground
