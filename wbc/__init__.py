@@ -23,7 +23,7 @@ from wbc.limits import (
     JointVelocityLimit,
     TorqueLimit,
 )
-from wbc.loop import run
+from wbc.loop import StopRun, run
 from wbc.measurement import Measurement
 from wbc.qp import Formulation
 from wbc.report import Report
@@ -70,6 +70,7 @@ __all__ = [
     "Robot",
     "State",
     "Status",
+    "StopRun",
     "SurfaceContact",
     "Task",
     "Telemetry",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 
 from wbc.gait.planar import Placement, wrap
@@ -138,11 +139,7 @@ class SwingFoot:
 
     def path(self, points: int = 12) -> list[tuple[float, float, float]]:
         """The way still to go, for display: positions from now to touchdown."""
-        ghost = SwingFoot(self.start, self.target, self.duration, 0.0, self._touchdown_speed)
-        ghost.time, ghost._apex = self.time, self._apex
-        for name in ("_plane", "_yaw", "_height"):
-            axis: _Axis = getattr(self, name)
-            setattr(ghost, name, _Axis(axis.x, axis.v, axis.a))
+        ghost = copy.deepcopy(self)
         dt = max(self.duration - self.time, 0.0) / points
         way = [ghost.position]
         if dt > 0.0:
