@@ -171,3 +171,13 @@ def test_shift_moves_the_landing_but_not_the_plan_without_it() -> None:
     schedule.shift = complex(0.0, 1.0)  # through the other leg
     apart = SQUARE.left.to_local(schedule.target.point)
     assert -apart.imag == pytest.approx(GAIT.least_width)
+
+
+def test_feet_spread_no_farther_than_the_ankles_roll() -> None:
+    robot = wbc.load("g1")
+    reach = LegReach(robot)
+    roll = robot.q_max[robot.joint_index("left_ankle_roll_joint")]
+    hip_height = 0.62  # m, of G1's hip pitch over its ankle
+    # Off its hip by 0.7 of the extra distance, the leg leans; the ankle must undo it.
+    assert math.atan2(0.7 * reach.max_spread, hip_height) < roll - 0.05
+    assert GaitParameters.of(robot).max_side_step == pytest.approx(reach.max_spread)

@@ -87,6 +87,7 @@ class GaitParameters:
         height = robot.com_height
         natural = math.sqrt(height / GRAVITY)
         leg = robot.leg_length
+        reach = LegReach(robot)
         return cls(
             single_support=2.0 * natural,
             double_support=0.8 * natural,
@@ -95,8 +96,8 @@ class GaitParameters:
             touchdown_speed=0.05,
             step_width=width,
             least_width=min(width, max(foot_width + 0.02, 0.75 * width)),
-            max_step=min(0.51 * height, LegReach(robot).max_step),
-            max_side_step=0.35 * leg,
+            max_step=min(0.51 * height, reach.max_step),
+            max_side_step=min(0.35 * leg, reach.max_spread),
             max_turn=0.55,
             com_height=height,
         )

@@ -11,6 +11,8 @@ from wbc.robot import Robot
 
 _BEND = 0.6  # rad: a knee straighter than this has little grip on height and swing
 _STRENGTH = 0.84  # share of the knee's torque limit that may go into carrying the robot
+_ROLL_MARGIN = 0.08  # rad of the ankle's roll that is left to balance
+_TILT = 0.7  # share of the feet's extra distance by which the farther foot is off its hip
 _TRAIL = 0.7  # share of a step that the rear foot is behind the hip when it leaves the ground
 
 
@@ -28,6 +30,8 @@ class LegReach:
     Attributes:
         knees: indices of both knees into (na,) vectors.
         reach: ρ, m.
+        max_spread: by how much the feet may be farther apart than in the nominal posture, m,
+            before an ankle's roll joint is at its stop.
         max_step: longest step for which the knees can still carry the robot, m: a longer step
             lowers the hip, and a bent knee has the weight on a longer lever.
     """
@@ -38,6 +42,7 @@ class LegReach:
         self.reach = min(left.reach, right.reach)
         self._hip_height = left.hip_height
         self._com_height = robot.com_height
+        self.max_spread = min(left.roll, right.roll) * left.hip_height / _TILT
         drop = min(left.drop, right.drop)
         hip = max(left.hip_height - drop, 0.0)
         self.max_step = math.sqrt(max(self.reach**2 - hip**2, 0.0)) / _TRAIL
@@ -68,6 +73,7 @@ class _Leg:
             trial[index + 1] = angle
             return trial
 
+        self.roll = self._roll_range(robot, data, joints)
         best = 0.0
         for index in leg[1:-1]:
             lower = max(model.lowerPositionLimit[index + 1], -3.0)
@@ -83,6 +89,21 @@ class _Leg:
         self.hip_height = float(span(q)[2])
         longest = float(np.linalg.norm(span(bent(self.knee + 6, straight))))
         self.drop = self._bearable_drop(robot, data, longest)
+
+    def _roll_range(self, robot: Robot, data: pin.Data, joints: list[int]) -> float:
+        """Play of the ankle's roll joint on its tighter side, less a margin, rad."""
+        model, q = robot.model, robot.q_nominal
+        pin.computeJointJacobians(model, data, q)
+        along = []
+        for joint in joints[-2:]:  # the ankle: the one of its joints whose axis points forward
+            axis = pin.getJointJacobian(model, data, joint, pin.WORLD)[3:, model.idx_vs[joint]]
+            along.append(abs(float(axis[0])))
+        index = model.idx_vs[joints[-2 + int(np.argmax(along))]]
+        angle = q[index + 1]
+        play = min(
+            model.upperPositionLimit[index + 1] - angle, angle - model.lowerPositionLimit[index + 1]
+        )
+        return max(float(play) - _ROLL_MARGIN, 0.0)
 
     def _bearable_drop(self, robot: Robot, data: pin.Data, longest: float) -> float:
         """By how much the hip may sink until the knee, alone, is at its strength's end, m.
