@@ -30,21 +30,26 @@ from wbc.trials import Scenario, circle, forward, run_scenario, sideways, stop_a
 
 SCENARIOS: dict[str, list[Scenario]] = {
     "talos": [
-        forward(10.0, 0.5),
+        forward(10.0, 0.53, cruise=0.5),
         sideways(2.0, 0.15),
         turn(180.0, 0.3),
         circle(1.0, 0.25),
         forward(2.0, -0.2),
         stop_and_stand(0.5),
     ],
-    "g1": [forward(10.0, 0.35), turn(90.0, 0.3), sideways(1.0, 0.1), stop_and_stand(0.35)],
+    "g1": [
+        forward(10.0, 0.39, cruise=0.35),
+        turn(90.0, 0.3),
+        sideways(1.0, 0.1),
+        stop_and_stand(0.35),
+    ],
     "simple_humanoid": [
-        forward(10.0, 0.4),
+        forward(10.0, 0.43, cruise=0.4),
         turn(90.0, 0.3),
         sideways(1.0, 0.1),
         stop_and_stand(0.4),
     ],
-    "romeo": [forward(10.0, 0.2), stop_and_stand(0.2)],
+    "romeo": [forward(10.0, 0.22, cruise=0.2), stop_and_stand(0.2)],
 }
 
 
@@ -109,7 +114,7 @@ def main() -> int:
 def table(results: dict[tuple[str, int], list[wbc.Report]]) -> str:
     """A Markdown table, one row per robot and scenario."""
     lines = [
-        "| robot | scenario | passed | reached (worst) | speed, m/s | DCM error, mm rms | "
+        "| robot | scenario | passed | reached (worst) | cruise, m/s | DCM error, mm rms | "
         "peak torque | beyond joint limits, rad | QP failures | tick, µs (p50 / p99) | "
         "× real time |",
         "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |",
@@ -124,7 +129,7 @@ def table(results: dict[tuple[str, int], list[wbc.Report]]) -> str:
         worst = min(scenario.measure(r) for r in reports)
         lines.append(
             f"| {name} | {scenario.name} | {passed}/{len(reports)} | {worst:.2f} {scenario.unit} | "
-            f"{median('mean_speed_m_s'):.2f} | {median('dcm_error_rms_mm'):.1f} | "
+            f"{median('cruise_speed_m_s'):.2f} | {median('dcm_error_rms_mm'):.1f} | "
             f"{100 * max(r.torque_peak_ratio for r in reports):.0f} % | "
             f"{max(r.joint_limit_excess_rad for r in reports):.1g} | "
             f"{sum(r.qp_failures for r in reports)} | "

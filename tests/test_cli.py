@@ -42,7 +42,7 @@ def test_walk_ends_with_a_table_and_survives(wbc_command, tmp_path):
         "walk", *QUICK, "--velocity", "0.2", "0", "0", "--duration", "5", "--json", str(file)
     )
     assert code == 0
-    for row in ("survived", "steps", "mean speed", "DCM", "peak torque", "QP failures", "tick"):
+    for row in ("survived", "steps", "speed", "DCM", "peak torque", "QP failures", "tick"):
         assert row in out
     assert "m/s" in err, "no progress was shown"
     report = json.loads(file.read_text("utf-8"))

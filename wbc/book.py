@@ -136,7 +136,7 @@ class Book:
         n = min(self._count, self._tick.size)
         tick, errors = 1e6 * self._tick[:n], self._error[:n]
         errors = errors[np.isfinite(errors)]
-        distance, speed = _way(np.array([*self._trail, self._here]))
+        distance, mean, cruise = _way(np.array([*self._trail, self._here]))
         c, s = np.cos(self._heading), np.sin(self._heading)
         dx, dy = self._here - self._trail[0]
         late = clock.lateness if clock is not None else np.zeros(1)
@@ -150,7 +150,8 @@ class Book:
             distance_m=distance,
             displacement_m=(float(c * dx + s * dy), float(c * dy - s * dx)),
             turned_rad=self._turned,
-            mean_speed_m_s=speed,
+            mean_speed_m_s=mean,
+            cruise_speed_m_s=cruise,
             dcm_error_rms_mm=1e3 * float(np.sqrt(np.mean(errors**2))) if errors.size else 0.0,
             torque_peak_ratio=self._torque_ratio,
             torque_excess_nm=self._torque_excess,
@@ -167,8 +168,8 @@ class Book:
         )
 
 
-def _way(trail: np.ndarray) -> tuple[float, float]:
-    """Length of the way (m) and mean speed while moving (m/s), sway averaged out.
+def _way(trail: np.ndarray) -> tuple[float, float, float]:
+    """Length of the way (m), mean and median speed while moving (m/s), sway averaged out.
 
     Args:
         trail: (n, 2) places, `_TRAIL` s apart.
@@ -179,5 +180,7 @@ def _way(trail: np.ndarray) -> tuple[float, float]:
     smooth = np.vstack((trail[:1], (sums[width:] - sums[:-width]) / width, trail[-1:]))
     strides = np.linalg.norm(np.diff(smooth, axis=0), axis=1)
     moving = strides > _MOVING * _TRAIL
-    speed = float(strides[moving].mean()) / _TRAIL if moving.any() else 0.0
-    return float(strides.sum()), speed
+    if not moving.any():
+        return float(strides.sum()), 0.0, 0.0
+    speeds = strides[moving] / _TRAIL
+    return float(strides.sum()), float(speeds.mean()), float(np.median(speeds))

@@ -21,7 +21,8 @@ class Report:
         distance_m: length of the way over the ground, the sway of the gait averaged out.
         displacement_m: (forward, left) of the base from its start, in its first heading, m.
         turned_rad: heading change, counted over full turns, rad.
-        mean_speed_m_s: distance over time spent walking, m/s.
+        mean_speed_m_s: distance over time spent walking, starts and stops included, m/s.
+        cruise_speed_m_s: median speed while walking, m/s.
         dcm_error_rms_mm: of the measured DCM against its plan.
         torque_peak_ratio: largest |τ| / τ_max of any joint.
         torque_excess_nm: by how much any commanded torque exceeded its limit, N·m.
@@ -46,6 +47,7 @@ class Report:
     displacement_m: tuple[float, float]
     turned_rad: float
     mean_speed_m_s: float
+    cruise_speed_m_s: float
     dcm_error_rms_mm: float
     torque_peak_ratio: float
     torque_excess_nm: float
@@ -86,7 +88,10 @@ class Report:
                 f"{self.distance_m:.2f} m  (forward {forward:+.2f} m, left {left:+.2f} m, "
                 f"turned {self.turned_rad * 57.29578:+.0f}°)",
             ),
-            ("mean speed", f"{self.mean_speed_m_s:.2f} m/s"),
+            (
+                "speed",
+                f"{self.mean_speed_m_s:.2f} m/s mean, {self.cruise_speed_m_s:.2f} m/s cruise",
+            ),
             ("DCM tracking error", f"{self.dcm_error_rms_mm:.1f} mm rms"),
             ("peak torque", f"{100.0 * self.torque_peak_ratio:.0f} % of the limit"),
             ("beyond joint limits", f"{self.joint_limit_excess_rad:.1e} rad"),

@@ -23,6 +23,7 @@ class Scenario:
         measure: the report's figure that counts, e.g. the distance forward.
         goal: what the figure must reach.
         unit: of the figure.
+        cruise: the least cruise speed that counts, m/s.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Scenario:
     measure: Callable[[Report], float]
     goal: float
     unit: str
+    cruise: float = 0.0
 
     @property
     def duration(self) -> float:
@@ -45,10 +47,11 @@ class Scenario:
         return (0.0, 0.0, 0.0)
 
     def passed(self, report: Report) -> bool:
-        """Survived, went far enough, no QP failure, no limit broken."""
+        """Survived, went far and fast enough, no QP failure, no limit broken."""
         return (
             report.survived
             and self.measure(report) >= self.goal
+            and report.cruise_speed_m_s >= self.cruise
             and report.qp_failures == 0
             and report.joint_limit_excess_rad <= 1e-3
             and report.torque_excess_nm <= 0.0
@@ -60,13 +63,24 @@ _START_AND_STOP = 1.5
 _TURN_START_AND_STOP = 0.6
 
 
-def forward(distance: float, speed: float, rest: float = 3.0) -> Scenario:
-    """Walk straight on."""
+def forward(distance: float, speed: float, rest: float = 3.0, cruise: float = 0.0) -> Scenario:
+    """Walk straight on at a commanded speed, and at least at `cruise` as measured (m/s).
+
+    A foot that finds the ground late makes its step last longer, so the robot is a little
+    slower than the command.
+    """
     sign = math.copysign(1.0, speed)
     name = f"{'forward' if speed > 0 else 'backward'} {distance:g} m at {abs(speed):g} m/s"
     walk = distance / abs(speed) + _START_AND_STOP
     return Scenario(
-        name, (speed, 0.0, 0.0), walk, rest, lambda r: sign * r.displacement_m[0], distance, "m"
+        name,
+        (speed, 0.0, 0.0),
+        walk,
+        rest,
+        lambda r: sign * r.displacement_m[0],
+        distance,
+        "m",
+        cruise,
     )
 
 
