@@ -70,7 +70,7 @@ class Estimator:
         self._model = robot.model
         self._legs = Legs(robot)
         gravity = np.array(robot.model.gravity.linear)
-        self._weight = float(robot.mass * np.linalg.norm(gravity))
+        self._weight = robot.weight
         self.filter = InvariantFilter(
             len(robot.soles),
             dt,

@@ -115,8 +115,7 @@ class _Leg:
         pin.forwardKinematics(model, data, q)
         knee = data.oMi[list(model.idx_vs).index(self.knee + 6)]
         lever = abs(float(knee.translation[0] - pin.centerOfMass(model, data, q)[0]))
-        weight = robot.mass * float(np.linalg.norm(model.gravity.linear))
-        strength = _STRENGTH * float(robot.tau_max[self.knee]) / (weight * max(lever, 1e-3))
+        strength = _STRENGTH * float(robot.tau_max[self.knee]) / (robot.weight * max(lever, 1e-3))
         off = math.sqrt(max(longest**2 - self.hip_height**2, 0.0))  # twice the knee's offset
         bearable = min(off * strength, longest)
         return self.hip_height - math.sqrt(longest**2 - bearable**2)

@@ -103,6 +103,11 @@ class Robot:
         return float(pin.computeTotalMass(self.model))
 
     @cached_property
+    def weight(self) -> float:
+        """Mass times gravity, N."""
+        return self.mass * float(np.linalg.norm(self.model.gravity.linear))
+
+    @cached_property
     def com_height(self) -> float:
         """Height of the centre of mass above the soles in the nominal posture, m."""
         return float(pin.centerOfMass(self.model, self.model.createData(), self.q_nominal)[2])

@@ -62,7 +62,7 @@ class Scene:
         self._boxes = checked_boxes(boxes)
         looks = looks_of(robot)
         self.source = looks.source
-        weight = robot.mass * float(np.linalg.norm(self._model.gravity.linear))
+        weight = robot.weight
         self.proportions = p = Proportions(robot.com_height, looks.top, max(weight, 1e-3))
         self._actors: list[Actor] = [
             Body(self._model, looks.shapes),

@@ -11,7 +11,6 @@ from wbc.gait import Phase, Schedule
 from wbc.robot import Robot
 from wbc.tasks import FrameTask
 from wbc.walking.gains import WalkerGains
-from wbc.walking.soles import GRAVITY
 
 
 class Footing:
@@ -30,7 +29,7 @@ class Footing:
     def __init__(self, robot: Robot, controller: WholeBodyController, gains: WalkerGains) -> None:
         self._controller = controller
         self._gains = gains
-        self._weight = robot.mass * GRAVITY
+        self._weight = robot.weight
         self._contacts: dict[str, SurfaceContact] = {}
         self._swing_tasks: dict[str, FrameTask] = {}
         for sole in robot.soles:

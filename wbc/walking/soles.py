@@ -12,8 +12,6 @@ from wbc.gait.planar import point, yaw_of
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 
-GRAVITY = 9.81
-
 
 def placements(kin: Kinematics) -> Feet:
     """Both soles on the ground, as the kinematics place them."""
@@ -52,5 +50,5 @@ def loads(robot: Robot, wrenches: Mapping[str, np.ndarray] | None) -> dict[str, 
             )
         if not np.isfinite(wrench.sum()):
             raise ContactError(f"foot_wrenches['{sole.name}'] = {wrench} is not finite")
-        shares[sole.side] = float(wrench[2]) / (robot.mass * GRAVITY)
+        shares[sole.side] = float(wrench[2]) / robot.weight
     return shares

@@ -73,12 +73,12 @@ class Walker:
                 kd=np.array([0.0, 0.0, 2.0 * np.sqrt(kp)]),
             )
         )
-        upright = Kinematics(robot, robot.standing())
+        self._kin = Kinematics(robot, robot.standing())
         self._reach = LegReach(robot)
         self._trunk = []
         for frame in dict.fromkeys((robot.torso, robot.base)):
             task = OrientationTask(frame, weight=gains.trunk_weight, kp=gains.trunk_kp)
-            self._trunk.append((controller.add(task), upright.frame(frame).rotation.copy()))
+            self._trunk.append((controller.add(task), self._kin.frame(frame).rotation.copy()))
         weights = np.full(robot.na, gains.posture_weight)
         for leg in robot.legs:
             weights[np.array(leg) - 6] = gains.leg_posture_weight
@@ -89,7 +89,6 @@ class Walker:
         self._soles: dict[str, Sole] = {s.side: s for s in robot.soles}
         self._wanted = Velocity()
         self._queue: list[tuple[str, Placement]] = []
-        self._kin: Kinematics | None = None
         self.reset(robot.standing())
 
     @property
@@ -145,7 +144,7 @@ class Walker:
         Raises:
             StateError: see `State.checked`.
         """
-        self._kin = Kinematics(self.robot, state)
+        self._kin.update(state)
         feet = placements(self._kin)
         self.schedule = Schedule(self.gait, feet, self._queue)
         self._ground = 0.5 * (feet.left.height + feet.right.height)
@@ -168,7 +167,6 @@ class Walker:
             ContactError: a foot wrench of the wrong shape or name, or not finite.
         """
         shares = loads(self.robot, foot_wrenches)
-        assert self._kin is not None
         kin = self._kin
         kin.update(state)
         feet = placements(kin)
@@ -255,7 +253,6 @@ class Walker:
     @property
     def telemetry(self) -> Telemetry:
         """What the walker sees and intends, for observers."""
-        assert self._kin is not None
         feet = placements(self._kin)
         schedule = self.schedule
         z = self._ground

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
+from wbc.robot import Sole
 from wbc.view.actors.actor import (
     Actor,
     Moment,
@@ -19,7 +20,6 @@ from wbc.view.actors.actor import (
 )
 from wbc.view.colours import LEFT, RIGHT, faded
 from wbc.view.objects import Colour, Json, flat, mesh, triangles
-from wbc.view.sole import SoleShape
 
 _PLANNED = 8  # of each side
 _MADE = 12
@@ -38,7 +38,7 @@ class Footsteps(Actor):
     the snapshots only planned steps are drawn.
     """
 
-    def __init__(self, soles: Sequence[SoleShape], proportions: Proportions) -> None:
+    def __init__(self, soles: Sequence[Sole], proportions: Proportions) -> None:
         self._soles = {sole.name: sole for sole in soles}
         self._weight = proportions.weight
         self._planned: dict[str, range] = {}
@@ -50,7 +50,7 @@ class Footsteps(Actor):
             self._made[sole.name] = self._prints(sole, _MADE, faded(colour, 0.35), 0.10)
         self.restart()
 
-    def _prints(self, sole: SoleShape, count: int, colour: Colour, fill: float) -> range:
+    def _prints(self, sole: Sole, count: int, colour: Colour, fill: float) -> range:
         kind = "made" if colour[3] < 1.0 else "planned"
         first = len(self.nodes)
         for i in range(count):
@@ -98,7 +98,7 @@ class Footsteps(Actor):
             self._loaded[name] = False
 
 
-def outline(sole: SoleShape, width: float = 0.006) -> Json:
+def outline(sole: Sole, width: float = 0.006) -> Json:
     """A frame of the sole's size, with a tip that tells its heading."""
     x, y = sole.half_length, sole.half_width
     outer = np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
@@ -109,7 +109,7 @@ def outline(sole: SoleShape, width: float = 0.006) -> Json:
     return _level(np.concatenate([outer, inner, tip]), np.array([*faces, (8, 9, 10)]))
 
 
-def area(sole: SoleShape) -> Json:
+def area(sole: Sole) -> Json:
     """A rectangle of the sole's size."""
     x, y = sole.half_length, sole.half_width
     corners = np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
