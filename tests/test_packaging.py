@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib.metadata
 import os
 import re
@@ -90,9 +91,16 @@ def test_versions_agree():
     assert PROJECT["version"] == wbc.__version__
 
 
-def test_import_brings_only_pinocchio_and_numpy():
-    heavy = ("meshcat", "mujoco", "qpsolvers", "matplotlib", "scipy", "osqp", "placo", "numba")
-    code = f"import sys, wbc; print([m for m in {heavy!r} if m in sys.modules])"
+HEAVY = (
+    *("clarabel", "cyclonedds", "daqp", "llvmlite", "matplotlib", "mcap", "meshcat", "mujoco"),
+    *("numba", "osqp", "piqp", "placo", "proxsuite", "qpsolvers", "quadprog", "rosbags"),
+    *("scipy", "scs", "tornado", "wbc.walking", "wbc.loop"),
+)
+
+
+def loaded(code: str) -> set[str]:
+    """Which of the heavy modules a fresh Python has loaded after a line of code."""
+    code += f"; import sys; print(*[m for m in {HEAVY!r} if m in sys.modules])"
     done = subprocess.run(
         [sys.executable, "-c", code],
         env={**os.environ, "PYTHONPATH": str(ROOT)},
@@ -100,14 +108,34 @@ def test_import_brings_only_pinocchio_and_numpy():
         text=True,
         check=True,
     )
-    assert done.stdout.strip() == "[]"
+    return set(done.stdout.split())
+
+
+def test_import_brings_only_pinocchio_and_numpy():
+    assert loaded("import wbc") == set()
+
+
+def test_loading_a_robot_brings_no_solver_and_no_controller():
+    assert loaded("import wbc; wbc.load('simple_humanoid')") == set()
+
+
+def test_simulator_comes_without_viewer():
+    assert loaded("import wbc; wbc.sim.Mujoco").isdisjoint({"meshcat", "tornado", "wbc.loop"})
 
 
 def test_every_public_name_is_there():
     for name in wbc.__all__:
         assert getattr(wbc, name) is not None
+    assert set(wbc.__all__) <= set(dir(wbc))
     with pytest.raises(AttributeError, match="nosuch"):
         _ = wbc.nosuch
+
+
+def test_names_for_type_checkers_are_the_public_names():
+    tree = ast.parse((ROOT / "wbc" / "__init__.py").read_text("utf-8"))
+    blocks = [node for node in tree.body if isinstance(node, ast.If)]
+    imports = [node for block in blocks for node in block.body if isinstance(node, ast.ImportFrom)]
+    assert {alias.name for node in imports for alias in node.names} == set(wbc.__all__)
 
 
 @pytest.fixture(scope="module")
