@@ -1,0 +1,242 @@
+"""What a fresh process pays before the first tick: imports, loading a robot, the first tick.
+
+Every row is measured in fresh processes, in turn (A B C, A B C, …), so that a busy machine is busy
+for all of them; the median counts. Python's bytecode is there already, as pip leaves it. "Cold" has
+no compiled kernels on disk, as right after an install; "warm" has those of an earlier process.
+
+    python benchmarks/startup.py
+    python benchmarks/startup.py --repeat 21 --cold 5 --json out/startup.json
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+CALIBRATION = "import pinocchio"
+
+EVERYTHING = """
+import wbc
+for name in wbc.__all__:
+    if name not in ("sim", "view"):
+        getattr(wbc, name)
+"""
+
+LOAD = """
+import wbc
+begin()
+wbc.load({robot!r})
+end()
+"""
+
+TICK = """
+import wbc
+robot = wbc.load({robot!r})
+state = robot.standing()
+begin()
+controller = wbc.WholeBodyController(robot, dt=0.002)
+controller.add(wbc.ComTask(weight=1000.0, kp=40.0))
+controller.add(wbc.OrientationTask(robot.torso, weight=20.0, kp=80.0))
+controller.add(wbc.PostureTask(robot, weight=0.3, kp=60.0))
+controller.set_contacts([wbc.SurfaceContact.of(sole) for sole in robot.soles])
+command = controller.step(state)
+end()
+assert command.status is wbc.Status.OK, command.explanation
+"""
+
+# What a child measures itself: the part between `begin` and `end`, CPU and wall.
+STOPWATCH = """
+import time
+def begin():
+    global cpu, wall
+    cpu, wall = time.process_time(), time.perf_counter()
+def end():
+    print("\\nPART", time.process_time() - cpu, time.perf_counter() - wall)
+"""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One thing to start.
+
+    Attributes:
+        name: in the table.
+        code: run by `python -c`.
+        cold: it finds no compiled kernels.
+        part: what of it is measured between `begin()` and `end()`.
+    """
+
+    name: str
+    code: str
+    cold: bool = False
+    part: str = ""
+
+
+@dataclass
+class Times:
+    """What the repeats of a row took, s; `part_*` are what its child measured itself."""
+
+    cpu: list[float] = field(default_factory=list)
+    wall: list[float] = field(default_factory=list)
+    part_cpu: list[float] = field(default_factory=list)
+    part_wall: list[float] = field(default_factory=list)
+
+    def add(self, other: Times) -> None:
+        """Take the other's figures in."""
+        for name, values in vars(other).items():
+            getattr(self, name).extend(values)
+
+
+def rows(robot: str) -> list[Row]:
+    """What is measured."""
+    return [
+        Row("python", "pass"),
+        Row("import numpy", "import numpy"),
+        Row(CALIBRATION, CALIBRATION),
+        Row("import wbc", "import wbc"),
+        Row("import wbc, all of its core", EVERYTHING),
+        Row(f'wbc.load("{robot}")', LOAD.format(robot=robot), part="load"),
+        Row("first tick, warm", TICK.format(robot=robot), part="controller and tick"),
+        Row("first tick, cold", TICK.format(robot=robot), cold=True, part="controller and tick"),
+    ]
+
+
+def run(row: Row, environment: Mapping[str, str]) -> Times:
+    """Run a row once, in a process of its own.
+
+    Raises:
+        SystemExit: it failed; its own message is above.
+    """
+    stopwatch = STOPWATCH if row.part else ""
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    done = subprocess.run(
+        [sys.executable, "-c", stopwatch + row.code],
+        env=environment,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    wall = time.perf_counter() - start
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode:
+        raise SystemExit(f"'{row.name}' failed")
+    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    parts = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("PART")]
+    return Times(
+        [cpu], [wall], [float(part[0]) for part in parts], [float(part[1]) for part in parts]
+    )
+
+
+def environment(folder: Path, kernels: Path) -> dict[str, str]:
+    """Of a child: one thread, this checkout, bytecode and kernels in these folders."""
+    keep = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+    threads = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+    return {
+        **keep,
+        **dict.fromkeys(threads, "1"),
+        "PYTHONPATH": os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH")))),
+        "PYTHONPYCACHEPREFIX": str(folder / "bytecode"),
+        "NUMBA_CACHE_DIR": str(kernels),
+        "XDG_CACHE_HOME": str(kernels),
+    }
+
+
+def measure(chosen: list[Row], repeat: int, cold: int) -> dict[str, Times]:
+    """Times of each row; the cold ones are repeated only `cold` times, for they take long."""
+    times = {row.name: Times() for row in chosen}
+    with tempfile.TemporaryDirectory(prefix="wbc-startup-") as name:
+        folder = Path(name)
+        warm = environment(folder, folder / "kernels")
+        for row in chosen:
+            run(row, warm)  # bytecode, kernels and the disk's cache; not counted
+        for k in range(max(repeat, cold)):
+            for row in chosen:
+                if k >= (cold if row.cold else repeat):
+                    continue
+                kernels = folder / f"kernels-{k}"
+                times[row.name].add(run(row, environment(folder, kernels) if row.cold else warm))
+    return times
+
+
+def median(values: list[float]) -> float | None:
+    """The median, s, if there is one."""
+    return float(np.median(values)) if values else None
+
+
+def table(chosen: list[Row], times: dict[str, Times]) -> list[dict[str, float | str | None]]:
+    """One line per row: medians, s, and the ratio of CPU times to importing Pinocchio."""
+    unit = median(times[CALIBRATION].cpu) or np.nan
+    lines: list[dict[str, float | str | None]] = []
+    for row in chosen:
+        figures = times[row.name]
+        if not figures.cpu:
+            continue
+        cpu = float(np.median(figures.cpu))
+        lines.append(
+            {
+                "what": row.name,
+                "runs": len(figures.cpu),
+                "cpu_s": cpu,
+                "cpu_min_s": min(figures.cpu),
+                "wall_s": median(figures.wall),
+                "ratio": cpu / unit,
+                "part": row.part,
+                "part_cpu_s": median(figures.part_cpu),
+                "part_wall_s": median(figures.part_wall),
+            }
+        )
+    return lines
+
+
+def show(lines: list[dict[str, float | str | None]]) -> None:
+    """Print the table."""
+    print(
+        f"{'fresh process':<30}{'CPU s':>8}{'least':>8}{'wall s':>8}"
+        f"{'× pinocchio':>13}   of which, CPU / wall s"
+    )
+    for line in lines:
+        text = f"{line['what']:<30}{line['cpu_s']:>8.3f}{line['cpu_min_s']:>8.3f}"
+        text += f"{line['wall_s']:>8.3f}{line['ratio']:>13.2f}"
+        if line["part"] and line["part_cpu_s"] is not None:
+            text += f"   {line['part']}: {line['part_cpu_s']:.3f} / {line['part_wall_s']:.3f}"
+        print(text)
+
+
+def main() -> None:
+    """Measure, print the table, write the JSON."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--robot", default="talos")
+    parser.add_argument("--repeat", type=int, default=9, help="(default: %(default)s)")
+    parser.add_argument(
+        "--cold", type=int, default=3, help="repeats without kernels (default: %(default)s)"
+    )
+    parser.add_argument("--json", type=Path, help="write the table there")
+    options = parser.parse_args()
+    chosen = rows(options.robot)
+    if options.cold < 1:
+        chosen = [row for row in chosen if not row.cold]
+    times = measure(chosen, options.repeat, options.cold)
+    lines = table(chosen, times)
+    show(lines)
+    if options.json:
+        options.json.parent.mkdir(parents=True, exist_ok=True)
+        every = {name: asdict(figures) for name, figures in times.items()}
+        text = json.dumps({"robot": options.robot, "rows": lines, "times": every}, indent=1)
+        options.json.write_text(text + "\n")
+
+
+if __name__ == "__main__":
+    main()
