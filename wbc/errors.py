@@ -68,6 +68,10 @@ class GaitError(WbcError, ValueError):
     """A gait parameter or a velocity command makes no sense."""
 
 
+class MotionError(WbcError, ValueError):
+    """A motion was given what it cannot do, or is used at the wrong moment."""
+
+
 class MeasurementError(WbcError, ValueError):
     """A measurement has a wrong size or a value that is not finite."""
 

@@ -2,6 +2,7 @@
 
 from wbc.gait.dcm_plan import DcmReference, ZmpSegment, dcm_now
 from wbc.gait.footsteps import Velocity, next_placement
+from wbc.gait.lifted import LiftedFoot
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.planar import Placement
 from wbc.gait.schedule import Feet, Phase, Schedule
@@ -11,6 +12,7 @@ __all__ = [
     "DcmReference",
     "Feet",
     "GaitParameters",
+    "LiftedFoot",
     "Phase",
     "Placement",
     "Schedule",

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from enum import Enum
 
+from wbc.errors import GaitError
 from wbc.gait.dcm_plan import ZmpSegment
 from wbc.gait.footsteps import (
     Velocity,
@@ -14,6 +16,7 @@ from wbc.gait.footsteps import (
     next_placement,
     other,
 )
+from wbc.gait.lifted import LiftedFoot
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.planar import Placement, turn, wrap
 from wbc.gait.swing import SwingFoot
@@ -60,6 +63,9 @@ class Schedule:
         support: the foot that carries, or that the weight moves to.
         time: since the phase began, s.
         swing: the swing foot's reference during SWING.
+        lean: where the weight is while standing or on one leg: 0 over the right sole, 1 over
+            the left; walking takes it from the middle.
+        swing_load: most of the weight that the other foot may carry while standing, as a share.
         steps: touchdowns so far.
         velocity: what the current step was planned with.
         queue: footsteps given as a list, the next first; they go before the velocity.
@@ -79,7 +85,9 @@ class Schedule:
         self.time = 0.0
         self.duration = 0.0
         self._hold = 0.0  # time at the start of a transfer in which the weight stays
-        self.swing: SwingFoot | None = None
+        self.swing: SwingFoot | LiftedFoot | None = None
+        self.lean = 0.5
+        self.swing_load = float("inf")
         self.steps = 0
         self.velocity = Velocity()
         self.queue = [] if queue is None else queue
@@ -150,11 +158,60 @@ class Schedule:
                     self._enter(Phase.STAND, 0.0)
                 else:
                     self._begin_swing()
+        elif isinstance(self.swing, LiftedFoot):
+            self.swing.advance(feet.of(self.support))
+            if self._is_set_down(self.swing, loads):
+                self.swing = None
+                self._enter(Phase.STAND, 0.0)
         elif self.swing is not None:
             if self._has_landed(loads):
                 self._touch_down(velocity)
             else:
                 self.swing.advance(dt, self.target)
+
+    def stand_on(self, side: str) -> None:
+        """While standing: which foot the ground holds exactly, and is not to be lifted.
+
+        Raises:
+            GaitError: it is not standing.
+        """
+        if self.phase is not Phase.STAND:
+            raise GaitError(f"stand_on('{side}') in phase {self.phase.name}: only while standing")
+        self.support = side
+
+    def lift(self) -> LiftedFoot:
+        """Stand on the support foot alone from now on; returns the other one's reference.
+
+        The weight has to be over the support foot already (`lean`), the other one unloaded
+        (`swing_load`). It ends when the foot is lowered with `landing` set and feels the ground.
+
+        Raises:
+            GaitError: it is not standing.
+        """
+        if self.phase is not Phase.STAND:
+            raise GaitError(f"lift() in phase {self.phase.name}: only while standing")
+        lifted = LiftedFoot(self._feet.of(self.swing_side), self._feet.of(self.support))
+        self.swing = lifted
+        self._enter(Phase.SWING, math.inf)
+        return lifted
+
+    @property
+    def lifted(self) -> LiftedFoot | None:
+        """The foot that is held up, if one is."""
+        return self.swing if isinstance(self.swing, LiftedFoot) else None
+
+    def _is_set_down(self, foot: LiftedFoot, loads: dict[str, float] | None) -> bool:
+        if loads is None:
+            return foot.overdue
+        return foot.landing and loads[self.swing_side] > self.gait.contact_share
+
+    @property
+    def _standing_point(self) -> complex:
+        """Where the ZMP is at rest."""
+        if self.lean == 0.5:
+            return self._feet.middle
+        left, right = self._feet.left.point, self._feet.right.point
+        return right + self.lean * (left - right)
 
     def _enter(self, phase: Phase, duration: float) -> None:
         self.phase, self.time, self.duration = phase, 0.0, duration
@@ -230,7 +287,7 @@ class Schedule:
         return self._footsteps(self.target)
 
     def _footsteps(self, landing: Placement) -> list[tuple[str, Placement]]:
-        if self.phase is Phase.STAND or self.stopping:
+        if self.phase is Phase.STAND or self.stopping or self.lifted is not None:
             return []
         steps: list[tuple[str, Placement]] = []
         side, stance, queued = self.swing_side, self._feet.of(self.support), 0
@@ -264,8 +321,9 @@ class Schedule:
     def _segments(self, landing: Placement) -> list[ZmpSegment]:
         feet, gait = self._feet, self.gait
         middle = feet.middle
-        if self.phase is Phase.STAND:
-            return [ZmpSegment(middle, middle, 1.0)]
+        if self.phase is Phase.STAND or self.lifted is not None:
+            at = self._standing_point
+            return [ZmpSegment(at, at, 1.0)]
         support = feet.of(self.support).point
         if self.phase is Phase.TRANSFER and self.stopping:
             now = support + (middle - support) * self.progress

@@ -51,7 +51,10 @@ class Footing:
             self._controller.contacts = (support,)
             return
         other.motion_weight = self._gains.second_contact_weight
-        if schedule.phase is Phase.TRANSFER and not schedule.stopping:
+        if schedule.phase is Phase.STAND:
+            if schedule.swing_load < 1.0:
+                other.max_force = max(schedule.swing_load * self._weight, 1.0)
+        elif schedule.phase is Phase.TRANSFER and not schedule.stopping:
             left_over = (1.0 - schedule.progress) / (1.0 - self._gains.unload_from)
             if left_over < 1.0:
                 other.max_force = max(left_over * 0.5 * self._weight, 1.0)

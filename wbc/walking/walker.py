@@ -21,7 +21,8 @@ from wbc.kinematics import Kinematics
 from wbc.robot import Robot, Sole
 from wbc.state import State
 from wbc.tasks import AngularMomentumTask, ComTask, OrientationTask, PostureTask
-from wbc.telemetry import Footstep, Telemetry
+from wbc.telemetry import Balance, Footstep, Telemetry
+from wbc.walking.body_offset import BodyOffset
 from wbc.walking.footing import Footing, about_z
 from wbc.walking.gains import WalkerGains
 from wbc.walking.soles import loads, placements
@@ -45,6 +46,7 @@ class Walker:
         controller: the whole-body controller; add tasks of your own to it.
         posture: the posture task, for arms and head.
         schedule: the gait's state machine.
+        body: what a motion adds to the references of CoM and trunk; None: nothing.
 
     Raises:
         SolverNotFound: the solver is unknown or not installed.
@@ -87,6 +89,7 @@ class Walker:
         self.momentum = controller.add(AngularMomentumTask(weight=gains.momentum_weight))
         self._footing = Footing(robot, controller, gains)
         self._soles: dict[str, Sole] = {s.side: s for s in robot.soles}
+        self.body: BodyOffset | None = None
         self._wanted = Velocity()
         self._queue: list[tuple[str, Placement]] = []
         self.reset(robot.standing())
@@ -171,6 +174,8 @@ class Walker:
         kin.update(state)
         feet = placements(kin)
         schedule = self.schedule
+        if self.body is not None:
+            schedule.lean = self.body.lean
         schedule.update(self.dt, feet, self._wanted, shares)
         self._balance(kin, feet)
         self._keep_upright(feet)
@@ -186,6 +191,9 @@ class Walker:
         if schedule.swing is not None and not schedule.swing.committed:
             self._adjust_step(feet)
         self._reference = dcm_now(schedule.zmp_segments(), omega)
+        if self.body is not None:
+            standing = schedule.phase is Phase.STAND or schedule.lifted is not None
+            self._reference = self.body.moved(self._reference, omega, self._heading, feet, standing)
         zmp = feedback_zmp(self._dcm, self._reference, omega, gait.dcm_gain)
         self._zmp = clamp_to_polygon(zmp, self._support(feet), gains.zmp_margin)
         push = omega * omega * (com - self._zmp)
@@ -197,6 +205,10 @@ class Walker:
         self._height_now += 0.25 * blend * (height - self._height_now)
         assert self.com.target is not None
         self.com.target[2] = self._ground + self._height_now
+        if self.body is not None:
+            self.com.target[2] += self.body.com[2]
+            self.com.velocity[2] = self.body.com_velocity[2]
+            self.com.acceleration[2] = self.body.com_acceleration[2]
 
     def _adjust_step(self, feet: Feet) -> None:
         """Move the landing place when the DCM is beyond what the ankles can catch."""
@@ -249,33 +261,52 @@ class Walker:
         for task, upright in self._trunk:
             task.target = heading @ upright
             task.velocity[2] = rate
+        if self.body is not None:
+            self._lean_trunk(self.body, heading, rate)
+
+    def _lean_trunk(self, body: BodyOffset, heading: np.ndarray, rate: float) -> None:
+        attitudes = (body.torso, body.base)[-len(self._trunk) :]
+        for (task, upright), attitude in zip(self._trunk, attitudes, strict=True):
+            rotation, velocity, acceleration = attitude.motion()
+            task.target = heading @ rotation @ upright
+            task.velocity = heading @ velocity
+            task.velocity[2] += rate
+            task.acceleration = heading @ acceleration
+
+    @property
+    def balance(self) -> Balance:
+        """The part of `telemetry` that costs next to nothing, for observers of every tick."""
+        schedule, z = self.schedule, self._ground
+        dcm, reference, zmp = self._dcm, self._reference.dcm, self._zmp
+        return Balance(
+            com=self._kin.p_com.copy(),
+            dcm=np.array([dcm.real, dcm.imag, z]),
+            dcm_reference=np.array([reference.real, reference.imag, z]),
+            zmp=np.array([zmp.real, zmp.imag, z]),
+            phase=schedule.support if schedule.phase is Phase.SWING else schedule.phase.value,
+        )
 
     @property
     def telemetry(self) -> Telemetry:
         """What the walker sees and intends, for observers."""
         feet = placements(self._kin)
-        schedule = self.schedule
-        z = self._ground
-
-        def at(p: complex) -> np.ndarray:
-            return np.array([p.real, p.imag, z])
-
+        schedule, balance = self.schedule, self.balance
+        support = self._support(feet)
         steps = tuple(
             Footstep(side, np.array([p.point.real, p.point.imag, p.height]), p.yaw)
             for side, p in schedule.preview()
         )
         swing = schedule.swing
         path = np.array(swing.path()) if swing is not None else np.empty((0, 3))
-        phase = schedule.support if schedule.phase is Phase.SWING else schedule.phase.value
         return Telemetry(
-            com=self._kin.p_com.copy(),
-            dcm=at(self._dcm),
-            dcm_reference=at(self._reference.dcm),
-            zmp=at(self._zmp),
-            support=np.array([at(p) for p in self._support(feet)]),
+            com=balance.com,
+            dcm=balance.dcm,
+            dcm_reference=balance.dcm_reference,
+            zmp=balance.zmp,
+            phase=balance.phase,
+            support=np.array([[p.real, p.imag, self._ground] for p in support]),
             footsteps=steps,
             swing_path=path,
-            phase=phase,
         )
 
     @property

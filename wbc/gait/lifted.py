@@ -1,0 +1,105 @@
+"""A foot that is held up while the robot stands on the other one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wbc.gait.planar import Placement, turn, wrap
+
+_SETTLED = 0.003  # m: a foot without a sensor has landed this far below where it left
+
+
+class LiftedFoot:
+    """Reference of a sole's centre that is raised, held and lowered as somebody else says.
+
+    It has a `SwingFoot`'s attributes, and stays where it is relative to the support foot.
+
+    Args:
+        start: where the sole left the ground.
+        stance: the support sole.
+
+    Attributes:
+        offset: (4,) from `start`: forward, left (m, in the axes the sole had there), up (m),
+            turned left (rad).
+        rate: (4,) per s.
+        push: (4,) per s².
+        landing: whether contact now means that it stands again.
+    """
+
+    committed = True  #: no step adjustment
+
+    def __init__(self, start: Placement, stance: Placement) -> None:
+        self._local = stance.to_local(start.point)
+        self._yaw = wrap(start.yaw - stance.yaw)
+        self._rise = start.height - stance.height
+        self._stance = stance
+        self.offset = np.zeros(4)
+        self.rate = np.zeros(4)
+        self.push = np.zeros(4)
+        self.landing = False
+
+    def advance(self, stance: Placement) -> None:
+        """Follow the support sole as it is measured."""
+        self._stance = stance
+
+    @property
+    def overdue(self) -> bool:
+        """Lowered so far that a foot without a sensor counts as landed."""
+        return self.landing and bool(self.offset[2] < -_SETTLED)
+
+    def _start(self) -> Placement:
+        stance = self._stance
+        return Placement(
+            stance.to_world(self._local),
+            wrap(stance.yaw + self._yaw),
+            stance.height + self._rise,
+        )
+
+    @property
+    def target(self) -> Placement:
+        """Where it will stand: below where it is."""
+        start = self._start()
+        x, y, _, yaw = (float(o) for o in self.offset)
+        return Placement(start.to_world(complex(x, y)), wrap(start.yaw + yaw), start.height)
+
+    @property
+    def position(self) -> tuple[float, float, float]:
+        """World position of the sole's centre, m."""
+        at = self.target
+        return (at.point.real, at.point.imag, at.height + float(self.offset[2]))
+
+    def _turned(self, x: np.ndarray) -> tuple[float, float, float]:
+        flat = complex(float(x[0]), float(x[1])) * turn(self._start().yaw)
+        return (flat.real, flat.imag, float(x[2]))
+
+    @property
+    def velocity(self) -> tuple[float, float, float]:
+        """m/s."""
+        return self._turned(self.rate)
+
+    @property
+    def acceleration(self) -> tuple[float, float, float]:
+        """m/s²."""
+        return self._turned(self.push)
+
+    @property
+    def yaw(self) -> float:
+        """Heading, rad."""
+        return self.target.yaw
+
+    @property
+    def yaw_rate(self) -> float:
+        """rad/s."""
+        return float(self.rate[3])
+
+    @property
+    def yaw_acceleration(self) -> float:
+        """rad/s²."""
+        return float(self.push[3])
+
+    def path(self, points: int = 12) -> list[tuple[float, float, float]]:
+        """Straight down, for display."""
+        x, y, z = self.position
+        ground = self.target.height
+        steps = max(points, 1)
+        return [(x, y, z + (ground - z) * k / steps) for k in range(steps + 1)]

@@ -1,0 +1,324 @@
+"""The body as a motion sees it: references to set, and events to wait for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Protocol
+
+import numpy as np
+
+from wbc.command import Command
+from wbc.errors import MotionError
+from wbc.gait import LiftedFoot, Phase
+from wbc.gait.footsteps import other
+from wbc.gait.planar import point, turn, wrap
+from wbc.kinematics import Kinematics
+from wbc.motions.anatomy import Anatomy, Side
+from wbc.motions.hands import Hand
+from wbc.motions.motion import Script
+from wbc.motions.reference import SmoothReference
+from wbc.robot import Robot
+from wbc.state import State
+from wbc.walking import BodyOffset, Walker
+from wbc.walking.soles import placements
+
+_SETTLED = 0.005  # m, of the DCM, for
+_SETTLE_TIME = 0.25  # s
+_UNLOAD = 0.5  # s in which a foot is relieved of its load, or takes it
+_LOWERING = 0.05  # m/s, of a foot that looks for the ground
+_PITCH_SHARE = 0.5  # of a bow that the waist bears, the hips bear the rest
+_WAIST_SHARES = np.array([0.5, _PITCH_SHARE, 1.0])  # roll, pitch, yaw
+_WAIST_PLAY = 0.9  # share of the waist's range that may be used
+
+
+class Pilot(Protocol):
+    """Steps in the walker's place, for a motion that leaves the ground."""
+
+    def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
+        """One tick."""
+
+
+class Body:
+    """References of the whole body, each of which goes smoothly where it is told.
+
+    Places are in the *standing frame*: origin on the ground midway between the soles, x
+    forward, y left, z up. Motions order; once per tick the performer moves the references on
+    and hands them to the walker, which balances.
+
+    Args:
+        walker: that balances and steps.
+
+    Attributes:
+        robot: the robot.
+        anatomy: its arms, head and waist.
+        dt: control period, s.
+        time: since the reset, s.
+        state: as estimated at this tick; None before the first.
+        foot_wrenches: sole name -> (6,) measured wrench, sole axes; empty without sensors.
+        com: (3,) offset of the CoM from where it is when standing, m.
+        lean: (1,) where the weight is: 0 over the right sole, 0.5 in the middle, 1 over the left.
+        torso: (3,) rotation vector of the upper trunk from upright, heading axes, rad; hips
+            and waist share it.
+        posture: (na,) joint positions, rad. The legs follow it only as far as balance lets them.
+        hands: the hands by side.
+        notes: texts for the report.
+        pilot: what steps in the walker's place; see `take_over`.
+    """
+
+    def __init__(self, walker: Walker) -> None:
+        self.walker = walker
+        self.robot: Robot = walker.robot
+        self.anatomy = Anatomy.of(walker.robot)
+        self.dt = walker.dt
+        self.notes: list[str] = []
+        self.pilot: Pilot | None = None
+        robot, omega = self.robot, walker.gait.omega
+        self._kin = Kinematics(robot, robot.standing())
+        length = robot.leg_length
+        self.com = SmoothReference(
+            np.zeros(3), speed=0.3 * omega * length, acceleration=0.1 * omega**2
+        )
+        self.lean = SmoothReference(0.5, speed=1.0, acceleration=2.5)
+        self.torso = SmoothReference(np.zeros(3), speed=1.2, acceleration=4.0)
+        self.posture = SmoothReference(
+            robot.q_nominal[7:], speed=0.6 * np.minimum(robot.v_max, 5.0), acceleration=12.0
+        )
+        self.hands = {arm.side: Hand(walker, arm) for arm in self.anatomy.arms}
+        self._foot = SmoothReference(np.zeros(4), speed=0.4, acceleration=2.0)
+        self._load = SmoothReference(1.0, speed=4.0, acceleration=40.0)
+        ranges = self.anatomy.waist_range
+        self._waist_shares = np.where(np.ptp(ranges, axis=1) > 0.1, _WAIST_SHARES, 0.0)
+        self._offset = BodyOffset()
+        self._calm = 0.0
+        self.time = 0.0
+        self.state: State | None = None
+        self.foot_wrenches: Mapping[str, np.ndarray] = {}
+
+    def reset(self) -> None:
+        """Standing, everything at home. The walker has just been reset."""
+        self.time = self._calm = 0.0
+        self.notes.clear()
+        self.posture.home = self.walker.posture.target.copy()
+        for reference in self._references():
+            reference.reset()
+        for hand in self.hands.values():
+            hand.reset()
+        self._offset = BodyOffset()
+        self.walker.body = self._offset
+        self.walker.velocity = (0.0, 0.0, 0.0)
+        self.pilot = None
+
+    def _references(self) -> tuple[SmoothReference, ...]:
+        return (self.com, self.lean, self.torso, self.posture, self._foot, self._load)
+
+    # What a motion may ask.
+
+    @property
+    def standing(self) -> bool:
+        """Both feet on the ground, and not about to walk."""
+        return self.walker.schedule.phase is Phase.STAND
+
+    @property
+    def lifted(self) -> Side | None:
+        """The foot that is held up."""
+        schedule = self.walker.schedule
+        if schedule.lifted is None:
+            return None
+        return "left" if schedule.swing_side == "left" else "right"
+
+    @property
+    def settled(self) -> bool:
+        """The DCM has stayed within 5 mm of its plan for a quarter of a second."""
+        return self._calm >= _SETTLE_TIME
+
+    @property
+    def at_home(self) -> bool:
+        """Standing, with every reference where it is when standing."""
+        return (
+            self.standing
+            and all(r.arrived and not (r.value != r.home).any() for r in self._references())
+            and all(not hand.engaged for hand in self.hands.values())
+        )
+
+    def note(self, text: str) -> None:
+        """Say something in the report."""
+        self.notes.append(text)
+
+    # Waiting.
+
+    def wait(self, seconds: float) -> Script:
+        """Let time pass."""
+        end = self.time + seconds - 0.5 * self.dt
+        while self.time < end:
+            yield
+
+    def until(self, condition: Callable[[], bool], at_most: float = math.inf) -> Script:
+        """Wait for a condition, or until a time is over, s."""
+        end = self.time + at_most
+        while not condition() and self.time < end:
+            yield
+
+    def settle(self, at_most: float = 3.0) -> Script:
+        """Wait until the body is `settled`."""
+        yield from self.until(lambda: self.settled, at_most)
+
+    def arrive(self, *references: SmoothReference) -> Script:
+        """Wait until these references are where they were sent."""
+        yield from self.until(lambda: all(r.arrived for r in references))
+
+    # Orders that take several ticks.
+
+    def shift_weight(self, towards: Side | None, duration: float = 1.2) -> Script:
+        """Bring the weight over one sole, or between them (None).
+
+        Raises:
+            MotionError: a foot is in the air, or the robot walks.
+        """
+        if not self.standing:
+            raise MotionError("shift_weight: only with both feet on the ground")
+        self.lean.go({"left": 1.0, "right": 0.0, None: 0.5}[towards], duration)
+        yield from self.arrive(self.lean)
+
+    def lift(self, side: Side, height: float, duration: float = 1.0) -> Script:
+        """Stand on the other foot, and lift this one by a height, m.
+
+        Raises:
+            MotionError: a foot is in the air already, or the robot walks.
+        """
+        if not self.standing:
+            raise MotionError(f"lift: the {side} foot, only with both feet on the ground")
+        carries: Side = "left" if other(side) == "left" else "right"
+        yield from self.shift_weight(carries)
+        yield from self.settle(2.0)
+        self.walker.schedule.stand_on(carries)
+        self._load.go(0.0, _UNLOAD)
+        yield from self.arrive(self._load)
+        self._foot.reset()
+        self.walker.schedule.lift()
+        self._foot.go(np.array([0.0, 0.0, height, 0.0]), duration)
+        yield from self.arrive(self._foot)
+
+    def move_foot(
+        self, forward: float = 0.0, left: float = 0.0, up: float = 0.05, duration: float = 1.0
+    ) -> Script:
+        """Move the lifted foot to a place relative to where it left the ground, m.
+
+        Raises:
+            MotionError: no foot is in the air.
+        """
+        if self.lifted is None:
+            raise MotionError("move_foot: no foot is lifted; lift one first")
+        self._foot.go(np.array([forward, left, up, 0.0]), duration)
+        yield from self.arrive(self._foot)
+
+    def put_down(self, duration: float = 1.0) -> Script:
+        """Lower the lifted foot until it feels the ground, and stand on both feet again."""
+        schedule = self.walker.schedule
+        foot = schedule.lifted
+        if foot is None:
+            return
+        above = self._foot.value * np.array([1.0, 1.0, 0.0, 1.0])
+        above[2] = 0.01
+        if self._foot.value[2] > 0.015:
+            self._foot.go(above, duration)
+            yield from self.arrive(self._foot)
+        foot.landing = True
+        start = self._foot.value.copy()
+        down = np.array([0.0, 0.0, -_LOWERING, 0.0])
+        self._foot.follow(lambda t: start + t * down, blend=0.3)
+        yield from self.until(lambda: self.standing)
+        self._foot.reset()
+        self._load.go(1.0, _UNLOAD)
+        yield from self.arrive(self._load)
+        yield from self.shift_weight(None)
+
+    def go_home(self, duration: float = 1.0) -> Script:
+        """Bring everything back to standing, from wherever it is."""
+        self.walker.velocity = (0.0, 0.0, 0.0)
+        self.walker.follow(())
+        self.com.go(0.0, duration)
+        self.torso.go(0.0, duration)
+        self.posture.go(self.posture.home, duration)
+        for hand in self.hands.values():
+            hand.release(0.5 * duration)
+        yield from self.put_down()
+        yield from self.until(lambda: self.standing)
+        if self._load.value[0] < 1.0 or self.lean.value[0] != 0.5:
+            self._load.go(1.0, _UNLOAD)
+            self.lean.go(0.5, duration)
+        yield from self.until(lambda: self.at_home)
+
+    def take_over(self, pilot: Pilot) -> None:
+        """From this tick on the pilot computes the commands, until `hand_back`."""
+        self.pilot = pilot
+
+    def hand_back(self) -> None:
+        """The walker balances again, from the body as it is: both soles on the ground.
+
+        It starts anew there. The references take the place and the velocity that the body
+        has, and go home from there.
+        """
+        assert self.state is not None
+        self.pilot = None
+        self.walker.reset(self.state)
+        for reference in self._references():
+            reference.reset()
+        kin = self._kin
+        kin.update(self.state)
+        feet = placements(kin)
+        back = turn(-(feet.left.yaw + 0.5 * wrap(feet.right.yaw - feet.left.yaw)))
+        off = (point(kin.p_com) - feet.middle) * back
+        speed = point(kin.v_com) * back
+        self.com.start_from(
+            np.array([off.real, off.imag, 0.0]),
+            np.array([speed.real, speed.imag, float(kin.v_com[2])]),
+        )
+        self.posture.start_from(self.state.q[7:], self.state.v[6:])
+        self.com.go(0.0, 1.0)
+        self.posture.go(self.posture.home, 1.5)
+
+    # What the performer calls.
+
+    def sense(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None) -> None:
+        """Before the script's tick."""
+        self.state, self.foot_wrenches = state, foot_wrenches or {}
+
+    def advance(self) -> None:
+        """One tick: move the references on and hand them to the walker."""
+        self.time += self.dt
+        for reference in self._references():
+            reference.advance(self.dt)
+        offset = self._offset
+        offset.com, offset.com_velocity = self.com.value, self.com.velocity
+        offset.com_acceleration = self.com.acceleration
+        offset.lean = float(self.lean.value[0])
+        offset.lean_rate = float(self.lean.velocity[0])
+        offset.lean_acceleration = float(self.lean.acceleration[0])
+        self._share_trunk(offset)
+        posture = self.walker.posture
+        posture.target = self.posture.value
+        posture.velocity = self.posture.velocity
+        posture.acceleration = self.posture.acceleration
+        schedule = self.walker.schedule
+        load = float(self._load.value[0])
+        schedule.swing_load = load if load < 1.0 else math.inf
+        foot = schedule.lifted
+        if foot is not None:
+            self._move(foot)
+
+    def _move(self, foot: LiftedFoot) -> None:
+        foot.offset, foot.rate = self._foot.value, self._foot.velocity
+        foot.push = self._foot.acceleration
+
+    def _share_trunk(self, offset: BodyOffset) -> None:
+        torso, base = offset.torso, offset.base
+        torso.vector, torso.rate = self.torso.value, self.torso.velocity
+        torso.acceleration = self.torso.acceleration
+        hips = 1.0 - self._waist_shares
+        base.vector, base.rate = hips * torso.vector, hips * torso.rate
+        base.acceleration = hips * torso.acceleration
+
+    def observe(self) -> None:
+        """After the tick."""
+        self._calm = self._calm + self.dt if self.walker.dcm_error < _SETTLED else 0.0

@@ -1,0 +1,18 @@
+"""A hand that can be led to places."""
+
+from __future__ import annotations
+
+from wbc.motions.anatomy import Arm
+from wbc.walking import Walker
+
+
+class Hand:
+    def __init__(self, walker: Walker, arm: Arm) -> None:
+        self.arm = arm
+        self.engaged = False
+
+    def reset(self) -> None:
+        pass
+
+    def release(self, duration: float) -> None:
+        pass

@@ -1,0 +1,203 @@
+"""References whose value, velocity and acceleration never jump, whatever is asked of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from wbc.errors import MotionError
+
+#: Position of a reference over time since it was begun, s -> (n,).
+Path = Callable[[float], np.ndarray]
+
+_H = 1e-3  # s, of the central differences along a path
+_SAMPLES = np.linspace(0.0, 1.0, 15)[:, None]
+_LONGER = 1.15  # by how much a duration grows until it suits the limits
+_LONGEST = 60.0  # s
+
+
+class SmoothReference:
+    """A vector that goes where it is told, twice continuously differentiable in time.
+
+    It is a path plus what is left of the difference at the moment when the path was begun,
+
+        x(t) = p(t) + r(t),   r(0) = x₀ − p(0),   r(T) = ṙ(T) = r̈(T) = 0,
+
+    with r the quintic that also starts with the differences of velocity and acceleration. So
+    any order may be replaced by another at any time: value, velocity and acceleration go on
+    from where they are.
+
+    Args:
+        home: (n,) where it starts.
+        speed: largest |ẋ| of a `go`, per component, unit/s.
+        acceleration: likewise |ẍ|, unit/s².
+
+    Attributes:
+        home: (n,).
+        value: (n,) now.
+        velocity: (n,) per s.
+        acceleration: (n,) per s².
+        arrived: the last order is carried out; a path is followed for good and never arrives.
+    """
+
+    def __init__(
+        self,
+        home: np.ndarray | float,
+        *,
+        speed: np.ndarray | float,
+        acceleration: np.ndarray | float,
+    ) -> None:
+        self.home = np.atleast_1d(np.array(home, dtype=float))
+        n = self.home.size
+        self._speed = np.broadcast_to(np.asarray(speed, dtype=float), (n,))
+        self._limit = np.broadcast_to(np.asarray(acceleration, dtype=float), (n,))
+        self._still = np.zeros(n)
+        self.reset()
+
+    def reset(self) -> None:
+        """At home, at rest, at once."""
+        n = self.home.size
+        self.value = self.home.copy()
+        self.velocity = np.zeros(n)
+        self.acceleration = np.zeros(n)
+        self.arrived = True
+        self._goal = self.home.copy()
+        self._path: Path | None = None
+        self._since = self._blend = 0.0
+        self._left = np.zeros((6, n))
+
+    def start_from(self, value: np.ndarray, velocity: np.ndarray) -> None:
+        """Be somewhere at once, moving: only where nothing has been commanded before."""
+        self.reset()
+        self.value, self.velocity = self._vector(value), self._vector(velocity)
+        self._goal, self.arrived = self.value.copy(), False
+
+    @property
+    def goal(self) -> np.ndarray:
+        """(n,) where the last `go` leads; where a path is now."""
+        return self._goal if self._path is None else self._path(self._since)
+
+    def go(self, target: np.ndarray | float, duration: float = 0.0) -> float:
+        """Go to a value and stay; returns how long it takes, s.
+
+        Args:
+            target: (n,) or a number for all components.
+            duration: s; longer when the limits of speed and acceleration ask for it.
+
+        Raises:
+            MotionError: a wrong shape, or a value that is not finite.
+        """
+        goal = self._vector(target)
+        e = self.value - goal
+        if not (e.any() or self.velocity.any() or self.acceleration.any()):
+            self._goal, self._path, self.arrived = goal, None, True
+            return 0.0
+        time = self._suited(e, max(duration, 0.02))
+        self._start(None, goal, e, self.velocity, self.acceleration, time)
+        return time
+
+    def follow(self, path: Path, blend: float = 0.6) -> None:
+        """Follow a path from its time 0 on.
+
+        Args:
+            path: time in s -> (n,) position, smooth and defined a little before 0 too;
+                velocity and acceleration are taken by central differences.
+            blend: within which the present difference to the path fades, s.
+
+        Raises:
+            MotionError: the path gives a wrong shape, or a value that is not finite.
+        """
+        self._vector(path(0.0))
+        p, v, a = _derivatives(path, 0.0)
+        self._start(
+            path, self.home, self.value - p, self.velocity - v, self.acceleration - a, blend
+        )
+
+    def advance(self, dt: float) -> None:
+        """Move on by dt, s."""
+        if self.arrived:
+            return
+        self._since += dt
+        time = self._since
+        if self._path is None:
+            if time >= self._blend:
+                self.value = self._goal.copy()
+                self.velocity = np.zeros(self.value.size)
+                self.acceleration = np.zeros(self.value.size)
+                self.arrived = True
+                return
+            x, v, a = self._goal, self._still, self._still
+        else:
+            x, v, a = _derivatives(self._path, time)
+            if time >= self._blend:
+                self.value, self.velocity, self.acceleration = x, v, a
+                return
+        r, dr, ddr = _quintic(self._left, time / self._blend)
+        self.value = x + r
+        self.velocity = v + dr / self._blend
+        self.acceleration = a + ddr / self._blend**2
+
+    def _start(
+        self,
+        path: Path | None,
+        goal: np.ndarray,
+        e: np.ndarray,
+        v: np.ndarray,
+        a: np.ndarray,
+        blend: float,
+    ) -> None:
+        self._path, self._goal = path, goal
+        self._left = _fading(e, v * blend, a * blend**2)
+        self._since, self._blend, self.arrived = 0.0, blend, False
+
+    def _suited(self, e: np.ndarray, time: float) -> float:
+        """The least duration from `time` on that keeps the limits."""
+        v, a = self.velocity, self.acceleration
+        speed = np.maximum(self._speed, 1.05 * np.abs(v))
+        limit = np.maximum(self._limit, 1.05 * np.abs(a))
+        while time < _LONGEST:
+            _, dr, ddr = _quintic(_fading(e, v * time, a * time**2), _SAMPLES)
+            fast = (np.abs(dr) > speed * time).any()
+            if not fast and not (np.abs(ddr) > limit * time**2).any():
+                break
+            time *= _LONGER
+        return time
+
+    def _vector(self, value: np.ndarray | float) -> np.ndarray:
+        n = self.home.size
+        array = np.asarray(value, dtype=float)
+        if array.ndim == 0:
+            array = np.full(n, float(array))
+        if array.shape != (n,):
+            raise MotionError(f"a reference of {n} numbers was given {array.shape}")
+        if not np.isfinite(array).all():
+            raise MotionError(f"a reference was given {array}: it must be finite")
+        return array.copy()
+
+
+def _fading(e: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+    """(6, n) coefficients of the quintic in s from (e, v, a) at 0 to rest at zero at 1."""
+    return np.array(
+        [
+            e,
+            v,
+            0.5 * a,
+            -10.0 * e - 6.0 * v - 1.5 * a,
+            15.0 * e + 8.0 * v + 1.5 * a,
+            -6.0 * e - 3.0 * v - 0.5 * a,
+        ]
+    )
+
+
+def _quintic(c: np.ndarray, s: float | np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Value and two derivatives by s."""
+    x = c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * (c[4] + s * c[5]))))
+    v = c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * (4.0 * c[4] + s * 5.0 * c[5])))
+    a = 2.0 * c[2] + s * (6.0 * c[3] + s * (12.0 * c[4] + s * 20.0 * c[5]))
+    return x, v, a
+
+
+def _derivatives(path: Path, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    before, now, after = (np.asarray(path(time + h), dtype=float) for h in (-_H, 0.0, _H))
+    return now, (after - before) / (2.0 * _H), (after - 2.0 * now + before) / (_H * _H)
