@@ -15,10 +15,11 @@ from wbc.command import Command
 from wbc.errors import WbcError
 from wbc.estimation import Estimator
 from wbc.measurement import Measurement
-from wbc.protocols import Controller, Observer, Plant, StateEstimator
+from wbc.protocols import Controller, Observer, Plant, Recorder, StateEstimator
 from wbc.report import Report
 from wbc.snapshot import Snapshot
 from wbc.state import State
+from wbc.tick import Tick
 
 
 class StopRun(Exception):
@@ -33,6 +34,7 @@ def run(
     estimator: StateEstimator | None = None,
     viewer: Observer | None = None,
     recording: Observer | None = None,
+    log: Recorder | None = None,
     real_time: bool = False,
     before_tick: Callable[[float], None] | None = None,
     progress: Callable[[Progress], None] | None = None,
@@ -49,6 +51,7 @@ def run(
         estimator: measurement to state; `Estimator(plant.robot, plant.dt)` when left out.
         viewer: shown a snapshot 30 times per second of plant time.
         recording: likewise.
+        log: told every tick, e.g. `wbc.log.FlightRecorder`.
         real_time: wait for the wall clock, so that a second takes a second.
         before_tick: called with the plant's time before each tick, to change commands or push.
         progress: called about ten times a second.
@@ -64,6 +67,8 @@ def run(
     start = _truth(plant) or plant.robot.standing()
     estimator.reset(start)
     controller.reset(start)
+    if log is not None:
+        log.begin(controller, plant)
     book = Book(plant.robot, start, int(np.ceil(duration / plant.dt)) + 1)
     clock = Clock(plant.dt, book.ticks) if real_time else None
     show_every = max(1, round(1.0 / (30.0 * plant.dt)))
@@ -90,8 +95,12 @@ def run(
             now = plant.time
             expected = command.acceleration
             plant.step(command)
-            truth = _truth(plant) or state
+            true_state = _truth(plant)
+            truth = true_state or state
             book.note(now, t1 - t0, t2 - t1, command, truth, controller)
+            if log is not None:
+                tick_now = Tick(now, measurement, state, command, true_state, t1 - t0, t2 - t1)
+                log.record(tick_now, controller)
             if tick % show_every == 0:
                 for observer in observers:
                     observer.show(_snapshot(now, state, measurement, command, controller))
@@ -110,7 +119,10 @@ def run(
         gc.unfreeze()
         if collecting:
             gc.enable()
-    return book.report(controller, clock)
+    report = book.report(controller, clock)
+    if log is not None:
+        log.end(report)
+    return report
 
 
 def _truth(plant: Plant) -> State | None:

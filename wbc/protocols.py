@@ -9,16 +9,19 @@ import numpy as np
 
 from wbc.command import Command
 from wbc.measurement import Measurement
+from wbc.report import Report
 from wbc.robot import Robot
 from wbc.snapshot import Snapshot
 from wbc.state import State
+from wbc.tick import Tick
 
 
 class Controller(Protocol):
     """Anything that turns states into commands runs in `run`.
 
-    A controller may also have `telemetry`, `dcm_error` (m) and `steps`: they are shown and
-    reported when they are there.
+    A controller may also have `telemetry`, `balance` (the part of it that is cheap enough for
+    every tick), `dcm_error` (m) and `steps`: they are shown, logged and reported when they are
+    there.
     """
 
     def reset(self, state: State) -> None:
@@ -64,3 +67,16 @@ class Observer(Protocol):
 
     def show(self, snapshot: Snapshot) -> None:
         """Take what is wanted of the snapshot, at once."""
+
+
+class Recorder(Protocol):
+    """A log: is told of every tick, and never waits in it."""
+
+    def begin(self, controller: Controller, plant: Plant) -> None:
+        """A run is about to begin; this may take its time."""
+
+    def record(self, tick: Tick, controller: Controller) -> None:
+        """Keep what is wanted of a tick, at once."""
+
+    def end(self, report: Report) -> None:
+        """The run is over; this may take its time."""

@@ -25,17 +25,14 @@ class Footstep:
 
 
 @dataclass(frozen=True, slots=True)
-class Telemetry:
-    """Balance and gait quantities after a tick, in world axes. NaN: not known.
+class Balance:
+    """How the balance is after a tick, in world axes. NaN: not known.
 
     Attributes:
         com: (3,) centre of mass, m.
         dcm: (3,) divergent component of motion c + ċ/ω, on the ground, m.
         dcm_reference: (3,) where the plan wants it, on the ground, m.
         zmp: (3,) commanded zero-moment point, on the ground, m.
-        support: (k, 3) vertices of the support polygon, counter-clockwise, m.
-        footsteps: planned steps, the next one first.
-        swing_path: (m, 3) way of the swing sole's centre still to go, m.
         phase: "stand", "double", "left" or "right" (which foot carries).
     """
 
@@ -43,7 +40,24 @@ class Telemetry:
     dcm: np.ndarray = field(default_factory=lambda: _NOWHERE)
     dcm_reference: np.ndarray = field(default_factory=lambda: _NOWHERE)
     zmp: np.ndarray = field(default_factory=lambda: _NOWHERE)
+    phase: str = "stand"
+
+
+@dataclass(frozen=True, slots=True)
+class Telemetry(Balance):
+    """Balance and gait quantities after a tick, in world axes. NaN: not known.
+
+    Attributes:
+        com: (3,) centre of mass, m.
+        dcm: (3,) divergent component of motion c + ċ/ω, on the ground, m.
+        dcm_reference: (3,) where the plan wants it, on the ground, m.
+        zmp: (3,) commanded zero-moment point, on the ground, m.
+        phase: "stand", "double", "left" or "right" (which foot carries).
+        support: (k, 3) vertices of the support polygon, counter-clockwise, m.
+        footsteps: planned steps, the next one first.
+        swing_path: (m, 3) way of the swing sole's centre still to go, m.
+    """
+
     support: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
     footsteps: tuple[Footstep, ...] = ()
     swing_path: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
-    phase: str = "stand"
