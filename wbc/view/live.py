@@ -2,17 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
-import json
 import logging
 import os
-import pickle
-import selectors
-import struct
-import subprocess
-import sys
 import time
-import weakref
 import webbrowser
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-import wbc
+from wbc.process import Child, ChildError
 from wbc.snapshot import Snapshot
 from wbc.view.due import next_due
 from wbc.view.errors import ViewerError
@@ -36,9 +28,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-_PATIENCE = 30.0  # s, for the process to start
 _LOOK = 0.5  # s, between two looks whether it is still there
-_GRACE = 2.0  # s, for it to end by itself
 
 
 class Meshcat:
@@ -84,8 +74,7 @@ class Meshcat:
         self._record = Path(record) if record is not None else None
         self._recording = Recording(robot, boxes=boxes) if record is not None else None
         self._due = self._look = 0.0
-        self._process = _start(self._ring.descriptor)
-        self._stop = weakref.finalize(self, _end, self._process)
+        self._process = Child("wbc.view.server", (self._ring.descriptor,))
         order = Order(
             # A fresh copy: meshes that the caller has looked at stay at home.
             replace(robot),
@@ -96,9 +85,11 @@ class Meshcat:
             os.getpid(),
         )
         try:
-            self.url = _introduce(self._process, order)
-        except BaseException:
+            self.url = str(self._process.introduce(order)["url"])
+        except BaseException as error:
             self.close()
+            if isinstance(error, ChildError):
+                raise ViewerError(f"the viewer: {error}") from error
             raise
         if announce:
             print(f"Viewer: {self.url}", flush=True)
@@ -108,7 +99,7 @@ class Meshcat:
     @property
     def alive(self) -> bool:
         """Whether the viewer's process is there."""
-        return self._process.poll() is None
+        return self._process.alive
 
     @property
     def pid(self) -> int:
@@ -146,17 +137,17 @@ class Meshcat:
     def _look_after(self, now: float) -> None:
         """Report the end of the process, once."""
         self._look = now + _LOOK
-        if self._process.poll() is not None:
+        if not self._process.alive:
             self._look = float("inf")
             logger.warning(
                 "the viewer's process has ended (exit code %s); the run goes on without it",
-                self._process.returncode,
+                self._process.exit_code,
             )
 
     def close(self) -> None:
         """End the viewer's process, and write the recording if there is one."""
         self._look = float("inf")
-        self._stop()
+        self._process.close()
         self._ring.close()
         recording, self._recording = self._recording, None
         if recording is not None and self._record is not None and len(recording):
@@ -172,47 +163,3 @@ class Meshcat:
         trace: TracebackType | None,
     ) -> None:
         self.close()
-
-
-def _start(descriptor: int) -> subprocess.Popen[bytes]:
-    # A module of its own, not multiprocessing: scripts need no `__main__` guard.
-    paths = [str(Path(wbc.__file__).resolve().parent.parent), *(p for p in sys.path if p)]
-    return subprocess.Popen(
-        [sys.executable, "-m", "wbc.view.server"],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        pass_fds=(descriptor,),
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
-        start_new_session=True,
-    )
-
-
-def _introduce(process: subprocess.Popen[bytes], order: Order) -> str:
-    """Hand over the order; the address of the page comes back."""
-    assert process.stdin is not None
-    assert process.stdout is not None
-    message = pickle.dumps(order)
-    with contextlib.suppress(BrokenPipeError):  # the answer, or its absence, tells why
-        process.stdin.write(struct.pack("<Q", len(message)) + message)
-        process.stdin.flush()
-    with selectors.DefaultSelector() as selector:
-        selector.register(process.stdout, selectors.EVENT_READ)
-        line = process.stdout.readline() if selector.select(_PATIENCE) else b""
-    process.stdout.close()
-    answer = json.loads(line) if line else {}
-    if "url" in answer:
-        return str(answer["url"])
-    raise ViewerError(
-        answer.get("error", "the viewer's process did not start; its own message is above")
-    )
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    if process.stdin is not None:
-        with contextlib.suppress(BrokenPipeError):
-            process.stdin.close()  # the sign to end
-    try:
-        process.wait(_GRACE)
-    except subprocess.TimeoutExpired:
-        process.kill()  # it may be stopped, which only this ends
-        process.wait()

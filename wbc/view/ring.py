@@ -1,18 +1,10 @@
-"""Shared memory with one writer that never waits and one reader that takes the latest.
-
-The memory has no name: it is an unlinked file of the memory file system, handed
-to the viewer's process as an inherited descriptor. The kernel frees it with its
-last user, so that not even two killed processes leave anything behind.
-"""
+"""Shared memory with one writer that never waits and one reader that takes the latest."""
 
 from __future__ import annotations
 
-import mmap
-import os
-import tempfile
-
 import numpy as np
 
+from wbc.process import SharedMemory
 from wbc.snapshot import Snapshot
 from wbc.view.slot import Layout, Slot
 
@@ -30,17 +22,13 @@ class Ring:
     Args:
         layout: the form of one slot.
         descriptor: of a file made by another `Ring`; None makes a new one.
-
-    Attributes:
-        descriptor: file descriptor to be inherited by the other process.
     """
 
     def __init__(self, layout: Layout, descriptor: int | None = None) -> None:
         stride = -(-layout.nbytes // _LINE) * _LINE + 2 * _LINE
         size = _LINE + SLOTS * stride
-        self.descriptor = _new_file(size) if descriptor is None else descriptor
-        self._memory = mmap.mmap(self.descriptor, size)
-        view = memoryview(self._memory)
+        self._memory = SharedMemory(size, descriptor)
+        view = self._memory.view
         self._published = np.frombuffer(view, dtype=np.uint64, count=1)
         self._before, self._after, self._slots = [], [], []
         for i in range(SLOTS):
@@ -75,18 +63,11 @@ class Ring:
                 return snapshot
         return None
 
+    @property
+    def descriptor(self) -> int:
+        """File descriptor to be inherited by the other process."""
+        return self._memory.descriptor
+
     def close(self) -> None:
         """Give up the descriptor. The memory goes with the last mapping."""
-        if self.descriptor >= 0:
-            os.close(self.descriptor)
-            self.descriptor = -1
-
-
-def _new_file(size: int) -> int:
-    if hasattr(os, "memfd_create"):
-        descriptor = os.memfd_create("wbc-view")
-    else:  # macOS
-        with tempfile.TemporaryFile(prefix="wbc-view") as file:
-            descriptor = os.dup(file.fileno())
-    os.truncate(descriptor, size)
-    return descriptor
+        self._memory.close()

@@ -11,10 +11,6 @@ import asyncio
 import contextlib
 import json
 import os
-import pickle
-import signal
-import struct
-import sys
 import threading
 from typing import Any
 
@@ -24,6 +20,7 @@ import tornado.netutil
 import tornado.web
 import tornado.websocket
 
+from wbc.process import parent
 from wbc.view.errors import ViewerError
 from wbc.view.order import Order
 from wbc.view.page_text import live_page, script, words
@@ -153,9 +150,9 @@ async def serve(order: Order) -> None:
     try:
         port = _listen(_application(order.robot.name, show), order.port)
     except ViewerError as error:
-        _answer({"error": str(error)})
+        parent.answer({"error": str(error)})
         return
-    _answer({"url": f"http://{HOST}:{port}/static/"})
+    parent.answer({"url": f"http://{HOST}:{port}/static/"})
     show.set_result(await loop.run_in_executor(None, Show, order))
     period = 0.5 / order.rate  # twice as often as snapshots come: none waits long
     while not done.is_set() and os.getppid() == order.parent:
@@ -164,15 +161,8 @@ async def serve(order: Order) -> None:
             await asyncio.wait_for(done.wait(), period)
 
 
-def _answer(answer: dict[str, str]) -> None:
-    # The only thing ever said: afterwards nobody reads, and a full pipe would block.
-    os.write(sys.stdout.fileno(), (json.dumps(answer) + "\n").encode())
-    quiet = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(quiet, sys.stdout.fileno())
-
-
 def _wait_for_end(loop: asyncio.AbstractEventLoop, done: asyncio.Event) -> None:
-    while sys.stdin.buffer.read(4096):
+    while parent.hear() is not None:
         pass
     with contextlib.suppress(RuntimeError):
         loop.call_soon_threadsafe(done.set)
@@ -180,10 +170,7 @@ def _wait_for_end(loop: asyncio.AbstractEventLoop, done: asyncio.Event) -> None:
 
 def main() -> None:
     """Read the order and serve it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides when to end
-    (size,) = struct.unpack("<Q", sys.stdin.buffer.read(8))
-    order = pickle.loads(sys.stdin.buffer.read(size))
-    asyncio.run(serve(order))
+    asyncio.run(serve(parent.begin()))
 
 
 if __name__ == "__main__":
