@@ -26,6 +26,10 @@ class StopRun(Exception):
     """Raised in `before_tick` or `progress`: ends the run early, with the report so far."""
 
 
+class RunComplete(StopRun):
+    """Raised likewise when everything is done: the run ends early, as it should."""
+
+
 def run(
     controller: Controller,
     plant: Plant,
@@ -55,7 +59,7 @@ def run(
         real_time: wait for the wall clock, so that a second takes a second.
         before_tick: called with the plant's time before each tick, to change commands or push.
         progress: called about ten times a second.
-            Either of them may raise `StopRun` to end the run.
+            Either of them may raise `StopRun` to end the run, or `RunComplete` when it is done.
 
     Raises:
         WbcError: the duration is not positive, or the run was stopped before its first tick.
@@ -114,7 +118,8 @@ def run(
     except StopRun as stop:
         if book.empty:
             raise WbcError(f"the run was stopped before its first tick: {stop}") from stop
-        book.stopped(str(stop) or "stopped")
+        if not isinstance(stop, RunComplete):
+            book.stopped(str(stop) or "stopped")
     finally:
         gc.unfreeze()
         if collecting:

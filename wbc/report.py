@@ -35,6 +35,13 @@ class Report:
         real_time_factor: simulated time over wall time.
         overruns: real-time ticks that began late by more than a period.
         lateness_p99_us: 99th percentile of how late a real-time tick began, µs.
+        com_error_rms_mm: of the true CoM against a motion's reference, both relative to the
+            soles, in 3D; None when nobody judged it, likewise the next.
+        foot_slip_mm: farthest that a loaded sole moved over the ground.
+        targets: how many places a motion was to reach with a hand.
+        targets_reached: how many of them within 1 cm, in truth.
+        target_error_max_mm: the worst of them.
+        notes: what a motion has to say.
     """
 
     robot: str
@@ -61,6 +68,12 @@ class Report:
     real_time_factor: float
     overruns: int
     lateness_p99_us: float
+    com_error_rms_mm: float | None = None
+    foot_slip_mm: float | None = None
+    targets: int = 0
+    targets_reached: int = 0
+    target_error_max_mm: float | None = None
+    notes: tuple[str, ...] = ()
 
     def to_json(self) -> str:
         """All fields as a JSON object."""
@@ -107,9 +120,22 @@ class Report:
         if self.lateness_p99_us > 0.0:
             late = f"99 % less than {self.lateness_p99_us:.0f} µs late"
             rows.append(("real-time ticks", f"{self.overruns} overruns, {late}"))
+        rows += self._judged()
         width = max(len(name) for name, _ in rows)
         head = f"{self.robot}\n" + "─" * (width + 40)
         return "\n".join([head, *(f"{name:<{width}}  {value}" for name, value in rows)])
+
+    def _judged(self) -> list[tuple[str, str]]:
+        rows = []
+        if self.com_error_rms_mm is not None:
+            rows.append(("CoM tracking error", f"{self.com_error_rms_mm:.1f} mm rms (true)"))
+        if self.foot_slip_mm is not None:
+            rows.append(("foot slip", f"{self.foot_slip_mm:.1f} mm"))
+        if self.targets:
+            reached = f"{self.targets_reached} of {self.targets} within 1 cm"
+            rows.append(("targets", f"{reached}, worst {self.target_error_max_mm or 0.0:.1f} mm"))
+        rows += [("note", note) for note in self.notes]
+        return rows
 
     @staticmethod
     def keys() -> tuple[str, ...]:

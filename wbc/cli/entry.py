@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 import wbc
-from wbc.cli import doctor, robots, stand, view, walk
+from wbc.cli import doctor, motion, robots, stand, view, walk
 from wbc.cli.parser import BAD_INPUT, INTERRUPTED, Parser
 from wbc.errors import WbcError
 
@@ -19,6 +19,8 @@ examples:
   wbc walk --robot g1 --velocity 0.2 0 0.1     G1 walks a curve
   wbc walk --push "3 0 20 0" --no-view         20 N·s to the left at 3 s
   wbc walk --robot my.urdf --left-foot l_foot --right-foot r_foot
+  wbc motion --list                            what a robot can do besides
+  wbc motion squat --depth 15 --robot g1       down by 15 % of the leg, and up
   wbc doctor my.urdf                           what is wrong with a model, and the cure
 """
 
@@ -37,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--version", action="version", version=f"wbc {wbc.__version__}")
     subcommands = parser.add_subparsers(title="subcommands", metavar="SUBCOMMAND", required=True)
-    for module in (walk, stand, view, robots, doctor):
+    for module in (walk, stand, motion, view, robots, doctor):
         module.add_to(subcommands)
     try:
         options = parser.parse_args(arguments)

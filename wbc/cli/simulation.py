@@ -1,4 +1,4 @@
-"""What `wbc walk` and `wbc stand` share: options, the run in MuJoCo, and its report."""
+"""What all simulated runs share: options, the run in MuJoCo, and its report."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 import contextlib
 import signal
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from types import FrameType
 
 import wbc
@@ -17,7 +17,9 @@ from wbc.cli.progress import ProgressLine
 from wbc.cli.robot_options import add_robot_options, stated
 from wbc.errors import PlantError, WbcError
 from wbc.loop import StopRun
+from wbc.protocols import Controller
 from wbc.sim import Flat, Mujoco, Terrain, Tiles
+from wbc.trials import Judge
 from wbc.view import Meshcat, Recording
 
 _REACH = 1.5  # m/s: tiles are laid as far as this takes the robot, and a bit
@@ -90,7 +92,27 @@ class Simulation:
         self.walker = wbc.Walker(self.robot, solver=options.solver)
 
     def run(self, itinerary: Itinerary, duration: float) -> int:
-        """Run, show, report; returns the exit code.
+        """Walk along an itinerary, show, report; returns the exit code.
+
+        Raises:
+            WbcError: bad input.
+        """
+        return self.perform(self.walker, duration, _Helm(self.walker, itinerary))
+
+    def perform(
+        self,
+        controller: Controller,
+        duration: float,
+        before_tick: Callable[[float], None],
+        judge: Judge | None = None,
+    ) -> int:
+        """Run a controller, show, report; returns the exit code.
+
+        Args:
+            controller: that steps with the walker's period.
+            duration: s, at most.
+            before_tick: see `wbc.run`.
+            judge: adds its figures to the report.
 
         Raises:
             WbcError: bad input.
@@ -115,19 +137,22 @@ class Simulation:
 
             try:
                 report = wbc.run(
-                    self.walker,
+                    controller,
                     plant,
                     duration,
                     estimator=wbc.GroundTruthEstimator() if options.ground_truth else None,
                     viewer=viewer,
                     recording=recording,
+                    log=judge,
                     real_time=options.real_time,
-                    before_tick=_Helm(self.walker, itinerary),
+                    before_tick=before_tick,
                     progress=progress,
                 )
             except PlantError as error:
                 line.note(f"the run ended: {error}")
                 return FELL
+        if judge is not None:
+            report = judge.amend(report)
         print(report.table())
         if options.json is not None:
             report.save(options.json)

@@ -16,6 +16,7 @@ from wbc.gait.planar import point, turn, wrap
 from wbc.kinematics import Kinematics
 from wbc.motions.anatomy import Anatomy, Side
 from wbc.motions.hands import Hand
+from wbc.motions.intent import Intent
 from wbc.motions.motion import Script
 from wbc.motions.reference import SmoothReference
 from wbc.robot import Robot
@@ -318,6 +319,14 @@ class Body:
         hips = 1.0 - self._waist_shares
         base.vector, base.rate = hips * torso.vector, hips * torso.rate
         base.acceleration = hips * torso.acceleration
+
+    def intent(self) -> Intent:
+        """What is promised at this tick."""
+        com = None
+        if self.pilot is None and (self.standing or self.lifted is not None):
+            com = self.com.value + np.array([0.0, 0.0, self.walker.height])
+        targets = tuple(t for hand in self.hands.values() if (t := hand.target) is not None)
+        return Intent(float(self.lean.value[0]), com, targets)
 
     def observe(self) -> None:
         """After the tick."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from wbc.motions.anatomy import Arm
+from wbc.motions.intent import Target
 from wbc.walking import Walker
 
 
@@ -10,6 +11,7 @@ class Hand:
     def __init__(self, walker: Walker, arm: Arm) -> None:
         self.arm = arm
         self.engaged = False
+        self.target: Target | None = None
 
     def reset(self) -> None:
         pass

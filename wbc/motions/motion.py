@@ -63,6 +63,7 @@ class Motion(ABC):
                     default,
                     field.metadata.get("about", ""),
                     tuple(field.metadata.get("choices", ())),
+                    tuple(field.metadata.get("names", ())),
                 )
             )
         return tuple(found)
@@ -77,17 +78,29 @@ class Parameter:
         default: its type is the parameter's.
         about: what it is, with its unit.
         choices: the values that it may have; any when empty.
+        names: of the components of a vector; empty for anything else.
     """
 
     name: str
     default: Any
     about: str
     choices: tuple[str, ...]
+    names: tuple[str, ...]
 
 
-def parameter(default: Any, about: str, choices: Sequence[str] = ()) -> Any:
-    """A field of a motion that is a parameter, with its unit said in `about`."""
-    return dataclasses.field(default=default, metadata={"about": about, "choices": tuple(choices)})
+def parameter(
+    default: Any, about: str, *, choices: Sequence[str] = (), names: Sequence[str] = ()
+) -> Any:
+    """A field of a motion that is a parameter, with its unit said in `about`.
+
+    Args:
+        default: its type is the parameter's.
+        about: what it is, with its unit.
+        choices: for a text, the values that it may have.
+        names: for a vector, one name per component.
+    """
+    metadata = {"about": about, "choices": tuple(choices), "names": tuple(names)}
+    return dataclasses.field(default=default, metadata=metadata)
 
 
 def positive(motion: Motion, *names: str) -> None:

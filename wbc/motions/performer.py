@@ -9,10 +9,11 @@ import numpy as np
 
 from wbc.command import Command
 from wbc.motions.body import Body
+from wbc.motions.intent import Intent
 from wbc.motions.motion import Motion, Script
 from wbc.robot import Robot
 from wbc.state import State
-from wbc.telemetry import Telemetry
+from wbc.telemetry import Balance, Telemetry
 from wbc.walking import Walker
 
 
@@ -133,6 +134,16 @@ class Performer:
     @velocity.setter
     def velocity(self, value: Sequence[float]) -> None:
         self.walker.velocity = value  # type: ignore[assignment]
+
+    @property
+    def intent(self) -> Intent:
+        """What is promised at this tick, relative to the soles."""
+        return self.body.intent()
+
+    @property
+    def balance(self) -> Balance:
+        """See `Walker.balance`."""
+        return self.walker.balance
 
     @property
     def telemetry(self) -> Telemetry:

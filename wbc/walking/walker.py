@@ -310,6 +310,11 @@ class Walker:
         )
 
     @property
+    def height(self) -> float:
+        """Of the CoM over the ground as the gait wants it now, m."""
+        return self._height_now
+
+    @property
     def steps(self) -> int:
         """Touchdowns since the reset."""
         return self.schedule.steps

@@ -1,0 +1,93 @@
+"""`wbc motion`: a robot does something besides walking, with a report."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from wbc.cli import simulation
+from wbc.cli.parser import number
+from wbc.cli.text import table
+from wbc.motions import Motion, Performer
+from wbc.motions.catalogue import CATALOGUE
+from wbc.motions.motion import Parameter
+from wbc.trials import Curtain, Judge
+
+_AT_MOST = 300.0  # s
+
+
+def add_to(subcommands: Any) -> None:
+    """Add the subcommand."""
+    parser = subcommands.add_parser(
+        "motion",
+        help="sway, squat, wave, reach and more in MuJoCo",
+        description="A robot plays a motion in MuJoCo under torque control, from standing to "
+        "standing, and a report says how.  wbc motion NAME --help  tells a motion's options.",
+    )
+    parser.add_argument("--list", action="store_true", help="list the motions and their options")
+    parser.set_defaults(execute=execute, motion=None)
+    names = parser.add_subparsers(title="motions", metavar="NAME")
+    for motion in CATALOGUE:
+        one = names.add_parser(motion.name, help=motion.summary, description=motion.__doc__)
+        group = one.add_argument_group("the motion")
+        for parameter in motion.parameters():
+            _add_option(group, parameter)
+        simulation.add_options(one, "until the motion is over")
+        one.set_defaults(motion=motion)
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Play; returns the exit code."""
+    motion: type[Motion] | None = options.motion
+    if motion is None:
+        print(_catalogue())
+        return 0
+    chosen = {p.name: getattr(options, _destination(p)) for p in motion.parameters()}
+    run = simulation.Simulation(options)
+    performer = Performer(run.robot, motions=[motion(**chosen)], walker=run.walker)
+    return run.perform(performer, options.duration or _AT_MOST, Curtain(performer), Judge())
+
+
+def _destination(parameter: Parameter) -> str:
+    return f"motion_{parameter.name}"
+
+
+def _option(parameter: Parameter) -> str:
+    return "--" + parameter.name.replace("_", "-")
+
+
+def _add_option(group: Any, parameter: Parameter) -> None:
+    default = parameter.default
+    settings: dict[str, Any] = {"dest": _destination(parameter), "default": default}
+    if isinstance(default, bool):
+        group.add_argument(
+            _option(parameter), action="store_true", help=parameter.about, **settings
+        )
+        return
+    told = "" if default in (None, ()) else f" (default: {_text(default)})"
+    settings["help"] = parameter.about.replace("%", "%%") + told.replace("%", "%%")
+    if parameter.choices:
+        settings["choices"] = parameter.choices
+    elif parameter.names:
+        settings.update(nargs=len(parameter.names), metavar=parameter.names, type=number)
+    elif isinstance(default, int):
+        settings.update(type=int, metavar="N")
+    elif isinstance(default, float):
+        settings.update(type=number, metavar="X")
+    else:
+        settings["metavar"] = parameter.name.upper()
+    group.add_argument(_option(parameter), **settings)
+
+
+def _text(value: object) -> str:
+    if isinstance(value, tuple):
+        return " ".join(_text(v) for v in value)
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _catalogue() -> str:
+    rows = [
+        (motion.name, motion.summary, " ".join(_option(p) for p in motion.parameters()))
+        for motion in CATALOGUE
+    ]
+    return table(("motion", "what it does", "options"), rows)

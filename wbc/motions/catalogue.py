@@ -1,0 +1,22 @@
+"""The motions that come with the library, by name."""
+
+from __future__ import annotations
+
+from wbc.errors import MotionError, did_you_mean
+from wbc.motions.motion import Motion
+from wbc.motions.sway import Sway
+
+#: All of them; the command line, `show` and the live page take them from here.
+CATALOGUE: tuple[type[Motion], ...] = (Sway,)
+
+
+def find(name: str) -> type[Motion]:
+    """The motion of that name.
+
+    Raises:
+        MotionError: there is none; the text lists near names.
+    """
+    for motion in CATALOGUE:
+        if motion.name == name:
+            return motion
+    raise MotionError(f"no motion '{name}'{did_you_mean(name, [m.name for m in CATALOGUE])}")

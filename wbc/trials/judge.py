@@ -1,0 +1,102 @@
+"""Compares what a controller intends with what is true: for reports, never for control."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.motions import Intent, Performer
+from wbc.protocols import Controller, Plant
+from wbc.report import Report
+from wbc.robot import Robot
+from wbc.state import State
+from wbc.tick import Tick
+
+_REACHED = 0.01  # m
+_LOADED = 0.05  # share of the weight that the command puts on a sole that stands
+
+
+class Judge:
+    """A recorder of a run that knows the truth; `amend` adds its figures to the report.
+
+    The CoM and the targets are compared relative to the true soles, so that an estimate that
+    has drifted over the ground counts for nothing; tilt and height count.
+    """
+
+    def begin(self, controller: Controller, plant: Plant) -> None:
+        """See `wbc.protocols.Recorder`."""
+        self._robot: Robot = plant.robot
+        self._data = plant.robot.model.createData()
+        self._performer = controller if isinstance(controller, Performer) else None
+        self._squares, self._ticks = 0.0, 0
+        self._slip = 0.0
+        self._anchors: dict[str, np.ndarray] = {}
+        self._errors: dict[tuple[str, int], float] = {}
+
+    def record(self, tick: Tick, controller: Controller) -> None:
+        """See `wbc.protocols.Recorder`."""
+        if tick.truth is None:
+            return
+        self._move(tick.truth)
+        for sole in self._robot.soles:
+            wrench = tick.command.wrenches.get(sole.name)
+            if wrench is None or wrench[2] < _LOADED * self._robot.weight:
+                self._anchors.pop(sole.name, None)
+                continue
+            place = self._place(sole.name)[:2]
+            anchor = self._anchors.setdefault(sole.name, place)
+            self._slip = max(self._slip, math.hypot(*(place - anchor)))
+        if self._performer is not None:
+            self._compare(self._performer.intent)
+
+    def end(self, report: Report) -> None:
+        """See `wbc.protocols.Recorder`."""
+
+    def amend(self, report: Report) -> Report:
+        """The report with what was found."""
+        errors = [1e3 * e for e in self._errors.values()]
+        rms = 1e3 * math.sqrt(self._squares / self._ticks) if self._ticks else None
+        performer = self._performer
+        return replace(
+            report,
+            com_error_rms_mm=rms,
+            foot_slip_mm=1e3 * self._slip,
+            targets=len(errors),
+            targets_reached=sum(e <= 1e3 * _REACHED for e in errors),
+            target_error_max_mm=max(errors) if errors else None,
+            notes=() if performer is None else tuple(performer.body.notes),
+        )
+
+    def _compare(self, intent: Intent) -> None:
+        left, right = (self._place(sole.name) for sole in self._robot.soles)
+        heading = self._heading()
+        if intent.com is not None:
+            origin = right + intent.lean * (left - right)
+            error = heading.T @ (self._data.com[0] - origin) - intent.com
+            self._squares += float(error @ error)
+            self._ticks += 1
+        for target in intent.targets:  # the last tick of each target stays
+            place = heading.T @ (self._place(target.frame) - 0.5 * (left + right))
+            error = float(np.linalg.norm(place - target.place))
+            self._errors[target.frame, target.number] = error
+
+    def _move(self, truth: State) -> None:
+        model, data = self._robot.model, self._data
+        pin.centerOfMass(model, data, truth.q)  # also the forward kinematics
+
+    def _pose(self, frame: str) -> pin.SE3:
+        frame_id = self._robot.frame_id(frame)
+        return pin.updateFramePlacement(self._robot.model, self._data, frame_id)
+
+    def _place(self, frame: str) -> np.ndarray:
+        return np.array(self._pose(frame).translation)
+
+    def _heading(self) -> np.ndarray:
+        axes = [self._pose(sole.name).rotation[:2, 0] for sole in self._robot.soles]
+        x, y = axes[0] + axes[1]
+        angle = math.atan2(y, x)
+        c, s = math.cos(angle), math.sin(angle)
+        return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
