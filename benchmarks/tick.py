@@ -29,7 +29,7 @@ import numpy as np
 
 import wbc
 from wbc.kinematics import Kinematics
-from wbc.qp import Assembly
+from wbc.qp.compiled import CompiledAssembly
 from wbc.sim import Mujoco
 
 STAGES = ("kinematics", "assembly", "solver", "command")
@@ -93,9 +93,9 @@ def replay(
     walker.reset(recorder.start)
     walker.velocity = (speed, 0.0, 0.0)
     watch = Stopwatch()
-    originals = [(c, m, getattr(c, m)) for c, m in ((Kinematics, "update"), (Assembly, "build"))]
+    originals = [(c, m, getattr(c, m)) for c, m in ((Kinematics, "update"), (CompiledAssembly, "build"))]
     watch.wrap(Kinematics, "update", "kinematics")
-    watch.wrap(Assembly, "build", "assembly")
+    watch.wrap(CompiledAssembly, "build", "assembly")
     watch.wrap(walker.controller.solver, "solve", "solver")
     watch.wrap(walker.controller, "solve", "solve")
     rows, contacts = [], []
@@ -123,7 +123,7 @@ def main() -> None:
     parser.add_argument("--speed", type=float, default=0.3, help="m/s (default: %(default)s)")
     parser.add_argument("--duration", type=float, default=3.0, help="s of walking recorded")
     parser.add_argument("--repeat", type=int, default=5, help="replays (default: %(default)s)")
-    parser.add_argument("--solver", default="daqp")
+    parser.add_argument("--solver")
     parser.add_argument("--breakdown", action="store_true", help="median of each stage, too")
     parser.add_argument("--json", type=Path, help="write the table there")
     args = parser.parse_args()

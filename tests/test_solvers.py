@@ -43,10 +43,12 @@ def test_daqp_agrees_with_proxqp_and_quadprog_where_installed(name, contacts, se
     for other in installed():
         solution = make_solver(other, **EXACT[other]).solve(control.problem)
         assert solution.outcome is Outcome.SOLVED, solution.detail
-        acceleration, _, wrenches = assembly.recover(solution.x)
-        np.testing.assert_allclose(reference.acceleration, acceleration, atol=1e-7, err_msg=other)
+        command = assembly.recover(solution.x, control.kinematics, control.dt)
+        np.testing.assert_allclose(
+            reference.acceleration, command.acceleration, atol=1e-7, err_msg=other
+        )
         for contact in control.contacts:
-            force = wrenches[contact.name][: contact.motion_size]
+            force = command.wrenches[contact.name][: contact.motion_size]
             np.testing.assert_allclose(force_of(contact, reference), force, atol=1e-6)
 
 

@@ -91,8 +91,8 @@ def test_a_frames_spatial_acceleration_follows_its_law(name, kind, seed):
     a = np.linalg.lstsq(A, b, rcond=None)[0]
     h = 1e-5
     v = [wbc.Kinematics(bot, moved(bot, state, a, t)).motion("left_sole").velocity for t in (-h, h)]
-    got = ((v[1] - v[0]) / (2 * h))[task.rows]
-    now = kin.motion("left_sole").velocity[task.rows]
+    got = ((v[1] - v[0]) / (2 * h))[task.components]
+    now = kin.motion("left_sole").velocity[task.components]
     np.testing.assert_allclose(got, -KD * now + KP * error(task, kin), atol=1e-4)
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -22,12 +21,16 @@ from wbc.qp import (
     Regularisation,
     Solution,
     explain,
+    kernels_load,
     make_solver,
     not_finite,
 )
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.tasks import Task
+
+if TYPE_CHECKING:
+    from wbc.qp.compiled import CompiledAssembly
 
 TaskT = TypeVar("TaskT", bound=Task)
 
@@ -54,9 +57,11 @@ class WholeBodyController:
     Args:
         robot: the robot.
         dt: control period, s.
-        solver: "daqp", "osqp" or any dense solver of `qpsolvers` by its name.
+        solver: "wbc", "daqp", "osqp" or any dense solver of `qpsolvers` by its name; the
+            fastest that this machine can run when left out.
         limits: joint limits; torque, position and velocity limits of the robot when left out.
-        formulation: reduced (fast) or full (readable); the same optimum.
+        formulation: which unknowns, and who assembles; the same optimum. The fastest that
+            this machine can run when left out.
         regularisation: small costs that make the optimum unique.
 
     Attributes:
@@ -75,9 +80,9 @@ class WholeBodyController:
         robot: Robot,
         dt: float = 0.002,
         *,
-        solver: str = "daqp",
+        solver: str | None = None,
         limits: Sequence[TorqueLimit | AccelerationBound] | None = None,
-        formulation: Formulation = Formulation.REDUCED,
+        formulation: Formulation | None = None,
         regularisation: Regularisation | None = None,
     ) -> None:
         if not 0.0 < dt < math.inf:
@@ -98,13 +103,17 @@ class WholeBodyController:
                     f"{bound.name}: its horizon {bound.horizon} s is shorter than the control "
                     f"period {dt} s, so it would overshoot; give it at least that"
                 )
+        if formulation is None:
+            formulation = Formulation.COMPILED if kernels_load() else Formulation.REDUCED
+        elif formulation is Formulation.COMPILED and not kernels_load():
+            raise WbcError("Formulation.COMPILED needs Numba; run  pip install numba")
         self.formulation = formulation
         self.regularisation = regularisation or Regularisation()
         self.tasks: list[Task] = []
         self.kinematics: Kinematics | None = None
         self.problem: Problem | None = None
         self._contacts: tuple[Contact, ...] = ()
-        self._assemblies: dict[tuple[object, ...], Assembly] = {}
+        self._assemblies: dict[tuple[object, ...], Assembly | CompiledAssembly] = {}
         self._last_tau = np.zeros(robot.na)
         self._tick = 0
         self._explanation: tuple[Outcome, int, Status, str] | None = None
@@ -181,17 +190,17 @@ class WholeBodyController:
         self._tick += 1
         assembly = self._assembly()
         problem = self.problem = assembly.build(kin)
-        if not problem.is_finite():
+        if not problem.finite:
             reason = not_finite(kin, self.tasks, self._contacts)
             return self._safe_command(kin, Status.FAILED, reason or "the QP is not finite")
         solution = self.solver.solve(problem)
         if solution.outcome is Outcome.SOLVED:
-            acceleration, tau, wrenches = assembly.recover(solution.x)
-            if math.isfinite(tau.dot(tau)) and math.isfinite(acceleration.dot(acceleration)):
-                tau = self._last_tau = self._clip(tau)  # what the solver's tolerance leaves
+            command = assembly.recover(solution.x, kin, self.dt)
+            if command is not None:
+                self._last_tau = command.tau
                 self._explanation = None
-                return self._command(kin, tau, acceleration, wrenches, Status.OK, "")
-            solution = replace(solution, outcome=Outcome.FAILED, detail="not finite")
+                return command
+            solution = Solution(solution.x, Outcome.FAILED, detail="not finite")
         return self._safe_command(kin, *self._explain(problem, solution))
 
     def _explain(self, problem: Problem, solution: Solution) -> tuple[Status, str]:
@@ -209,7 +218,7 @@ class WholeBodyController:
             kept = self._explanation = (solution.outcome, until, status, reason)
         return kept[2], kept[3]
 
-    def _assembly(self) -> Assembly:
+    def _assembly(self) -> Assembly | CompiledAssembly:
         """The assembly of this structure; they are kept, since a gait comes back to each.
 
         Objects in the key cannot be confused with later ones at the same address: the
@@ -227,41 +236,25 @@ class WholeBodyController:
         if found is None:
             if len(self._assemblies) >= _KEPT:  # contacts made anew each tick must not pile up
                 self._assemblies.clear()
-            found = self._assemblies[key] = Assembly(
-                self.robot,
-                self.tasks,
-                self._contacts,
-                self.bounds,
-                self.torque_limit,
-                self.formulation,
-                self.regularisation,
-            )
+            found = self._assemblies[key] = self._new_assembly()
         return found
 
-    def _clip(self, tau: np.ndarray) -> np.ndarray:
-        if self.torque_limit is None:
-            return tau
-        limit = self.torque_limit.maximum
-        return np.asarray(np.minimum(np.maximum(tau, -limit), limit))
+    def _new_assembly(self) -> Assembly | CompiledAssembly:
+        parts = (self.robot, self.tasks, self._contacts, self.bounds, self.torque_limit)
+        if self.formulation is Formulation.COMPILED:
+            from wbc.qp.compiled import CompiledAssembly
+
+            return CompiledAssembly(*parts, self.regularisation)
+        return Assembly(*parts, self.formulation, self.regularisation)
 
     def _safe_command(self, kin: Kinematics, status: Status, reason: str) -> Command:
         self._last_tau = self._last_tau * (1.0 - min(self.dt / _HOLD_TIME, 1.0))
         limit = self.robot.tau_max
         tau = self._last_tau - _SAFE_DAMPING * limit * kin.state.v[6:]
-        tau = self._clip(np.clip(tau, -limit, limit))
+        if self.torque_limit is not None:
+            limit = np.minimum(limit, self.torque_limit.maximum)
+        tau = np.clip(tau, -limit, limit)
         wrenches = {c.name: np.zeros(6) for c in self._contacts}
-        return self._command(kin, tau, np.zeros(self.robot.nv), wrenches, status, reason)
-
-    def _command(
-        self,
-        kin: Kinematics,
-        tau: np.ndarray,
-        acceleration: np.ndarray,
-        wrenches: dict[str, np.ndarray],
-        status: Status,
-        explanation: str,
-    ) -> Command:
-        q, v, a = kin.state.q[7:], kin.state.v[6:], acceleration[6:]
-        dt = self.dt
-        q_target = q + dt * v + (0.5 * dt * dt) * a
-        return Command(tau, acceleration, wrenches, q_target, v + dt * a, status, explanation)
+        q, v = kin.state.q[7:], kin.state.v[6:]
+        still = np.zeros(self.robot.nv)
+        return Command(tau, still, wrenches, q + self.dt * v, v.copy(), status, reason)

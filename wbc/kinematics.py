@@ -1,9 +1,9 @@
 """Everything that follows from one state, computed once and shared by all tasks.
 
-Three Pinocchio passes give all of it: the composite rigid body algorithm in its world
-convention, the non-linear effects, and the forward kinematics at zero acceleration. The
-centroidal quantities are then read off the base rows of the mass matrix and of the
-non-linear effects instead of being computed by passes of their own.
+Two Pinocchio passes give most of it: the composite rigid body algorithm in its world
+convention and the non-linear effects; the forward kinematics at zero acceleration is made when
+a frame's motion is first asked for. The centroidal quantities are read off the base rows of the
+mass matrix and of the non-linear effects instead of being computed by passes of their own.
 """
 
 from __future__ import annotations
@@ -16,6 +16,27 @@ from wbc.state import State
 
 _WORLD_AXES = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 _FRAME_AXES = pin.ReferenceFrame.LOCAL
+
+
+class Centroid:
+    """Centre of mass and angular momentum about it, in world axes, as one motion.
+
+    Attributes:
+        position: (3,) centre of mass, m.
+        velocity: (6,) CoM velocity, m/s; angular momentum, kg·m²/s.
+        bias: (6,) rate of `velocity` at zero generalised acceleration, m/s², N·m.
+        jacobian: (6, nv) `velocity = jacobian @ v`.
+    """
+
+    __slots__ = ("bias", "jacobian", "position", "velocity")
+
+    def __init__(
+        self, position: np.ndarray, jacobian: np.ndarray, velocity: np.ndarray, bias: np.ndarray
+    ) -> None:
+        self.position = position
+        self.jacobian = jacobian
+        self.velocity = velocity
+        self.bias = bias
 
 
 class FrameKinematics:
@@ -61,8 +82,6 @@ class Kinematics:
         mass: total mass, kg.
         mass_matrix: (nv, nv) M(q), armature included.
         bias_forces: (nv,) h(q, v), Coriolis, centrifugal and gravity.
-        base: `T_world_base`.
-        p_com: (3,) centre of mass in the world, m.
 
     Raises:
         StateError: the state has a wrong size, a NaN or a non-unit quaternion.
@@ -77,7 +96,9 @@ class Kinematics:
         self._gravity = np.concatenate((robot.model.gravity.linear, np.zeros(3)))
         self._world: dict[int, FrameKinematics] = {}
         self._local: dict[int, FrameKinematics] = {}
-        self._centroid: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        self._centroid: Centroid | None = None
+        self._p_com: np.ndarray | None = None
+        self._moved = False
         self.update(state)
 
     def update(self, state: State) -> None:
@@ -91,12 +112,10 @@ class Kinematics:
         q, v = state.q, state.v
         self.mass_matrix: np.ndarray = pin.crba(model, data, q, pin.Convention.WORLD)
         self.bias_forces: np.ndarray = pin.nonLinearEffects(model, data, q, v)
-        pin.forwardKinematics(model, data, q, v, self._at_rest)
-        self.base = data.oMi[1].copy()
-        self.p_com: np.ndarray = data.oYcrb[1].lever.copy()
         self._world.clear()
         self._local.clear()
-        self._centroid = None
+        self._centroid = self._p_com = None
+        self._moved = False
 
     def frame(self, frame: str | int) -> pin.SE3:
         """`T_world_frame` of a frame, by name or by frame index.
@@ -104,7 +123,20 @@ class Kinematics:
         Raises:
             FrameNotFound: the model has no frame of that name.
         """
-        return self.motion(frame).placement
+        frame_id = self.robot.frame_id(frame) if isinstance(frame, str) else frame
+        return pin.updateFramePlacement(self.model, self.data, frame_id)
+
+    @property
+    def base(self) -> pin.SE3:
+        """`T_world_base`."""
+        return self.data.oMi[1].copy()
+
+    @property
+    def p_com(self) -> np.ndarray:
+        """(3,) centre of mass in the world, m."""
+        if self._p_com is None:
+            self._p_com = self.data.oYcrb[1].lever.copy()
+        return self._p_com
 
     def motion(self, frame: str | int) -> FrameKinematics:
         """A frame's kinematics in world axes, by name or by frame index.
@@ -128,6 +160,10 @@ class Kinematics:
         frame_id = self.robot.frame_id(frame) if isinstance(frame, str) else frame
         found = known.get(frame_id)
         if found is None:
+            if not self._moved:
+                state = self.state
+                pin.forwardKinematics(self.model, self.data, state.q, state.v, self._at_rest)
+                self._moved = True
             found = known[frame_id] = FrameKinematics(self.model, self.data, frame_id, axes)
         return found
 
@@ -142,54 +178,60 @@ class Kinematics:
     @property
     def J_com(self) -> np.ndarray:
         """(3, nv) `v_com = J_com v`."""
-        return self._centroidal()[0][:3]
+        return self.centroid.jacobian[:3]
 
     @property
     def v_com(self) -> np.ndarray:
         """(3,) velocity of the centre of mass, m/s."""
-        return self._centroidal()[1][:3]
+        if self._centroid is not None:
+            return self._centroid.velocity[:3]
+        # The base's momentum in base axes, turned into the world and over the mass.
+        momentum = self.mass_matrix[:3].dot(self.state.v)
+        return np.asarray(self.data.oMi[1].rotation.dot(momentum) / self.mass)
 
     @property
     def bias_com(self) -> np.ndarray:
         """(3,) `J̇_com v`, m/s²."""
-        return self._centroidal()[2][:3]
+        return self.centroid.bias[:3]
 
     @property
     def J_angular(self) -> np.ndarray:
         """(3, nv) `angular_momentum = J_angular v`."""
-        return self._centroidal()[0][3:]
+        return self.centroid.jacobian[3:]
 
     @property
     def angular_momentum(self) -> np.ndarray:
         """(3,) about the centre of mass, world axes, kg·m²/s."""
-        return self._centroidal()[1][3:]
+        return self.centroid.velocity[3:]
 
     @property
     def bias_angular(self) -> np.ndarray:
         """(3,) `J̇_angular v`, N·m."""
-        return self._centroidal()[2][3:]
+        return self.centroid.bias[3:]
 
     @property
     def centroidal_momentum(self) -> np.ndarray:
         """(6,) linear then angular momentum about the centre of mass, world axes."""
         return np.concatenate((self.mass * self.v_com, self.angular_momentum))
 
-    def _centroidal(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """`(A, A v, Ȧ v)`, A (6, nv) to CoM velocity and angular momentum.
+    @property
+    def centroid(self) -> Centroid:
+        """Motion of the centre of mass, and angular momentum.
 
         The base rows of M are the momentum about the base's origin in base axes, those
         of h its rate less gravity (Featherstone, Rigid Body Dynamics Algorithms, 2008,
         §9). With R the base's orientation, m the mass and c the centre of mass seen from
-        the base's origin, both in world axes, `A = X M[0:6]` for
+        the base's origin, both in world axes, the Jacobian is `X M[0:6]` for
 
             X = [ R/m       0 ]
                 [ −[c]× R   R ].
         """
         if self._centroid is None:
-            to_com = pin.SE3(self.base.rotation, self.base.translation - self.p_com)
+            base = self.base
+            to_com = pin.SE3(base.rotation, base.translation - self.p_com)
             X = to_com.toDualActionMatrix()
             X[:3] /= self.mass
             A = X.dot(self.mass_matrix[:6])
             rate = X.dot(self.bias_forces[:6]) + self._gravity
-            self._centroid = (A, A.dot(self.state.v), rate)
+            self._centroid = Centroid(self.p_com, A, A.dot(self.state.v), rate)
         return self._centroid

@@ -59,7 +59,7 @@ def add_options(parser: argparse.ArgumentParser, duration: str) -> None:
         help="give the controller the simulator's exact state instead of an estimate",
     )
     parser.add_argument(
-        "--solver", default="daqp", metavar="NAME", help="QP solver (default: daqp)"
+        "--solver", metavar="NAME", help="QP solver (default: wbc, the library's own)"
     )
     parser.add_argument(
         "--real-time", action="store_true", help="a second takes a second, not less"

@@ -93,6 +93,11 @@ class Contact(ABC):
             self._cone = self._make_cone(self._friction / math.sqrt(2.0))
         return self._cone
 
+    @property
+    def frame_id(self) -> int:
+        """Index of the frame in the model, once bound; −1 before."""
+        return self._frame_id
+
     @abstractmethod
     def _make_cone(self, mu: float) -> np.ndarray:
         """The rows of `cone` for the pyramid's coefficient."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from enum import Enum
 
 import numpy as np
 
+from wbc.command import Command
 from wbc.contacts import Contact, SurfaceContact
 from wbc.kinematics import Kinematics
 from wbc.limits import AccelerationBound, TorqueLimit
@@ -20,14 +22,15 @@ from wbc.tasks import Task
 
 
 class Formulation(Enum):
-    """Which unknowns the QP has."""
+    """Which unknowns the QP has, and who assembles it. The optimum is the same."""
 
-    REDUCED = "reduced"  #: base and stance wrench eliminated; the fast one
+    COMPILED = "compiled"  #: base and stance wrench eliminated, in compiled kernels; the fast one
+    REDUCED = "reduced"  #: the same in numpy, where kernels cannot be had
     FULL = "full"  #: v̇ and f with the base dynamics as equalities; the readable one
 
 
 class Assembly:
-    """Builds the QP of one structure: fixed lists of tasks, contacts and limits.
+    """Builds the QP of one structure in numpy: fixed lists of tasks, contacts and limits.
 
     Targets, weights, gains and bounds may change from tick to tick; a change of the lists
     themselves, of a priority, or between exact and soft contact needs another `Assembly`.
@@ -38,8 +41,14 @@ class Assembly:
         contacts: of distinct names.
         bounds: limits on joint accelerations.
         torque_limit: limit on torques, or None.
-        formulation: which unknowns.
+        formulation: reduced or full.
         regularisation: small costs.
+
+    Attributes:
+        contacts: the contacts, the eliminated one first, with their rows.
+        elimination: the formulation's maps.
+        n: number of unknowns.
+        blocks, equality: see `Problem`.
     """
 
     def __init__(
@@ -55,21 +64,24 @@ class Assembly:
         stance = _stance_contact(contacts)
         # The contact that is eliminated comes first; commands name contacts, so order is free.
         ordered = [c for c in contacts if c is stance] + [c for c in contacts if c is not stance]
-        self._contacts = rows = ContactRows(ordered, robot.nv)
+        self.contacts = rows = ContactRows(ordered, robot.nv)
         nf = rows.a.size
         unit = robot.mass * 9.81
-        self._m: Elimination
+        m: Elimination
         if formulation is Formulation.FULL:
-            self._m = Full(robot.nv, nf, unit)
+            m = Full(robot.nv, nf, unit)
         elif stance is not None:
-            self._m = Stance(robot.nv, nf, unit)
+            m = Stance(robot.nv, nf, unit)
         else:
-            self._m = Floating(robot.nv, nf, unit)
-        self._x1 = np.ones(self._m.n + 1)
+            m = Floating(robot.nv, nf, unit)
+        self.elimination, self.n = m, m.n
+        self._x1 = np.ones(m.n + 1)
+        self._limit = torque_limit
         weighted = [t for t in tasks if t.priority == 1]
         exact = [t for t in tasks if t.priority == 0]
-        self._cost = Cost(weighted, rows, self._m, regularisation)
-        self._constraints = Constraints(robot, exact, rows, bounds, torque_limit, self._m)
+        self._cost = Cost(weighted, rows, m, regularisation)
+        self._constraints = Constraints(robot, exact, rows, bounds, torque_limit, m)
+        self.blocks, self.equality = self._constraints.blocks, self._constraints.equality
 
     def build(self, kin: Kinematics) -> Problem:
         """The QP of the tick; its arrays are valid until the next call.
@@ -78,26 +90,39 @@ class Assembly:
             TaskError: an attribute of a task has a wrong shape or type.
             ContactError: an attribute of a contact has.
         """
-        rows, constraints = self._contacts, self._constraints
+        rows, constraints = self.contacts, self._constraints
         rows.write(kin)
-        self._m.update(kin.mass_matrix, kin.bias_forces, rows.J, rows.a)
+        self.elimination.update(kin.mass_matrix, kin.bias_forces, rows.J, rows.a)
         H, g = self._cost.build(kin)
         C, lb, ub = constraints.build(kin)
-        return Problem(
-            H, g, C, lb, ub, constraints.bounded, constraints.equality, constraints.blocks
-        )
+        # A cost that is not finite shows in g: it is Gᵀ r with H = Gᵀ G, see `Cost`.
+        finite = math.isfinite(g.dot(g)) and not math.isnan((ub - lb).min())
+        return Problem(H, g, C, lb, ub, constraints.bounded, self.equality, self.blocks, finite)
 
-    def recover(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
-        """Acceleration (nv,), torques (na,) and contact wrenches (6,) by name."""
-        m, x1 = self._m, self._x1
+    def recover(self, x: np.ndarray, kin: Kinematics, dt: float) -> Command | None:
+        """The command of a solution; None when it is not finite.
+
+        Args:
+            x: (n,).
+            kin: of the state that the QP was built for.
+            dt: control period, s.
+        """
+        m, x1 = self.elimination, self._x1
         x1[:-1] = x
         f = m.W @ x1
         wrenches = {}
-        for contact, rows in self._contacts:
+        for contact, rows in self.contacts:
             wrench = np.zeros(6)
             wrench[: contact.motion_size] = f[rows]
             wrenches[contact.name] = wrench
-        return m.acceleration(x1), m.T @ x1, wrenches
+        acceleration, tau = m.acceleration(x1), m.T @ x1
+        if not (math.isfinite(tau.dot(tau)) and math.isfinite(acceleration.dot(acceleration))):
+            return None
+        if self._limit is not None:  # what the solver's tolerance leaves
+            tau = np.clip(tau, -self._limit.maximum, self._limit.maximum)
+        v, a = kin.state.v[6:], acceleration[6:]
+        q_target = kin.state.q[7:] + dt * v + (0.5 * dt * dt) * a
+        return Command(tau, acceleration, wrenches, q_target, v + dt * a)
 
 
 def _stance_contact(contacts: Sequence[Contact]) -> Contact | None:

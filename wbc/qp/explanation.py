@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import daqp
 import numpy as np
 
 from wbc.qp.problem import Problem
@@ -30,6 +29,8 @@ class ElasticRows:
     """
 
     def __init__(self, problem: Problem) -> None:
+        import daqp  # not before it is needed: `import wbc` stays light
+
         n, bounded = problem.g.size, problem.bounded
         A = np.vstack((np.eye(bounded, n), problem.C))
         self.norm = np.maximum(np.linalg.norm(A, axis=1), 1e-12)

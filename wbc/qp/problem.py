@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from enum import Enum
 
@@ -28,6 +27,7 @@ class Problem:
         bounded: number of simple bounds.
         equality: (bounded + m,) True where the row is an equality.
         blocks: names of the rows of `lb` and `ub`.
+        finite: no entry is NaN, nor infinite but for bounds.
     """
 
     H: np.ndarray
@@ -38,13 +38,7 @@ class Problem:
     bounded: int
     equality: np.ndarray
     blocks: tuple[RowBlock, ...]
-
-    def is_finite(self) -> bool:
-        """Whether no entry is NaN, nor infinite but for bounds.
-
-        A cost that is not finite shows in g: it is Gᵀ r with H = Gᵀ G, see `wbc.qp.cost`.
-        """
-        return math.isfinite(self.g.dot(self.g)) and not math.isnan((self.ub - self.lb).min())
+    finite: bool = True
 
     def values(self, x: np.ndarray) -> np.ndarray:
         """(bounded + m,) what the bounds are compared with at x."""

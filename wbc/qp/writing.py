@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.contacts import Contact
-from wbc.errors import ContactError, TaskError
+from wbc.errors import ContactError, LimitError, TaskError
 from wbc.kinematics import Kinematics
 from wbc.tasks import JointTask, Task
 
@@ -23,7 +23,7 @@ def write_task(task: Task, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> Non
     try:
         task.write(kin, A, b)
     except (ValueError, TypeError, AttributeError) as error:
-        _refuse(task, error)
+        naming(task, error)
 
 
 def write_joint_task(task: JointTask, kin: Kinematics, b: np.ndarray) -> None:
@@ -35,7 +35,7 @@ def write_joint_task(task: JointTask, kin: Kinematics, b: np.ndarray) -> None:
     try:
         task.write_joints(kin, b)
     except (ValueError, TypeError, AttributeError) as error:
-        _refuse(task, error)
+        naming(task, error)
 
 
 def write_contact(contact: Contact, kin: Kinematics, J: np.ndarray, a: np.ndarray) -> None:
@@ -47,13 +47,26 @@ def write_contact(contact: Contact, kin: Kinematics, J: np.ndarray, a: np.ndarra
     try:
         contact.write(kin, J, a)
     except (ValueError, TypeError, AttributeError) as error:
-        raise ContactError(f"contact '{contact.name}' cannot state its rows: {error}") from error
+        naming(contact, error)
 
 
-def _refuse(task: Task, error: Exception) -> NoReturn:
+def naming(owner: object, error: Exception) -> NoReturn:
+    """Raise the error that names whose rows could not be had.
+
+    Raises:
+        TaskError: it was a task.
+        ContactError: it was a contact.
+        LimitError: it was a limit.
+    """
+    if isinstance(owner, Contact):
+        text = f"contact '{owner.name}' cannot state its rows: {error}"
+        raise ContactError(text) from error
+    if not isinstance(owner, Task):
+        name = getattr(owner, "name", type(owner).__name__)
+        raise LimitError(f"{name} cannot state its bounds: {error}") from error
     raise TaskError(
-        f"task '{task.name}' cannot state its rows: {error}; "
-        f"look at what was set of it last: {_shapes(task)}"
+        f"task '{owner.name}' cannot state its rows: {error}; "
+        f"look at what was set of it last: {_shapes(owner)}"
     ) from error
 
 

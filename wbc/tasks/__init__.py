@@ -3,6 +3,7 @@
 from wbc.tasks.com import ComTask
 from wbc.tasks.frame import FrameTask, OrientationTask, PositionTask
 from wbc.tasks.momentum import AngularMomentumTask
+from wbc.tasks.motion import MotionTask, Reference
 from wbc.tasks.posture import PostureTask
 from wbc.tasks.task import JointTask, Task
 
@@ -11,8 +12,10 @@ __all__ = [
     "ComTask",
     "FrameTask",
     "JointTask",
+    "MotionTask",
     "OrientationTask",
     "PositionTask",
     "PostureTask",
+    "Reference",
     "Task",
 ]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.kinematics import Kinematics
-from wbc.tasks.task import Task
+from wbc.tasks.motion import MotionTask, Reference
 
 
-class ComTask(Task):
+class ComTask(MotionTask):
     """Track a centre-of-mass trajectory.
 
     `J_com v̇ = c̈_ref + kd (ċ_ref − ċ) + kp (c_ref − c) − J̇_com v`, world axes.
@@ -24,6 +24,7 @@ class ComTask(Task):
     """
 
     unit = "m/s²"
+    components = slice(0, 3)
 
     def __init__(
         self,
@@ -35,17 +36,16 @@ class ComTask(Task):
         priority: int = 1,
         name: str = "com",
     ) -> None:
-        super().__init__(name, 3, weight, kp, kd, priority)
+        super().__init__(name, weight, kp, kd, priority)
         self.labels = ("x", "y", "z")
         self.target = None if target is None else self._vector("target", target, 3)
         self.velocity = np.zeros(3)
         self.acceleration = np.zeros(3)
 
-    def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
-        """See `Task.write`."""
+    def refer(self, kin: Kinematics, reference: Reference) -> None:
+        """See `MotionTask.refer`."""
         if self.target is None:
             self.target = kin.p_com.copy()
-        A[:] = kin.J_com
-        np.subtract(self.acceleration, kin.bias_com, out=b)
-        b += self.kd * (self.velocity - kin.v_com)
-        b += self.kp * (self.target - kin.p_com)
+        reference.position[:] = self.target
+        reference.velocity[:3] = self.velocity
+        reference.acceleration[:3] = self.acceleration

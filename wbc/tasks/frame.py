@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-
 import numpy as np
 import pinocchio as pin
 
 from wbc.errors import TaskError
-from wbc.kinematics import FrameKinematics, Kinematics
+from wbc.kinematics import Kinematics
 from wbc.robot import Robot
-from wbc.tasks.task import Task
+from wbc.tasks.motion import MotionTask, Reference
 
 
 def is_rotation(R: np.ndarray) -> bool:
@@ -18,43 +16,30 @@ def is_rotation(R: np.ndarray) -> bool:
     return bool(abs(R @ R.T - np.eye(3)).max() < 1e-6 and np.linalg.det(R) > 0.0)
 
 
-class _FrameTask(Task):
-    """What the three frame tasks share: the frame and its row selection."""
-
-    rows: slice
+class _FrameTask(MotionTask):
+    """What the three frame tasks share: the frame and how it is to move."""
 
     def __init__(
         self,
         frame: str,
-        size: int,
         weight: float | np.ndarray,
         kp: float | np.ndarray,
         kd: float | np.ndarray | None,
         priority: int,
         name: str,
     ) -> None:
-        super().__init__(name, size, weight, kp, kd, priority)
+        super().__init__(name, weight, kp, kd, priority)
         self.frame = frame
-        self.velocity = np.zeros(size)
-        self.acceleration = np.zeros(size)
-        self._frame_id = -1
+        self.velocity = np.zeros(self.size)
+        self.acceleration = np.zeros(self.size)
 
     def bind(self, robot: Robot) -> None:
         """See `Task.bind`."""
         self._frame_id = robot.frame_id(self.frame)
 
-    @abstractmethod
-    def _error(self, at: FrameKinematics) -> np.ndarray:
-        """(m,) `x_ref ⊖ x` in world axes; takes the present pose when there is no target."""
-
-    def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
-        """See `Task.write`."""
-        at = kin.motion(self._frame_id)
-        rows = self.rows
-        A[:] = at.jacobian[rows]
-        np.subtract(self.acceleration, at.bias[rows], out=b)
-        b += self.kd * (self.velocity - at.velocity[rows])
-        b += self.kp * self._error(at)
+    def _refer_motion(self, reference: Reference) -> None:
+        reference.velocity[self.components] = self.velocity
+        reference.acceleration[self.components] = self.acceleration
 
 
 class FrameTask(_FrameTask):
@@ -74,7 +59,7 @@ class FrameTask(_FrameTask):
     """
 
     unit = "m/s², rad/s²"
-    rows = slice(0, 6)
+    components = slice(0, 6)
 
     def __init__(
         self,
@@ -87,7 +72,7 @@ class FrameTask(_FrameTask):
         priority: int = 1,
         name: str = "",
     ) -> None:
-        super().__init__(frame, 6, weight, kp, kd, priority, name or f"{frame} pose")
+        super().__init__(frame, weight, kp, kd, priority, name or f"{frame} pose")
         self.labels = ("x", "y", "z", "roll", "pitch", "yaw")
         if target is not None and not isinstance(target, pin.SE3):
             raise TaskError(
@@ -95,13 +80,12 @@ class FrameTask(_FrameTask):
             )
         self.target = target
 
-    def _error(self, at: FrameKinematics) -> np.ndarray:
+    def refer(self, kin: Kinematics, reference: Reference) -> None:
+        """See `MotionTask.refer`."""
         if self.target is None:
-            self.target = at.placement.copy()
-        e = np.empty(6)
-        e[:3] = self.target.translation - at.position
-        e[3:] = pin.log3(self.target.rotation @ at.rotation.T)
-        return e
+            self.target = kin.frame(self._frame_id).copy()
+        reference.pose[:] = self.target.homogeneous
+        self._refer_motion(reference)
 
 
 class PositionTask(_FrameTask):
@@ -117,7 +101,7 @@ class PositionTask(_FrameTask):
     """
 
     unit = "m/s²"
-    rows = slice(0, 3)
+    components = slice(0, 3)
 
     def __init__(
         self,
@@ -130,14 +114,16 @@ class PositionTask(_FrameTask):
         priority: int = 1,
         name: str = "",
     ) -> None:
-        super().__init__(frame, 3, weight, kp, kd, priority, name or f"{frame} position")
+        super().__init__(frame, weight, kp, kd, priority, name or f"{frame} position")
         self.labels = ("x", "y", "z")
         self.target = None if target is None else self._vector("target", target, 3)
 
-    def _error(self, at: FrameKinematics) -> np.ndarray:
+    def refer(self, kin: Kinematics, reference: Reference) -> None:
+        """See `MotionTask.refer`."""
         if self.target is None:
-            self.target = at.position.copy()
-        return np.asarray(self.target - at.position)
+            self.target = kin.frame(self._frame_id).translation.copy()
+        reference.position[:] = self.target
+        self._refer_motion(reference)
 
 
 class OrientationTask(_FrameTask):
@@ -153,7 +139,7 @@ class OrientationTask(_FrameTask):
     """
 
     unit = "rad/s²"
-    rows = slice(3, 6)
+    components = slice(3, 6)
 
     def __init__(
         self,
@@ -166,7 +152,7 @@ class OrientationTask(_FrameTask):
         priority: int = 1,
         name: str = "",
     ) -> None:
-        super().__init__(frame, 3, weight, kp, kd, priority, name or f"{frame} orientation")
+        super().__init__(frame, weight, kp, kd, priority, name or f"{frame} orientation")
         self.labels = ("roll", "pitch", "yaw")
         if target is not None:
             target = np.array(target, dtype=float)
@@ -174,7 +160,9 @@ class OrientationTask(_FrameTask):
                 raise TaskError(f"task '{self.name}': target is not a (3, 3) rotation matrix")
         self.target = target
 
-    def _error(self, at: FrameKinematics) -> np.ndarray:
+    def refer(self, kin: Kinematics, reference: Reference) -> None:
+        """See `MotionTask.refer`."""
         if self.target is None:
-            self.target = at.rotation.copy()
-        return np.asarray(pin.log3(self.target @ at.rotation.T))
+            self.target = kin.frame(self._frame_id).rotation.copy()
+        reference.rotation[:] = self.target
+        self._refer_motion(reference)

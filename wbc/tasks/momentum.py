@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.kinematics import Kinematics
-from wbc.tasks.task import Task
+from wbc.tasks.motion import MotionTask, Reference
 
 
-class AngularMomentumTask(Task):
+class AngularMomentumTask(MotionTask):
     """Regulate the angular momentum about the centre of mass.
 
     `J_L v̇ = L̇_ref + kp (L_ref − L) − J̇_L v`, world axes (Orin, Goswami and Lee,
@@ -23,6 +23,7 @@ class AngularMomentumTask(Task):
     """
 
     unit = "N·m"
+    components = slice(3, 6)
 
     def __init__(
         self,
@@ -32,13 +33,12 @@ class AngularMomentumTask(Task):
         priority: int = 1,
         name: str = "angular momentum",
     ) -> None:
-        super().__init__(name, 3, weight, kp, 0.0, priority)
+        super().__init__(name, weight, kp, 0.0, priority)
         self.labels = ("x", "y", "z")
         self.target = np.zeros(3)
         self.rate = np.zeros(3)
 
-    def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
-        """See `Task.write`."""
-        A[:] = kin.J_angular
-        np.subtract(self.rate, kin.bias_angular, out=b)
-        b += self.kp * (self.target - kin.angular_momentum)
+    def refer(self, kin: Kinematics, reference: Reference) -> None:
+        """See `MotionTask.refer`."""
+        reference.position[:] = self.target
+        reference.acceleration[3:] = self.rate

@@ -31,6 +31,7 @@ class Task(ABC):
 
     Attributes:
         labels: one text per row, for explanations; may be empty.
+        gains: another object whenever weight, kp or kd were set.
 
     Raises:
         TaskError: a weight or gain is negative, not finite or of a wrong shape,
@@ -69,6 +70,7 @@ class Task(ABC):
     def weight(self, value: float | np.ndarray) -> None:
         self._weight = self._gain("weight", value)
         self.sqrt_weight = np.sqrt(self._weight)
+        self.gains = object()
 
     @property
     def kp(self) -> np.ndarray:
@@ -78,6 +80,7 @@ class Task(ABC):
     @kp.setter
     def kp(self, value: float | np.ndarray) -> None:
         self._kp = self._gain("kp", value)
+        self.gains = object()
 
     @property
     def kd(self) -> np.ndarray:
@@ -87,6 +90,7 @@ class Task(ABC):
     @kd.setter
     def kd(self, value: float | np.ndarray) -> None:
         self._kd = self._gain("kd", value)
+        self.gains = object()
 
     def _gain(self, what: str, value: float | np.ndarray) -> np.ndarray:
         array = self._floats(what, value)

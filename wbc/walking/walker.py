@@ -59,7 +59,7 @@ class Walker:
         *,
         gait: GaitParameters | None = None,
         gains: WalkerGains | None = None,
-        solver: str = "daqp",
+        solver: str | None = None,
     ) -> None:
         self.robot = robot
         self.dt = dt

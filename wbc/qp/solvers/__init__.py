@@ -1,22 +1,35 @@
 """QP solvers by name, one adapter per file."""
 
+from wbc.errors import SolverNotFound
+from wbc.qp.loading import kernels_load
 from wbc.qp.solvers.daqp import DaqpSolver
 from wbc.qp.solvers.solver import Solver
 
 __all__ = ["DaqpSolver", "Solver", "make_solver"]
 
 
-def make_solver(name: str = "daqp", **options: object) -> Solver:
+def make_solver(name: str | None = None, **options: object) -> Solver:
     """A solver by its name.
 
     Args:
-        name: "daqp" (the default), "osqp" (persistent workspace), or the name of any
-            dense solver that `qpsolvers` finds installed ("quadprog", "proxqp", …).
+        name: "wbc" (the library's own, compiled), "daqp", "osqp" (persistent workspace), or
+            the name of any dense solver that `qpsolvers` finds installed ("quadprog", "proxqp",
+            …). When left out: "wbc", or "daqp" where kernels cannot be compiled.
         options: passed on to the solver, by its own names.
 
     Raises:
         SolverNotFound: unknown or not installed; the text says what is there.
     """
+    if name is None:
+        name = "wbc" if kernels_load() else "daqp"
+    if name == "wbc":
+        if not kernels_load():
+            raise SolverNotFound(
+                "QP solver 'wbc' needs Numba; run  pip install numba  or take 'daqp'"
+            )
+        from wbc.qp.solvers.compiled import CompiledSolver
+
+        return CompiledSolver(**options)  # type: ignore[arg-type]
     if name == "daqp":
         return DaqpSolver(**options)  # type: ignore[arg-type]
     if name == "osqp":

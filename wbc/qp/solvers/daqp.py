@@ -1,4 +1,4 @@
-"""DAQP, called directly, warm: the default.
+"""DAQP, called directly, warm.
 
 Arnström, Bemporad and Axehill, A dual active-set solver for embedded quadratic
 programming using recursive LDLᵀ updates, IEEE TAC 2022.
@@ -7,8 +7,8 @@ programming using recursive LDLᵀ updates, IEEE TAC 2022.
 from __future__ import annotations
 
 import math
+from typing import Any
 
-import daqp
 import numpy as np
 
 from wbc.qp.problem import Outcome, Problem, Solution
@@ -42,8 +42,11 @@ class DaqpSolver(Solver):
         # A negative eps_prox: nothing is added to H unless it is singular, which zero_tol puts
         # at a condition number of 1e12. Lower, and rounding makes redundant rows contradict.
         defaults = {"primal_tol": 1e-9, "zero_tol": 1e-12, "eps_prox": -1e-9, "iter_limit": 1000}
+        import daqp  # not before it is needed: `import wbc` stays light
+
+        self._new_model = daqp.Model
         self._settings = {**defaults, **settings}
-        self._models: dict[_Key, tuple[daqp.Model, np.ndarray, np.ndarray]] = {}
+        self._models: dict[_Key, tuple[Any, np.ndarray, np.ndarray]] = {}
 
     def solve(self, problem: Problem) -> Solution:
         """See `Solver`."""
@@ -72,7 +75,7 @@ class DaqpSolver(Solver):
         sense = np.where(problem.equality, _EQUALITY, 0).astype(np.int32)
         iterations = 0
         for factor in _LOOSER:
-            model = daqp.Model()
+            model = self._new_model()
             model.settings = {
                 **self._settings,
                 "primal_tol": factor * self._settings["primal_tol"],

@@ -24,7 +24,7 @@ class QpsolversSolver(Solver):
         import qpsolvers  # imports every installed solver: seconds
 
         if name not in qpsolvers.available_solvers:
-            known = sorted({"daqp", "osqp", *qpsolvers.dense_solvers})
+            known = sorted({"wbc", "daqp", "osqp", *qpsolvers.dense_solvers})
             raise SolverNotFound(
                 f"QP solver '{name}' is unknown or not installed{did_you_mean(name, known)} "
                 f"(most solvers come with  pip install {name}  or  pip install 'wbc[solvers]' )"
@@ -32,7 +32,7 @@ class QpsolversSolver(Solver):
         if name not in qpsolvers.dense_solvers:
             raise SolverNotFound(
                 f"QP solver '{name}' takes sparse problems only; "
-                f"dense ones are: {', '.join(sorted({'daqp', *qpsolvers.dense_solvers}))}"
+                f"dense ones are: {', '.join(sorted({'wbc', 'daqp', *qpsolvers.dense_solvers}))}"
             )
         self.name = name
         self._qpsolvers = qpsolvers

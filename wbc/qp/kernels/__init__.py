@@ -1,0 +1,1 @@
+"""The compiled parts of a tick; importing them needs Numba."""

@@ -1,0 +1,422 @@
+"""A dual active-set method for small dense strictly convex QPs that follow one another.
+
+    min ½ xᵀ H x + gᵀ x   subject to   lb ≤ [x[:bounded]; C x] ≤ ub
+
+With H = L Lᵀ, w = L⁻¹ g and y = Lᵀ x + w the cost is ½ |y|², and a row c x ≤ u reads
+m·y ≤ d for m = L⁻¹ c, d = u + m·w. For a working set of rows held at their bounds the
+multipliers solve K λ = −d with K = M Mᵀ, and y = −Mᵀ λ. Starting from any set with λ ≥ 0, that
+of the last tick say, rows are added (the most violated one) and removed (the one whose
+multiplier would change sign first) until neither is needed; the dual cost rises at each step
+(Goldfarb and Idnani, A numerically stable dual method for solving strictly convex quadratic
+programs, Mathematical Programming 1983; the start from any set as in Arnström, Bemporad and
+Axehill, A dual active-set solver for embedded quadratic programming using recursive LDLᵀ
+updates, IEEE TAC 2022).
+
+Only rows in the working set are ever transformed: a tick with three active rows costs one
+Cholesky factorisation, one product C x per step and little else.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from wbc.qp.kernels.jit import kernel, part
+
+SOLVED, INFEASIBLE, ITERATION_LIMIT, NOT_CONVEX = 0, 1, 2, 3
+
+_INDEPENDENT = 1e-11  # least share of a row that the working set does not span
+
+
+@part
+def cholesky(H: np.ndarray, L: np.ndarray) -> bool:
+    """L of H = L Lᵀ row by row, with reciprocal diagonal; False unless positive definite."""
+    n = H.shape[0]
+    for i in range(n):
+        for j in range(i):
+            s = H[i, j]
+            for k in range(j):
+                s -= L[i, k] * L[j, k]
+            L[i, j] = s * L[j, j]
+        s = H[i, i]
+        for k in range(i):
+            s -= L[i, k] * L[i, k]
+        if not s > 1e-14 * H[i, i]:
+            return False
+        L[i, i] = 1.0 / math.sqrt(s)
+    return True
+
+
+@part
+def forward(L: np.ndarray, b: np.ndarray, first: int) -> None:
+    """b ← L⁻¹ b, whose entries before `first` are zero."""
+    for i in range(first, b.size):
+        s = b[i]
+        for k in range(first, i):
+            s -= L[i, k] * b[k]
+        b[i] = s * L[i, i]
+
+
+@part
+def backward(L: np.ndarray, b: np.ndarray, n: int) -> None:
+    """b[:n] ← L⁻ᵀ b[:n]."""
+    for i in range(n - 1, -1, -1):
+        s = b[i] * L[i, i]
+        b[i] = s
+        for k in range(i):
+            b[k] -= L[i, k] * s
+
+
+@part
+def factor_row(K: np.ndarray, F: np.ndarray, i: int) -> bool:
+    """Row i of the factor F of K, reciprocal diagonal; False when K's row is dependent.
+
+    A dependent row gets a zero there, which makes its multiplier zero.
+    """
+    for j in range(i):
+        s = K[i, j]
+        for k in range(j):
+            s -= F[i, k] * F[j, k]
+        F[i, j] = s * F[j, j]
+    s = K[i, i]
+    for k in range(i):
+        s -= F[i, k] * F[i, k]
+    F[i, i] = 0.0
+    if not s > _INDEPENDENT * K[i, i]:
+        return False
+    F[i, i] = 1.0 / math.sqrt(s)
+    return True
+
+
+@part
+def transformed_row(
+    C: np.ndarray, L: np.ndarray, bounded: int, row: int, sign: float, m: np.ndarray
+) -> None:
+    """m = sign L⁻¹ c."""
+    m[:] = 0.0
+    if row < bounded:
+        m[row] = sign
+        forward(L, m, row)
+    else:
+        for k in range(m.size):
+            m[k] = sign * C[row - bounded, k]
+        forward(L, m, 0)
+
+
+@part
+def append(
+    C: np.ndarray,
+    L: np.ndarray,
+    w: np.ndarray,
+    lb: np.ndarray,
+    ub: np.ndarray,
+    bounded: int,
+    row: int,
+    side: int,
+    k: int,
+    rows: np.ndarray,
+    sides: np.ndarray,
+    M: np.ndarray,
+    K: np.ndarray,
+    d: np.ndarray,
+) -> None:
+    """Put a row at place k of the working set; the factor is left to `factor_row`."""
+    n = w.size
+    sign = 1.0 if side > 0 else -1.0
+    rows[k], sides[k] = row, side
+    transformed_row(C, L, bounded, row, sign, M[k])
+    s = ub[row] if side > 0 else -lb[row]
+    for i in range(n):
+        s += M[k, i] * w[i]
+    d[k] = s
+    for j in range(k + 1):
+        s = 0.0
+        for i in range(n):
+            s += M[k, i] * M[j, i]
+        K[k, j] = s
+
+
+@part
+def remove(
+    at: int,
+    size: int,
+    rows: np.ndarray,
+    sides: np.ndarray,
+    M: np.ndarray,
+    K: np.ndarray,
+    d: np.ndarray,
+    multipliers: np.ndarray,
+) -> None:
+    """Take the row at a place out of the working set."""
+    n = M.shape[1]
+    for k in range(at, size - 1):
+        rows[k], sides[k] = rows[k + 1], sides[k + 1]
+        d[k], multipliers[k] = d[k + 1], multipliers[k + 1]
+        for i in range(n):
+            M[k, i] = M[k + 1, i]
+        for j in range(at):
+            K[k, j] = K[k + 1, j]
+        for j in range(at, k + 1):
+            K[k, j] = K[k + 1, j + 1]
+
+
+@part
+def solve_factored(F: np.ndarray, b: np.ndarray, k: int) -> None:
+    """b[:k] ← (F Fᵀ)⁻¹ b[:k]."""
+    for i in range(k):
+        s = b[i]
+        for j in range(i):
+            s -= F[i, j] * b[j]
+        b[i] = s * F[i, i]
+    backward(F, b, k)
+
+
+@part
+def point_of(
+    L: np.ndarray, M: np.ndarray, multipliers: np.ndarray, size: int, w: np.ndarray, x: np.ndarray
+) -> None:
+    """x of the multipliers: L x = −Mᵀ λ − w, transposed."""
+    n = x.size
+    for i in range(n):
+        x[i] = -w[i]
+    for k in range(size):
+        for i in range(n):
+            x[i] -= multipliers[k] * M[k, i]
+    backward(L, x, n)
+
+
+@part
+def most_violated(
+    C: np.ndarray,
+    x: np.ndarray,
+    lb: np.ndarray,
+    ub: np.ndarray,
+    bounded: int,
+    scale: np.ndarray,
+    used: np.ndarray,
+    tolerance: float,
+) -> tuple[int, int]:
+    """Row whose bound is violated most for its scale, and the side; (−1, 0) when none is."""
+    worst, at, side = tolerance, -1, 0
+    for row in range(lb.size):
+        if used[row] != 0:
+            continue
+        if row < bounded:
+            y = x[row]
+        else:
+            y = 0.0
+            for k in range(x.size):
+                y += C[row - bounded, k] * x[k]
+        above, below = (y - ub[row]) * scale[row], (lb[row] - y) * scale[row]
+        if above > worst:
+            worst, at, side = above, row, 1
+        if below > worst:
+            worst, at, side = below, row, -1
+    return at, side
+
+
+@part
+def refactor(K: np.ndarray, F: np.ndarray, start: int, size: int) -> None:
+    """Rows start … size − 1 of the factor."""
+    for i in range(start, size):
+        factor_row(K, F, i)
+
+
+@part
+def first_to_vanish(
+    multipliers: np.ndarray,
+    wanted: np.ndarray,
+    sides: np.ndarray,
+    size: int,
+    is_equality: np.ndarray,
+    rows: np.ndarray,
+) -> tuple[int, float]:
+    """Which multiplier changes sign first on the way to the wanted ones, and after what share."""
+    largest = 0.0
+    for k in range(size):
+        largest = max(largest, abs(wanted[k]))
+    at, share = -1, 1.0
+    for k in range(size):
+        if is_equality[rows[k]] or wanted[k] >= -1e-13 * largest:
+            continue
+        s = multipliers[k] / (multipliers[k] - wanted[k])
+        if s < share:
+            at, share = k, s
+    return at, share
+
+
+@part
+def refine(
+    C: np.ndarray,
+    L: np.ndarray,
+    F: np.ndarray,
+    M: np.ndarray,
+    lb: np.ndarray,
+    ub: np.ndarray,
+    bounded: int,
+    rows: np.ndarray,
+    sides: np.ndarray,
+    size: int,
+    scale: np.ndarray,
+    tolerance: float,
+    w: np.ndarray,
+    x: np.ndarray,
+    multipliers: np.ndarray,
+    r: np.ndarray,
+) -> None:
+    """Bring the rows of the working set to their bounds up to rounding errors."""
+    n = x.size
+    for _ in range(3):
+        worst = 0.0
+        for k in range(size):
+            row = rows[k]
+            if row < bounded:
+                y = x[row]
+            else:
+                y = 0.0
+                for i in range(n):
+                    y += C[row - bounded, i] * x[i]
+            r[k] = y - ub[row] if sides[k] > 0 else lb[row] - y
+            worst = max(worst, abs(r[k]) * scale[row])
+        if not worst > 0.05 * tolerance:
+            return
+        solve_factored(F, r, size)
+        for k in range(size):
+            multipliers[k] += r[k]
+        point_of(L, M, multipliers, size, w, x)
+
+
+@kernel(
+    "int64(float64[:,::1], float64[::1], float64[:,::1], float64[::1], float64[::1], int64, "
+    "boolean[::1], float64, int64, int64[::1], int64[::1], int64[::1], float64[::1], "
+    "float64[:,:,::1], float64[:,::1])"
+)
+def solve(
+    H: np.ndarray,
+    g: np.ndarray,
+    C: np.ndarray,
+    lb: np.ndarray,
+    ub: np.ndarray,
+    bounded: int,
+    is_equality: np.ndarray,
+    tolerance: float,
+    limit: int,
+    counts: np.ndarray,
+    rows: np.ndarray,
+    sides: np.ndarray,
+    multipliers: np.ndarray,
+    square: np.ndarray,
+    line: np.ndarray,
+) -> int:
+    """Solve; the solution is left in line[0][:n].
+
+    Args:
+        H, g, C, lb, ub: the problem; n unknowns, r rows.
+        bounded: number of simple bounds, on the first unknowns.
+        is_equality: (r,).
+        tolerance: by how much a row of unit norm may be violated.
+        limit: of iterations.
+        counts: size of the working set before and after; iterations.
+        rows, sides: (n + 1,) working set: rows of lb and ub, and +1 at ub or −1 at lb.
+        multipliers: (n + 1,).
+        square: (4, n + 1, n + 1) room for L, M, K and F.
+        line: (5, r + 2 n + 2) room for x and others.
+
+    Returns:
+        SOLVED, INFEASIBLE, ITERATION_LIMIT or NOT_CONVEX.
+    """
+    n, total = g.size, lb.size
+    L, M, K, F = square[0, :n, :n], square[1, :, :n], square[2], square[3]
+    x, w, wanted, d, scale = line[0, :n], line[1, :n], line[2], line[3], line[4, :total]
+    r = line[1, n:]
+    if not cholesky(H, L):
+        return NOT_CONVEX
+    w[:] = g
+    forward(L, w, 0)
+    used = np.zeros(total, np.int8)
+    for row in range(total):
+        scale[row] = 1.0
+        if row >= bounded:
+            s = 0.0
+            for k in range(n):
+                s += C[row - bounded, k] * C[row - bounded, k]
+            scale[row] = 1.0 / math.sqrt(s) if s > 1e-24 else 1e12
+    # Equalities first, then what was active before.
+    before = counts[0]
+    old_rows, old_sides, old_multipliers = rows.copy(), sides.copy(), multipliers.copy()
+    size = 0
+    for row in range(total):
+        if is_equality[row] and size <= n:
+            append(C, L, w, lb, ub, bounded, row, 1, size, rows, sides, M, K, d)
+            if size < n and factor_row(K, F, size):
+                used[row] = 1
+                multipliers[size] = 0.0
+                size += 1
+    for k in range(before):
+        row = old_rows[k]
+        if is_equality[row] or used[row] != 0 or size >= n:
+            continue
+        bound = ub[row] if old_sides[k] > 0 else lb[row]
+        if not abs(bound) < 1e20:
+            continue
+        append(C, L, w, lb, ub, bounded, row, old_sides[k], size, rows, sides, M, K, d)
+        if factor_row(K, F, size):
+            used[row] = 1
+            multipliers[size] = max(old_multipliers[k], 0.0)
+            size += 1
+    outcome = ITERATION_LIMIT
+    iteration = 0
+    while iteration < limit:
+        iteration += 1
+        for k in range(size):
+            wanted[k] = -d[k]
+        solve_factored(F, wanted, size)
+        at, share = first_to_vanish(multipliers, wanted, sides, size, is_equality, rows)
+        if at >= 0:
+            for k in range(size):
+                multipliers[k] += share * (wanted[k] - multipliers[k])
+            used[rows[at]] = 0
+            remove(at, size, rows, sides, M, K, d, multipliers)
+            size -= 1
+            refactor(K, F, at, size)
+            continue
+        for k in range(size):
+            multipliers[k] = wanted[k]
+        point_of(L, M, multipliers, size, w, x)
+        refine(
+            C, L, F, M, lb, ub, bounded, rows, sides, size, scale, tolerance, w, x, multipliers, r
+        )
+        row, side = most_violated(C, x, lb, ub, bounded, scale, used, tolerance)
+        if row < 0:
+            outcome = SOLVED
+            break
+        append(C, L, w, lb, ub, bounded, row, side, size, rows, sides, M, K, d)
+        multipliers[size] = 0.0
+        while size >= n or not factor_row(K, F, size):
+            # The new row is a combination z of the others: trade it for one of them.
+            for k in range(size):
+                wanted[k] = K[size, k]
+            solve_factored(F, wanted, size)
+            at, share = -1, np.inf
+            for k in range(size):
+                if not is_equality[rows[k]] and wanted[k] > 1e-9:
+                    s = multipliers[k] / wanted[k]
+                    if s < share:
+                        at, share = k, s
+            if at < 0:
+                outcome = INFEASIBLE
+                break
+            for k in range(size):
+                multipliers[k] -= share * wanted[k]
+            multipliers[size] += share
+            used[rows[at]] = 0
+            remove(at, size + 1, rows, sides, M, K, d, multipliers)
+            size -= 1
+            refactor(K, F, at, size)
+        if outcome == INFEASIBLE:
+            break
+        used[row] = 1
+        size += 1
+    counts[0], counts[1] = size, iteration
+    return outcome

@@ -1,0 +1,102 @@
+"""Tasks on the motion of a frame or of the centroid: the base of most tasks."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.kinematics import Centroid, FrameKinematics, Kinematics
+from wbc.tasks.task import Task
+
+CENTROID = 0  #: in place of a frame's index; frame 0 is the universe, which does not move
+
+
+def _identity() -> np.ndarray:
+    return np.eye(4)
+
+
+def _zeros() -> np.ndarray:
+    return np.zeros(12)
+
+
+@dataclass(slots=True)
+class Reference:
+    """Where a `MotionTask` wants its frame, and how it is to move there; world axes.
+
+    Attributes:
+        pose: (4, 4) `T_world_frame` wanted.
+        motion: (12,) velocity (linear, angular), then acceleration.
+        rotation: (3, 3) view of the pose.
+        position: (3,) view of the pose, m; of an angular momentum, kg·m²/s.
+        velocity: (6,) view.
+        acceleration: (6,) view.
+    """
+
+    pose: np.ndarray = field(default_factory=_identity)
+    motion: np.ndarray = field(default_factory=_zeros)
+    rotation: np.ndarray = field(init=False)
+    position: np.ndarray = field(init=False)
+    velocity: np.ndarray = field(init=False)
+    acceleration: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.rotation, self.position = self.pose[:3, :3], self.pose[:3, 3]
+        self.velocity, self.acceleration = self.motion[:6], self.motion[6:]
+
+
+class MotionTask(Task):
+    """A task whose rows are components of one motion, `J v̇ = a_ref + kd (v_ref − v) + kp e − J̇ v`.
+
+    The motion is that of a frame's origin (linear, then angular), or the centroid's: velocity
+    of the centre of mass, then angular momentum. The error e is a difference of positions, the
+    logarithm of a rotation, or a difference of momenta.
+
+    Attributes:
+        components: which of the six.
+    """
+
+    components: ClassVar[slice]
+
+    def __init__(
+        self,
+        name: str,
+        weight: float | np.ndarray,
+        kp: float | np.ndarray,
+        kd: float | np.ndarray | None,
+        priority: int,
+    ) -> None:
+        size = self.components.stop - self.components.start
+        super().__init__(name, size, weight, kp, kd, priority)
+        self._frame_id = CENTROID
+        self._reference = Reference()
+
+    @property
+    def frame_id(self) -> int:
+        """Index of the frame in the model, once bound; `CENTROID` for the centroid."""
+        return self._frame_id
+
+    @abstractmethod
+    def refer(self, kin: Kinematics, reference: Reference) -> None:
+        """Write what is wanted; takes the present pose when there is no target."""
+
+    def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
+        """See `Task.write`."""
+        wanted, rows = self._reference, self.components
+        self.refer(kin, wanted)
+        error = np.empty(6)
+        at: Centroid | FrameKinematics
+        if self._frame_id == CENTROID:
+            at = kin.centroid
+            error[3:] = wanted.position - at.velocity[3:]
+        else:
+            at = kin.motion(self._frame_id)
+            error[3:] = pin.log3(wanted.rotation @ at.rotation.T)
+        error[:3] = wanted.position - at.position
+        A[:] = at.jacobian[rows]
+        np.subtract(wanted.acceleration[rows], at.bias[rows], out=b)
+        b += self.kd * (wanted.velocity[rows] - at.velocity[rows])
+        b += self.kp * error[rows]
