@@ -1,0 +1,78 @@
+"""Quality of service: the profiles of ROS 2, and what they are in DDS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cyclonedds.qos import Qos as DdsQos
+
+
+@dataclass(frozen=True)
+class Qos:
+    """How a topic's messages are delivered.
+
+    Attributes:
+        depth: messages that are kept for a reader that is slow.
+        reliable: lost messages are sent again.
+        latched: late readers get what was sent before (transient local).
+        lifespan: after which a message is no longer delivered, s; None: never.
+    """
+
+    depth: int = 10
+    reliable: bool = True
+    latched: bool = False
+    lifespan: float | None = None
+
+    def to_dds(self, user_data: str = "") -> DdsQos:
+        """As Cyclone DDS takes it: what `rmw_cyclonedds` makes of the same profile.
+
+        Args:
+            user_data: what the endpoint tells about itself at discovery.
+        """
+        from cyclonedds.core import Policy
+        from cyclonedds.core import Qos as DdsQos
+        from cyclonedds.util import duration
+
+        policies = [
+            Policy.History.KeepLast(self.depth),
+            Policy.Reliability.Reliable(duration(infinite=True))
+            if self.reliable
+            else Policy.Reliability.BestEffort,
+            Policy.Durability.TransientLocal if self.latched else Policy.Durability.Volatile,
+            Policy.WriterDataLifecycle(autodispose=False),
+            Policy.Liveliness.Automatic(duration(infinite=True)),
+            Policy.DataRepresentation(
+                use_cdrv0_representation=True, use_xcdrv2_representation=False
+            ),
+        ]
+        if self.latched:
+            # Cyclone keeps what late readers get apart from what slow readers get.
+            unlimited = -1
+            policies.append(
+                Policy.DurabilityService(
+                    cleanup_delay=0,
+                    history=Policy.History.KeepLast(self.depth),
+                    max_samples=unlimited,
+                    max_instances=unlimited,
+                    max_samples_per_instance=unlimited,
+                )
+            )
+        if self.lifespan is not None:
+            policies.append(Policy.Lifespan(duration(seconds=self.lifespan)))
+        if user_data:
+            policies.append(Policy.Userdata(user_data.encode()))
+        return DdsQos(*policies)
+
+
+DEFAULT = Qos()
+LATCHED = Qos(depth=1, latched=True)
+SENSOR_DATA = Qos(depth=5, reliable=False)
+SERVICES = Qos()
+PARAMETERS = Qos(depth=1000)
+PARAMETER_EVENTS = Qos(depth=1000)
+ROSOUT = Qos(depth=1000, latched=True, lifespan=10.0)
+TF = Qos(depth=100)
+ACTION_STATUS = LATCHED
+DISCOVERY_INFO = LATCHED
