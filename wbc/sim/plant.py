@@ -65,10 +65,11 @@ class Mujoco:
         self.timestep = timestep
         self.terrain: Terrain = Flat() if terrain is None else terrain
         self._substeps = _whole_steps("dt", dt, timestep, least=1)
+        self.latency = latency
         self._latency_steps = _whole_steps("latency", latency, timestep, least=0)
         self._give_truth = ground_truth
-        self._sigma = SensorNoise() if noise is None else noise
-        self._seed = seed
+        self.noise = SensorNoise() if noise is None else noise
+        self.seed = seed
         self._mujoco = import_mujoco()
         self._ground = Ground(self.terrain)
         self.model = build_model(
@@ -126,7 +127,7 @@ class Mujoco:
         self._steps = 0
         self._commands.clear()
         self._pushes.clear()
-        self._noise = Noise(self._sigma, self.robot.na, len(self.robot.soles), self._seed)
+        self._noise = Noise(self.noise, self.robot.na, len(self.robot.soles), self.seed)
         mujoco.mj_forward(model, data)
         self._sensors.start()
         self._measurement: Measurement | None = None
