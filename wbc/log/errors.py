@@ -1,0 +1,9 @@
+"""What can be wrong with a log."""
+
+from __future__ import annotations
+
+from wbc.errors import WbcError
+
+
+class LogError(WbcError):
+    """A log cannot be written, read or understood; the text names the file and the cure."""

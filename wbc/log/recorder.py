@@ -1,0 +1,300 @@
+"""`FlightRecorder`: a log of every tick, written by a process of its own."""
+
+from __future__ import annotations
+
+import importlib.util
+import logging
+import os
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wbc.errors import MissingExtra
+from wbc.log.describe import Facts, run_facts
+from wbc.log.errors import LogError
+from wbc.log.layout import (
+    CONTACTS,
+    FOOTSTEPS,
+    PHASES,
+    STATUSES,
+    SUPPORT,
+    SWING,
+    TEXT,
+    Layout,
+)
+from wbc.log.order import Order
+from wbc.log.ring import TickRing
+from wbc.process import Child, ChildError
+from wbc.telemetry import Balance, Telemetry
+
+if TYPE_CHECKING:
+    from wbc.protocols import Controller, Plant
+    from wbc.report import Report
+    from wbc.robot import Robot
+    from wbc.tick import Tick
+
+logger = logging.getLogger(__name__)
+
+_CAPACITY = 4096  # ticks: eight seconds at 500 Hz
+_PLAN_RATE = 30.0  # Hz, of support, footsteps and swing
+_LOOK = 0.5  # s, between two looks whether the process is still there
+_GRACE = 20.0  # s, for it to write what is there and end
+_UNKNOWN = Balance()
+_NO_VELOCITY = (np.nan, np.nan, np.nan)
+_STATUS = {status: i for i, status in enumerate(STATUSES)}
+_PHASE = {phase: i for i, phase in enumerate(PHASES)}
+
+
+class FlightRecorder:
+    """Keeps every tick of a run in an MCAP file of ROS 2 messages.
+
+    A tick is copied into shared memory, some microseconds; another process makes messages of
+    it and writes them, in chunks that end twice a second: whichever process is killed, the
+    file can be read up to the last second. When the disk is full, the log ends and the run
+    goes on.
+
+    Example:
+        >>> with FlightRecorder("walk.mcap", robot) as log:
+        ...     wbc.run(walker, plant, 10.0, log=log)
+
+    Args:
+        path: of the file; one that is there is overwritten.
+        robot: the robot.
+        capacity: number of ticks that may wait to be written.
+
+    Raises:
+        MissingExtra: `mcap` or `zstandard` is not installed.
+        LogError: the file cannot be written, or the process does not start.
+    """
+
+    def __init__(self, path: str | Path, robot: Robot, *, capacity: int = _CAPACITY) -> None:
+        for module in ("mcap", "zstandard"):
+            if importlib.util.find_spec(module) is None:
+                raise MissingExtra(module, "log")
+        self.path = Path(path)
+        self._robot = robot
+        self._layout = layout = Layout.of(robot)
+        self._ring = TickRing(layout, capacity)
+        self._body, self._text = layout.body_slice, layout.slices("text")
+        self._plan = [layout.slices(name) for name in ("support", "footsteps", "swing")]
+        self._soles = [sole.name for sole in robot.soles]
+        self._no_wrench = np.full(6, np.nan)
+        self._no_truth = np.full(robot.nq + robot.nv, np.nan)
+        self._padding = [np.full(7 * k, np.nan) for k in range(CONTACTS + 1)]
+        self._names: dict[str, np.ndarray] = {}
+        self._plan_due = self._last = -np.inf
+        self._before = self._look = 0.0
+        self._tick = 0
+        self._told = False
+        self._process = Child("wbc.log.writer", (self._ring.descriptor,), _GRACE)
+        order = Order.of(robot, self.path, self._ring.descriptor, capacity, os.getpid())
+        try:
+            self._process.introduce(order)
+        except BaseException as error:
+            self.close()
+            if isinstance(error, ChildError):
+                raise LogError(f"the log {self.path}: {error}") from error
+            raise
+
+    @property
+    def alive(self) -> bool:
+        """Whether the log goes on."""
+        return not self._ring.stopped and self._process.alive
+
+    @property
+    def pid(self) -> int:
+        """Of the process that writes."""
+        return self._process.pid
+
+    @property
+    def ticks(self) -> int:
+        """Ticks so far that were kept."""
+        return self._ring.written
+
+    @property
+    def dropped(self) -> int:
+        """Ticks so far that were not kept, because the writing process was too slow."""
+        return self._ring.dropped
+
+    def begin(self, controller: Controller, plant: Plant) -> None:
+        """A run begins: its parameters go into the log. See `wbc.protocols.Recorder`."""
+        self._plan_due = self._last = -np.inf
+        self._before = time.perf_counter()
+        self._process.send(run_facts(controller, plant))
+
+    def record(self, tick: Tick, controller: Controller) -> None:
+        """Keep a tick. Never waits; whatever happens to the file, returns.
+
+        Raises:
+            LogError: an array of the tick has the wrong size.
+        """
+        now = time.perf_counter()
+        period, self._before = now - self._before, now
+        if now >= self._look:
+            self._look_after(now)
+        ring = self._ring
+        if self._told or (index := ring.claim()) < 0:
+            self._tick += 1
+            return
+        flat = ring.flat[index]
+        command, measurement = tick.command, tick.measurement
+        plan = self._plan_of(tick.time, controller)
+        balance: Balance = plan or _balance(controller)
+        truth = tick.truth
+        try:
+            np.concatenate(
+                (
+                    tick.state.q,
+                    tick.state.v,
+                    command.tau,
+                    command.acceleration,
+                    command.q_target,
+                    command.v_target,
+                    measurement.joint_position,
+                    measurement.joint_velocity,
+                    measurement.gyro,
+                    measurement.accelerometer,
+                    balance.com,
+                    balance.dcm,
+                    balance.dcm_reference,
+                    balance.zmp,
+                    *((truth.q, truth.v) if truth is not None else (self._no_truth,)),
+                    *(measurement.foot_wrenches.get(s, self._no_wrench) for s in self._soles),
+                    *self._contacts(command.wrenches),
+                ),
+                out=flat[self._body],
+            )
+        except ValueError as error:
+            raise LogError(self._misfit(tick, balance)) from error
+        text = command.explanation.encode("utf-8", "replace")[:TEXT] if command.explanation else b""
+        if text:
+            flat[self._text].view(np.uint8)[: len(text)] = np.frombuffer(text, np.uint8)
+        sizes = self._write_plan(flat, plan) if plan is not None else (0.0, 0.0, 0.0, 0.0)
+        flat[: 13 + len(sizes)] = (
+            tick.time,
+            self._tick,
+            _STATUS[command.status],
+            _PHASE.get(balance.phase, 0),
+            getattr(controller, "steps", 0),
+            tick.estimator_time,
+            tick.controller_time,
+            period,
+            getattr(controller, "dcm_error", np.nan),
+            *getattr(controller, "velocity", _NO_VELOCITY),
+            len(text),
+            *sizes,
+        )
+        ring.publish()
+        self._tick += 1
+
+    def _plan_of(self, now: float, controller: Controller) -> Telemetry | None:
+        """The controller's whole telemetry when it is due, which costs some 0.1 ms."""
+        if self._last <= now < self._plan_due:
+            self._last = now
+            return None
+        self._last = now
+        self._plan_due = now + 1.0 / _PLAN_RATE - 1e-9
+        return getattr(controller, "telemetry", None)
+
+    def _contacts(self, wrenches: dict[str, np.ndarray]) -> list[np.ndarray]:
+        pieces: list[np.ndarray] = []
+        for name, wrench in wrenches.items():
+            number = self._names.get(name)
+            if number is None:
+                number = self._names[name] = np.array([float(self._ring.name(name))])
+            pieces += (number, wrench)
+        del pieces[2 * CONTACTS :]
+        pieces.append(self._padding[CONTACTS - len(pieces) // 2])
+        return pieces
+
+    def _write_plan(self, flat: np.ndarray, plan: Telemetry) -> tuple[float, float, float, float]:
+        support, footsteps, swing = self._plan
+        polygon = np.asarray(plan.support, float)[:SUPPORT].ravel()
+        flat[support][: polygon.size] = polygon
+        steps = plan.footsteps[:FOOTSTEPS]
+        rows = flat[footsteps].reshape(FOOTSTEPS, 5)
+        for row, step in zip(rows, steps, strict=False):
+            row[0] = step.side == "right"
+            row[1:4] = step.position
+            row[4] = step.yaw
+        path = np.asarray(plan.swing_path, float)[:SWING].ravel()
+        flat[swing][: path.size] = path
+        return (1.0, polygon.size // 3, len(steps), path.size // 3)
+
+    def _misfit(self, tick: Tick, balance: Balance) -> str:
+        """Which array has the wrong size."""
+        places = (tick.state, tick.command, tick.measurement, balance)
+        for name, size in self._layout.body:
+            for place in places:
+                if not hasattr(place, name):
+                    continue
+                shape = np.shape(getattr(place, name))
+                if shape != (size,):
+                    kind = type(place).__name__
+                    return f"{kind}.{name} has shape {shape}; the log of this robot needs ({size},)"
+        return "a wrench of the tick is not of six numbers, or the ground truth has a wrong size"
+
+    def _look_after(self, now: float) -> None:
+        """Report the end of the log, once."""
+        self._look = now + _LOOK
+        if self._told or self.alive:
+            return
+        self._told = True
+        reason = self._ring.reason or f"its process ended (exit code {self._process.exit_code})"
+        logger.warning("the log %s ends here: %s; the run goes on without it", self.path, reason)
+
+    def end(self, report: Report) -> None:
+        """The run is over: its figures go into the log. See `wbc.protocols.Recorder`."""
+        facts = {name: str(getattr(report, name)) for name in report.__dataclass_fields__}
+        self._process.send(Facts({"report": facts}))
+
+    def close(self) -> None:
+        """Finish the file. Tells if ticks are missing in it."""
+        if self._process.alive or not self._told:
+            self._process.close()
+            self._finish()
+        self._told = True
+        self._ring.close()
+
+    def _finish(self) -> None:
+        code, reason = self._process.exit_code, self._ring.reason
+        if reason and not self._told:
+            logger.warning("the log %s ended early: %s", self.path, reason)
+        elif code != 0 and self.path.is_file() and self.ticks:
+            from wbc.log.repair import repair
+
+            kept = repair(self.path)
+            logger.warning(
+                "the process that wrote %s ended (exit code %s); the log ends at %.2f s",
+                self.path,
+                code,
+                kept,
+            )
+        if self.dropped:
+            logger.warning(
+                "%d of %d ticks are not in %s: the writing process was too slow",
+                self.dropped,
+                self.dropped + self.ticks,
+                self.path,
+            )
+
+    def __enter__(self) -> FlightRecorder:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def _balance(controller: Controller) -> Balance:
+    found: Balance | None = getattr(controller, "balance", None)
+    if found is None:
+        found = getattr(controller, "telemetry", None)
+    return _UNKNOWN if found is None else found

@@ -1,0 +1,92 @@
+"""The records of an MCAP file, as far as they are whole: also of one that just stops.
+
+Source: MCAP format specification 0.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO
+
+from wbc.log.errors import LogError
+
+MAGIC = b"\x89MCAP0\r\n"
+HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX = range(1, 8)
+ATTACHMENT, METADATA, DATA_END = 0x09, 0x0C, 0x0F
+HEAD = struct.Struct("<BQ")
+
+_CHUNK = struct.Struct("<QQQI")  # start and end time, uncompressed size, checksum
+_MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log and publish time
+
+
+class DamagedChunk(LogError):
+    """A chunk's bytes are not what was written."""
+
+
+def file_records(file: IO[bytes]) -> Iterator[tuple[int, int, bytes]]:
+    """(offset, opcode, content) of the whole records of a file, until it ends or makes no sense.
+
+    Raises:
+        LogError: the file is no MCAP file.
+    """
+    size = file.seek(0, os.SEEK_END)
+    file.seek(0)
+    if file.read(len(MAGIC)) != MAGIC:
+        raise LogError(f"{Path(file.name)} is no MCAP file")
+    while True:
+        offset = file.tell()
+        head = file.read(HEAD.size)
+        if len(head) < HEAD.size:
+            return
+        opcode, length = HEAD.unpack(head)
+        if opcode == 0 or length > size - offset - HEAD.size:
+            return
+        yield offset, opcode, file.read(length)
+
+
+def chunk_data(content: bytes) -> bytes:
+    """The records inside a chunk.
+
+    Raises:
+        DamagedChunk: they do not decompress, or their checksum is another.
+        LogError: they are compressed in a way that is not known here.
+    """
+    _, _, size, checksum = _CHUNK.unpack_from(content)
+    at = _CHUNK.size
+    (length,) = struct.unpack_from("<I", content, at)
+    compression = content[at + 4 : at + 4 + length].decode()
+    packed = content[at + 4 + length + 8 :]
+    if compression == "":
+        data = packed
+    elif compression == "zstd":
+        import zstandard
+
+        try:
+            data = zstandard.decompress(packed, size)
+        except zstandard.ZstdError as error:
+            raise DamagedChunk(f"a chunk does not decompress: {error}") from error
+    else:
+        raise LogError(f"a chunk is compressed with '{compression}'; only zstd is known here")
+    if checksum and zlib.crc32(data) != checksum:
+        raise DamagedChunk("the checksum of a chunk is another than when it was written")
+    return data
+
+
+def inner_records(data: bytes) -> Iterator[tuple[int, int, int]]:
+    """(opcode, start, stop) of the contents of the records inside a chunk."""
+    at, end, unpack, head = 0, len(data), HEAD.unpack_from, HEAD.size
+    while at < end:
+        opcode, length = unpack(data, at)
+        at += head
+        yield opcode, at, at + length
+        at += length
+
+
+def message_at(data: bytes, start: int, stop: int) -> tuple[int, int, bytes]:
+    """(channel, log time in ns, bytes) of a message record inside a chunk."""
+    channel, _, time, _ = _MESSAGE.unpack_from(data, start)
+    return channel, time, data[start + _MESSAGE.size : stop]

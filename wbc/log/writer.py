@@ -1,0 +1,142 @@
+"""The log's own process: takes ticks out of shared memory, writes messages into the file.
+
+Started by `FlightRecorder` as `python -m wbc.log.writer`. It ends, and finishes the file,
+when its standard input does: a parent that dies, however it dies, leaves a whole file.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import queue
+import sys
+import threading
+import time
+
+from wbc.log.describe import Facts
+from wbc.log.mcapfile import McapFile
+from wbc.log.order import Order
+from wbc.log.repair import repair
+from wbc.log.ring import TickRing
+from wbc.log.topics import CommandedWrench, Topic, Tracker, topics_of
+from wbc.process import parent
+
+_PAUSE = 0.02  # s, between two looks for ticks
+_CHUNK = 0.4  # s, between the ends of two chunks
+_MOST = 256  # ticks at once
+_NICENESS = 5  # the loop comes first
+_DISK = 3  # exit code
+
+
+class LogWriter:
+    """Turns ticks into a file.
+
+    Args:
+        order: what to log, and where.
+
+    Raises:
+        OSError: the file cannot be opened or written.
+    """
+
+    def __init__(self, order: Order) -> None:
+        self._file = McapFile(order.path)
+        self._file.add(order.facts)
+        self._ring = TickRing(order.layout, order.capacity, order.descriptor)
+        self._tracker = Tracker(order)
+        self._topics: list[Topic] = topics_of(order)
+        self._contacts = 0
+        self._due = 0.0
+
+    def advance(self) -> bool:
+        """Write some of the ticks that are there; False when there is none.
+
+        Raises:
+            OSError: the disk does not take them.
+        """
+        ring = self._ring
+        records = ring.take(_MOST)
+        count = len(records)
+        if count:
+            names = ring.names
+            for number in range(self._contacts, len(names)):
+                self._topics.append(CommandedWrench(number, names[number]))
+            self._contacts = len(names)
+            self._file.write(self._tracker.block(records, names), self._topics)
+            ring.release(count)
+        if time.monotonic() >= self._due:
+            self._due = time.monotonic() + _CHUNK
+            self._file.commit()
+        return count > 0
+
+    def add(self, facts: Facts) -> None:
+        """Write down facts."""
+        self._file.add(facts)
+
+    def finish(self) -> None:
+        """Write what is left, and the end of the file.
+
+        Raises:
+            OSError: the disk does not take it.
+        """
+        while self.advance():
+            pass
+        if self._ring.dropped:
+            self.add(Facts({"dropped": {"ticks": str(self._ring.dropped)}}))
+        self._file.commit()
+        self._file.finish()
+        self._file.close()
+
+    def give_up(self, reason: str) -> None:
+        """The disk takes no more: tell the loop, and leave a file that can be read."""
+        self._ring.stop(reason)
+        with contextlib.suppress(OSError):
+            self._file.close()
+
+
+def serve(order: Order) -> int:
+    """Write until the parent is gone; returns the exit code."""
+    try:
+        writer = LogWriter(order)
+    except OSError as error:
+        parent.answer({"error": f"{error.strerror}; give another path"})
+        return _DISK
+    parent.answer({"pid": os.getpid()})
+    facts: queue.SimpleQueue[Facts] = queue.SimpleQueue()
+    over = threading.Event()
+    threading.Thread(target=_listen, args=(facts, over), daemon=True).start()
+    try:
+        while not over.is_set() and os.getppid() == order.parent:
+            _write_facts(writer, facts)
+            if not writer.advance():
+                over.wait(_PAUSE)
+        over.wait(_PAUSE)  # what the parent said last
+        _write_facts(writer, facts)
+        writer.finish()
+    except OSError as error:
+        writer.give_up(f"{error.strerror}: {order.path}")
+        with contextlib.suppress(OSError):
+            repair(order.path)
+        return _DISK
+    return 0
+
+
+def _write_facts(writer: LogWriter, facts: queue.SimpleQueue[Facts]) -> None:
+    while not facts.empty():
+        writer.add(facts.get())
+
+
+def _listen(facts: queue.SimpleQueue[Facts], over: threading.Event) -> None:
+    while (message := parent.hear()) is not None:
+        facts.put(message)
+    over.set()
+
+
+def main() -> int:
+    """Read the order and carry it out."""
+    with contextlib.suppress(OSError):
+        os.nice(_NICENESS)
+    return serve(parent.begin())
+
+
+if __name__ == "__main__":
+    sys.exit(main())
