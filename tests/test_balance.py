@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 import wbc
 from wbc.balance import step_shift
-from wbc.gait import Feet, GaitParameters, Phase, Placement, Schedule, Velocity
+from wbc.gait import Feet, GaitParameters, Phase, Placement, Schedule, Velocity, dcm_now
+from wbc.gait.preview import Preview, zmp_over
 from wbc.gait.reach import LegReach
 
 OMEGA, REACH = 3.4, (0.07, 0.04)
@@ -106,7 +107,8 @@ def test_nothing_happens_without_a_command() -> None:
     ground.run(1.0, Velocity(), None)
     assert ground.schedule.phase is Phase.STAND
     assert ground.schedule.preview() == []
-    assert ground.schedule.zmp_segments()[0].start == pytest.approx(0j)
+    assert ground.schedule.reference().zmp == pytest.approx(0j)
+    assert ground.schedule.reference().dcm_velocity == 0j
 
 
 def test_feet_alternate_and_a_stop_ends_with_both_side_by_side() -> None:
@@ -152,12 +154,57 @@ def test_swing_goes_on_until_the_ground_is_found() -> None:
 def test_plan_ends_at_rest_between_the_last_two_feet() -> None:
     ground = Ground()
     ground.run(1.0, WALK, None)
-    steps = ground.schedule.preview()
-    segments = ground.schedule.zmp_segments()
-    (_, before), (_, last) = steps[-2:]
-    assert segments[-1].end == pytest.approx(0.5 * (before.point + last.point))
+    places = [step.point for _, step in ground.schedule.preview()]
+    segments = zmp_over(ground.feet.of(ground.schedule.support).point, places, GAIT)
+    assert segments[-1].end == pytest.approx(0.5 * (places[-2] + places[-1]))
     for one, following in itertools.pairwise(segments):
         assert one.end == pytest.approx(following.start)  # the ZMP never jumps
+
+
+def test_planned_dcm_moves_with_its_own_velocity_from_phase_to_phase() -> None:
+    ground = Ground()
+    before, phases = ground.schedule.reference(), set()
+    for tick in range(round(6.0 / DT)):
+        ground.run(DT, WALK if 0.1 < tick * DT < 3.0 else Velocity(), None)
+        now = ground.schedule.reference()
+        # Beginning, going on and stopping change what is wanted: the plan may jump then.
+        if 0.2 < tick * DT < 2.9:
+            assert abs(now.dcm - before.dcm - DT * before.dcm_velocity) < 1e-3
+            assert abs(now.zmp - before.zmp) < 0.01
+        before = now
+        phases.add(ground.schedule.phase)
+    assert phases == set(Phase)
+    assert before.dcm == pytest.approx(ground.feet.middle, abs=1e-6)
+
+
+velocities = st.builds(
+    Velocity,
+    st.sampled_from([0.0, -0.2, 0.4]),
+    st.sampled_from([0.0, 0.1]),
+    st.sampled_from([0.0, -0.3]),
+)
+feet = st.builds(Placement, st.builds(complex, errors, errors), st.floats(-3.0, 3.0))
+
+
+@given(st.lists(st.tuples(feet, velocities, st.sampled_from(["left", "right"])), max_size=4))
+def test_arrival_dcm_known_in_the_foots_axes_is_that_of_the_steps_in_the_world(
+    asked: list[tuple[Placement, Velocity, str]],
+) -> None:
+    preview = Preview(GAIT, [])
+    for foot, velocity, side in asked:
+        steps = preview.steps(foot, side, velocity, 3)
+        assert len(steps) == (1 if velocity.still else 3)
+        segments = zmp_over(foot.point, [step.point for _, step in steps], GAIT)
+        expected = dcm_now(segments, GAIT.omega).dcm
+        assert preview.arrival_dcm(foot, side, velocity, 3) == pytest.approx(expected, abs=1e-12)
+
+
+def test_given_footsteps_stay_in_the_world_when_the_foot_is_measured_elsewhere() -> None:
+    queue = [("right", Placement(0.2 - HALF * 1j, 0.0)), ("left", Placement(0.2 + HALF * 1j, 0.0))]
+    preview = Preview(GAIT, queue)
+    for x in (0.0, 0.01):
+        steps = preview.steps(Placement(complex(x, HALF), 0.0), "left", Velocity(), 3)
+        assert [step.point for _, step in steps] == pytest.approx([p.point for _, p in queue])
 
 
 def test_shift_moves_the_landing_but_not_the_plan_without_it() -> None:

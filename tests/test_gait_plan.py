@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import wbc
-from wbc.balance import clamp_to_polygon, convex_hull, corners, feedback_zmp
+from wbc.balance import clamp_to_polygon, convex_hull, corners, feedback_zmp, near_segment
 from wbc.errors import GaitError
 from wbc.gait import GaitParameters, Placement, SwingFoot, Velocity, ZmpSegment, dcm_now
 from wbc.gait.footsteps import clamp_to_reach, lateral_sign, next_placement, other
@@ -216,3 +216,18 @@ def test_clamped_point_lies_within_the_margin_and_is_nearest(
     if clamped != p:
         assert gap == pytest.approx(0.02, abs=1e-9)
     assert clamp_to_polygon(centre, polygon, 0.0) == centre
+
+
+@given(points, points, angles, angles, points, st.floats(0.0, 1.0))
+def test_what_is_near_the_line_between_two_soles_is_on_their_polygon(
+    left: complex, right: complex, left_yaw: float, right_yaw: float, off: complex, along: float
+) -> None:
+    margin = 0.02
+    p = left + along * (right - left) + 0.05 * off
+    soles = [corners(Placement(left, left_yaw), 0.1, 0.06)]
+    soles.append(corners(Placement(right, right_yaw), 0.1, 0.06))
+    if near_segment(p, left, right, 0.06 + margin):
+        hull = convex_hull([*soles[0], *soles[1]])
+        assert abs(clamp_to_polygon(p, hull, margin) - p) < 1e-9
+    assert near_segment(p, left, right, 0.05 * abs(off) + 1e-9)
+    assert not near_segment(left + 0.08001j, left, left, 0.06 + margin)

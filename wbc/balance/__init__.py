@@ -4,7 +4,7 @@ from wbc.balance.attitude import attitude, heading
 from wbc.balance.dcm_feedback import feedback_zmp
 from wbc.balance.fall import fall_reason
 from wbc.balance.step_adjustment import step_shift
-from wbc.balance.support import clamp_to_polygon, convex_hull, corners
+from wbc.balance.support import clamp_to_polygon, convex_hull, corners, near_segment
 
 __all__ = [
     "attitude",
@@ -14,5 +14,6 @@ __all__ = [
     "fall_reason",
     "feedback_zmp",
     "heading",
+    "near_segment",
     "step_shift",
 ]

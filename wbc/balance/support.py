@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wbc.gait.planar import Placement
+from wbc.gait.planar import Placement, turn
 
 
 def corners(sole: Placement, half_length: float, half_width: float) -> list[complex]:
     """Corners of a sole's rectangle on the ground, counter-clockwise."""
-    return [
-        sole.to_world(complex(x * half_length, y * half_width))
-        for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))
-    ]
+    along, across = half_length * turn(sole.yaw), 1j * half_width * turn(sole.yaw)
+    front, rear = sole.point + along, sole.point - along
+    return [front + across, rear + across, rear - across, front - across]
 
 
 def convex_hull(points: Sequence[complex]) -> list[complex]:
@@ -28,6 +27,13 @@ def convex_hull(points: Sequence[complex]) -> list[complex]:
         return chain[:-1]
 
     return half(ordered) + half(ordered[::-1])
+
+
+def near_segment(p: complex, a: complex, b: complex, radius: float) -> bool:
+    """Whether p is within `radius` (m) of the straight line from a to b."""
+    edge, away = b - a, p - a
+    along = (away * edge.conjugate()).real / (abs(edge) ** 2 + 1e-18)
+    return abs(away - edge * min(max(along, 0.0), 1.0)) <= radius
 
 
 def clamp_to_polygon(p: complex, polygon: Sequence[complex], margin: float) -> complex:

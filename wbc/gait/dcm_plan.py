@@ -14,11 +14,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True)
-class ZmpSegment:
+class ZmpSegment(NamedTuple):
     """The ZMP moves at constant speed from `start` to `end` (ground points) in `duration` s."""
 
     start: complex
@@ -26,8 +25,7 @@ class ZmpSegment:
     duration: float
 
 
-@dataclass(frozen=True, slots=True)
-class DcmReference:
+class DcmReference(NamedTuple):
     """Where DCM and ZMP should be now.
 
     Attributes:
@@ -41,14 +39,17 @@ class DcmReference:
     zmp: complex
 
 
-def dcm_now(segments: Sequence[ZmpSegment], omega: float) -> DcmReference:
-    """The DCM that, from now, ends on the last segment's end without diverging.
+def dcm_now(
+    segments: Sequence[ZmpSegment], omega: float, final: complex | None = None
+) -> DcmReference:
+    """The DCM that, from now, is where it should be after the last segment.
 
     Args:
         segments: from now on, the first one already cut to what remains of it.
         omega: 1/s.
+        final: DCM after the last one; when left out, at rest on its end.
     """
-    dcm = segments[-1].end
+    dcm = segments[-1].end if final is None else final
     for segment in reversed(segments):
         T = segment.duration
         if T <= 0.0:

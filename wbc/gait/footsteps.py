@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from wbc.errors import GaitError
 from wbc.gait.parameters import GaitParameters
@@ -81,11 +81,8 @@ def clamp_to_reach(
     forward = max(-gait.max_step, min(gait.max_step, local.real))
     width = max(gait.least_width, min(gait.step_width + gait.max_side_step, sign * local.imag))
     yaw = max(-gait.max_turn, min(gait.max_turn, wrap(wanted.yaw - stance.yaw)))
-    return replace(
-        wanted,
-        point=stance.to_world(complex(forward, sign * width)),
-        yaw=wrap(stance.yaw + yaw),
-    )
+    point = stance.to_world(complex(forward, sign * width))
+    return Placement(point, wrap(stance.yaw + yaw), wanted.height)
 
 
 def are_square(left: Placement, right: Placement, gait: GaitParameters) -> bool:

@@ -73,11 +73,15 @@ class GaitParameters:
         return (self.max_step / T, self.max_side_step / (2.0 * T), self.max_turn / (2.0 * T))
 
     @classmethod
-    def of(cls, robot: Robot) -> GaitParameters:
+    def of(cls, robot: Robot, reach: LegReach | None = None) -> GaitParameters:
         """Parameters scaled to a robot by its leg length and natural frequency.
 
         Durations scale with √(height / g), lengths with the leg (dynamic similarity,
         Alexander, Principles of Animal Locomotion, 2003).
+
+        Args:
+            robot: the robot.
+            reach: of its legs, where it is known already.
         """
         left, right = robot.soles
         kin = Kinematics(robot, robot.standing())
@@ -87,7 +91,7 @@ class GaitParameters:
         height = robot.com_height
         natural = math.sqrt(height / GRAVITY)
         leg = robot.leg_length
-        reach = LegReach(robot)
+        reach = reach or LegReach(robot)
         return cls(
             single_support=2.0 * natural,
             double_support=0.8 * natural,

@@ -10,6 +10,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,8 +35,7 @@ def yaw_of(rotation: np.ndarray) -> float:
     return math.atan2(rotation[1, 0], rotation[0, 0])
 
 
-@dataclass(frozen=True, slots=True)
-class Placement:
+class Placement(NamedTuple):
     """A sole on the ground.
 
     Attributes:
@@ -55,3 +55,20 @@ class Placement:
     def to_local(self, world: complex) -> complex:
         """The sole's coordinates of a world point."""
         return (world - self.point) * turn(-self.yaw)
+
+
+@dataclass(slots=True)
+class Feet:
+    """Where both soles are, as measured."""
+
+    left: Placement
+    right: Placement
+
+    def of(self, side: str) -> Placement:
+        """The sole of a side."""
+        return self.left if side == "left" else self.right
+
+    @property
+    def middle(self) -> complex:
+        """Ground point midway between the soles."""
+        return 0.5 * (self.left.point + self.right.point)

@@ -3,22 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 from enum import Enum
 
 from wbc.errors import GaitError
-from wbc.gait.dcm_plan import ZmpSegment
-from wbc.gait.footsteps import (
-    Velocity,
-    are_square,
-    clamp_to_reach,
-    lateral_sign,
-    next_placement,
-    other,
-)
+from wbc.gait.dcm_plan import DcmReference, ZmpSegment, dcm_now
+from wbc.gait.footsteps import Velocity, are_square, clamp_to_reach, lateral_sign, other
 from wbc.gait.lifted import LiftedFoot
 from wbc.gait.parameters import GaitParameters
-from wbc.gait.planar import Placement, turn, wrap
+from wbc.gait.planar import Feet, Placement, turn, wrap
+from wbc.gait.preview import Preview
 from wbc.gait.swing import SwingFoot
 
 PREVIEW_STEPS = 3  # the influence of later steps on today's DCM is below e^(-3ωT) < 0.1 %
@@ -32,23 +25,6 @@ class Phase(Enum):
     STAND = "stand"  #: both feet, at rest
     TRANSFER = "double"  #: both feet, the weight moves to the support foot
     SWING = "single"  #: the support foot alone
-
-
-@dataclass(slots=True)
-class Feet:
-    """Where both soles are, as measured."""
-
-    left: Placement
-    right: Placement
-
-    def of(self, side: str) -> Placement:
-        """The sole of a side."""
-        return self.left if side == "left" else self.right
-
-    @property
-    def middle(self) -> complex:
-        """Ground point midway between the soles."""
-        return 0.5 * (self.left.point + self.right.point)
 
 
 class Schedule:
@@ -71,6 +47,8 @@ class Schedule:
         queue: footsteps given as a list, the next first; they go before the velocity.
         shift: by how much balance moves the present swing's landing place, in the support
             sole's axes, m.
+        planned_target: where the gait wants the present swing to land: fixed in the support
+            sole's axes.
     """
 
     def __init__(
@@ -91,10 +69,12 @@ class Schedule:
         self.steps = 0
         self.velocity = Velocity()
         self.queue = [] if queue is None else queue
+        self._preview = Preview(gait, self.queue)
         self._feet = feet
         self.stopping = False
         self._from_middle = True
         self._target_local: tuple[complex, float, float] = (0j, 0.0, 0.0)
+        self.planned_target = feet.right
         self.shift = 0j
 
     @property
@@ -114,13 +94,6 @@ class Schedule:
         return max(self.duration - self.time, 0.0)
 
     @property
-    def planned_target(self) -> Placement:
-        """Where the gait wants the present swing to land: fixed in the support sole's axes."""
-        stance = self._feet.of(self.support)
-        local, yaw, height = self._target_local
-        return Placement(stance.to_world(local), wrap(stance.yaw + yaw), stance.height + height)
-
-    @property
     def target(self) -> Placement:
         """Landing place of the present swing: the planned one, moved by `shift` within reach.
 
@@ -132,7 +105,8 @@ class Schedule:
         if self.shift == 0j:
             return planned
         stance = self._feet.of(self.support)
-        moved = replace(planned, point=planned.point + self.shift * turn(stance.yaw))
+        point = planned.point + self.shift * turn(stance.yaw)
+        moved = Placement(point, planned.yaw, planned.height)
         return clamp_to_reach(stance, self.swing_side, moved, self.gait)
 
     def update(
@@ -167,6 +141,7 @@ class Schedule:
             if self._has_landed(loads):
                 self._touch_down(velocity)
             else:
+                self._place_target()
                 self.swing.advance(dt, self.target)
 
     def stand_on(self, side: str) -> None:
@@ -235,13 +210,13 @@ class Schedule:
 
     def _begin_swing(self) -> None:
         stance = self._feet.of(self.support)
-        target = self._next(stance, self.swing_side, 0)
-        target = clamp_to_reach(stance, self.swing_side, target, self.gait)
+        target = self._preview.next(stance, self.swing_side, self.velocity)
         self._target_local = (
             stance.to_local(target.point),
             wrap(target.yaw - stance.yaw),
             target.height - stance.height,
         )
+        self._place_target()
         self.shift = 0j
         if self.queue:
             self.queue.pop(0)
@@ -250,6 +225,14 @@ class Schedule:
         self._enter(Phase.SWING, gait.single_support)
         self.swing = SwingFoot(
             start, self.target, gait.single_support, gait.swing_height, gait.touchdown_speed
+        )
+
+    def _place_target(self) -> None:
+        """Carry the planned target along with the measured support sole."""
+        stance = self._feet.of(self.support)
+        local, yaw, height = self._target_local
+        self.planned_target = Placement(
+            stance.to_world(local), wrap(stance.yaw + yaw), stance.height + height
         )
 
     def _has_landed(self, loads: dict[str, float] | None) -> bool:
@@ -277,75 +260,51 @@ class Schedule:
             self._enter(Phase.TRANSFER, usual + spare)
             self._hold = max(spare, 0.0)
 
-    def _next(self, stance: Placement, side: str, ahead: int) -> Placement:
-        if ahead < len(self.queue):
-            return self.queue[ahead][1]
-        return next_placement(stance, side, self.velocity, self.gait)
-
     def preview(self) -> list[tuple[str, Placement]]:
         """The next footsteps, the present swing's landing place first."""
-        return self._footsteps(self.target)
-
-    def _footsteps(self, landing: Placement) -> list[tuple[str, Placement]]:
         if self.phase is Phase.STAND or self.stopping or self.lifted is not None:
             return []
-        steps: list[tuple[str, Placement]] = []
-        side, stance, queued = self.swing_side, self._feet.of(self.support), 0
-        if self.phase is Phase.SWING:
-            steps.append((side, landing))
-            side, stance = other(side), landing
-        while len(steps) < PREVIEW_STEPS:
-            done = queued >= len(self.queue) and self.velocity.still
-            # A stop needs one more step only when the feet are not side by side yet.
-            if done and steps and self._closed(steps, side, stance):
-                break
-            placement = self._next(stance, side, queued)
-            placement = clamp_to_reach(stance, side, placement, self.gait)
-            steps.append((side, placement))
-            side, stance, queued = other(side), placement, queued + 1
-        return steps
+        stance = self._feet.of(self.support)
+        if self.phase is Phase.TRANSFER:
+            return self._preview.steps(stance, self.support, self.velocity, PREVIEW_STEPS)
+        side, landing = self.swing_side, self.target
+        first = (side, landing)
+        if self._preview.ends(stance, side, landing, self.velocity):
+            return [first]
+        return [first, *self._preview.steps(landing, side, self.velocity, PREVIEW_STEPS - 1)]
 
-    def _closed(self, steps: list[tuple[str, Placement]], side: str, last: Placement) -> bool:
-        standing = steps[-2][1] if len(steps) > 1 else self._feet.of(self.support)
-        left, right = (standing, last) if side == "left" else (last, standing)
-        return are_square(left, right, self.gait)
-
-    def zmp_segments(self) -> list[ZmpSegment]:
-        """The ZMP from now on, ending at rest midway between the last two feet."""
-        return self._segments(self.target)
-
-    def planned_zmp_segments(self) -> list[ZmpSegment]:
-        """The same as if balance had not moved the present swing's landing place."""
-        return self._segments(self.planned_target)
-
-    def _segments(self, landing: Placement) -> list[ZmpSegment]:
-        feet, gait = self._feet, self.gait
-        middle = feet.middle
+    def reference(self) -> DcmReference:
+        """Where DCM and ZMP should be now, for the weight to go on over the footsteps."""
         if self.phase is Phase.STAND or self.lifted is not None:
             at = self._standing_point
-            return [ZmpSegment(at, at, 1.0)]
-        support = feet.of(self.support).point
-        if self.phase is Phase.TRANSFER and self.stopping:
+            return DcmReference(at, 0j, at)
+        if self.phase is Phase.SWING:
+            return self._landing_reference(self.target)
+        feet, omega = self._feet, self.gait.omega
+        stance = feet.of(self.support)
+        support, middle = stance.point, feet.middle
+        if self.stopping:
             now = support + (middle - support) * self.progress
-            return [ZmpSegment(now, middle, self.remaining), ZmpSegment(middle, middle, 1.0)]
-        segments: list[ZmpSegment] = []
-        steps = self._footsteps(landing)
-        if self.phase is Phase.TRANSFER:
-            origin = middle if self._from_middle else feet.of(self.swing_side).point
-            now = origin + (support - origin) * self.progress
-            hold = max(self._hold - self.time, 0.0)
-            segments.append(ZmpSegment(now, now, hold))
-            segments.append(ZmpSegment(now, support, self.remaining - hold))
-            segments.append(ZmpSegment(support, support, gait.single_support))
-        else:
-            segments.append(ZmpSegment(support, support, self.remaining))
-        at = support
-        for k, (_, step) in enumerate(steps):
-            if k + 1 == len(steps):
-                end = 0.5 * (at + step.point)
-                segments.append(ZmpSegment(at, end, gait.first_transfer))
-                break
-            segments.append(ZmpSegment(at, step.point, gait.double_support))
-            segments.append(ZmpSegment(step.point, step.point, gait.single_support))
-            at = step.point
-        return segments
+            return dcm_now([ZmpSegment(now, middle, self.remaining)], omega)
+        origin = middle if self._from_middle else feet.of(self.swing_side).point
+        now = origin + (support - origin) * self.progress
+        hold = max(self._hold - self.time, 0.0)
+        move = ZmpSegment(now, support, self.remaining - hold)
+        final = self._preview.arrival_dcm(stance, self.support, self.velocity, PREVIEW_STEPS)
+        return dcm_now([ZmpSegment(now, now, hold), move], omega, final)
+
+    def planned_reference(self) -> DcmReference:
+        """During a swing: the same as if balance had not moved its landing place."""
+        return self._landing_reference(self.planned_target)
+
+    def _landing_reference(self, landing: Placement) -> DcmReference:
+        gait, preview, side = self.gait, self._preview, self.swing_side
+        stance = self._feet.of(self.support)
+        support = stance.point
+        alone = ZmpSegment(support, support, self.remaining)
+        if preview.ends(stance, side, landing, self.velocity):
+            rest = 0.5 * (support + landing.point)
+            return dcm_now([alone, ZmpSegment(support, rest, gait.first_transfer)], gait.omega)
+        over = ZmpSegment(support, landing.point, gait.double_support)
+        final = preview.arrival_dcm(landing, side, self.velocity, PREVIEW_STEPS - 1)
+        return dcm_now([alone, over], gait.omega, final)

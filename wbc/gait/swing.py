@@ -29,16 +29,17 @@ class _Axis:
             self.x, self.v, self.a = target, speed, 0.0
             return
         T, s = remaining, dt / remaining
-        # Normalised time: boundary conditions (x, v T, a T²) now and (target, speed T, 0) then.
-        v0, a0, v1 = self.v * T, self.a * T * T, speed * T
-        d = target - self.x
-        c2 = 0.5 * a0
-        c3 = 10.0 * d - 6.0 * v0 - 4.0 * v1 - 1.5 * a0
-        c4 = -15.0 * d + 8.0 * v0 + 7.0 * v1 + 1.5 * a0
-        c5 = 6.0 * d - 3.0 * (v0 + v1) - 0.5 * a0
-        self.x += s * (v0 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
-        self.v = (v0 + s * (2.0 * c2 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / T
-        self.a = (2.0 * c2 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / (T * T)
+        u = 1.0 - s
+        # Seen from a point that gets to the target at constant speed, the way is
+        # (1 − s)³ P(s) in normalised time s, with P = p₀ + p₁ s + p₂ s².
+        p0 = self.x + speed * T - target
+        v = (self.v - speed) * T
+        p1 = v + 3.0 * p0
+        p2 = 0.5 * T * T * self.a + 3.0 * (v + p0 + p0)
+        P, dP = p0 + s * (p1 + s * p2), p1 + 2.0 * s * p2
+        self.x = target - speed * (T - dt) + u * u * u * P
+        self.v = speed + u * u * (u * dP - 3.0 * P) / T
+        self.a = u * (2.0 * u * u * p2 - 6.0 * (u * dP - P)) / (T * T)
 
 
 class SwingFoot:

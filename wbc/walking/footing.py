@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pinocchio as pin
 
@@ -32,6 +34,8 @@ class Footing:
         self._weight = robot.weight
         self._contacts: dict[str, SurfaceContact] = {}
         self._swing_tasks: dict[str, FrameTask] = {}
+        self._swing_target = pin.SE3.Identity()
+        self._tracking: FrameTask | None = None
         for sole in robot.soles:
             contact = SurfaceContact.of(sole, margin=gains.sole_margin, friction=gains.friction)
             contact.bind(robot)
@@ -48,7 +52,7 @@ class Footing:
         support.max_force = other.max_force = float("inf")
         self._track_swing(schedule)
         if schedule.phase is Phase.SWING:
-            self._controller.contacts = (support,)
+            self._hold((support,))
             return
         other.motion_weight = self._gains.second_contact_weight
         if schedule.phase is Phase.STAND:
@@ -58,19 +62,26 @@ class Footing:
             left_over = (1.0 - schedule.progress) / (1.0 - self._gains.unload_from)
             if left_over < 1.0:
                 other.max_force = max(left_over * 0.5 * self._weight, 1.0)
-        self._controller.contacts = (support, other)
+        self._hold((support, other))
+
+    def _hold(self, contacts: tuple[SurfaceContact, ...]) -> None:
+        if contacts != self._controller.contacts:  # which checks what it is given
+            self._controller.contacts = contacts
 
     def _track_swing(self, schedule: Schedule) -> None:
-        tasks, swing = self._controller.tasks, schedule.swing
+        swing = schedule.swing
         wanted = self._swing_tasks[schedule.swing_side] if swing is not None else None
-        for task in self._swing_tasks.values():
-            if task is not wanted and task in tasks:
-                self._controller.remove(task)
+        if wanted is not self._tracking:
+            if self._tracking is not None:
+                self._controller.remove(self._tracking)
+            if wanted is not None:
+                self._controller.add(wanted)
+            self._tracking = wanted
         if swing is None or wanted is None:
             return
-        if wanted not in tasks:
-            self._controller.add(wanted)
-        wanted.target = pin.SE3(about_z(swing.yaw), np.array(swing.position))
+        self._swing_target.rotation = about_z(swing.yaw)
+        self._swing_target.translation = np.array(swing.position)
+        wanted.target = self._swing_target
         wanted.velocity[:3] = swing.velocity
         wanted.velocity[5] = swing.yaw_rate
         wanted.acceleration[:3] = swing.acceleration
@@ -79,5 +90,5 @@ class Footing:
 
 def about_z(yaw: float) -> np.ndarray:
     """(3, 3) rotation about the world's z axis."""
-    c, s = np.cos(yaw), np.sin(yaw)
+    c, s = math.cos(yaw), math.sin(yaw)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

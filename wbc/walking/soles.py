@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
 from wbc.errors import ContactError
 from wbc.gait import Feet, Placement
-from wbc.gait.planar import point, yaw_of
+from wbc.gait.planar import yaw_of
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 
 
 def placements(kin: Kinematics) -> Feet:
     """Both soles on the ground, as the kinematics place them."""
+    left, right = kin.robot.soles
+    return Feet(_placement(kin, left.frame_id), _placement(kin, right.frame_id))
 
-    def sole(index: int) -> Placement:
-        at = kin.motion(kin.robot.soles[index].frame_id)
-        return Placement(point(at.position), yaw_of(at.rotation), float(at.position[2]))
 
-    return Feet(sole(0), sole(1))
+def _placement(kin: Kinematics, frame_id: int) -> Placement:
+    at = kin.frame(frame_id)
+    x, y, z = at.translation.tolist()
+    return Placement(complex(x, y), yaw_of(at.rotation), z)
 
 
 def loads(robot: Robot, wrenches: Mapping[str, np.ndarray] | None) -> dict[str, float] | None:
@@ -48,7 +51,8 @@ def loads(robot: Robot, wrenches: Mapping[str, np.ndarray] | None) -> dict[str, 
                 f"foot_wrenches['{sole.name}'] has shape {wrench.shape}, expected (6,): "
                 "force then moment in sole axes"
             )
-        if not np.isfinite(wrench.sum()):
+        values = wrench.tolist()
+        if not math.isfinite(sum(values)):
             raise ContactError(f"foot_wrenches['{sole.name}'] = {wrench} is not finite")
-        shares[sole.side] = float(wrench[2]) / robot.weight
+        shares[sole.side] = values[2] / robot.weight
     return shares

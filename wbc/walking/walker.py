@@ -8,17 +8,16 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from wbc.balance import clamp_to_polygon, convex_hull, corners, feedback_zmp, step_shift
+from wbc.balance import feedback_zmp, step_shift
 from wbc.command import Command
 from wbc.controller import WholeBodyController
 from wbc.errors import GaitError
 from wbc.gait import DcmReference, Feet, GaitParameters, Phase, Placement, Schedule, Velocity
-from wbc.gait.dcm_plan import dcm_now
 from wbc.gait.footsteps import SIDES
 from wbc.gait.planar import point, turn, wrap
 from wbc.gait.reach import LegReach
 from wbc.kinematics import Kinematics
-from wbc.robot import Robot, Sole
+from wbc.robot import Robot
 from wbc.state import State
 from wbc.tasks import AngularMomentumTask, ComTask, OrientationTask, PostureTask
 from wbc.telemetry import Balance, Footstep, Telemetry
@@ -26,6 +25,7 @@ from wbc.walking.body_offset import BodyOffset
 from wbc.walking.footing import Footing, about_z
 from wbc.walking.gains import WalkerGains
 from wbc.walking.soles import loads, placements
+from wbc.walking.support import Support
 
 
 class VelocityClamped(UserWarning):
@@ -63,7 +63,8 @@ class Walker:
     ) -> None:
         self.robot = robot
         self.dt = dt
-        self.gait = gait or GaitParameters.of(robot)
+        self._reach = LegReach(robot)
+        self.gait = gait or GaitParameters.of(robot, self._reach)
         self.gains = gains = gains or WalkerGains()
         self.controller = controller = WholeBodyController(robot, dt, solver=solver)
         kp = gains.height_kp
@@ -76,7 +77,6 @@ class Walker:
             )
         )
         self._kin = Kinematics(robot, robot.standing())
-        self._reach = LegReach(robot)
         self._trunk = []
         for frame in dict.fromkeys((robot.torso, robot.base)):
             task = OrientationTask(frame, weight=gains.trunk_weight, kp=gains.trunk_kp)
@@ -88,7 +88,7 @@ class Walker:
         self.posture = controller.add(PostureTask(robot, weight=weights, kp=gains.posture_kp))
         self.momentum = controller.add(AngularMomentumTask(weight=gains.momentum_weight))
         self._footing = Footing(robot, controller, gains)
-        self._soles: dict[str, Sole] = {s.side: s for s in robot.soles}
+        self._support = Support(robot)
         self.body: BodyOffset | None = None
         self._wanted = Velocity()
         self._queue: list[tuple[str, Placement]] = []
@@ -188,17 +188,15 @@ class Walker:
         c, v = kin.p_com, kin.v_com
         com = point(c)
         self._dcm = com + point(v) / omega
-        if schedule.swing is not None and not schedule.swing.committed:
-            self._adjust_step(feet)
-        self._reference = dcm_now(schedule.zmp_segments(), omega)
+        self._reference = self._plan(feet)
         if self.body is not None:
             standing = schedule.phase is Phase.STAND or schedule.lifted is not None
             self._reference = self.body.moved(self._reference, omega, self._heading, feet, standing)
         zmp = feedback_zmp(self._dcm, self._reference, omega, gait.dcm_gain)
-        self._zmp = clamp_to_polygon(zmp, self._support(feet), gains.zmp_margin)
+        self._zmp = self._support.clamped(zmp, schedule, feet, gains.zmp_margin)
         push = omega * omega * (com - self._zmp)
         self.com.acceleration[0], self.com.acceleration[1] = push.real, push.imag
-        ground = self._ground_height(feet)
+        ground = self._support.height(schedule, feet)
         blend = min(self.dt / gains.ground_time, 1.0)
         self._ground += blend * (ground - self._ground)
         height = min(gait.com_height, self._reach.com_height(self._step_length()))
@@ -210,14 +208,16 @@ class Walker:
             self.com.velocity[2] = self.body.com_velocity[2]
             self.com.acceleration[2] = self.body.com_acceleration[2]
 
-    def _adjust_step(self, feet: Feet) -> None:
-        """Move the landing place when the DCM is beyond what the ankles can catch."""
+    def _plan(self, feet: Feet) -> DcmReference:
+        """The DCM's plan; its landing place moves when the ankles alone cannot catch the DCM."""
         schedule, omega = self.schedule, self.gait.omega
-        planned = dcm_now(schedule.planned_zmp_segments(), omega)
+        if schedule.swing is None or schedule.swing.committed:
+            return schedule.reference()
+        planned = schedule.planned_reference()
         error = (self._dcm - planned.dcm) * turn(-feet.of(schedule.support).yaw)
-        sole, share = self._soles[schedule.support], self.gains.ankle_share
-        reach = (share * sole.half_length, share * sole.half_width)
+        reach = self._support.reach(schedule, self.gains.ankle_share)
         schedule.shift = step_shift(error, omega, schedule.remaining, reach)
+        return schedule.reference() if schedule.shift else planned
 
     def _step_length(self) -> float:
         """Length of the steps of now, m: how far a foot is left behind."""
@@ -225,26 +225,6 @@ class Walker:
             return 0.0
         velocity = self.schedule.velocity
         return math.hypot(velocity.forward, velocity.left) * self.gait.step_duration
-
-    def _support(self, feet: Feet) -> list[complex]:
-        schedule = self.schedule
-
-        def sole(side: str) -> list[complex]:
-            s = self._soles[side]
-            return corners(feet.of(side), s.half_length, s.half_width)
-
-        if schedule.phase is Phase.SWING:
-            return sole(schedule.support)
-        return convex_hull(sole("left") + sole("right"))
-
-    def _ground_height(self, feet: Feet) -> float:
-        schedule = self.schedule
-        support = feet.of(schedule.support).height
-        if schedule.phase is Phase.SWING:
-            return support
-        leaving = feet.of(schedule.swing_side).height
-        share = schedule.progress if schedule.phase is Phase.TRANSFER else 0.5
-        return leaving + (support - leaving) * share
 
     def _keep_upright(self, feet: Feet) -> None:
         schedule = self.schedule
@@ -259,7 +239,7 @@ class Walker:
         self._heading = left + 0.5 * wrap(right - left)
         heading = about_z(self._heading)
         for task, upright in self._trunk:
-            task.target = heading @ upright
+            task.target = heading.dot(upright)
             task.velocity[2] = rate
         if self.body is not None:
             self._lean_trunk(self.body, heading, rate)
@@ -291,7 +271,7 @@ class Walker:
         """What the walker sees and intends, for observers."""
         feet = placements(self._kin)
         schedule, balance = self.schedule, self.balance
-        support = self._support(feet)
+        support = self._support.polygon(schedule, feet)
         steps = tuple(
             Footstep(side, np.array([p.point.real, p.point.imag, p.height]), p.yaw)
             for side, p in schedule.preview()
