@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from wbc.messages import Message, MessageError, message_type
 from wbc.ros.errors import RosError
 from wbc.ros.qos import Qos
-from wbc.ros.wire import dds_type, padded
+from wbc.ros.wire import dds_type
 
 if TYPE_CHECKING:
     from wbc.ros.participant import Participant
@@ -57,7 +57,7 @@ class Writer:
         dds = participant.dds
         self._sample = kind()
         self.dds = DataWriter(dds, Topic(dds, topic, kind), qos=qos.to_dds(user_data))
-        self.handle: int = self.dds.instance_handle
+        self.handle = _unsigned(self.dds.instance_handle)
         self.gid: bytes = self.dds.guid.bytes
 
     def write(self, data: Any) -> None:
@@ -68,7 +68,7 @@ class Writer:
         """
         from cyclonedds.core import DDSException
 
-        self._sample.data = padded(data)
+        self._sample.data = data  # the package fills it up with zeros to whole words
         try:
             self.dds.write(self._sample)
         except DDSException as error:
@@ -77,8 +77,7 @@ class Writer:
     @property
     def matched(self) -> list[int]:
         """Handles of the readers that get what is written."""
-        handles: list[int] = self.dds.get_matched_subscriptions()
-        return handles
+        return [_unsigned(handle) for handle in self.dds.get_matched_subscriptions()]
 
     def peer(self, handle: int) -> Any:
         """What is known of one of the `matched`; None when it has gone."""
@@ -116,8 +115,7 @@ class Reader:
     @property
     def matched(self) -> list[int]:
         """Handles of the writers that are read."""
-        handles: list[int] = self.dds.get_matched_publications()
-        return handles
+        return [_unsigned(handle) for handle in self.dds.get_matched_publications()]
 
     def peer(self, handle: int) -> Any:
         """What is known of one of the `matched`; None when it has gone."""
@@ -127,6 +125,11 @@ class Reader:
     def lost(self) -> int:
         """Messages that were sent and never came."""
         return int(self.dds.get_sample_lost_status().total_count)
+
+
+def _unsigned(handle: int) -> int:
+    """A handle as samples and headers carry it; some functions of the package give it a sign."""
+    return handle & 0xFFFF_FFFF_FFFF_FFFF
 
 
 class Publisher:

@@ -34,8 +34,7 @@ def import_cyclonedds() -> Any:
 
 
 def _serialize(self: Any, *_: object, **__: object) -> bytes:
-    data: bytes = self.data
-    return data
+    return bytes(self.data)
 
 
 def _deserialize(cls: Any, data: bytes, /, *_: object, **__: object) -> Any:
@@ -133,9 +132,3 @@ def without_header(data: bytes) -> tuple[int, int, bytes]:
     """
     client, number = _HEADER.unpack_from(data, _CDR_HEADER)
     return client, number, data[:_CDR_HEADER] + data[_CDR_HEADER + _HEADER.size :]
-
-
-def padded(data: Any) -> Any:
-    """The bytes, filled up with zeros to whole words, as DDS sends them."""
-    missing = -len(data) % 4
-    return bytes(data) + bytes(missing) if missing else data

@@ -1,0 +1,89 @@
+"""`/diagnostics`: whether the loop keeps its time, and the robot its feet."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from wbc.command import Status
+from wbc.messages import message_type
+from wbc.ros.bridge.layout import Mode, Sample
+from wbc.ros.bridge.order import Order
+from wbc.ros.due import Due
+from wbc.ros.node import Node
+
+_ARRAY = message_type("diagnostic_msgs/msg/DiagnosticArray")
+_STATUS = message_type("diagnostic_msgs/msg/DiagnosticStatus")
+_VALUE = message_type("diagnostic_msgs/msg/KeyValue")
+_OK, _WARN, _ERROR = 0, 1, 2
+_RATE = 1.0  # Hz
+_STATUSES = tuple(Status)
+
+
+class Diagnostics:
+    """Gathers ticks, and tells once a second how they went.
+
+    An overrun is a tick that came more than a period late.
+    """
+
+    def __init__(self, node: Node, order: Order) -> None:
+        self._publisher = node.publisher(_ARRAY.type_name, "/diagnostics")
+        self._name, self._robot, self._dt = node.full_name.lstrip("/"), order.robot.name, order.dt
+        self._due = Due(_RATE)
+        self._ticks: list[float] = []
+        self._periods: list[float] = []
+        self._failures = self._overruns = self._all_overruns = 0
+
+    def take(self, sample: Sample) -> None:
+        """One tick more."""
+        if sample.mode is Mode.RUNNING:
+            self._ticks.append(sample.tick_time)
+            self._periods.append(sample.period)
+            self._failures += _STATUSES[sample.status] is not Status.OK
+            self._overruns += sample.period > 2.0 * self._dt
+        if self._due(sample.stamp):
+            self._tell(sample)
+
+    def _tell(self, sample: Sample) -> None:
+        self._all_overruns += self._overruns
+        level, text = self._judgement(sample)
+        ticks = 1e6 * np.array(self._ticks or [0.0])
+        periods = np.array(self._periods or [0.0])
+        status = _STATUS(
+            level=level, name=f"{self._name}: control loop", message=text, hardware_id=self._robot
+        )
+        status.values = [
+            _VALUE(key=key, value=value)
+            for key, value in {
+                "tick p50 (µs)": f"{np.percentile(ticks, 50):.0f}",
+                "tick p99 (µs)": f"{np.percentile(ticks, 99):.0f}",
+                "tick max (µs)": f"{ticks.max():.0f}",
+                "rate (Hz)": f"{1.0 / periods.mean():.1f}" if periods.mean() > 0.0 else "0",
+                "overruns": str(self._all_overruns),
+                "QP status": _STATUSES[sample.status].value,
+                "QP failures in the last second": str(self._failures),
+                "phase": sample.phase_name,
+                "steps": str(sample.steps),
+                "DCM error (mm)": f"{1e3 * sample.dcm_error:.1f}",
+                "time (s)": f"{sample.time:.2f}",
+                "resets": str(sample.run - 1),
+            }.items()
+        ]
+        message: Any = _ARRAY(status=[status])
+        seconds = int(sample.stamp)
+        message.header.stamp.sec = seconds
+        message.header.stamp.nanosec = int(1e9 * (sample.stamp - seconds))
+        self._publisher.publish(message)
+        self._ticks.clear()
+        self._periods.clear()
+        self._failures = self._overruns = 0
+
+    def _judgement(self, sample: Sample) -> tuple[int, str]:
+        if sample.mode is Mode.FALLEN:
+            return _ERROR, "fallen"
+        if self._failures:
+            return _ERROR, f"the QP had no solution in {self._failures} ticks"
+        if self._overruns:
+            return _WARN, f"{self._overruns} ticks came late"
+        return _OK, "running"

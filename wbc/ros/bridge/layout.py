@@ -1,0 +1,145 @@
+"""The form of one tick in the memory between the loop and its ROS 2 node."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+
+import numpy as np
+
+from wbc.robot import Robot
+
+PHASES = ("stand", "double", "left", "right")
+
+#: Numbers that stand first, in the order in which they are written.
+HEAD = (
+    "stamp",  # s since 1970
+    "time",  # of the plant, s
+    "run",
+    "mode",
+    "status",
+    "phase",
+    "steps",
+    "tick_time",  # estimator and controller, s
+    "period",  # since the tick before, s
+    "dcm_error",  # m
+)
+
+
+class Mode(IntEnum):
+    """What the loop is doing."""
+
+    RUNNING = 0
+    FALLEN = 1  #: it waits to be reset
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Sizes of a record, all of it float64.
+
+    Attributes:
+        nq: size of a configuration.
+        nv: size of a velocity.
+        feet: number of soles.
+    """
+
+    nq: int
+    nv: int
+    feet: int
+
+    @staticmethod
+    def of(robot: Robot) -> Layout:
+        """The layout for a robot."""
+        return Layout(robot.nq, robot.nv, len(robot.soles))
+
+    @cached_property
+    def body(self) -> tuple[tuple[str, int], ...]:
+        """(name, size) of the arrays after the head."""
+        return (
+            ("q", self.nq),
+            ("v", self.nv),
+            ("tau", self.nv - 6),
+            ("com", 3),
+            ("dcm", 3),
+            ("dcm_reference", 3),
+            ("zmp", 3),
+            ("wrenches", 6 * self.feet),
+        )
+
+    @property
+    def size(self) -> int:
+        """Numbers in a record."""
+        return len(HEAD) + sum(size for _, size in self.body)
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """A tick as the node sees it.
+
+    Attributes:
+        stamp: when it ended, s since 1970.
+        time: of the plant, s.
+        run: counts resets.
+        mode: whether the loop runs.
+        status: index into `wbc.Status`.
+        phase: index into `PHASES`.
+        steps: touchdowns so far.
+        tick_time: that estimator and controller took, s.
+        period: since the tick before, s.
+        dcm_error: m.
+        q: (nq,) configuration, Pinocchio's convention.
+        v: (nv,) velocity, Pinocchio's convention.
+        tau: (na,) joint torques, N·m.
+        com: (3,) m, and likewise `dcm`, `dcm_reference` and `zmp`: world axes, NaN if not known.
+        wrenches: (feet, 6) force then moment from the ground, sole axes; NaN if not known.
+    """
+
+    stamp: float
+    time: float
+    run: int
+    mode: Mode
+    status: int
+    phase: int
+    steps: int
+    tick_time: float
+    period: float
+    dcm_error: float
+    q: np.ndarray
+    v: np.ndarray
+    tau: np.ndarray
+    com: np.ndarray
+    dcm: np.ndarray
+    dcm_reference: np.ndarray
+    zmp: np.ndarray
+    wrenches: np.ndarray
+
+    @staticmethod
+    def of(layout: Layout, record: np.ndarray) -> Sample:
+        """A sample of a record, which it keeps views of."""
+        stamp, time, run, mode, status, phase, steps, tick, period, error = record[
+            : len(HEAD)
+        ].tolist()
+        arrays, start = {}, len(HEAD)
+        for name, size in layout.body:
+            arrays[name] = record[start : start + size]
+            start += size
+        arrays["wrenches"] = arrays["wrenches"].reshape(-1, 6)
+        return Sample(
+            stamp,
+            time,
+            int(run),
+            Mode(int(mode)),
+            int(status),
+            int(phase),
+            int(steps),
+            tick,
+            period,
+            error,
+            **arrays,
+        )
+
+    @property
+    def phase_name(self) -> str:
+        """What carries the robot."""
+        return PHASES[self.phase]

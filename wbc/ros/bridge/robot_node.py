@@ -1,0 +1,107 @@
+"""The robot's node: its topics, services, parameters and action, put together."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from wbc.messages import message_type
+from wbc.ros.bridge.diagnostics import Diagnostics
+from wbc.ros.bridge.layout import Layout, Sample
+from wbc.ros.bridge.mailbox import Mailbox, Orders
+from wbc.ros.bridge.order import Order
+from wbc.ros.bridge.posture import PostureCommands
+from wbc.ros.bridge.requests import PlantRequests
+from wbc.ros.bridge.ring import StateRing
+from wbc.ros.bridge.state_topics import BalanceTopics, JointStates, Odometry
+from wbc.ros.bridge.steering import Steering
+from wbc.ros.bridge.transforms import Transforms
+from wbc.ros.bridge.walk_to import WalkTo
+from wbc.ros.due import Due
+from wbc.ros.joint_publisher import FASTEST
+from wbc.ros.node import Node
+from wbc.ros.parameters import Parameter, Parameters
+from wbc.ros.qos import LATCHED
+
+_LEAST_LOOKS = 200.0  # Hz, at which new ticks are looked for
+
+
+class RobotNode:
+    """All that the robot's node does.
+
+    Args:
+        node: whose topics, services and so on.
+        order: about the robot.
+        ring: where its ticks come from.
+        mailbox: where its orders go.
+    """
+
+    def __init__(self, node: Node, order: Order, ring: StateRing, mailbox: Mailbox) -> None:
+        self._ring, self._layout = ring, Layout.of(order.robot)
+        self._node = node
+        self.parameters = parameters = Parameters(node)
+        rate = parameters.declare(
+            "update_rate",
+            float(order.update_rate),
+            "of joint_states, Hz",
+            lowest=1.0,
+            highest=FASTEST,
+        )
+        others = parameters.declare(
+            "state_rate",
+            50.0,
+            "of tf, odom, wrenches, com, dcm and zmp, Hz",
+            lowest=1.0,
+            highest=FASTEST,
+        )
+        self._rate, self._others = rate, others
+        self._joint_states = JointStates(node, order.robot)
+        self._due = Due(rate.value, 0.5 * order.dt)
+        self._at_state_rate = (
+            Odometry(node, order.robot),
+            BalanceTopics(node, order.robot),
+            Transforms(node, order.robot),
+        )
+        self._state_due = Due(others.value, 0.5 * order.dt)
+        self._diagnostics = Diagnostics(node, order)
+        text = message_type("std_msgs/msg/String")
+        description = node.publisher(text.type_name, "robot_description", LATCHED)
+        description.publish(text(data=order.robot.urdf_path.read_text("utf-8", "replace")))
+        orders = Orders.none(order.robot.na)
+        self._steering = Steering(node, parameters, orders, mailbox, order)
+        self._posture = PostureCommands(node, parameters, orders, mailbox, order.robot)
+        self._requests = PlantRequests(node, parameters, orders, mailbox, order)
+        self._walk_to = WalkTo(node, parameters, self._steering, order)
+        self._latest: Sample | None = None
+        self._looks = node.timer(self._look_period(), self._look)
+        for parameter in (rate, others):
+            parameter.changed = self._change_rates
+
+    def _change_rates(self, _: Any) -> None:
+        self._due.rate, self._state_due.rate = self._rate.value, self._others.value
+        self._looks.period = self._look_period()
+
+    def _look_period(self) -> float:
+        fastest: Parameter = max(self._rate, self._others, key=lambda p: p.value)
+        return 1.0 / max(2.0 * float(fastest.value), _LEAST_LOOKS)
+
+    def _look(self) -> None:
+        """Take in new ticks."""
+        for record in self._ring.read():
+            self._take(Sample.of(self._layout, record))
+
+    def _take(self, sample: Sample) -> None:
+        if self._latest is not None and sample.run != self._latest.run:
+            self._posture.forget()
+            self._requests.reset_done()
+        self._latest = sample
+        if self._due(sample.stamp):
+            self._joint_states.publish(sample)
+        if self._state_due(sample.stamp):
+            for topics in self._at_state_rate:
+                topics.publish(sample)
+        self._diagnostics.take(sample)
+        self._walk_to.take(sample)
+
+    def stop(self) -> None:
+        """The loop ends."""
+        self._walk_to.stop("the robot's loop has ended")

@@ -1,0 +1,215 @@
+"""The action that walks to a pose: `navigate_to_pose`, of the type that Nav2 has.
+
+Nav2's own type and not one of ours: RViz's goal tool, `ros2 action` and every client written for
+Nav2 can send it, and nothing has to be built on the ROS side. Later releases of Nav2 appended
+fields, which earlier readers do not mind. `behavior_tree` is not used.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Any
+
+import numpy as np
+
+from wbc.balance import heading
+from wbc.ros.actions import ActionServer, Goal, GoalState
+from wbc.ros.bridge.approach import Approach, Pose
+from wbc.ros.bridge.layout import Mode, Sample
+from wbc.ros.bridge.order import Order
+from wbc.ros.bridge.state_topics import WORLD, base_frame
+from wbc.ros.bridge.steering import Steering
+from wbc.ros.due import Due
+from wbc.ros.node import Node
+from wbc.ros.parameters import Parameters
+from wbc.ros.stamp import duration, stamp_now
+from wbc.state import State
+
+TYPE = "nav2_msgs/action/NavigateToPose"
+_WORLDS = ("", WORLD, "map", "world")
+_RATE = 20.0  # Hz, of the steering
+_FEEDBACK_RATE = 5.0  # Hz
+_HOLD = 0.5  # s that a velocity lasts when nobody renews it
+_STILL = 0.3  # s of standing before it counts
+_STUCK = 30.0  # s without coming nearer
+_PROGRESS = 0.05  # m, or rad, that count as coming nearer
+_TRIES = 5  # corrections after coming to a stand beside the goal
+_UNKNOWN_ERROR, _TIMEOUT = 9000, 9003
+
+
+class WalkTo:
+    """Serves the action.
+
+    A goal is over when the robot stands at it; when it is cancelled, or when who sent it has
+    gone, the robot comes to a stand first.
+    """
+
+    def __init__(
+        self, node: Node, parameters: Parameters, steering: Steering, order: Order
+    ) -> None:
+        self._steering, self._robot = steering, order.robot
+        self._share = parameters.declare(
+            "walk_speed", 0.6, "of walking to a pose, as a share of the gait's largest velocity",
+            lowest=0.1, highest=1.0,
+        )  # fmt: skip
+        self._tolerance = parameters.declare(
+            "position_tolerance", 0.1, "of walking to a pose, m", lowest=0.02, highest=1.0
+        )
+        self._heading_tolerance = parameters.declare(
+            "heading_tolerance", 0.15, "of walking to a pose, rad", lowest=0.05, highest=math.pi
+        )
+        self._server = ActionServer(
+            node, TYPE, "navigate_to_pose", self._accept, self._begin, self._cancel
+        )
+        self._steps, self._tells = Due(_RATE), Due(_FEEDBACK_RATE)
+        self._sample: Sample | None = None
+        self._goal: Goal | None = None
+        self._target = Pose(0.0, 0.0, 0.0)
+        self._ending: tuple[GoalState, Any] | None = None
+        steering.taken_over = lambda: self.stop("cmd_vel took over")
+
+    def take(self, sample: Sample) -> None:
+        """One tick more."""
+        before, self._sample = self._sample, sample
+        if self._goal is None:
+            return
+        if before is not None and sample.run != before.run:
+            self.stop("the robot was reset")
+        elif sample.mode is Mode.FALLEN:
+            self.stop("the robot fell")
+        elif self._steps(sample.stamp):
+            self._go_on(self._goal, sample)
+
+    def stop(self, why: str) -> None:
+        """End the goal that is pursued, if there is one; the robot comes to a stand by itself."""
+        if self._goal is not None:
+            self._steering.stand()
+            self._finish(self._goal, GoalState.ABORTED, self._failure(_UNKNOWN_ERROR, why))
+
+    def _accept(self, request: Any) -> bool:
+        sample = self._sample
+        if sample is None or sample.mode is not Mode.RUNNING:
+            return False
+        return self._pose(request.pose, sample) is not None
+
+    def _begin(self, goal: Goal) -> None:
+        self.stop("another goal took its place")
+        assert self._sample is not None
+        pose = self._pose(goal.request.pose, self._sample)
+        assert pose is not None
+        self._goal, self._target, self._ending = goal, pose, None
+        now = time.monotonic()
+        self._began = self._nearer = now
+        self._nearest = math.inf
+        self._standing_since: float | None = None
+        self._tries = 0
+
+    def _cancel(self, goal: Goal) -> bool:
+        if goal is not self._goal:
+            return False
+        self._end(GoalState.CANCELED, self._server.result_type(error_msg="cancelled"))
+        return True
+
+    def _pose(self, stamped: Any, sample: Sample) -> Pose | None:
+        """The pose that a message means, in the world; None if it means none."""
+        p, o = stamped.pose.position, stamped.pose.orientation
+        numbers = np.array([p.x, p.y, p.z, o.x, o.y, o.z, o.w])
+        if not np.isfinite(numbers).all() or abs(np.linalg.norm(numbers[3:]) - 1.0) > 0.05:
+            return None
+        pose = Pose(p.x, p.y, math.atan2(2.0 * (o.w * o.z + o.x * o.y),
+                                         1.0 - 2.0 * (o.y * o.y + o.z * o.z)))  # fmt: skip
+        frame = stamped.header.frame_id.lstrip("/")
+        if frame in _WORLDS:
+            return pose
+        return pose.from_within(self._here(sample)) if frame == base_frame(self._robot) else None
+
+    def _here(self, sample: Sample) -> Pose:
+        return Pose(
+            float(sample.q[0]),
+            float(sample.q[1]),
+            heading(self._robot, State(sample.q, sample.v)),
+        )
+
+    def _go_on(self, goal: Goal, sample: Sample) -> None:
+        here = self._here(sample)
+        error = self._target.seen_from(here)
+        now = time.monotonic()
+        if self._tells(sample.stamp):
+            self._tell(goal, here, error, now)
+        if self._ending is None and not goal.client_alive:
+            text = "who sent the goal has gone"
+            self._end(GoalState.ABORTED, self._failure(_UNKNOWN_ERROR, text))
+        if self._ending is None:
+            self._walk(error, now)
+        stands = self._stands(sample, now)
+        if self._ending is not None and stands:
+            self._conclude(goal, error)
+
+    def _walk(self, error: Pose, now: float) -> None:
+        if self._arrived(error, 0.5):
+            self._end(GoalState.SUCCEEDED, self._server.result_type())
+            return
+        left_over = error.distance + abs(error.heading) * 0.2
+        if left_over < self._nearest - _PROGRESS:
+            self._nearest, self._nearer = left_over, now
+        elif now - self._nearer > _STUCK:
+            self._end(GoalState.ABORTED, self._failure(_TIMEOUT, "it comes no nearer"))
+            return
+        share = float(self._share.value)
+        x, y, turn = (share * v for v in self._steering.max_velocity)
+        near = max(0.5, 3.0 * float(self._tolerance.value))
+        self._steering.walk(Approach((x, y, turn), near, 0.6).velocity(error), _HOLD)
+
+    def _arrived(self, error: Pose, share: float) -> bool:
+        return error.distance < share * float(self._tolerance.value) and abs(
+            error.heading
+        ) < share * float(self._heading_tolerance.value)
+
+    def _end(self, state: GoalState, result: Any) -> None:
+        """Come to a stand; then the goal is over."""
+        self._ending = (state, result)
+        self._standing_since = None
+        self._steering.stand()
+
+    def _stands(self, sample: Sample, now: float) -> bool:
+        """Whether it has stood for a while."""
+        if sample.phase_name != "stand":
+            self._standing_since = None
+            return False
+        if self._standing_since is None:
+            self._standing_since = now
+        return now - self._standing_since > _STILL
+
+    def _conclude(self, goal: Goal, error: Pose) -> None:
+        assert self._ending is not None
+        state, result = self._ending
+        if state is GoalState.SUCCEEDED and not self._arrived(error, 1.0):
+            self._tries += 1  # the last steps carried it past
+            self._ending = None
+            if self._tries > _TRIES:
+                text = f"it stands {error.distance:.2f} m and {error.heading:.2f} rad off"
+                self._end(GoalState.ABORTED, self._failure(_TIMEOUT, text))
+            return
+        self._finish(goal, state, result)
+
+    def _finish(self, goal: Goal, state: GoalState, result: Any) -> None:
+        self._goal = self._ending = None
+        goal.finish(state, result)
+
+    def _failure(self, code: int, text: str) -> Any:
+        return self._server.result_type(error_code=code, error_msg=text)
+
+    def _tell(self, goal: Goal, here: Pose, error: Pose, now: float) -> None:
+        feedback: Any = self._server.feedback_type()
+        pose = feedback.current_pose
+        pose.header.stamp, pose.header.frame_id = stamp_now(), WORLD
+        pose.pose.position.x, pose.pose.position.y = here.x, here.y
+        pose.pose.orientation.z = math.sin(0.5 * here.heading)
+        pose.pose.orientation.w = math.cos(0.5 * here.heading)
+        feedback.navigation_time = duration(now - self._began)
+        pace = float(self._share.value) * self._steering.max_velocity[0]
+        feedback.estimated_time_remaining = duration(error.distance / pace)
+        feedback.number_of_recoveries = self._tries
+        feedback.distance_remaining = error.distance
+        goal.feedback(feedback)

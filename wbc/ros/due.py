@@ -1,0 +1,27 @@
+"""What happens at some rate, told by time stamps."""
+
+from __future__ import annotations
+
+
+class Due:
+    """Says at which of many stamps something is due.
+
+    Args:
+        rate: Hz; may be changed.
+        early: a stamp that comes before its time by less than this, s, will do.
+
+    Attributes:
+        rate: Hz.
+    """
+
+    def __init__(self, rate: float, early: float = 0.0) -> None:
+        self.rate, self._early = rate, early
+        self._next = float("-inf")
+
+    def __call__(self, stamp: float) -> bool:
+        """Whether it is due at a stamp, s. What was missed is not made up for."""
+        if stamp < self._next - self._early:
+            return False
+        period = 1.0 / self.rate
+        self._next = self._next + period if stamp < self._next + period else stamp + period
+        return True
