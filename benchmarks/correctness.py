@@ -1,0 +1,172 @@
+"""How right the controller is: thousands of random problems against proved optima.
+
+Random robots (those of the catalogue and synthetic ones), states, contacts, tasks, weights and
+limits; single ticks and warm-started sequences. The reference builds the unreduced problem, with
+unknowns v̇, f and τ, from Pinocchio, and proves its optimum in extended precision, or proves by
+multipliers that there is none (see `tests/referencetools.py` and `tests/certifiedqp.py`).
+
+A tick is at fault when an acceleration or a wrench is off by more than 1e-6 relative to
+max(1, |reference|), a row of the unreduced problem is violated by more than 1e-8 of its scale,
+the cost is more than 1e-9 above the least one, a solvable problem is called infeasible, or an
+infeasible one solved or not explained. Where the optimum is ill-conditioned (rounding of H and g
+in double precision alone may move it by more than 1e-6), accelerations and wrenches may be off by
+as much as that rounding explains, no more, and the cost and the rows count as everywhere.
+
+    python benchmarks/correctness.py --problems 5000
+    python benchmarks/correctness.py --solver daqp --kind degenerate --keep out/faults
+"""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+import argparse
+import json
+import pickle
+import sys
+import time
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+import randomcases
+import verdicts
+from randomcases import KINDS, Case
+from verdicts import Truth, Verdict
+
+import wbc
+from wbc.qp import Problem
+
+DEFAULT = "default"
+WORST = ("acceleration", "wrench", "torque", "violation", "excess", "slope")
+
+
+@dataclass
+class Tally:
+    """What became of the ticks of one kind with one solver."""
+
+    ticks: int = 0
+    solvable: int = 0
+    ill_conditioned: int = 0
+    infeasible: int = 0
+    recognised: int = 0  #: infeasible ones that were called so, and explained
+    undecided: int = 0  #: on the edge of infeasibility, or not proved either way
+    faults: int = 0
+    #: largest errors of the solvable ones, faults left out
+    worst: dict[str, float] = field(default_factory=lambda: dict.fromkeys(WORST, 0.0))
+    ill_off: float = 0.0  #: largest error of the ill-conditioned ones, faults left out
+
+    def count(self, verdict: Verdict) -> None:
+        """One more."""
+        self.ticks += 1
+        self.faults += bool(verdict.fault)
+        self.solvable += verdict.truth is Truth.SOLVABLE
+        self.ill_conditioned += verdict.truth is Truth.ILL_CONDITIONED
+        self.infeasible += verdict.truth is Truth.INFEASIBLE
+        self.recognised += verdict.truth is Truth.INFEASIBLE and not verdict.fault
+        self.undecided += verdict.truth in (Truth.ON_THE_EDGE, Truth.UNKNOWN)
+        off = max(verdict.acceleration, verdict.wrench)
+        if verdict.fault:
+            return  # listed apart
+        if verdict.truth is Truth.ILL_CONDITIONED:
+            self.ill_off = max(self.ill_off, off)
+        elif verdict.truth is Truth.SOLVABLE:
+            for name in WORST:
+                self.worst[name] = max(self.worst[name], getattr(verdict, name))
+
+    def add(self, other: Tally) -> None:
+        """Take in another's counts."""
+        for name in ("ticks", "solvable", "ill_conditioned", "infeasible", "recognised"):
+            setattr(self, name, getattr(self, name) + getattr(other, name))
+        self.undecided += other.undecided
+        self.faults += other.faults
+        self.ill_off = max(self.ill_off, other.ill_off)
+        self.worst = {name: max(self.worst[name], other.worst[name]) for name in WORST}
+
+
+def keep(folder: Path, verdict: Verdict, problem: Problem | None) -> None:
+    """Store a fault: case, tick, what is wrong, and the controller's QP."""
+    folder.mkdir(parents=True, exist_ok=True)
+    kind = verdict.case.kind.replace(" ", "_")
+    path = folder / f"{kind}_{verdict.case.seed}_{verdict.tick}.pkl"
+    path.write_bytes(pickle.dumps((verdict.case, verdict.tick, verdict.fault, problem)))
+
+
+def table(title: str, tallies: dict[str, Tally]) -> str:
+    """One solver's results."""
+    whole = Tally()
+    for tally in tallies.values():
+        whole.add(tally)
+    lines = [title]
+    head = ("", "ticks", "solvable", "ill-cond.", "infeasible", "told so", "open", "faults")
+    errors = ("v̇ off", "f off", "row off", "cost off", "ill v̇, f off")
+    lines.append(f"{head[0]:<20}" + "".join(f"{h:>11}" for h in head[1:]))
+    lines[-1] += "".join(f"{e:>14}" for e in errors)
+    for kind, t in {**tallies, "all": whole}.items():
+        counts = (t.ticks, t.solvable, t.ill_conditioned, t.infeasible, t.recognised, t.undecided)
+        text = f"{kind:<20}" + "".join(f"{c:>11}" for c in (*counts, t.faults))
+        worst = [t.worst[name] for name in ("acceleration", "wrench", "violation", "excess")]
+        lines.append(text + "".join(f"{w:>14.1e}" for w in (*worst, t.ill_off)))
+    return "\n".join(lines)
+
+
+def run(cases: list[Case], solvers: list[str], formulation: str | None, args: Any) -> Any:
+    """Tallies by solver and kind, and the faults."""
+    chosen = wbc.Formulation(formulation) if formulation else None
+    tallies = {s: {kind: Tally() for kind in args.kind or KINDS} for s in solvers}
+    faults: list[dict[str, Any]] = []
+    for case in cases:
+        for solver in solvers:
+            name = None if solver == DEFAULT else solver
+            for verdict, problem in verdicts.driven(case, name, chosen):
+                tallies[solver][case.kind].count(verdict)
+                if verdict.fault:
+                    faults.append({"solver": solver, "truth": verdict.truth.value})
+                    faults[-1] |= {"case": asdict(case), "tick": verdict.tick}
+                    faults[-1]["fault"] = verdict.fault
+                    if args.keep:
+                        keep(args.keep / solver, verdict, problem)
+        verdicts.references.cache_clear()
+    return tallies, faults
+
+
+def main() -> int:
+    """Draw problems, solve, judge, print the table, write the JSON."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--problems", type=int, default=1000, help="ticks (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--solver", action="append", help="default: the default one and daqp")
+    parser.add_argument("--kind", action="append", choices=KINDS, help="only these problems")
+    formulations = [f.value for f in wbc.Formulation]
+    parser.add_argument("--formulation", choices=formulations, help="the default one if left out")
+    parser.add_argument("--keep", type=Path, help="pickle the QPs of faulty ticks into this folder")
+    parser.add_argument("--json", type=Path, help="write the tables and the faults there")
+    args = parser.parse_args()
+    solvers = args.solver or [DEFAULT, "daqp"]
+    begun = time.perf_counter()
+    cases = list(randomcases.cases(args.problems, args.seed, args.kind or tuple(KINDS)))
+    tallies, faults = run(cases, solvers, args.formulation, args)
+    for solver in solvers:
+        form = args.formulation or "default"
+        print(table(f"solver {solver}, formulation {form}", tallies[solver]) + "\n")
+    for fault in faults[:20]:
+        case = randomcases.Case(**fault["case"])
+        print(f"{fault['solver']}: {case}, tick {fault['tick']}: {fault['fault'][:160]}")
+    if len(faults) > 20:
+        print(f"… and {len(faults) - 20} more")
+    print(f"\n{len(faults)} faults; {time.perf_counter() - begun:.0f} s")
+    if args.json:
+        result = {s: {k: asdict(t) for k, t in tallies[s].items()} for s in solvers}
+        text = {"formulation": args.formulation or "default", "seed": args.seed, **result}
+        args.json.write_text(json.dumps({**text, "faults": faults}, indent=2) + "\n")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
