@@ -1,0 +1,238 @@
+"""`LoggedRun`: a log as arrays over time, to be drawn, compared and played."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from wbc.log.errors import LogError
+from wbc.log.layout import PHASES, STATUSES
+from wbc.log.reader import Log
+from wbc.log.sheet import RobotSheet
+from wbc.messages import Message
+from wbc.snapshot import Snapshot
+from wbc.telemetry import Footstep, Telemetry
+
+_STATE = "/controller_state"
+_LATE = 1.5  # s: a plan that is older than this is not shown any more
+_SIDES = ("left", "right")
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What the gait intended at a time, world axes.
+
+    Attributes:
+        support: (k, 3) vertices of the support polygon, m.
+        footsteps: the next one first.
+        swing: (m, 3) way of the swing sole's centre, m.
+    """
+
+    support: np.ndarray
+    footsteps: tuple[Footstep, ...]
+    swing: np.ndarray
+
+
+class LoggedRun:
+    """A run as its log has it. Arrays have a row per tick; what is not known is NaN.
+
+    Args:
+        log: the log.
+
+    Attributes:
+        log: the log.
+        sheet: what has to be known of the robot.
+        stamps: (n,) time, ns.
+        time: (n,) time, s.
+
+    Raises:
+        LogError: the log is no log of a run, or holds no tick.
+    """
+
+    def __init__(self, log: Log) -> None:
+        self.log = log
+        self.sheet: RobotSheet = log.sheet()
+        if _STATE not in log:
+            raise LogError(f"{log.path} holds no tick")
+        self.stamps = log.stamps(_STATE)
+        self.time = 1e-9 * self.stamps
+
+    @staticmethod
+    def read(path: str | Path) -> LoggedRun:
+        """The run in a file.
+
+        Raises:
+            LogError: see `Log` and `LoggedRun`.
+            MissingExtra: `zstandard` is not installed.
+        """
+        return LoggedRun(Log(path))
+
+    def __len__(self) -> int:
+        """Number of ticks."""
+        return len(self.stamps)
+
+    @property
+    def title(self) -> str:
+        """Robot and, if there is a report, what became of the run."""
+        report = self.log.tables.get("report")
+        if report is None:
+            return f"{self.sheet.name}, {self.time[-1]:.1f} s, without an end"
+        if report.get("survived") == "True":
+            return f"{self.sheet.name}, {self.time[-1]:.1f} s"
+        return f"{self.sheet.name}, {self.time[-1]:.1f} s: {report.get('fell_why', 'fell')}"
+
+    @cached_property
+    def q(self) -> np.ndarray:
+        """(n, nq) estimated configuration; m, unit quaternion, rad."""
+        return np.hstack([self._at("/odom", "pose.pose"), self._at("/joint_states", "position")])
+
+    @cached_property
+    def v(self) -> np.ndarray:
+        """(n, nv) estimated velocity, base twist in the base frame; m/s, rad/s."""
+        return np.hstack([self._at("/odom", "twist.twist"), self._at("/joint_states", "velocity")])
+
+    @cached_property
+    def tau(self) -> np.ndarray:
+        """(n, na) commanded torques, N·m or N."""
+        return self._at("/joint_states", "effort")
+
+    def point(self, name: str) -> np.ndarray:
+        """(n, 3) "com", "dcm", "dcm_reference", "zmp" or "cop", m, world axes."""
+        topic = f"/balance/{name}"
+        if topic not in self.log:
+            return np.full((len(self), 3), np.nan)
+        return self._at(topic, "point")
+
+    def state(self, field: str) -> np.ndarray:
+        """(n,) a number of `wbc_msgs/ControllerState`, e.g. "controller_time"."""
+        numbers: np.ndarray = self.log.numbers(_STATE, field)[:, 0]
+        return numbers
+
+    @cached_property
+    def foot_wrenches(self) -> Mapping[str, np.ndarray]:
+        """Sole name -> (n, 6) measured wrench in sole axes, N and N·m."""
+        return self._wrenches("/sensors/wrench/")
+
+    @cached_property
+    def commanded_wrenches(self) -> Mapping[str, np.ndarray]:
+        """Contact name -> (n, 6) wrench that the controller wanted, in its axes, N and N·m."""
+        return self._wrenches("/command/wrench/")
+
+    @cached_property
+    def soles(self) -> Mapping[str, np.ndarray]:
+        """Sole name -> (n, 7) pose, position (m) and quaternion x y z w, the latest that is known."""
+        if "/tf" not in self.log:
+            return {}
+        names = [t.child_frame_id for t in self.log.first("/tf").transforms]
+        index = self._latest(self.log.stamps("/tf"))
+        return {
+            name: self.log.numbers("/tf", f"transforms[{i}].transform")[index]
+            for i, name in enumerate(names)
+            if name != self.sheet.base
+        }
+
+    @cached_property
+    def plans(self) -> list[Plan]:
+        """What the gait intended, in the order of `plan_stamps`."""
+        if "/footsteps" not in self.log:
+            return []
+        log = self.log
+        parts = (log.messages(t) for t in ("/support_polygon", "/footsteps", "/swing_path"))
+        return [
+            Plan(
+                _xyz(support.polygon.points),
+                tuple(_footstep(step) for step in steps.footsteps),
+                _xyz([stamped.pose.position for stamped in swing.poses]),
+            )
+            for support, steps, swing in zip(*parts, strict=False)
+        ]
+
+    @cached_property
+    def plan_stamps(self) -> np.ndarray:
+        """(m,) times of the plans, ns."""
+        if "/footsteps" not in self.log:
+            return np.empty(0, np.int64)
+        return self.log.stamps("/footsteps")
+
+    def snapshot(self, tick: int) -> Snapshot:
+        """What a viewer shows of a tick."""
+        plan = Plan(np.empty((0, 3)), (), np.empty((0, 3)))
+        if len(self.plan_stamps):
+            index = int(np.searchsorted(self.plan_stamps, self.stamps[tick], "right")) - 1
+            if index >= 0 and self.stamps[tick] - self.plan_stamps[index] < 1e9 * _LATE:
+                plan = self.plans[index]
+        measured = {name: w[tick] for name, w in self.foot_wrenches.items()}
+        known = {name: w for name, w in measured.items() if np.isfinite(w).all()}
+        if not known:
+            commanded = {name: w[tick] for name, w in self.commanded_wrenches.items()}
+            known = {name: w for name, w in commanded.items() if np.isfinite(w).all()}
+        return Snapshot(
+            time=float(self.time[tick]),
+            q=self.q[tick],
+            wrenches=known,
+            telemetry=Telemetry(
+                com=self._points["com"][tick],
+                dcm=self._points["dcm"][tick],
+                dcm_reference=self._points["dcm_reference"][tick],
+                zmp=self._points["zmp"][tick],
+                phase=PHASES[int(self._phases[tick])],
+                support=plan.support,
+                footsteps=plan.footsteps,
+                swing_path=plan.swing,
+            ),
+            status=STATUSES[int(self._statuses[tick])],
+        )
+
+    def tick_at(self, time: float) -> int:
+        """The last tick that is not after a time, s; the first one for earlier times."""
+        return max(int(np.searchsorted(self.time, time + 1e-9, "right")) - 1, 0)
+
+    @cached_property
+    def _points(self) -> dict[str, np.ndarray]:
+        return {name: self.point(name) for name in ("com", "dcm", "dcm_reference", "zmp")}
+
+    @cached_property
+    def _phases(self) -> np.ndarray:
+        return self.state("phase")
+
+    @cached_property
+    def _statuses(self) -> np.ndarray:
+        return self.state("status")
+
+    def _wrenches(self, prefix: str) -> dict[str, np.ndarray]:
+        return {
+            topic[len(prefix) :]: self._at(topic, "wrench")
+            for topic in self.log.topics
+            if topic.startswith(prefix)
+        }
+
+    def _at(self, topic: str, field: str) -> np.ndarray:
+        """(n, k) numbers of a topic at the ticks that have a message of it, NaN at the others."""
+        numbers = self.log.numbers(topic, field)
+        stamps = self.log.stamps(topic)
+        if len(stamps) == len(self) and (stamps == self.stamps).all():
+            return numbers
+        rows = np.full((len(self), numbers.shape[1]), np.nan)
+        place = np.searchsorted(self.stamps, stamps)
+        there = (place < len(self)) & (self.stamps[np.minimum(place, len(self) - 1)] == stamps)
+        rows[place[there]] = numbers[there]
+        return rows
+
+    def _latest(self, stamps: np.ndarray) -> np.ndarray:
+        """(n,) index of the last of some stamps that is not after each tick's."""
+        return np.maximum(np.searchsorted(stamps, self.stamps, "right") - 1, 0)
+
+
+def _xyz(points: list[Message]) -> np.ndarray:
+    return np.array([(p.x, p.y, p.z) for p in points], float).reshape(-1, 3)
+
+
+def _footstep(step: Message) -> Footstep:
+    pose = step.pose
+    yaw = 2.0 * float(np.arctan2(pose.orientation.z, pose.orientation.w))
+    position = np.array([pose.position.x, pose.position.y, pose.position.z])
+    return Footstep(_SIDES[step.side], position, yaw)
