@@ -17,6 +17,8 @@ SIDES: tuple[Side, Side] = ("left", "right")
 
 _ARM_JOINTS = 7  # what comes after belongs to a gripper
 _ASIDE = 0.05  # share of the standing height: farther than this from the middle is an arm
+_WAIST = np.array([0.5, 0.5, 1.0])  # share of roll, pitch and yaw that the waist takes
+_PLAY = 0.85  # share of the waist's range that may be used
 _ALONG = 0.7  # an axis counts as pitch, roll or yaw when its cosine is larger
 
 
@@ -124,6 +126,14 @@ class Anatomy:
             MotionError: one is missing.
         """
         return self.arm("left"), self.arm("right")
+
+    def hips_share(self, turn: np.ndarray) -> np.ndarray:
+        """(3,) how far the root link turns along with the upper trunk, rotation vectors, rad.
+
+        The waist takes half of roll and pitch and all of the yaw, as far as its joints go.
+        """
+        low, high = _PLAY * self.waist_range.T
+        return np.asarray(turn - np.clip(_WAIST * turn, low, high))
 
 
 def _indices(model: pin.Model, joints: list[int]) -> tuple[int, ...]:

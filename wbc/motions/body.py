@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -14,13 +14,15 @@ from wbc.gait import LiftedFoot, Phase
 from wbc.gait.footsteps import other
 from wbc.gait.planar import point, turn, wrap
 from wbc.kinematics import Kinematics
-from wbc.motions.anatomy import Anatomy, Side
+from wbc.motions.anatomy import SIDES, Anatomy, Side
 from wbc.motions.hands import Hand
 from wbc.motions.intent import Intent
 from wbc.motions.motion import Script
+from wbc.motions.posing import Pose
 from wbc.motions.reference import SmoothReference
 from wbc.robot import Robot
 from wbc.state import State
+from wbc.telemetry import Footstep
 from wbc.walking import BodyOffset, Walker
 from wbc.walking.soles import placements
 
@@ -28,9 +30,6 @@ _SETTLED = 0.005  # m, of the DCM, for
 _SETTLE_TIME = 0.25  # s
 _UNLOAD = 0.5  # s in which a foot is relieved of its load, or takes it
 _LOWERING = 0.05  # m/s, of a foot that looks for the ground
-_PITCH_SHARE = 0.5  # of a bow that the waist bears, the hips bear the rest
-_WAIST_SHARES = np.array([0.5, _PITCH_SHARE, 1.0])  # roll, pitch, yaw
-_WAIST_PLAY = 0.9  # share of the waist's range that may be used
 
 
 class Pilot(Protocol):
@@ -59,11 +58,12 @@ class Body:
         foot_wrenches: sole name -> (6,) measured wrench, sole axes; empty without sensors.
         com: (3,) offset of the CoM from where it is when standing, m.
         lean: (1,) where the weight is: 0 over the right sole, 0.5 in the middle, 1 over the left.
-        torso: (3,) rotation vector of the upper trunk from upright, heading axes, rad; hips
-            and waist share it.
+        torso: (3,) rotation vector of the upper trunk from upright, standing frame, rad.
+        pelvis: (3,) likewise of the root link; `turn_trunk` shares a turn among both.
         posture: (na,) joint positions, rad. The legs follow it only as far as balance lets them.
         hands: the hands by side.
         notes: texts for the report.
+        pushes: asked for and not granted yet, (3,) N·s/kg each.
         pilot: what steps in the walker's place; see `take_over`.
     """
 
@@ -73,6 +73,7 @@ class Body:
         self.anatomy = Anatomy.of(walker.robot)
         self.dt = walker.dt
         self.notes: list[str] = []
+        self.pushes: list[np.ndarray] = []
         self.pilot: Pilot | None = None
         robot, omega = self.robot, walker.gait.omega
         self._kin = Kinematics(robot, robot.standing())
@@ -82,14 +83,13 @@ class Body:
         )
         self.lean = SmoothReference(0.5, speed=1.0, acceleration=2.5)
         self.torso = SmoothReference(np.zeros(3), speed=1.2, acceleration=4.0)
+        self.pelvis = SmoothReference(np.zeros(3), speed=1.2, acceleration=4.0)
         self.posture = SmoothReference(
             robot.q_nominal[7:], speed=0.6 * np.minimum(robot.v_max, 5.0), acceleration=12.0
         )
         self.hands = {arm.side: Hand(walker, arm) for arm in self.anatomy.arms}
         self._foot = SmoothReference(np.zeros(4), speed=0.4, acceleration=2.0)
         self._load = SmoothReference(1.0, speed=4.0, acceleration=40.0)
-        ranges = self.anatomy.waist_range
-        self._waist_shares = np.where(np.ptp(ranges, axis=1) > 0.1, _WAIST_SHARES, 0.0)
         self._offset = BodyOffset()
         self._calm = 0.0
         self.time = 0.0
@@ -100,6 +100,7 @@ class Body:
         """Standing, everything at home. The walker has just been reset."""
         self.time = self._calm = 0.0
         self.notes.clear()
+        self.pushes.clear()
         self.posture.home = self.walker.posture.target.copy()
         for reference in self._references():
             reference.reset()
@@ -111,7 +112,7 @@ class Body:
         self.pilot = None
 
     def _references(self) -> tuple[SmoothReference, ...]:
-        return (self.com, self.lean, self.torso, self.posture, self._foot, self._load)
+        return (self.com, self.lean, self.torso, self.pelvis, self.posture, self._foot, self._load)
 
     # What a motion may ask.
 
@@ -146,6 +147,14 @@ class Body:
         """Say something in the report."""
         self.notes.append(text)
 
+    def be_pushed(self, impulse: np.ndarray) -> None:
+        """Ask for a push on the torso now; a simulation grants it, a real robot is spared.
+
+        Args:
+            impulse: (3,) per kg of the robot, standing frame, N·s/kg.
+        """
+        self.pushes.append(np.array(impulse, dtype=float))
+
     # Waiting.
 
     def wait(self, seconds: float) -> Script:
@@ -167,6 +176,70 @@ class Body:
     def arrive(self, *references: SmoothReference) -> Script:
         """Wait until these references are where they were sent."""
         yield from self.until(lambda: all(r.arrived for r in references))
+
+    # Orders.
+
+    def turn_trunk(self, turn: Sequence[float] | np.ndarray, duration: float = 1.0) -> None:
+        """Turn the upper trunk from upright; waist and hips share it.
+
+        Args:
+            turn: (3,) rotation vector, standing frame: roll, pitch, yaw for small ones, rad.
+            duration: s, at least.
+        """
+        turn = np.asarray(turn, dtype=float)
+        time = self.torso.go(turn, duration)
+        self.pelvis.go(self.anatomy.hips_share(turn), time)
+
+    def take(self, pose: Pose, duration: float = 1.0) -> None:
+        """Go to a whole posture: CoM, trunk and joints together.
+
+        Args:
+            pose: as `Posing.find` gives it.
+            duration: s, at least.
+        """
+        time = self.posture.go(pose.q[7:], duration)
+        self.com.go(pose.com, time)
+        self.torso.go(pose.torso, time)
+        self.pelvis.go(pose.pelvis, time)
+
+    def reach(
+        self, side: str, place: Sequence[float] | np.ndarray, duration: float = 1.0, *, counts: bool
+    ) -> None:
+        """Lead a hand to a place in the standing frame, m; `hands[side].release()` lets go.
+
+        Args:
+            side: "left" or "right".
+            place: (3,) of the hand's frame, m.
+            duration: s, at least.
+            counts: whether it is a target to be judged by once it has arrived.
+
+        Raises:
+            MotionError: there is no such arm.
+        """
+        hand = self.hands[self.anatomy.arm(side).side]
+        frame = self.walker.standing_frame
+        now = frame.actInv(self.walker.place(hand.arm.hand))
+        hand.go(np.asarray(place, dtype=float), np.asarray(now), duration, counts=counts)
+
+    def walk(self, velocity: Sequence[float]) -> None:
+        """Walk at a velocity: forward, left (m/s), turn left (rad/s). Zeros stop.
+
+        Raises:
+            MotionError: a foot is lifted, or the weight is not in the middle.
+        """
+        if self.lifted is not None or self.lean.value[0] != 0.5:
+            raise MotionError("walk: only from standing on both feet, the weight in the middle")
+        self.walker.velocity = (float(velocity[0]), float(velocity[1]), float(velocity[2]))
+
+    def step_in_place(self, steps: int) -> None:
+        """Step on the spot, the left foot first."""
+        feet = self.walker.feet
+        placed = {
+            side: Footstep(side, np.array([at.point.real, at.point.imag, at.height]), at.yaw)
+            for side in SIDES
+            for at in (feet.of(side),)
+        }
+        self.walker.follow([placed[SIDES[k % 2]] for k in range(steps)])
 
     # Orders that take several ticks.
 
@@ -240,6 +313,7 @@ class Body:
         self.walker.follow(())
         self.com.go(0.0, duration)
         self.torso.go(0.0, duration)
+        self.pelvis.go(0.0, duration)
         self.posture.go(self.posture.home, duration)
         for hand in self.hands.values():
             hand.release(0.5 * duration)
@@ -296,7 +370,10 @@ class Body:
         offset.lean = float(self.lean.value[0])
         offset.lean_rate = float(self.lean.velocity[0])
         offset.lean_acceleration = float(self.lean.acceleration[0])
-        self._share_trunk(offset)
+        for attitude, reference in ((offset.torso, self.torso), (offset.base, self.pelvis)):
+            attitude.vector, attitude.rate = reference.value, reference.velocity
+            attitude.acceleration = reference.acceleration
+        self._place_hands()
         posture = self.walker.posture
         posture.target = self.posture.value
         posture.velocity = self.posture.velocity
@@ -312,13 +389,12 @@ class Body:
         foot.offset, foot.rate = self._foot.value, self._foot.velocity
         foot.push = self._foot.acceleration
 
-    def _share_trunk(self, offset: BodyOffset) -> None:
-        torso, base = offset.torso, offset.base
-        torso.vector, torso.rate = self.torso.value, self.torso.velocity
-        torso.acceleration = self.torso.acceleration
-        hips = 1.0 - self._waist_shares
-        base.vector, base.rate = hips * torso.vector, hips * torso.rate
-        base.acceleration = hips * torso.acceleration
+    def _place_hands(self) -> None:
+        if not any(hand.engaged for hand in self.hands.values()):
+            return
+        frame = self.walker.standing_frame
+        for hand in self.hands.values():
+            hand.advance(self.dt, frame.translation, frame.rotation)
 
     def intent(self) -> Intent:
         """What is promised at this tick."""

@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 from wbc.errors import MotionError, did_you_mean
+from wbc.motions.bow import Bow
 from wbc.motions.motion import Motion
+from wbc.motions.one_leg import OneLeg
+from wbc.motions.squat import Squat
+from wbc.motions.stepping import StepInPlace
 from wbc.motions.sway import Sway
+from wbc.motions.wave import Wave
 
 #: All of them; the command line, `show` and the live page take them from here.
-CATALOGUE: tuple[type[Motion], ...] = (Sway,)
+CATALOGUE: tuple[type[Motion], ...] = (
+    Sway,
+    Squat,
+    Wave,
+    OneLeg,
+    Bow,
+    StepInPlace,
+)
 
 
 def find(name: str) -> type[Motion]:

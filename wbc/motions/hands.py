@@ -2,19 +2,100 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from wbc.motions.anatomy import Arm
 from wbc.motions.intent import Target
+from wbc.motions.reference import SmoothReference
+from wbc.tasks import PositionTask
 from wbc.walking import Walker
+
+_WEIGHT, _KP = 60.0, 150.0
+_TAKE = 0.4  # s within which a hand comes under control
 
 
 class Hand:
+    """Leads a hand in the standing frame, with a weight that comes and goes smoothly.
+
+    Args:
+        walker: whose controller gets the task.
+        arm: the hand's.
+
+    Attributes:
+        arm: the hand's.
+        place: (3,) where it is led, standing frame, m.
+    """
+
     def __init__(self, walker: Walker, arm: Arm) -> None:
         self.arm = arm
-        self.engaged = False
-        self.target: Target | None = None
+        self.place = SmoothReference(np.zeros(3), speed=1.0, acceleration=4.0)
+        self._controller = walker.controller
+        self._task = PositionTask(arm.hand, weight=0.0, kp=_KP, name=f"{arm.side} hand")
+        self._task.target = np.zeros(3)
+        self._task.bind(walker.robot)
+        self._share = SmoothReference(0.0, speed=10.0, acceleration=100.0)
+        self._number = 0
+        self._held = False
 
     def reset(self) -> None:
-        pass
+        """Let go of it at once."""
+        self.place.reset()
+        self._share.reset()
+        self._number = 0
+        self._held = False
+        self._drop()
 
-    def release(self, duration: float) -> None:
-        pass
+    @property
+    def engaged(self) -> bool:
+        """It is led, or still being let go."""
+        return self._task in self._controller.tasks
+
+    @property
+    def target(self) -> Target | None:
+        """The place that it has been brought to and is held at."""
+        if not (self._held and self.place.arrived):
+            return None
+        return Target(self.arm.hand, self.place.value, self._number)
+
+    def go(self, place: np.ndarray, now: np.ndarray, duration: float, *, counts: bool) -> None:
+        """Lead it to a place.
+
+        Args:
+            place: (3,) standing frame, m.
+            now: (3,) where it is, for the case that it has not been led so far.
+            duration: s, at least.
+            counts: whether it is a target to be judged by.
+        """
+        if not self.engaged:
+            self._controller.add(self._task)
+            self.place.start_from(now, np.zeros(3))
+        self._share.go(1.0, _TAKE)
+        self.place.go(place, duration)
+        self._held = counts
+        self._number += counts
+
+    def release(self, duration: float = 0.5) -> None:
+        """Let the posture have it again."""
+        self._held = False
+        if self.engaged:
+            self._share.go(0.0, duration)
+
+    def advance(self, dt: float, origin: np.ndarray, axes: np.ndarray) -> None:
+        """One tick; origin (3,) and axes (3, 3) of the standing frame in the world."""
+        if not self.engaged:
+            return
+        self._share.advance(dt)
+        self.place.advance(dt)
+        share = float(self._share.value[0])
+        if share <= 0.0 and self._share.arrived:
+            self._drop()
+            return
+        task = self._task
+        task.weight = _WEIGHT * max(share, 0.0)
+        task.target = origin + axes @ self.place.value
+        task.velocity = axes @ self.place.velocity
+        task.acceleration = axes @ self.place.acceleration
+
+    def _drop(self) -> None:
+        if self.engaged:
+            self._controller.remove(self._task)

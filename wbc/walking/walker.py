@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import pinocchio as pin
 
 from wbc.balance import feedback_zmp, step_shift
 from wbc.command import Command
@@ -288,6 +289,27 @@ class Walker:
             footsteps=steps,
             swing_path=path,
         )
+
+    def place(self, frame: str) -> np.ndarray:
+        """(3,) where the origin of a frame of the robot was at the last tick, world, m.
+
+        Raises:
+            FrameNotFound: the model has no frame of that name.
+        """
+        return np.array(self._kin.frame(frame).translation)
+
+    @property
+    def feet(self) -> Feet:
+        """Both soles as they were at the last tick."""
+        return placements(self._kin)
+
+    @property
+    def standing_frame(self) -> pin.SE3:
+        """`T_world_standing`: on the ground midway between the soles, x along their heading."""
+        feet = placements(self._kin)
+        middle = feet.middle
+        height = 0.5 * (feet.left.height + feet.right.height)
+        return pin.SE3(about_z(self._heading), np.array([middle.real, middle.imag, height]))
 
     @property
     def height(self) -> float:

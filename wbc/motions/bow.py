@@ -1,0 +1,62 @@
+"""Bow: the trunk forward, and upright again."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from wbc.errors import MotionError
+from wbc.motions.anatomy import Anatomy
+from wbc.motions.body import Body
+from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.motions.posing import Pose, Posing, Wish
+from wbc.motions.statics import effort
+from wbc.robot import Robot
+
+_STRENGTH = 0.9
+_MISS = 0.02  # rad, and m
+
+
+@dataclass(frozen=True)
+class Bow(Motion):
+    """The upper trunk bows; waist and hips share the angle, the CoM stays over the feet."""
+
+    name: ClassVar[str] = "bow"
+    summary: ClassVar[str] = "bow with waist and hips"
+
+    angle: float = parameter(30.0, "of the upper trunk, °")
+    hold: float = parameter(1.0, "at the bottom, s")
+    duration: float = parameter(1.5, "of the way down, and up, s")
+
+    def check(self, robot: Robot) -> None:
+        """See `Motion.check`."""
+        positive(self, "angle", "duration")
+        pose = self._pose(robot)
+        bowed = math.degrees(pose.torso[1])
+        if pose.com_miss > _MISS or abs(bowed - self.angle) > math.degrees(_MISS):
+            stops = " and ".join(f"'{robot.joint_names[k]}'" for k in pose.at_limit)
+            raise MotionError(
+                f"bow: {robot.name} cannot bow by {self.angle:g}°, {bowed:.0f}° at the most: "
+                f"{stops or 'its legs'} at the limit"
+            )
+        need = effort(robot, pose.q)
+        if need.ratio > _STRENGTH:
+            raise MotionError(
+                f"bow: {robot.name} cannot bow by {self.angle:g}°: '{need.joint}' would need "
+                f"{100.0 * need.ratio:.0f} % of its torque"
+            )
+
+    def _pose(self, robot: Robot) -> Pose:
+        turn = np.array([0.0, math.radians(self.angle), 0.0])
+        pelvis = Anatomy.of(robot).hips_share(turn)
+        return Posing(robot).find(Wish(torso=turn, pelvis=pelvis, firm=True))
+
+    def play(self, body: Body) -> Script:
+        """See `Motion.play`."""
+        body.take(self._pose(body.robot), self.duration)
+        yield from body.arrive(body.torso, body.posture)
+        yield from body.wait(self.hold)
+        yield from body.go_home(self.duration)

@@ -1,0 +1,55 @@
+"""One leg: stand on one foot, bear a light push, stand on both again."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from wbc.errors import MotionError
+from wbc.motions.anatomy import SIDES, Side
+from wbc.motions.body import Body
+from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.robot import Robot
+
+
+@dataclass(frozen=True)
+class OneLeg(Motion):
+    """Stand on one leg: shift the weight, lift the other foot, hold, put it down.
+
+    In mid-hold a simulated robot gets a push on the torso.
+    """
+
+    name: ClassVar[str] = "one-leg"
+    summary: ClassVar[str] = "stand on one leg, be pushed lightly, stand on both again"
+
+    leg: str = parameter("both", "that carries", choices=("left", "right", "both"))
+    hold: float = parameter(5.0, "how long, s")
+    height: float = parameter(8.0, "of the lifted sole, % of the leg's length")
+    push: float = parameter(0.05, "in mid-hold, in simulation, N·s per kg")
+    towards: float = parameter(90.0, "direction of the push: 0 forward, 90 left, °")
+
+    def check(self, robot: Robot) -> None:
+        """See `Motion.check`."""
+        positive(self, "hold", "height")
+        if self.height > 30.0:
+            raise MotionError(f"one-leg: height = {self.height} % is beyond 30 % of the leg")
+
+    def play(self, body: Body) -> Script:
+        """See `Motion.play`."""
+        carrying: Sequence[Side] = SIDES if self.leg == "both" else (self._side(),)
+        angle = math.radians(self.towards)
+        push = self.push * np.array([math.cos(angle), math.sin(angle), 0.0])
+        for leg in carrying:
+            up: Side = "right" if leg == "left" else "left"
+            yield from body.lift(up, 0.01 * self.height * body.robot.leg_length)
+            yield from body.wait(0.5 * self.hold)
+            body.be_pushed(push)
+            yield from body.wait(0.5 * self.hold)
+            yield from body.put_down()
+
+    def _side(self) -> Side:
+        return "left" if self.leg == "left" else "right"

@@ -1,0 +1,96 @@
+"""Squat: the centre of mass down and up, over both feet."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from wbc.errors import MotionError
+from wbc.motions.body import Body
+from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.motions.posing import Pose, Posing, Wish
+from wbc.motions.statics import effort
+from wbc.robot import Robot
+
+_GRAVITY = 9.81
+_STRENGTH = 0.85  # share of a joint's torque that a squat may take, by statics
+_MISS = 1e-3  # m
+_DEPTHS = 7  # postures along the way
+_DEGREE = 4  # of the polynomial through them
+
+
+@dataclass(frozen=True)
+class Squat(Motion):
+    """Down and up in a cosine; never higher than standing, so that no knee locks."""
+
+    name: ClassVar[str] = "squat"
+    summary: ClassVar[str] = "go down by a share of the leg's length, and up"
+
+    depth: float = parameter(10.0, "of the CoM's way down, % of the leg's length")
+    frequency: float = parameter(0.5, "squats per second, Hz")
+    times: int = parameter(4, "how many")
+
+    def check(self, robot: Robot) -> None:
+        """See `Motion.check`."""
+        positive(self, "depth", "frequency", "times")
+        posing = Posing(robot)
+        why = self._hindrance(robot, self._pose(posing, robot, self.depth), self.depth)
+        if not why:
+            return
+        low, high = 0.0, self.depth
+        while high - low > 0.1:
+            middle = 0.5 * (low + high)
+            pose = self._pose(posing, robot, middle)
+            low, high = (low, middle) if self._hindrance(robot, pose, middle) else (middle, high)
+        raise MotionError(
+            f"squat: {robot.name} cannot go down by {self.depth:g} % of its leg: {why}; "
+            f"{max(low, 0.1):.1f} % is the most"
+        )
+
+    def _pose(self, posing: Posing, robot: Robot, depth: float) -> Pose:
+        down = np.array([0.0, 0.0, -0.01 * depth * robot.leg_length])
+        return posing.find(Wish(com=down, firm=True))
+
+    def _hindrance(self, robot: Robot, pose: Pose, depth: float) -> str:
+        """What keeps the robot from going so deep; empty when nothing does."""
+        if pose.com_miss > _MISS:
+            stops = [f"'{robot.joint_names[k]}'" for k in pose.at_limit]
+            return f"{' and '.join(stops) or 'its legs'} at the limit"
+        lowest = effort(robot, pose.q)
+        amplitude = 0.005 * depth * robot.leg_length
+        swing = 1.0 + amplitude * (2.0 * math.pi * self.frequency) ** 2 / _GRAVITY
+        if lowest.ratio * swing > _STRENGTH:
+            return (
+                f"'{lowest.joint}' would need {100.0 * lowest.ratio * swing:.0f} % of its torque "
+                f"(at most {100.0 * _STRENGTH:.0f} %)"
+            )
+        return ""
+
+    def play(self, body: Body) -> Script:
+        """See `Motion.play`."""
+        depth = 0.01 * self.depth * body.robot.leg_length
+        posing = Posing(body.robot)
+        shares = np.linspace(0.0, 1.0, _DEPTHS)
+        poses = [self._pose(posing, body.robot, self.depth * share).q[7:] for share in shares]
+        home = body.posture.home
+        fit = np.polyfit(shares, np.array(poses) - poses[0], _DEGREE)
+
+        def share(time: float) -> float:
+            return 0.5 * (1.0 - math.cos(2.0 * math.pi * self.frequency * time))
+
+        def joints(time: float) -> np.ndarray:
+            s = share(time)
+            bent = fit[0]
+            for coefficient in fit[1:]:
+                bent = bent * s + coefficient
+            return np.asarray(home + bent)
+
+        body.com.follow(lambda t: np.array([0.0, 0.0, -depth * share(t)]))
+        body.posture.follow(joints)
+        yield from body.wait(self.times / self.frequency)
+        body.com.go(0.0, 0.8)
+        body.posture.go(home, 0.8)
+        yield from body.arrive(body.com, body.posture)

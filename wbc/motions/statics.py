@@ -1,0 +1,54 @@
+"""Whether a robot can hold a posture at all: joint torques at rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.robot import Robot
+
+_LEVER = 0.1  # m: makes moments comparable to forces
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """What a posture asks of the joints.
+
+    Attributes:
+        torque: (na,) N·m.
+        ratio: largest |τ| / τ_max.
+        joint: whose that is.
+    """
+
+    torque: np.ndarray
+    ratio: float
+    joint: str
+
+
+def effort(robot: Robot, q: np.ndarray, lean: float = 0.5) -> Effort:
+    """Torques that hold a posture on the soles, at rest.
+
+    The smallest wrenches under the soles that carry the weight, then
+    `τ = g(q) − Jᵀ f` (moments count by a lever of 0.1 m).
+
+    Args:
+        robot: the robot.
+        q: (nq,) with both soles on the ground.
+        lean: 0 when the right foot alone carries, 1 the left, else both.
+    """
+    model, data = robot.model, robot.model.createData()
+    gravity = pin.computeGeneralizedGravity(model, data, q)
+    pin.computeJointJacobians(model, data, q)
+    left, right = robot.soles
+    carrying = {0.0: (right,), 1.0: (left,)}.get(lean, (left, right))
+    J = np.vstack(
+        [pin.computeFrameJacobian(model, data, q, s.frame_id, pin.LOCAL) for s in carrying]
+    )
+    scale = np.tile([1.0, 1.0, 1.0, _LEVER, _LEVER, _LEVER], len(carrying))
+    wrenches = scale * np.linalg.lstsq(J[:, :6].T * scale, gravity[:6], rcond=None)[0]
+    torque = gravity[6:] - J[:, 6:].T @ wrenches
+    ratios = np.abs(torque) / robot.tau_max
+    worst = int(np.argmax(ratios))
+    return Effort(torque, float(ratios[worst]), robot.joint_names[worst])

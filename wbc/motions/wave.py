@@ -1,0 +1,88 @@
+"""Wave: both hands above the shoulders, to and fro; standing or walking."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from wbc.errors import MotionError
+from wbc.motions.anatomy import Anatomy
+from wbc.motions.body import Body
+from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.motions.posing import Posing, Wish
+from wbc.robot import Robot
+
+# Shares of the arm's length: forward, outward and up from the shoulder, and the way to and fro.
+_PLACE = np.array([0.2, 0.35, 0.5])
+_LOWER = np.array([0.25, 0.4, 0.25])
+_TRAVEL = 0.15
+_NEAR = 0.02  # m
+_RAISE = 1.5  # s
+
+
+@dataclass(frozen=True)
+class Wave(Motion):
+    """Both hands go above the shoulders and wave, mirrored; perhaps while it walks."""
+
+    name: ClassVar[str] = "wave"
+    summary: ClassVar[str] = "wave with both arms, standing or walking"
+
+    frequency: float = parameter(1.0, "waves per second, Hz")
+    duration: float = parameter(5.0, "of the waving, s")
+    walk: float = parameter(0.0, "forward speed meanwhile, m/s")
+
+    def check(self, robot: Robot) -> None:
+        """See `Motion.check`."""
+        positive(self, "frequency", "duration")
+        self._postures(robot)
+
+    def _postures(self, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
+        """(na,) with the hands up, and (na,) half of the way to and fro, rad."""
+        anatomy, posing = Anatomy.of(robot), Posing(robot)
+        arms = anatomy.both_arms()
+        moving = np.array([j for arm in arms for j in arm.joints])
+        for place in (_PLACE, _LOWER):
+            middle = {}
+            for arm in arms:
+                shoulder = posing.place(arm.shoulder)
+                outward = 1.0 if arm.side == "left" else -1.0
+                middle[arm.hand] = shoulder + arm.length * place * [1.0, outward, 1.0]
+            pose = posing.find(Wish(hands=middle, firm=True))
+            if max(pose.misses.values()) < _NEAR:
+                break
+        above = min(
+            float(posing.place(arm.hand, pose.q)[2] - posing.place(arm.shoulder, pose.q)[2])
+            for arm in arms
+        )
+        if above <= 0.0:
+            raise MotionError(f"wave: {robot.name} cannot bring both hands above its shoulders")
+        ends = []
+        for sign in (1.0, -1.0):
+            hands = {}
+            for arm in arms:
+                outward = sign if arm.side == "left" else -sign
+                travel = np.array([0.0, outward * _TRAVEL * arm.length, 0.0])
+                hands[arm.hand] = posing.place(arm.hand, pose.q) + travel
+            ends.append(posing.find(Wish(hands=hands, firm=True), pose.q, elsewhere=False).q[7:])
+        up, swing = robot.q_nominal[7:].copy(), np.zeros(robot.na)
+        up[moving] = 0.5 * (ends[0] + ends[1])[moving]
+        swing[moving] = 0.5 * (ends[0] - ends[1])[moving]
+        return up, swing
+
+    def play(self, body: Body) -> Script:
+        """See `Motion.play`."""
+        up, swing = self._postures(body.robot)
+        if self.walk:
+            body.walk((self.walk, 0.0, 0.0))
+        body.posture.go(up, _RAISE)
+        yield from body.arrive(body.posture)
+        rate = 2.0 * math.pi * self.frequency
+        body.posture.follow(lambda t: up + math.sin(rate * t) * swing, blend=0.5 / self.frequency)
+        yield from body.wait(self.duration)
+        body.posture.go(body.posture.home, _RAISE)
+        body.walk((0.0, 0.0, 0.0))
+        yield from body.arrive(body.posture)
+        yield from body.until(lambda: body.standing)
