@@ -6,10 +6,9 @@ contact force components; k frames, t tasks, c contacts, j wishes for single joi
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import types
 
 
 class Tree(NamedTuple):
@@ -101,11 +100,13 @@ class Rows(NamedTuple):
     """`A v̇ = b` of dense tasks and of contacts that are not eliminated; those of the cost first.
 
     Attributes:
+        cost: (1,) how many are the cost's.
         A: (r, nv).
         b: (r,).
         root: (r,) root of the weight; unused behind the cost's.
     """
 
+    cost: np.ndarray
     A: np.ndarray
     b: np.ndarray
     root: np.ndarray
@@ -151,7 +152,8 @@ class Program(NamedTuple):
     """The quadratic program, see `wbc.qp.problem`.
 
     Attributes:
-        G: (r + eliminated, n + 1) weighted residuals of the cost.
+        G: (rg, n + 1) weighted residuals of the cost, its rows then the eliminated forces;
+            some rows at the end stay empty, to make their number a multiple of three.
         H, g, C, lb, ub: the program.
         small: (n,) added to H's diagonal.
     """
@@ -163,28 +165,3 @@ class Program(NamedTuple):
     lb: np.ndarray
     ub: np.ndarray
     small: np.ndarray
-
-
-_REAL = {d: types.Array(types.float64, d, "C") for d in (1, 2, 3)}
-_INTEGER = {d: types.Array(types.int64, d, "C") for d in (1, 2)}
-
-_DIMENSIONS: dict[type, str] = {
-    Tree: "i1 f1 f2 f2",
-    Frames: "i1 f3 f3 f2 f2",
-    Tasks: "i2 f3 f2 f2",
-    Wishes: "i1 f1 f2 f2",
-    Contacts: "i2 f2 f3 f2 f1",
-    Rows: "f2 f1 f1",
-    Limits: "i1 f2 f3 f1",
-    Maps: "i1 i1 f2 f2 f2 f2",
-    Program: "f2 f2 f1 f2 f1 f1 f1",
-}
-
-
-def group_type(group: type) -> Any:
-    """Numba's type of a group."""
-    fields = [(_REAL if d[0] == "f" else _INTEGER)[int(d[1])] for d in _DIMENSIONS[group].split()]
-    return types.NamedTuple(fields, group)
-
-
-MATRIX, VECTOR = _REAL[2], _REAL[1]

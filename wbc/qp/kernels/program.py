@@ -5,137 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import types
 
-from wbc.qp.kernels.groups import (
-    MATRIX,
-    VECTOR,
-    Contacts,
-    Frames,
-    Limits,
-    Maps,
-    Program,
-    Rows,
-    Tasks,
-    Tree,
-    Wishes,
-    group_type,
-)
+from wbc.qp.kernels.elimination import eliminate, project
+from wbc.qp.kernels.groups import Contacts, Limits, Maps, Program, Rows, Wishes
 from wbc.qp.kernels.jit import kernel, part
 from wbc.qp.kernels.motion import move_centroid, move_frames, sweep
 from wbc.qp.kernels.rows import bound_joints, write_contacts, write_tasks
-
-
-@part
-def invert_action(X: np.ndarray, out: np.ndarray) -> None:
-    """`[R, S; 0, R]⁻¹ = [Rᵀ, −Rᵀ S Rᵀ; 0, Rᵀ]`."""
-    out[3:, :3] = 0.0
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = out[3 + i, 3 + j] = X[j, i]
-    for i in range(3):
-        for j in range(3):
-            s = 0.0
-            for k in range(3):
-                for m in range(3):
-                    s -= X[k, i] * X[k, 3 + m] * X[j, m]
-            out[i, 3 + j] = s
-
-
-@part
-def eliminate(
-    maps: Maps, M: np.ndarray, h: np.ndarray, J: np.ndarray, a: np.ndarray, unit: float
-) -> None:
-    """B, W, T of the elimination, see `wbc.qp.elimination`."""
-    B, W, T, S, stance = maps.B, maps.W, maps.T, maps.S, maps.stance
-    nv, nf = M.shape[0], J.shape[0]
-    na, last = nv - 6, B.shape[1] - 1
-    gone = 6 if stance.size > 0 else 0  # force components that are not unknowns
-    X = np.empty((6, 6))
-    if gone:
-        invert_action(J[:6, :6], X)
-        for i in range(6):
-            for c in stance:
-                s = 0.0
-                for k in range(6):
-                    s -= X[i, k] * J[k, 6 + c]
-                B[i, c] = s
-            s = 0.0
-            for k in range(6):
-                s += X[i, k] * a[k]
-            B[i, last] = s
-    # S: forces on the base at v̇_base = 0.
-    for i in range(6):
-        for c in range(na):
-            S[i, c] = M[i, 6 + c]
-        for f in range(gone, nf):
-            S[i, na + f - gone] = -unit * J[f, i]
-        S[i, last] = h[i]
-    if not gone:
-        solve_base(M, S, B)
-    # With the base's motion. Without a stance contact S becomes zero: the base is free.
-    for i in range(6):
-        for k in range(6):
-            m = M[i, k]
-            for c in maps.dense:
-                S[i, c] += m * B[k, c]
-    for j in range(na):
-        out = T[j]
-        for c in range(na):
-            out[c] = M[6 + j, 6 + c]
-        for f in range(gone, nf):
-            out[na + f - gone] = -unit * J[f, 6 + j]
-        out[last] = h[6 + j]
-        for k in range(6):
-            m = M[6 + j, k]
-            for c in maps.dense:
-                out[c] += m * B[k, c]
-    for j in stance:
-        for k in range(6):
-            p = B[k, j]
-            for c in range(last + 1):
-                T[j, c] += p * S[k, c]
-    for i in range(gone):
-        W[i, :] = 0.0
-        for k in range(6):
-            x = X[k, i]
-            for c in range(last + 1):
-                W[i, c] += x * S[k, c]
-
-
-@part
-def solve_base(M: np.ndarray, S: np.ndarray, B: np.ndarray) -> None:
-    """B = −M_bb⁻¹ S."""
-    L = np.empty((6, 6))
-    for i in range(6):
-        for j in range(i + 1):
-            s = M[i, j]
-            for k in range(j):
-                s -= L[i, k] * L[j, k]
-            L[i, j] = math.sqrt(s) if i == j else s / L[j, j]
-    for i in range(6):
-        B[i] = -S[i]
-        for k in range(i):
-            B[i] -= L[i, k] * B[k]
-        B[i] /= L[i, i]
-    for i in range(5, -1, -1):
-        for k in range(i + 1, 6):
-            B[i] -= L[k, i] * B[k]
-        B[i] /= L[i, i]
-
-
-@part
-def project(rows: Rows, row: int, maps: Maps, out: np.ndarray) -> None:
-    """out ← x̂'s coefficients of `A v̇` for one row of A."""
-    na = maps.T.shape[0]
-    out[:] = 0.0
-    for c in range(na):
-        out[c] = rows.A[row, 6 + c]
-    for k in range(6):
-        s = rows.A[row, k]
-        if s != 0.0:
-            for c in maps.dense:
-                out[c] += s * maps.B[k, c]
+from wbc.qp.kernels.store import motion_groups, program_groups
 
 
 @part
@@ -151,7 +27,7 @@ def write_cost(
     """H and g of `½ |G x̂|²`, small costs and the wishes for single joints."""
     G, H, g = program.G, program.H, program.g
     n, gone = g.size, 6 if maps.stance.size > 0 else 0
-    count = G.shape[0] - gone
+    count = rows.cost[0]
     for r in range(count):
         out, root = G[r], rows.root[r]
         project(rows, r, maps, out)
@@ -164,11 +40,13 @@ def write_cost(
     g[:] = 0.0
     for i in range(n):
         H[i, : i + 1] = 0.0
-        for r in range(G.shape[0]):
-            s = G[r, i]
-            for c in range(i + 1):
-                H[i, c] += s * G[r, c]
-            g[i] += s * G[r, n]
+        # By threes: most tasks have as many rows, and leave the columns of some limbs empty.
+        for r in range(0, G.shape[0], 3):
+            s0, s1, s2 = G[r, i], G[r + 1, i], G[r + 2, i]
+            if s0 != 0.0 or s1 != 0.0 or s2 != 0.0:
+                for c in range(i + 1):
+                    H[i, c] += s0 * G[r, c] + s1 * G[r + 1, c] + s2 * G[r + 2, c]
+                g[i] += s0 * G[r, n] + s1 * G[r + 1, n] + s2 * G[r + 2, n]
         H[i, i] += program.small[i]
     for i in range(wishes.joint.size):
         j = wishes.joint[i]
@@ -200,7 +78,7 @@ def write_constraints(
     bound_joints(limits, q, v, lb[:na], ub[:na])
     at = 0
     line = np.empty(n + 1)
-    for r in range(program.G.shape[0] - gone, rows.b.size):
+    for r in range(rows.cost[0], rows.b.size):
         project(rows, r, maps, line)
         C[at] = line[:n]
         lb[na + at] = ub[na + at] = rows.b[r] - line[n]
@@ -241,18 +119,8 @@ def write_constraints(
 
 
 @kernel(
-    types.boolean(
-        MATRIX,
-        VECTOR,
-        MATRIX,
-        VECTOR,
-        VECTOR,
-        *map(group_type, (Tree, Frames, Tasks, Wishes, Contacts)),
-        *map(group_type, (Rows, Limits, Maps, Program)),
-        types.float64,
-        types.float64,
-        types.float64,
-    )
+    "boolean(float64[:,::1], float64[::1], float64[:,::1], float64[::1], float64[::1], "
+    "float64[::1], int64[::1], int64[:,::1], float64, float64, float64)"
 )
 def assemble(
     M: np.ndarray,
@@ -260,15 +128,9 @@ def assemble(
     J: np.ndarray,
     q: np.ndarray,
     v: np.ndarray,
-    tree: Tree,
-    frames: Frames,
-    tasks: Tasks,
-    wishes: Wishes,
-    contacts: Contacts,
-    rows: Rows,
-    limits: Limits,
-    maps: Maps,
-    program: Program,
+    reals: np.ndarray,
+    integers: np.ndarray,
+    table: np.ndarray,
     mass: float,
     unit: float,
     root_force: float,
@@ -280,6 +142,7 @@ def assemble(
         h: (nv,) bias forces.
         J: (nv, 6) transposed world Jacobian of all joints.
         q, v: state.
+        reals, integers, table: the arrays of a `Store`.
         mass: kg.
         unit: of forces in x, N.
         root_force: root of the cost of an eliminated force, 1/N.
@@ -287,6 +150,8 @@ def assemble(
     Returns:
         Whether g and all bounds are numbers.
     """
+    tree, frames, tasks, wishes, contacts = motion_groups(reals, integers, table)
+    rows, limits, maps, program = program_groups(reals, integers, table)
     sweep(tree, J, v)
     move_frames(tree, frames, J)
     move_centroid(frames, M, h, v, mass, tree.gravity)
@@ -306,13 +171,17 @@ def assemble(
     return True
 
 
-@kernel(types.boolean(VECTOR, VECTOR, VECTOR, group_type(Maps), VECTOR, types.float64, VECTOR))
+@kernel(
+    "boolean(float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64[:,::1], "
+    "float64, float64[::1])"
+)
 def recover(
     x: np.ndarray,
     q: np.ndarray,
     v: np.ndarray,
-    maps: Maps,
-    limit: np.ndarray,
+    reals: np.ndarray,
+    integers: np.ndarray,
+    table: np.ndarray,
     dt: float,
     out: np.ndarray,
 ) -> bool:
@@ -321,15 +190,16 @@ def recover(
     Args:
         x: (n,) solution.
         q, v: state.
-        limit: (na,) torques are clipped to it (what the solver's tolerance leaves), or empty.
+        reals, integers, table: the arrays of a `Store`.
         dt: control period, s.
-        out: (nv + 3 na + nf,) acceleration, torques, joint positions and velocities one period
-            ahead, contact forces.
+        out: (nv + 3 na + nf,) acceleration, torques, clipped to their limits (what the solver's
+            tolerance leaves), joint positions and velocities one period ahead, contact forces.
 
     Returns:
         Whether all of it is finite.
     """
-    B, W, T = maps.B, maps.W, maps.T
+    _, limits, maps, _ = program_groups(reals, integers, table)
+    B, W, T, limit = maps.B, maps.W, maps.T, limits.torque
     n, na, nf = x.size, T.shape[0], W.shape[0]
     nv = na + 6
     total = 0.0
