@@ -14,6 +14,7 @@ import pinocchio  # noqa: F401  # everything needs it: paid here, where one expe
 if TYPE_CHECKING:
     from wbc import errors, sim, view
     from wbc.command import Command, Status
+    from wbc.conditions import LoopConditions
     from wbc.contacts import Contact, PointContact, SurfaceContact
     from wbc.controller import WholeBodyController
     from wbc.errors import WbcError
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from wbc.loop import StopRun, run
     from wbc.measurement import Measurement
     from wbc.qp import Formulation
+    from wbc.realtime import RealTime
     from wbc.report import Report
     from wbc.robot import Robot, load
     from wbc.state import State
@@ -61,11 +63,13 @@ __all__ = [
     "JointPositionLimit",
     "JointVelocityLimit",
     "Kinematics",
+    "LoopConditions",
     "Measurement",
     "OrientationTask",
     "PointContact",
     "PositionTask",
     "PostureTask",
+    "RealTime",
     "Report",
     "Robot",
     "State",
@@ -90,6 +94,7 @@ __all__ = [
 #: The room of each public name, and modules that are public themselves.
 _NAMES = {
     "command": ("Command", "Status"),
+    "conditions": ("LoopConditions",),
     "contacts": ("Contact", "PointContact", "SurfaceContact"),
     "controller": ("WholeBodyController",),
     "errors": ("WbcError",),
@@ -105,6 +110,7 @@ _NAMES = {
     "loop": ("StopRun", "run"),
     "measurement": ("Measurement",),
     "qp": ("Formulation",),
+    "realtime": ("RealTime",),
     "report": ("Report",),
     "robot": ("Robot", "load"),
     "state": ("State",),

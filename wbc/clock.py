@@ -6,14 +6,18 @@ import time
 
 import numpy as np
 
-_SPIN = 300e-6  # s: the scheduler wakes a sleeper up to this late
+# How long before the next period the clock wakes up, to spin from there on: a little longer than
+# sleepers have lately been woken up late, within these bounds, s.
+_LEAST, _MOST = 50e-6, 300e-6
+_MORE = 1.25
+_FORGET = 0.999  # per period: half of a surprise is forgotten after 700
 
 
 class Clock:
     """Periods of the wall clock.
 
-    Sleeps, then spins the last stretch, because the scheduler's wake-up alone is late by
-    hundreds of microseconds.
+    Sleeps, then spins the last stretch, because the scheduler's wake-up alone is late by tens of
+    microseconds at real-time priority, and by hundreds without.
 
     Args:
         dt: period, s.
@@ -24,13 +28,17 @@ class Clock:
         self._dt = dt
         self._late = np.zeros(max(periods, 1))
         self._count = 0
+        self._margin = _MOST
         self._next = time.perf_counter()
 
     def wait(self) -> None:
         """Return at the beginning of the next period, or at once when it is overdue."""
-        left = self._next - time.perf_counter()
-        if left > _SPIN:
-            time.sleep(left - _SPIN)
+        wake = self._next - self._margin
+        left = wake - time.perf_counter()
+        if left > 0.0:
+            time.sleep(left)
+            overslept = _MORE * (time.perf_counter() - wake)
+            self._margin = max(_FORGET * self._margin, min(overslept, _MOST), _LEAST)
         while (now := time.perf_counter()) < self._next:
             pass
         late = now - self._next

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-import gc
+import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,10 +14,12 @@ from wbc.balance import fall_reason
 from wbc.book import Book, Progress
 from wbc.clock import Clock
 from wbc.command import Command
+from wbc.conditions import LoopConditions
 from wbc.errors import WbcError
 from wbc.estimation import Estimator
 from wbc.measurement import Measurement
 from wbc.protocols import Controller, Observer, Plant, Recorder, StateEstimator
+from wbc.realtime import RealTime, punctual, uncollected
 from wbc.report import Report
 from wbc.snapshot import Snapshot
 from wbc.state import State
@@ -39,7 +43,8 @@ def run(
     viewer: Observer | None = None,
     recording: Observer | None = None,
     log: Recorder | None = None,
-    real_time: bool = False,
+    real_time: bool | RealTime = False,
+    announce: Callable[[LoopConditions], None] | None = None,
     before_tick: Callable[[float], None] | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Report:
@@ -56,7 +61,11 @@ def run(
         viewer: shown a snapshot 30 times per second of plant time.
         recording: likewise.
         log: told every tick, e.g. `wbc.log.FlightRecorder`.
-        real_time: wait for the wall clock, so that a second takes a second.
+        real_time: wait for the wall clock, so that a second takes a second. The loop asks the
+            system for all that keeps ticks punctual, or for what a `RealTime` says, and gives it
+            back in the end.
+        announce: told before the first tick of a real-time run what was granted and what was
+            not; when left out, a line on standard error tells.
         before_tick: called with the plant's time before each tick, to change commands or push.
         progress: called about ten times a second.
             Either of them may raise `StopRun` to end the run, or `RunComplete` when it is done.
@@ -74,60 +83,71 @@ def run(
     if log is not None:
         log.begin(controller, plant)
     book = Book(plant.robot, start, int(np.ceil(duration / plant.dt)) + 1)
-    clock = Clock(plant.dt, book.ticks) if real_time else None
     show_every = max(1, round(1.0 / (30.0 * plant.dt)))
     tell_every = max(1, round(0.1 / plant.dt))
     end = plant.time + duration - 0.5 * plant.dt
-    collecting = gc.isenabled()
-    gc.collect()
-    gc.freeze()
-    gc.disable()  # a collection in mid-tick costs tens of milliseconds; nothing here makes cycles
-    try:
-        tick = 0
-        expected: np.ndarray | None = None
-        while plant.time < end:
-            if clock is not None:
-                clock.wait()
-            if before_tick is not None:
-                before_tick(plant.time)
-            measurement = plant.measure()
-            t0 = time.perf_counter()
-            state = estimator.update(measurement, acceleration=expected)
-            t1 = time.perf_counter()
-            command = controller.step(state, measurement.foot_wrenches or None)
-            t2 = time.perf_counter()
-            now = plant.time
-            expected = command.acceleration
-            plant.step(command)
-            true_state = _truth(plant)
-            truth = true_state or state
-            book.note(now, t1 - t0, t2 - t1, command, truth, controller)
-            if log is not None:
-                tick_now = Tick(now, measurement, state, command, true_state, t1 - t0, t2 - t1)
-                log.record(tick_now, controller)
-            if tick % show_every == 0:
-                for observer in observers:
-                    observer.show(_snapshot(now, state, measurement, command, controller))
-            if progress is not None and tick % tell_every == 0:
-                progress(book.progress(now, duration))
-            reason = fall_reason(plant.robot, truth, book.ground)
-            if reason:
-                book.fell(plant.time, reason)
-                break
-            tick += 1
-    except StopRun as stop:
-        if book.empty:
-            raise WbcError(f"the run was stopped before its first tick: {stop}") from stop
-        if not isinstance(stop, RunComplete):
-            book.stopped(str(stop) or "stopped")
-    finally:
-        gc.unfreeze()
-        if collecting:
-            gc.enable()
+    with uncollected(), _conditions(real_time, announce) as conditions:
+        clock = Clock(plant.dt, book.ticks) if conditions is not None else None
+        try:
+            tick = 0
+            expected: np.ndarray | None = None
+            while plant.time < end:
+                if clock is not None:
+                    clock.wait()
+                if before_tick is not None:
+                    before_tick(plant.time)
+                measurement = plant.measure()
+                t0 = time.perf_counter()
+                state = estimator.update(measurement, acceleration=expected)
+                t1 = time.perf_counter()
+                command = controller.step(state, measurement.foot_wrenches or None)
+                t2 = time.perf_counter()
+                now = plant.time
+                expected = command.acceleration
+                plant.step(command)
+                true_state = _truth(plant)
+                truth = true_state or state
+                book.note(now, t1 - t0, t2 - t1, command, truth, controller)
+                if log is not None:
+                    tick_now = Tick(now, measurement, state, command, true_state, t1 - t0, t2 - t1)
+                    log.record(tick_now, controller)
+                if tick % show_every == 0:
+                    for observer in observers:
+                        observer.show(_snapshot(now, state, measurement, command, controller))
+                if progress is not None and tick % tell_every == 0:
+                    progress(book.progress(now, duration))
+                reason = fall_reason(plant.robot, truth, book.ground)
+                if reason:
+                    book.fell(plant.time, reason)
+                    break
+                tick += 1
+        except StopRun as stop:
+            if book.empty:
+                raise WbcError(f"the run was stopped before its first tick: {stop}") from stop
+            if not isinstance(stop, RunComplete):
+                book.stopped(str(stop) or "stopped")
     report = book.report(controller, clock)
+    if conditions is not None:
+        report = replace(report, loop_conditions=conditions.describe())
     if log is not None:
         log.end(report)
     return report
+
+
+@contextmanager
+def _conditions(
+    real_time: bool | RealTime, announce: Callable[[LoopConditions], None] | None
+) -> Iterator[LoopConditions | None]:
+    if not real_time:
+        yield None
+        return
+    with punctual(real_time if isinstance(real_time, RealTime) else RealTime()) as conditions:
+        (announce or _say)(conditions)
+        yield conditions
+
+
+def _say(conditions: LoopConditions) -> None:
+    print(conditions.describe(), file=sys.stderr)
 
 
 def _truth(plant: Plant) -> State | None:

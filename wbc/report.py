@@ -35,6 +35,7 @@ class Report:
         real_time_factor: simulated time over wall time.
         overruns: real-time ticks that began late by more than a period.
         lateness_p99_us: 99th percentile of how late a real-time tick began, µs.
+        loop_conditions: what a real-time loop asked the system for, got and did not get.
         com_error_rms_mm: of the true CoM against a motion's reference, both relative to the
             soles, in 3D; None when nobody judged it, likewise the next.
         foot_slip_mm: farthest that a loaded sole moved over the ground.
@@ -68,6 +69,7 @@ class Report:
     real_time_factor: float
     overruns: int
     lateness_p99_us: float
+    loop_conditions: str = ""
     com_error_rms_mm: float | None = None
     foot_slip_mm: float | None = None
     targets: int = 0

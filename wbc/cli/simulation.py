@@ -145,6 +145,7 @@ class Simulation:
                     recording=recording,
                     log=judge,
                     real_time=options.real_time,
+                    announce=lambda conditions: line.note(conditions.describe()),
                     before_tick=before_tick,
                     progress=progress,
                 )
