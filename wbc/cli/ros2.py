@@ -6,11 +6,13 @@ import argparse
 import time
 from typing import TYPE_CHECKING, Any
 
+from wbc.cli import ros2_walk
 from wbc.cli.parser import number, seconds
+from wbc.cli.ros2_options import add_verb, count, network
 from wbc.errors import WbcError
 
 if TYPE_CHECKING:
-    from wbc.ros import Network, Node
+    from wbc.ros import Node
     from wbc.ros.graph import Endpoint, Graph
 
 _DESCRIPTION = """\
@@ -30,66 +32,34 @@ def add_to(subcommands: Any) -> None:
         description=_DESCRIPTION,
     )
     verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
-    nodes = _verb(verbs, "nodes", "list the nodes", _nodes)
-    topics = _verb(verbs, "topics", "list the topics", _topics)
-    services = _verb(verbs, "services", "list the services", _services)
+    nodes = add_verb(verbs, "nodes", "list the nodes", _nodes)
+    topics = add_verb(verbs, "topics", "list the topics", _topics)
+    services = add_verb(verbs, "services", "list the services", _services)
     for listing in (nodes, topics, services):
         listing.add_argument("--all", action="store_true", help="hidden ones too")
-    info = _verb(verbs, "info", "who publishes a topic, who listens, and how", _info)
-    echo = _verb(verbs, "echo", "print the messages of a topic", _echo)
+    info = add_verb(verbs, "info", "who publishes a topic, who listens, and how", _info)
+    echo = add_verb(verbs, "echo", "print the messages of a topic", _echo)
     echo.add_argument("--field", metavar="PATH", help="print one field alone, e.g. position[3]")
-    echo.add_argument("-n", type=_count, metavar="N", help="end after N messages")
-    hz = _verb(verbs, "hz", "measure how often messages of a topic come", _hz)
-    hz.add_argument("-n", type=_count, metavar="N", help="end after N measurements")
+    echo.add_argument("-n", type=count, metavar="N", help="end after N messages")
+    hz = add_verb(verbs, "hz", "measure how often messages of a topic come", _hz)
+    hz.add_argument("-n", type=count, metavar="N", help="end after N measurements")
     hz.add_argument(
-        "--window", type=_count, default=1000, metavar="N", help="messages looked at (default 1000)"
+        "--window", type=count, default=1000, metavar="N", help="messages looked at (default 1000)"
     )
     for verb in (info, echo, hz):
         verb.add_argument("topic", metavar="TOPIC", help="e.g. /joint_states")
         verb.add_argument(
             "--wait", type=seconds, default=5.0, metavar="S", help="for the topic (default: 5 s)"
         )
-    publisher = _verb(
+    publisher = add_verb(
         verbs, "joint-publisher", "publish fifteen joints that swing like walking", _joint_publisher
     )
     publisher.add_argument(
         "--rate", type=number, default=50.0, metavar="HZ", help="1 to 500 Hz (default: 50)"
     )
     publisher.add_argument("--duration", type=seconds, metavar="S", help="end after so many s")
-    _verb(verbs, "uri", "print CYCLONEDDS_URI that brings a ROS 2 system here", _uri)
-
-
-def _verb(verbs: Any, name: str, text: str, execute: Any) -> argparse.ArgumentParser:
-    parser: argparse.ArgumentParser = verbs.add_parser(
-        name, help=text, description=f"{text[0].upper()}{text[1:]}."
-    )
-    parser.add_argument(
-        "--domain", type=_domain, metavar="ID", help="DDS domain (default: ROS_DOMAIN_ID, or 0)"
-    )
-    parser.add_argument(
-        "--interface", metavar="NAME", help="network interface, by name or address (default: lo)"
-    )
-    parser.set_defaults(execute=execute)
-    return parser
-
-
-def _domain(text: str) -> int:
-    if not text.isdecimal() or int(text) > 232:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a domain: they go from 0 to 232")
-    return int(text)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) == 0:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a number from 1 on")
-    return int(text)
-
-
-def network(options: argparse.Namespace) -> Network:
-    """The network that options and environment ask for."""
-    from wbc.ros import Network
-
-    return Network.of(options.domain, options.interface)
+    ros2_walk.add_to(verbs)
+    add_verb(verbs, "uri", "print CYCLONEDDS_URI that brings a ROS 2 system here", _uri)
 
 
 def _looker(options: argparse.Namespace) -> tuple[Node, Graph]:
