@@ -77,7 +77,8 @@ def run(
         raise WbcError(f"duration = {duration} s must be positive")
     estimator = estimator or Estimator(plant.robot, plant.dt)
     observers = [o for o in (viewer, recording) if o is not None]
-    start = _truth(plant) or plant.robot.standing()
+    true_before = _truth(plant)
+    start = true_before or plant.robot.standing()
     estimator.reset(start)
     controller.reset(start)
     if log is not None:
@@ -109,8 +110,11 @@ def run(
                 truth = true_state or state
                 book.note(now, t1 - t0, t2 - t1, command, truth, controller)
                 if log is not None:
-                    tick_now = Tick(now, measurement, state, command, true_state, t1 - t0, t2 - t1)
-                    log.record(tick_now, controller)
+                    log.record(
+                        Tick(now, measurement, state, command, true_before, t1 - t0, t2 - t1),
+                        controller,
+                    )
+                    true_before = true_state
                 if tick % show_every == 0:
                     for observer in observers:
                         observer.show(_snapshot(now, state, measurement, command, controller))

@@ -21,7 +21,7 @@ class Tick:
         measurement: sensor readings.
         state: estimated from them.
         command: what the controller made of the state.
-        truth: the state after the command was held for a period, if the plant tells it.
+        truth: the state at that time, if the plant tells it.
         estimator_time: that the estimator took, s.
         controller_time: that the controller took, s.
     """

@@ -124,7 +124,7 @@ class LoggedRun:
 
     @cached_property
     def soles(self) -> Mapping[str, np.ndarray]:
-        """Sole name -> (n, 7) pose, position (m) and quaternion x y z w, the latest that is known."""
+        """Sole name -> (n, 7) pose, the latest known: position (m), quaternion x y z w."""
         if "/tf" not in self.log:
             return {}
         names = [t.child_frame_id for t in self.log.first("/tf").transforms]

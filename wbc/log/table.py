@@ -94,7 +94,7 @@ class Table:
                 f"'{self.topic}' ({self.type_name}) has no numbers '{field}'; there are: "
                 + ", ".join(place.path for place in self._places[:12])
             )
-        return np.concatenate(self._numbers)[:, chosen]
+        return np.asarray(np.concatenate(self._numbers)[:, chosen])
 
     def _rows(self, messages: Sequence[bytes]) -> np.ndarray:
         """(n, m) all numbers of messages, in the order of `_places`."""

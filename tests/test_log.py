@@ -1,0 +1,446 @@
+"""What a log holds is what happened, for every reader."""
+
+import json
+import logging
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from logtools import Nowhere, Pretender, random_tick, robot, telemetry
+
+import wbc
+from wbc.command import Status
+from wbc.log import FlightRecorder, LogError
+from wbc.log.layout import Layout
+from wbc.log.reader import Log
+from wbc.log.ring import TickRing
+from wbc.log.run import LoggedRun
+from wbc.messages import message_type, schema_text, type_hash
+from wbc.sim import Mujoco
+
+ROOT = Path(wbc.__file__).parent.parent
+TICKS = 60
+
+
+def need(condition, what):
+    if not condition:
+        if os.environ.get("CI"):
+            pytest.fail(f"{what}; CI must have it")
+        pytest.skip(what)
+
+
+@pytest.fixture(scope="module")
+def humanoid():
+    return robot()
+
+
+@pytest.fixture(scope="module")
+def made_up(humanoid, tmp_path_factory):
+    """Ticks of random numbers, and the log of them."""
+    rng = np.random.default_rng(0)
+    path = tmp_path_factory.mktemp("log") / "deep" / "made_up.mcap"
+    controller = Pretender()
+    ticks, plans = [], []
+    with FlightRecorder(path, humanoid) as log:
+        log.begin(controller, Nowhere())
+        for k in range(TICKS):
+            bad = k % 10 == 3
+            tick = random_tick(
+                humanoid,
+                rng,
+                0.002 * k,
+                status=Status.INFEASIBLE if bad else Status.OK,
+                explanation=f"rows {k} and ω conflict" if bad else "",
+                truth=k != 5,
+                contacts=("left_sole",) if k < 30 else ("right_sole", "left hand/grip"),
+            )
+            controller.telemetry = telemetry(rng)
+            log.record(tick, controller)
+            ticks.append(tick)
+            plans.append(controller.telemetry)
+    return ticks, plans, Log(path)
+
+
+@pytest.fixture(scope="module")
+def walk(tmp_path_factory):
+    """A short walk in physics, its log, and its report."""
+    g1 = wbc.load("g1")
+    walker = wbc.Walker(g1)
+    walker.velocity = (0.2, 0.0, 0.1)
+    path = tmp_path_factory.mktemp("walk") / "walk.mcap"
+    with FlightRecorder(path, g1) as log:
+        report = wbc.run(walker, Mujoco(g1, dt=walker.dt, seed=3), 1.6, log=log)
+    return g1, path, report
+
+
+def test_what_was_computed_with_is_kept_bit_by_bit(humanoid, made_up):
+    ticks, plans, log = made_up
+    run = LoggedRun(log)
+    assert (run.q == [t.state.q for t in ticks]).all()
+    assert (run.v == [t.state.v for t in ticks]).all()
+    assert (run.tau == [t.command.tau for t in ticks]).all()
+    for i, sole in enumerate(s.name for s in humanoid.soles):
+        logged = run.foot_wrenches[sole]
+        assert (logged == [t.measurement.foot_wrenches[sole] for t in ticks]).all(), i
+    for name in ("com", "dcm", "dcm_reference", "zmp"):
+        assert (run.point(name) == [getattr(p, name) for p in plans]).all()
+    np.testing.assert_allclose(run.time, [t.time for t in ticks], atol=1e-9)
+
+
+def test_the_rest_is_kept_in_single_precision(made_up):
+    ticks, _, log = made_up
+    for topic, field, values in (
+        ("/joint_targets", "position", [t.command.q_target for t in ticks]),
+        ("/joint_targets", "velocity", [t.command.v_target for t in ticks]),
+        ("/command/acceleration", "data", [t.command.acceleration for t in ticks]),
+        ("/sensors/joint_states", "position", [t.measurement.joint_position for t in ticks]),
+        ("/sensors/joint_states", "velocity", [t.measurement.joint_velocity for t in ticks]),
+        ("/sensors/imu", "angular_velocity", [t.measurement.gyro for t in ticks]),
+        ("/sensors/imu", "linear_acceleration", [t.measurement.accelerometer for t in ticks]),
+    ):
+        assert (log.numbers(topic, field) == np.array(values, np.float32)).all(), (topic, field)
+
+
+def test_ground_truth_is_kept_where_there_is_one(made_up):
+    ticks, _, log = made_up
+    stamps = log.stamps("/ground_truth/odom")
+    logged = log.numbers("/ground_truth/odom", "pose.pose.position")
+    assert 0.01e9 not in stamps  # the tick without truth
+    assert len(stamps) > 5
+    for stamp, position in zip(stamps, logged, strict=True):
+        truth = ticks[round(stamp / 2e6)].truth
+        assert (position == truth.q[:3].astype(np.float32)).all()
+
+
+def test_timing_status_and_explanation_of_every_tick(made_up):
+    ticks, _, log = made_up
+    run = LoggedRun(log)
+    assert run.state("tick").tolist() == list(range(TICKS))
+    assert run.state("estimator_time").tolist() == [t.estimator_time for t in ticks]
+    assert run.state("controller_time").tolist() == [t.controller_time for t in ticks]
+    assert (run.state("period") > 0).all()
+    assert set(run.state("dcm_error")) == {0.25}
+    assert set(run.state("steps")) == {3}
+    assert set(run.state("velocity_turn")) == {0.3}
+    assert set(run.state("phase")) == {2}
+    statuses = run.state("status")
+    assert [bool(s) for s in statuses] == [t.command.status is not Status.OK for t in ticks]
+
+
+def test_commanded_wrenches_of_any_contact(made_up):
+    ticks, _, log = made_up
+    left = LoggedRun(log).commanded_wrenches["left_sole"]
+    assert (left[:30] == [t.command.wrenches["left_sole"] for t in ticks[:30]]).all()
+    assert np.isnan(left[30:]).all()
+    # A name that is none in ROS is told in the frame.
+    topic = "/command/wrench/left_hand_grip"
+    assert log.first(topic).header.frame_id == "left hand/grip"
+    logged = log.numbers(topic, "wrench")
+    assert (logged == [t.command.wrenches["left hand/grip"] for t in ticks[30:]]).all()
+
+
+def test_plans_are_kept_thirty_times_a_second(made_up):
+    _, plans, log = made_up
+    run = LoggedRun(log)
+    assert run.plan_stamps.tolist() == [0, 34_000_000, 68_000_000, 102_000_000]
+    plan, logged = plans[17], run.plans[1]
+    np.testing.assert_allclose(logged.support, plan.support, rtol=1e-6)
+    np.testing.assert_array_equal(logged.swing, plan.swing_path)
+    assert [s.side for s in logged.footsteps] == ["left", "right"]
+    for mine, theirs in zip(logged.footsteps, plan.footsteps, strict=True):
+        np.testing.assert_array_equal(mine.position, theirs.position)
+        assert mine.yaw == pytest.approx(theirs.yaw)
+    right = log.messages("/footsteps/right")[1]
+    assert [p.position.x for p in right.poses] == [plan.footsteps[1].position[0]]
+
+
+def test_a_snapshot_of_a_log_is_what_a_viewer_was_shown(humanoid, made_up):
+    ticks, plans, log = made_up
+    snapshot = LoggedRun(log).snapshot(17)
+    assert (snapshot.q == ticks[17].state.q).all()
+    assert (snapshot.telemetry.dcm == plans[17].dcm).all()
+    assert snapshot.telemetry.phase == "left"
+    assert set(snapshot.wrenches) == {s.name for s in humanoid.soles}
+    assert snapshot.status is ticks[17].command.status
+
+
+def test_parameters_and_versions_are_kept(made_up):
+    _, _, log = made_up
+    assert log.tables["versions"]["wbc"] == wbc.__version__
+    assert log.tables["versions"]["pin"].startswith("3.")
+    assert log.tables["controller"]["gains.stiffness"] == "3.5"
+    assert log.tables["plant"]["seed"] == "7"
+    assert log.tables["run"]["dt"] == "0.002"
+    assert log.tables["run"]["command"]
+
+
+def test_a_log_describes_its_robot(humanoid, made_up):
+    _, _, log = made_up
+    sheet = log.sheet()
+    assert sheet.joints == humanoid.joint_names
+    np.testing.assert_array_equal(sheet.tau_max, humanoid.tau_max)
+    np.testing.assert_array_equal(sheet.q_min, humanoid.q_min)
+    assert sheet.soles[1] == (humanoid.soles[1].half_length, humanoid.soles[1].half_width)
+    assert log.first("/robot_description").data == humanoid.urdf_path.read_text("utf-8")
+
+
+def test_a_centre_of_pressure_comes_from_both_feet(humanoid, tmp_path):
+    left, right = (sole.name for sole in humanoid.soles)
+    state = humanoid.standing()
+    rng = np.random.default_rng(1)
+    tick = random_tick(humanoid, rng, 0.0)
+    # 300 N at 3 cm before the left sole's centre, 100 N in the right one's.
+    wrenches = {
+        left: np.array([5.0, 2.0, 300.0, 0.0, -9.0, 1.0]),
+        right: np.array([0.0, 0.0, 100.0, 0.0, 0.0, 0.0]),
+    }
+    tick.measurement.foot_wrenches.update(wrenches)
+    ticks = [replace(tick, time=t, state=state, truth=None) for t in (0.0, 0.002)]
+    path = tmp_path / "cop.mcap"
+    with FlightRecorder(path, humanoid) as log:
+        log.record(ticks[0], Pretender())
+        tick.measurement.foot_wrenches.update(dict.fromkeys(wrenches, np.zeros(6)))  # in the air
+        log.record(ticks[1], Pretender())
+    kin = wbc.Kinematics(humanoid, state)
+    ahead = kin.frame(left).act(np.array([0.03, 0.0, 0.0]))
+    expected = 0.75 * ahead + 0.25 * kin.frame(right).translation
+    run = LoggedRun.read(path)
+    np.testing.assert_allclose(run.point("cop")[0], expected, atol=1e-12)
+    assert np.isnan(run.point("cop")[1]).all()
+    np.testing.assert_allclose(run.soles[left][0, :3], kin.frame(left).translation, atol=1e-12)
+    # Nobody told the centre of mass: it is computed.
+    np.testing.assert_allclose(run.point("com")[0], kin.p_com, atol=1e-12)
+
+
+def test_a_walk_is_logged_tick_by_tick_with_its_report(walk):
+    g1, path, report = walk
+    run = LoggedRun.read(path)
+    assert run.log.complete
+    assert len(run) == 800
+    np.testing.assert_allclose(np.diff(run.time), 0.002, atol=2e-9)
+    assert run.log.tables["report"]["survived"] == "True"
+    assert float(run.log.tables["report"]["duration_s"]) == report.duration_s
+    assert 1e6 * np.median(run.state("controller_time")) == pytest.approx(report.tick_p50_us)
+    assert run.state("steps")[-1] == report.steps
+    # The ticks of a loop that was not in real time took less than all of the wall's time.
+    assert (run.state("period")[1:] > run.state("controller_time")[1:]).all()
+    force = sum(w[:, 2] for w in run.foot_wrenches.values())
+    assert np.mean(force) == pytest.approx(g1.weight, rel=0.05)
+    com = pin.centerOfMass(g1.model, g1.model.createData(), run.q[400])
+    np.testing.assert_allclose(run.point("com")[400], com, atol=1e-9)
+
+
+def test_logging_changes_nothing_in_a_run(walk):
+    g1, path, _ = walk
+    walker = wbc.Walker(g1)
+    walker.velocity = (0.2, 0.0, 0.1)
+    plant = Mujoco(g1, dt=walker.dt, seed=3)
+    truths = []
+    wbc.run(walker, plant, 0.2, before_tick=lambda _: truths.append(plant.ground_truth()))
+    log = Log(path)
+    ticks = log.stamps("/ground_truth/odom")[:20] // 2_000_000
+    assert ticks.tolist() == list(range(0, 100, 5))
+    positions = np.array([truths[k].q[:3] for k in ticks], np.float32)
+    logged = log.numbers("/ground_truth/odom", "pose.pose.position")[:20]
+    np.testing.assert_array_equal(logged, positions)
+    # What the controller saw was an estimate.
+    assert (LoggedRun(log).q[ticks, :3] != positions).any(axis=1).all()
+
+
+def test_every_message_is_read_by_rosbags(walk):
+    rosbags = pytest.importorskip("rosbags.highlevel")
+    _, path, _ = walk
+    with rosbags.AnyReader([path]) as reader:
+        assert {c.topic for c in reader.connections} == set(Log(path).topics)
+        for connection in reader.connections:
+            assert connection.digest in ("", type_hash(connection.msgtype)), connection.topic
+        for connection, stamp, data in reader.messages():
+            message = reader.deserialize(data, connection.msgtype)
+            again = reader.typestore.serialize_cdr(message, connection.msgtype)
+            assert bytes(again) == data, connection.topic
+            if hasattr(message, "header"):
+                header = message.header.stamp
+                assert header.sec * 10**9 + header.nanosec == stamp
+
+
+def test_the_reference_reader_finds_order_schemas_and_checksums(walk):
+    from mcap.reader import make_reader
+
+    _, path, _ = walk
+    log = Log(path)
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        assert reader.get_header().profile == "ros2"
+        counts, last = {}, 0
+        for schema, channel, message in reader.iter_messages(log_time_order=False):
+            assert schema.encoding == "ros2msg"
+            assert schema.data.decode() == schema_text(schema.name)
+            assert message.log_time >= last, "not in the order of time"
+            last = message.log_time
+            counts[channel.topic] = counts.get(channel.topic, 0) + 1
+        assert counts == {topic: len(log.stamps(topic)) for topic in log.topics}
+        statistics = reader.get_summary().statistics
+        assert statistics.message_count == sum(counts.values())
+        assert {m.name for m in reader.iter_metadata()} == set(log.tables)
+        assert {a.name for a in reader.iter_attachments()} == set(log.files)
+
+
+def test_a_reader_that_is_not_python_finds_the_same(walk):
+    node = shutil.which("node")
+    need(node, "node is not installed")
+    folder = Path(os.environ.get("WBC_NODE_MODULES", ROOT / "tests" / "npm"))
+    need((folder / "node_modules").is_dir(), f"no readers: run  npm install --prefix {folder}")
+    _, path, _ = walk
+    script = ROOT / "tests" / "npm" / "read_log.mjs"
+    command = [node, str(script), str(path), "/joint_states", "effort"]
+    environment = {**os.environ, "WBC_NODE_MODULES": str(folder)}
+    result = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=120)
+    assert result.returncode == 0, result.stderr
+    found = json.loads(result.stdout)
+    log = Log(path)
+    assert found["profile"] == "ros2"
+    assert found["counts"] == {topic: len(log.stamps(topic)) for topic in log.topics}
+    assert found["last"] == LoggedRun(log).stamps[-1]
+    assert found["metadata"] == log.tables
+    np.testing.assert_array_equal(found["values"], log.numbers("/joint_states", "effort"))
+
+
+def test_a_reset_plant_goes_on_in_the_same_log(humanoid, tmp_path):
+    rng = np.random.default_rng(2)
+    path = tmp_path / "twice.mcap"
+    with FlightRecorder(path, humanoid) as log:
+        for _ in range(2):
+            log.begin(Pretender(), Nowhere())
+            for k in range(5):
+                log.record(random_tick(humanoid, rng, 0.002 * k), Pretender())
+    np.testing.assert_allclose(LoggedRun.read(path).time, 0.002 * np.arange(10), atol=1e-9)
+
+
+def test_a_controller_without_telemetry_is_logged(humanoid, tmp_path):
+    rng = np.random.default_rng(2)
+    path = tmp_path / "plain.mcap"
+    with FlightRecorder(path, humanoid) as log:
+        for k in range(3):
+            log.record(random_tick(humanoid, rng, 0.002 * k, truth=False), object())
+    run = LoggedRun.read(path)
+    assert len(run) == 3
+    assert "/balance/dcm" not in run.log
+    assert np.isnan(run.point("dcm")).all()
+    assert np.isnan(run.state("dcm_error")).all()
+
+
+def test_wrong_sizes_are_named(humanoid, tmp_path):
+    rng = np.random.default_rng(2)
+    tick = random_tick(humanoid, rng, 0.0)
+    bad = replace(tick.command, tau=tick.command.tau[:3])
+    log = FlightRecorder(tmp_path / "bad.mcap", humanoid)
+    with log, pytest.raises(LogError, match=r"Command\.tau has shape \(3,\)"):
+        log.record(replace(tick, command=bad), Pretender())
+
+
+def test_a_path_that_cannot_be_written_is_said_before_the_run(humanoid, tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(LogError, match="give another path"):
+        FlightRecorder(tmp_path / "file" / "run.mcap", humanoid)
+    with pytest.raises(LogError, match="give another path"):
+        FlightRecorder(tmp_path, humanoid)
+
+
+@pytest.mark.parametrize("content", [b"", b"no log", b"\x89MCAP0\r\n"])
+def test_what_is_no_log_is_refused(tmp_path, content):
+    path = tmp_path / "no.mcap"
+    path.write_bytes(content)
+    with pytest.raises(LogError, match=r"no\.mcap"):
+        LoggedRun.read(path)
+    with pytest.raises(LogError, match=r"none\.mcap"):
+        LoggedRun.read(tmp_path / "none.mcap")
+
+
+def test_an_unknown_topic_or_field_is_told_with_what_there_is(made_up):
+    _, _, log = made_up
+    with pytest.raises(LogError, match="did you mean '/joint_states'"):
+        log.numbers("/joint_state", "position")
+    with pytest.raises(LogError, match="there are: header"):
+        log.numbers("/joint_states", "force")
+
+
+def test_the_ring_goes_round_and_counts_what_finds_no_room(humanoid):
+    layout = Layout.of(humanoid)
+    ring = TickRing(layout, 8)
+    other = TickRing(layout, 8, ring.descriptor)
+    taken = []
+    written = 0
+    for burst in (5, 8, 3, 20, 1):
+        for _ in range(burst):
+            index = ring.claim()
+            if index >= 0:
+                ring.flat[index, 0] = written
+                ring.publish()
+            written += 1
+        while len(records := other.take(3)):
+            taken += records["time"].tolist()
+            other.release(len(records))
+    assert taken == [*range(16), *range(16, 24), 36]
+    assert ring.dropped == 12
+    assert ring.written == len(taken)
+    assert [ring.name("a"), ring.name("hand ω")] == [0, 1]
+    assert other.names == ["a", "hand ω"]
+    other.stop("no room")
+    assert (ring.stopped, ring.reason) == (True, "no room")
+
+
+def test_ticks_that_found_no_room_are_counted_and_told(humanoid, tmp_path, caplog):
+    rng = np.random.default_rng(2)
+    path = tmp_path / "slow.mcap"
+    log = FlightRecorder(path, humanoid, capacity=32)
+    os.kill(log.pid, signal.SIGSTOP)
+    ticks = [random_tick(humanoid, rng, 0.002 * k) for k in range(100)]
+    start = time.perf_counter()
+    for tick in ticks[:99]:
+        log.record(tick, Pretender())
+    assert time.perf_counter() - start < 2.0
+    assert (log.ticks, log.dropped) == (32, 67)
+    os.kill(log.pid, signal.SIGCONT)
+    deadline = time.monotonic() + 10.0
+    while log.ticks == 32 and time.monotonic() < deadline:
+        log.record(ticks[99], Pretender())
+    with caplog.at_level(logging.WARNING):
+        log.close()
+    assert f"{log.dropped} of {log.dropped + 33} ticks are not in" in caplog.text
+    run = LoggedRun.read(path)
+    assert run.log.tables["dropped"]["ticks"] == str(log.dropped)
+    assert run.state("tick")[:32].tolist() == list(range(32))
+    assert run.state("tick")[32] == 32 + log.dropped  # the gap can be seen
+
+
+def test_the_loops_process_loads_no_mcap():
+    code = """
+import sys, wbc
+from wbc.log import FlightRecorder
+robot = wbc.load("simple_humanoid")
+with FlightRecorder(sys.argv[1], robot) as log:
+    pass
+print(sorted({"mcap", "zstandard", "mujoco", "meshcat", "matplotlib"} & set(sys.modules)))
+"""
+    result = subprocess.run(
+        [sys.executable, "-c", code, os.devnull + "x"], capture_output=True, text=True
+    )
+    assert "[]" in result.stdout or "give another path" in result.stderr
+
+
+def test_every_logged_type_is_one_of_ros_or_our_own(walk):
+    _, path, _ = walk
+    packages = {name.split("/")[0] for name in Log(path).topics.values()}
+    assert packages <= {
+        "sensor_msgs", "geometry_msgs", "nav_msgs", "std_msgs", "tf2_msgs", "wbc_msgs",
+    }  # fmt: skip
+    for name in Log(path).topics.values():
+        assert message_type(name)().encode()
