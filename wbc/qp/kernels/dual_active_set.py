@@ -27,12 +27,11 @@ from wbc.qp.kernels.factors import (
     cholesky,
     factor_row,
     forward,
-    refactor,
     solve_factored,
 )
 from wbc.qp.kernels.jit import kernel, part
 
-SOLVED, INFEASIBLE, ITERATION_LIMIT, NOT_CONVEX = 0, 1, 2, 3
+SOLVED, INFEASIBLE, ITERATION_LIMIT, NOT_CONVEX, NOT_EXACT = 0, 1, 2, 3, 4
 
 
 @part
@@ -105,6 +104,41 @@ def remove(
             K[k, j] = K[k + 1, j]
         for j in range(at, k + 1):
             K[k, j] = K[k + 1, j + 1]
+
+
+@part
+def refactor(
+    at: int,
+    size: int,
+    pending: int,
+    rows: np.ndarray,
+    sides: np.ndarray,
+    M: np.ndarray,
+    K: np.ndarray,
+    F: np.ndarray,
+    d: np.ndarray,
+    multipliers: np.ndarray,
+    used: np.ndarray,
+) -> int:
+    """Factor the rows from `at` on again, leaving out what rounding made dependent.
+
+    Args:
+        at: first row that changed.
+        size: rows of the working set.
+        pending: rows behind them that are not factored yet.
+
+    Returns:
+        The size that is left.
+    """
+    i = at
+    while i < size:
+        if factor_row(K, F, i):
+            i += 1
+        else:
+            used[rows[i]] = 0
+            remove(i, size + pending, rows, sides, M, K, d, multipliers)
+            size -= 1
+    return size
 
 
 @part
@@ -192,10 +226,15 @@ def refine(
     x: np.ndarray,
     multipliers: np.ndarray,
     r: np.ndarray,
-) -> None:
-    """Bring the rows of the working set to their bounds up to rounding errors."""
+) -> float:
+    """Bring the rows of the working set to their bounds up to rounding errors.
+
+    Returns:
+        By how much one of them is off, for its scale.
+    """
     n = x.size
-    for _ in range(3):
+    worst = 0.0
+    for attempt in range(4):
         worst = 0.0
         for k in range(size):
             row = rows[k]
@@ -207,12 +246,13 @@ def refine(
                     y += C[row - bounded, i] * x[i]
             r[k] = y - ub[row] if sides[k] > 0 else lb[row] - y
             worst = max(worst, abs(r[k]) * scale[row])
-        if not worst > 0.05 * tolerance:
-            return
+        if not worst > 0.05 * tolerance or attempt == 3:
+            return worst
         solve_factored(F, r, size)
         for k in range(size):
             multipliers[k] += r[k]
         point_of(L, M, multipliers, size, w, x)
+    return worst
 
 
 @kernel(
@@ -252,7 +292,8 @@ def solve(
         line: (5, r + 2 n + 2) room for x and others.
 
     Returns:
-        SOLVED, INFEASIBLE, ITERATION_LIMIT or NOT_CONVEX.
+        SOLVED, INFEASIBLE, ITERATION_LIMIT, NOT_CONVEX or NOT_EXACT: rounding errors keep the
+        working set from its bounds.
     """
     n, total = g.size, lb.size
     L, M, K, F = square[0, :n, :n], square[1, :, :n], square[2], square[3]
@@ -306,18 +347,17 @@ def solve(
                 multipliers[k] += share * (wanted[k] - multipliers[k])
             used[rows[at]] = 0
             remove(at, size, rows, sides, M, K, d, multipliers)
-            size -= 1
-            refactor(K, F, at, size)
+            size = refactor(at, size - 1, 0, rows, sides, M, K, F, d, multipliers, used)
             continue
         for k in range(size):
             multipliers[k] = wanted[k]
         point_of(L, M, multipliers, size, w, x)
-        refine(
+        off = refine(
             C, L, F, M, lb, ub, bounded, rows, sides, size, scale, tolerance, w, x, multipliers, r
         )
         row, side = most_violated(C, x, lb, ub, bounded, scale, used, tolerance)
         if row < 0:
-            outcome = SOLVED
+            outcome = SOLVED if off <= tolerance else NOT_EXACT
             break
         append(C, L, w, lb, ub, bounded, row, side, size, rows, sides, M, K, d)
         multipliers[size] = 0.0
@@ -340,8 +380,7 @@ def solve(
             multipliers[size] += share
             used[rows[at]] = 0
             remove(at, size + 1, rows, sides, M, K, d, multipliers)
-            size -= 1
-            refactor(K, F, at, size)
+            size = refactor(at, size - 1, 1, rows, sides, M, K, F, d, multipliers, used)
         if outcome == INFEASIBLE:
             break
         used[row] = 1

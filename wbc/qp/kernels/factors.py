@@ -72,13 +72,6 @@ def factor_row(K: np.ndarray, F: np.ndarray, i: int) -> bool:
 
 
 @part
-def refactor(K: np.ndarray, F: np.ndarray, start: int, size: int) -> None:
-    """Rows start … size − 1 of the factor."""
-    for i in range(start, size):
-        factor_row(K, F, i)
-
-
-@part
 def solve_factored(F: np.ndarray, b: np.ndarray, k: int) -> None:
     """b[:k] ← (F Fᵀ)⁻¹ b[:k]."""
     for i in range(k):

@@ -6,14 +6,14 @@ import math
 
 import numpy as np
 
-from wbc.qp.kernels.dual_active_set import INFEASIBLE, NOT_CONVEX, SOLVED, solve
+from wbc.qp.kernels.dual_active_set import NOT_CONVEX, SOLVED, solve
 from wbc.qp.problem import Outcome, Problem, Solution
 from wbc.qp.solvers.daqp import DaqpSolver
 from wbc.qp.solvers.solver import Solver
 
 _TOLERANCE = 1e-9
 _ITERATIONS = 200
-_LOOSER = (1.0, 10.0, 100.0)  # factors on the tolerance that are tried when a cold solve cycles
+_LOOSER = (1.0, 10.0, 100.0)  # factors on the tolerance that are tried when a cold solve fails
 
 
 class CompiledSolver(Solver):
@@ -21,8 +21,9 @@ class CompiledSolver(Solver):
 
     See `wbc.qp.kernels.dual_active_set`. A stale working set can mislead it: a cold solve
     follows. Where many rows all but meet in a point, as when a foot is unloaded to nothing, it
-    may go round in circles over the last digit of its tolerance: then it is tried with 10 and
-    100 times that. What it still does not solve is given to DAQP, which has the last word.
+    may go round in circles over the last digit of its tolerance, or take that digit for a
+    contradiction: so it is tried with 10 and 100 times that. What it still does not solve is
+    given to DAQP, which has the last word.
 
     Args:
         tolerance: by how much a row of unit norm may be violated.
@@ -45,11 +46,8 @@ class CompiledSolver(Solver):
             return room.solution()
         for factor in _LOOSER:
             room.forget()
-            code = self._attempt(problem, room, factor * self._tolerance)
-            if code == SOLVED:
+            if self._attempt(problem, room, factor * self._tolerance) == SOLVED:
                 return room.solution()
-            if code == INFEASIBLE:
-                break
         room.forget()
         return self._second.solve(problem)
 
