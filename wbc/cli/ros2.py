@@ -211,8 +211,8 @@ def _hz(options: argparse.Namespace) -> int:
     rate = Rate(options.window)
     with node:
         topic = _find(options, node, graph)
-        node.subscription(
-            _the_type(graph, topic),
+        node.listen(
+            graph.topics()[topic].dds_type,
             topic,
             lambda _, info: rate.note(time.monotonic(), info.size),
             _listening_qos(graph, topic),

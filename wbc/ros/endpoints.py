@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from wbc.messages import Message, MessageError, message_type
 from wbc.ros.errors import RosError
 from wbc.ros.qos import Qos
-from wbc.ros.wire import dds_type
+from wbc.ros.wire import dds_type, unread_type
 
 if TYPE_CHECKING:
     from wbc.ros.participant import Participant
@@ -224,3 +224,31 @@ class Subscription:
     def publishers(self) -> int:
         """How many are heard."""
         return len(self.reader.matched)
+
+
+class Listener:
+    """Hands the bytes of one topic to a function, whatever its type; `Node.listen` makes it.
+
+    Attributes:
+        topic: its full ROS name.
+        reader: below it.
+    """
+
+    impatient = False
+
+    def __init__(
+        self,
+        participant: Participant,
+        topic: str,
+        dds_type_name: str,
+        callback: Callable[[bytes, Info], None],
+        qos: Qos,
+    ) -> None:
+        self.topic = topic
+        self._callback = callback
+        self.reader = Reader(participant, f"rt{topic}", unread_type(dds_type_name), qos, "")
+
+    def work(self) -> None:
+        """Hand over what has come."""
+        for data, info in self.reader.take():
+            self._callback(data, info)

@@ -27,6 +27,7 @@ class Endpoint:
         topic: its ROS name.
         kind: "rt" for a topic, "rq" and "rr" for a service's requests and replies.
         type_name: `pkg/msg/Name`.
+        dds_type: its name in DDS.
         node: full name of its node; empty when that is not known.
         qos: quality of service.
         type_hash: `RIHS01_…`; empty when it does not tell.
@@ -37,6 +38,7 @@ class Endpoint:
     topic: str
     kind: str
     type_name: str
+    dds_type: str
     node: str
     qos: Qos
     type_hash: str
@@ -62,6 +64,11 @@ class Topic:
     def types(self) -> list[str]:
         """Its type; more than one if they disagree."""
         return sorted({e.type_name for e in (*self.publishers, *self.subscriptions)})
+
+    @property
+    def dds_type(self) -> str:
+        """Its type's name in DDS."""
+        return next(e.dds_type for e in (*self.publishers, *self.subscriptions))
 
 
 class Graph:
@@ -205,6 +212,7 @@ def _endpoint(one: Any, owners: dict[bytes, str]) -> Endpoint | None:
         topic,
         kind,
         names.ros_type(one.type_name),
+        one.type_name,
         owners.get(gid, ""),
         qos_of(one.qos),
         hashed[1] if hashed else "",

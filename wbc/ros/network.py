@@ -14,6 +14,15 @@ from wbc.ros.errors import RosError
 
 LARGEST_DOMAIN = 232  #: with the usual ports, 7400 + 250 × domain, below 65536
 _LOOPBACK = "127.0.0.1"
+#: Types are matched by name, as ROS 2 does; a participant that is silent for so long is dead; no
+#: message can take more memory than that.
+_OWN = (
+    "<CycloneDDS><Domain>"
+    "<Compatibility><IgnoreTypeInformation>1.1,1.15,1.16</IgnoreTypeInformation></Compatibility>"
+    "<Discovery><LeaseDuration>5 s</LeaseDuration></Discovery>"
+    "<Internal><MaxSampleSize>64 MiB</MaxSampleSize></Internal>"
+    "</Domain></CycloneDDS>"
+)
 _PARTICIPANTS = 32  # that are looked for on one machine, as ROS 2 does
 
 
@@ -87,7 +96,7 @@ class Network:
         return Network(domain, reach, "", peers, uri)
 
     def xml(self) -> str:
-        """The configuration for Cyclone DDS."""
+        """The configuration that brings Cyclone DDS here, of any version that ROS 2 has."""
         if self.reach is Reach.SYSTEM_DEFAULT:
             return self.configuration
         general, discovery = "", ""
@@ -122,7 +131,7 @@ class Network:
         Raises:
             RosError: this process is in the domain already, with another configuration.
         """
-        return _join(self.domain, self.xml())
+        return _join(self.domain, ",".join(filter(None, (_OWN, self.xml()))))
 
 
 def _domain(text: str) -> int:

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from wbc.messages import Message
 from wbc.ros import names
-from wbc.ros.endpoints import Info, Publisher, Reader, Subscription
+from wbc.ros.endpoints import Info, Listener, Publisher, Reader, Subscription
 from wbc.ros.errors import RosError
 from wbc.ros.network import Network
 from wbc.ros.participant import Participant
@@ -137,6 +137,29 @@ class Node:
         self.attend(made)
         return made
 
+    def listen(
+        self,
+        dds_type_name: str,
+        topic: str,
+        callback: Callable[[bytes, Info], None],
+        qos: Qos = DEFAULT,
+    ) -> Listener:
+        """A subscription to messages of a type that need not be known here.
+
+        Args:
+            dds_type_name: e.g. `std_msgs::msg::dds_::String_`.
+            topic: absolute, relative or private.
+            callback: gets each message's bytes, header included, and an `Info` about it.
+            qos: quality of service.
+
+        Raises:
+            NameInvalid: there can be no such topic.
+        """
+        made = Listener(self.participant, self.resolve(topic), dds_type_name, callback, qos)
+        self.participant.add(readers=(made.reader.gid,))
+        self.attend(made)
+        return made
+
     def service(
         self,
         type_name: str,
@@ -212,10 +235,10 @@ class Node:
         if any(worker.impatient for worker in self._workers):
             timeout = min(timeout, _SOON)
         wait = min([timeout, *(timer.due - now for timer in self._timers)])
-        if wait > 0.0:
-            self._waiting.wait(int(1e9 * wait))
+        came = self._waiting.wait(int(1e9 * max(wait, 0.0)))
         for worker in tuple(self._workers):
-            worker.work()
+            if came or worker.impatient:
+                worker.work()
         now = time.monotonic()
         for timer in tuple(self._timers):
             if timer.cancelled:

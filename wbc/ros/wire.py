@@ -70,6 +70,24 @@ def dds_service_type(name: str) -> Any:
 
 
 @cache
+def unread_type(dds_name: str) -> Any:
+    """The class of the samples of any type, whose bytes are taken as they are.
+
+    DDS takes it for a structure of one byte, and what follows for nothing.
+
+    Args:
+        dds_name: of the type, e.g. `std_msgs::msg::dds_::String_`.
+    """
+    import_cyclonedds()
+    from cyclonedds.idl import make_idl_struct
+    from cyclonedds.idl.types import uint8
+
+    full = dds_name.replace("::", ".")
+    fields = {"first": uint8}
+    return opaque(make_idl_struct(full.rpartition(".")[2], full, fields, dataclassify=False))
+
+
+@cache
 def _nested_type(name: str) -> Any:
     return _structure(name, ())
 
