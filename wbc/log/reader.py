@@ -17,6 +17,7 @@ from wbc.log.records import (
     CHANNEL,
     CHUNK,
     FOOTER,
+    MAGIC,
     MESSAGE,
     METADATA,
     SCHEMA,
@@ -69,7 +70,7 @@ class Log:
                     elif opcode == ATTACHMENT:
                         self._read_file(content)
                     elif opcode == FOOTER:
-                        self.complete = True
+                        self.complete = file.read(len(MAGIC)) == MAGIC
                         break
         except DamagedChunk:
             pass  # what came before it is there

@@ -88,11 +88,12 @@ class FlightRecorder:
         self._plan_due = self._last = -np.inf
         self._before = self._look = 0.0
         self._tick = 0
-        self._told = False
+        self._told = self._closed = self._introduced = False
         self._process = Child("wbc.log.writer", (self._ring.descriptor,), _GRACE)
         order = Order.of(robot, self.path, self._ring.descriptor, capacity, os.getpid())
         try:
             self._process.introduce(order)
+            self._introduced = True
         except BaseException as error:
             self.close()
             if isinstance(error, ChildError):
@@ -136,7 +137,7 @@ class FlightRecorder:
         if now >= self._look:
             self._look_after(now)
         ring = self._ring
-        if self._told or (index := ring.claim()) < 0:
+        if self._told or self._closed or (index := ring.claim()) < 0:
             self._tick += 1
             return
         flat = ring.flat[index]
@@ -240,10 +241,11 @@ class FlightRecorder:
     def _look_after(self, now: float) -> None:
         """Report the end of the log, once."""
         self._look = now + _LOOK
-        if self._told or self.alive:
+        code = self._process.exit_code
+        if self._told or (code in (None, 0) and not self._ring.stopped):
             return
         self._told = True
-        reason = self._ring.reason or f"its process ended (exit code {self._process.exit_code})"
+        reason = self._ring.reason or f"its process ended (exit code {code})"
         logger.warning("the log %s ends here: %s; the run goes on without it", self.path, reason)
 
     def end(self, report: Report) -> None:
@@ -253,26 +255,21 @@ class FlightRecorder:
 
     def close(self) -> None:
         """Finish the file. Tells if ticks are missing in it."""
-        if self._process.alive or not self._told:
-            self._process.close()
+        if self._closed:
+            return
+        self._closed = True
+        self._process.close()
+        if self._introduced:
             self._finish()
-        self._told = True
         self._ring.close()
 
     def _finish(self) -> None:
-        code, reason = self._process.exit_code, self._ring.reason
-        if reason and not self._told:
-            logger.warning("the log %s ended early: %s", self.path, reason)
-        elif code != 0 and self.path.is_file() and self.ticks:
+        """What the writing process could not do, and what is to be said."""
+        self._look_after(np.inf)
+        if self._process.exit_code != 0 and not self._ring.stopped:
             from wbc.log.repair import repair
 
-            kept = repair(self.path)
-            logger.warning(
-                "the process that wrote %s ended (exit code %s); the log ends at %.2f s",
-                self.path,
-                code,
-                kept,
-            )
+            logger.warning("the log %s now ends at %.2f s", self.path, repair(self.path))
         if self.dropped:
             logger.warning(
                 "%d of %d ticks are not in %s: the writing process was too slow",

@@ -47,26 +47,32 @@ def repair(path: Path) -> float:
         LogError: the file is no MCAP file, or cannot be written.
     """
     try:
-        with path.open("r+b") as file:
+        with path.open("rb") as file:
             survey = Survey(file)
-            if survey.complete:
-                return 1e-9 * survey.end
-            while True:
-                end = survey.summary()
-                file.truncate(survey.size)
-                file.seek(survey.size)
-                try:
-                    file.write(end)
-                    file.flush()
-                    os.fsync(file.fileno())
-                except OSError:
-                    if not survey.chunks:
-                        raise
-                    survey.forget_last_chunk()
-                    continue
-                return 1e-9 * survey.end
+        while not survey.complete:
+            try:
+                _replace_end(path, survey.size, survey.summary())
+                break
+            except OSError:
+                if not survey.chunks:
+                    raise
+                survey.forget_last_chunk()
+        return 1e-9 * survey.end
     except OSError as error:
         raise LogError(f"cannot repair {path}: {error.strerror}") from error
+
+
+def _replace_end(path: Path, start: int, end: bytes) -> None:
+    file = os.open(path, os.O_WRONLY)
+    try:
+        os.ftruncate(file, start)
+        os.lseek(file, start, os.SEEK_SET)
+        left = memoryview(end)
+        while left:
+            left = left[os.write(file, left) :]
+        os.fsync(file)
+    finally:
+        os.close(file)
 
 
 class Survey:

@@ -9,11 +9,11 @@ from __future__ import annotations
 import contextlib
 import os
 import queue
-import sys
 import threading
 import time
 
 from wbc.log.describe import Facts
+from wbc.log.errors import LogError
 from wbc.log.mcapfile import McapFile
 from wbc.log.order import Order
 from wbc.log.repair import repair
@@ -114,7 +114,7 @@ def serve(order: Order) -> int:
         writer.finish()
     except OSError as error:
         writer.give_up(f"{error.strerror}: {order.path}")
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(LogError):
             repair(order.path)
         return _DISK
     return 0
@@ -139,4 +139,5 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    # Not by way of the interpreter's end, which would wait for the thread that listens.
+    os._exit(main())

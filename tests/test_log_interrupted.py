@@ -1,0 +1,321 @@
+"""Whatever is killed, cut or full: the run goes on, and the log can be read up to the end."""
+
+import contextlib
+import logging
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from logtools import Nowhere, Pretender, random_tick, robot
+
+import wbc
+from wbc.log import FlightRecorder
+from wbc.log.errors import LogError
+from wbc.log.reader import Log
+from wbc.log.repair import repair
+from wbc.log.run import LoggedRun
+
+ROOT = Path(wbc.__file__).parent.parent
+
+#: Records ticks at 500 Hz for ever, and says how many there were.
+ENDLESS = """
+import sys, time
+import numpy as np
+from logtools import Nowhere, Pretender, random_tick, robot
+from wbc.log import FlightRecorder
+humanoid = robot()
+rng = np.random.default_rng(0)
+ticks = [random_tick(humanoid, rng, 0.0) for _ in range(50)]
+from dataclasses import replace
+log = FlightRecorder(sys.argv[1], humanoid)
+log.begin(Pretender(), Nowhere())
+print(log.pid, flush=True)
+start, k = time.monotonic(), 0
+while True:
+    log.record(replace(ticks[k % 50], time=0.002 * k), Pretender())
+    k += 1
+    if k % 50 == 0:
+        print(k, flush=True)
+    time.sleep(max(start + 0.002 * k - time.monotonic(), 0.0))
+"""
+
+
+@pytest.fixture(scope="module")
+def humanoid():
+    return robot()
+
+
+@contextlib.contextmanager
+def endless(path, ticks):
+    """A run in a process of its own that has gone on for some ticks; its log's process."""
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"}
+    process = subprocess.Popen(
+        [sys.executable, "-c", ENDLESS, str(path)],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment,
+    )
+    try:
+        writer = int(process.stdout.readline())
+        while int(process.stdout.readline()) < ticks:
+            pass
+        yield process, writer
+    finally:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+
+
+def gone(pid):
+    stat = Path(f"/proc/{pid}/stat")
+    with contextlib.suppress(ProcessLookupError, FileNotFoundError):
+        os.kill(pid, 0)
+        return stat.read_text().rpartition(")")[2].split()[0] == "Z"
+    return True
+
+
+def wait_until(condition, timeout=15.0):
+    end = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < end, "it never came to that"
+        time.sleep(0.02)
+
+
+def reference_counts(path):
+    """Topic -> number of messages, by the reader of the format's makers."""
+    from mcap.reader import make_reader
+
+    counts = {}
+    with path.open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        for _, channel, _ in reader.iter_messages():
+            counts[channel.topic] = counts.get(channel.topic, 0) + 1
+        summary = reader.get_summary()
+        assert summary.statistics.message_count == sum(counts.values())
+        assert summary.statistics.chunk_count == len(summary.chunk_indexes)
+    return counts
+
+
+def own_counts(path):
+    log = Log(path)
+    return {topic: len(log.stamps(topic)) for topic in log.topics}
+
+
+def test_a_killed_run_leaves_a_whole_log_with_every_tick(tmp_path):
+    path = tmp_path / "killed.mcap"
+    with endless(path, 300) as (process, writer):
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        ticks = [int(line) for line in process.stdout.read().split()]
+        wait_until(lambda: gone(writer))
+    run = LoggedRun.read(path)
+    assert run.log.complete
+    assert len(run) >= max([300, *ticks])
+    assert run.state("tick").tolist() == list(range(len(run)))
+    assert reference_counts(path) == own_counts(path)
+
+
+def test_a_killed_writer_loses_less_than_a_second_and_the_run_goes_on(humanoid, tmp_path, caplog):
+    rng = np.random.default_rng(0)
+    path = tmp_path / "writer.mcap"
+    log = FlightRecorder(path, humanoid)
+    log.begin(Pretender(), Nowhere())
+    start, killed = time.monotonic(), None
+    with caplog.at_level(logging.WARNING):
+        while (now := time.monotonic() - start) < 2.0:
+            log.record(random_tick(humanoid, rng, now), Pretender())
+            if killed is None and now > 1.2:
+                os.kill(log.pid, signal.SIGKILL)
+                killed = now
+            time.sleep(0.001)
+    said = [r for r in caplog.records if "the run goes on without it" in r.getMessage()]
+    assert len(said) == 1
+    log.close()
+    run = LoggedRun.read(path)
+    assert run.log.complete  # closing repaired it
+    assert killed - 1.0 < run.time[-1] <= killed
+    assert reference_counts(path) == own_counts(path)
+
+
+def test_when_everything_is_killed_the_log_is_read_up_to_its_last_second(tmp_path):
+    path = tmp_path / "all.mcap"
+    with endless(path, 800) as (process, writer):
+        os.kill(writer, signal.SIGKILL)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    broken = LoggedRun.read(path)
+    assert not broken.log.complete
+    assert broken.time[-1] > 1.598 - 1.0
+    before = own_counts(path)
+    end = repair(path)
+    assert end == broken.time[-1]
+    assert Log(path).complete
+    assert own_counts(path) == before == reference_counts(path)
+    rosbags = pytest.importorskip("rosbags.highlevel")
+    with rosbags.AnyReader([path]) as reader:
+        assert {c.topic: c.msgcount for c in reader.connections} == before
+
+
+@pytest.fixture(scope="module")
+def whole(humanoid, tmp_path_factory):
+    """A log of several chunks."""
+    rng = np.random.default_rng(0)
+    path = tmp_path_factory.mktemp("whole") / "whole.mcap"
+    ticks = [random_tick(humanoid, rng, 0.002 * k) for k in range(90)]
+    with FlightRecorder(path, humanoid) as log:
+        log.begin(Pretender(), Nowhere())
+        for k, tick in enumerate(ticks):
+            log.record(tick, Pretender())
+            if k in (30, 60):
+                time.sleep(0.6)  # the end of a chunk
+    return path
+
+
+def test_a_log_that_is_cut_anywhere_can_be_read_and_repaired(whole, tmp_path):
+    data = whole.read_bytes()
+    last = -1
+    for size in np.linspace(9, len(data) - 1, 45).astype(int):
+        path = tmp_path / "cut.mcap"
+        path.write_bytes(data[:size])
+        counts = own_counts(path)
+        total = sum(counts.values())
+        assert total >= last, "more of the file holds less of the log"
+        last = total
+        assert not Log(path).complete
+        repair(path)
+        assert Log(path).complete
+        assert own_counts(path) == counts == reference_counts(path)
+    assert last == sum(own_counts(whole).values())
+
+
+def test_a_log_with_a_damaged_chunk_is_read_up_to_there(whole, tmp_path):
+    from mcap.reader import make_reader
+
+    with whole.open("rb") as file:
+        chunks = make_reader(file).get_summary().chunk_indexes
+    assert len(chunks) >= 3
+    data = bytearray(whole.read_bytes())
+    data[chunks[1].chunk_start_offset + chunks[1].chunk_length // 2] ^= 0xFF
+    path = tmp_path / "damaged.mcap"
+    path.write_bytes(data)
+    run = LoggedRun.read(path)
+    assert run.stamps[-1] == chunks[0].message_end_time
+    assert len(run) < 90
+
+
+def test_a_whole_log_is_not_touched_by_repair(whole, tmp_path):
+    path = Path(shutil.copy(whole, tmp_path))
+    repair(path)
+    assert path.read_bytes() == whole.read_bytes()
+
+
+def test_what_is_no_log_is_not_repaired(tmp_path):
+    path = tmp_path / "notes.txt"
+    path.write_bytes(b"dear diary, " * 10)
+    with pytest.raises(LogError, match="no MCAP file"):
+        repair(path)
+    assert path.read_bytes() == b"dear diary, " * 10
+
+
+def record_until_it_ends(log, humanoid, at_most=10.0):
+    """Go on recording until a while after the log has ended."""
+    rng = np.random.default_rng(0)
+    ticks = [random_tick(humanoid, rng, 0.0) for _ in range(20)]
+    end, k = time.monotonic() + at_most, 0
+    after = None
+    while after is None or time.monotonic() < after:
+        assert time.monotonic() < end, "the log never ended"
+        tick = replace(ticks[k % 20], time=0.002 * k)
+        log.record(tick, Pretender())
+        k += 1
+        if after is None and not log.alive:
+            after = time.monotonic() + 0.7
+        time.sleep(0.0005)
+
+
+def check_after_full_disk(path, caplog, said):
+    told = [r.getMessage() for r in caplog.records if "the run goes on without it" in r.message]
+    assert len(told) == 1
+    assert said in told[0]
+    run = LoggedRun.read(path)
+    assert run.log.complete
+    assert len(run) > 100
+    assert run.state("tick").tolist() == list(range(len(run)))
+    assert reference_counts(path) == own_counts(path)
+
+
+def test_a_file_that_may_not_grow_ends_the_log_and_not_the_run(humanoid, tmp_path, caplog):
+    path = tmp_path / "limited.mcap"
+    log = FlightRecorder(path, humanoid)
+    resource.prlimit(log.pid, resource.RLIMIT_FSIZE, (600_000, 600_000))
+    with caplog.at_level(logging.WARNING):
+        record_until_it_ends(log, humanoid)
+        log.close()
+    check_after_full_disk(path, caplog, "File too large")
+
+
+def test_a_full_disk_ends_the_log_and_not_the_run(humanoid, tmp_path, caplog):
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=600k", "wbc-test", str(disk)]
+    if os.geteuid() != 0 or subprocess.run(mount, capture_output=True).returncode != 0:
+        pytest.skip("only root can make a small disk")
+    try:
+        log = FlightRecorder(disk / "full.mcap", humanoid)
+        with caplog.at_level(logging.WARNING):
+            record_until_it_ends(log, humanoid)
+            log.close()
+        check_after_full_disk(disk / "full.mcap", caplog, "No space left on device")
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+def test_a_disk_without_any_room_is_said_before_the_run(humanoid):
+    with pytest.raises(LogError, match="No space left on device"):
+        FlightRecorder("/dev/full", humanoid)
+
+
+def test_a_stopped_writer_never_blocks_the_run(humanoid, tmp_path):
+    rng = np.random.default_rng(0)
+    tick = random_tick(humanoid, rng, 0.0)
+    log = FlightRecorder(tmp_path / "stopped.mcap", humanoid, capacity=100)
+    os.kill(log.pid, signal.SIGSTOP)
+    try:
+        start = time.perf_counter()
+        for _ in range(3000):
+            log.record(tick, Pretender())
+        assert time.perf_counter() - start < 3.0
+        assert log.dropped == 2900
+    finally:
+        os.kill(log.pid, signal.SIGCONT)
+        log.close()
+
+
+def test_a_script_that_never_closes_its_log_leaves_it_whole(tmp_path):
+    code = """
+import sys
+import numpy as np
+from logtools import Nowhere, Pretender, random_tick, robot
+from wbc.log import FlightRecorder
+humanoid = robot()
+rng = np.random.default_rng(0)
+log = FlightRecorder(sys.argv[1], humanoid)
+for k in range(40):
+    log.record(random_tick(humanoid, rng, 0.002 * k), Pretender())
+"""
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"}
+    path = tmp_path / "left.mcap"
+    command = [sys.executable, "-c", code, str(path)]
+    result = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=60)
+    assert (result.returncode, result.stderr) == (0, "")
+    run = LoggedRun.read(path)
+    assert run.log.complete
+    assert len(run) == 40
