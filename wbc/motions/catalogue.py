@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from wbc.errors import MotionError, did_you_mean
 from wbc.motions.bow import Bow
+from wbc.motions.jump import Jump
 from wbc.motions.motion import Motion
 from wbc.motions.one_leg import OneLeg
 from wbc.motions.squat import Squat
@@ -19,6 +20,7 @@ CATALOGUE: tuple[type[Motion], ...] = (
     OneLeg,
     Bow,
     StepInPlace,
+    Jump,
 )
 
 

@@ -1,0 +1,66 @@
+"""Jump: off the ground with both feet, and back onto them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+from weakref import WeakKeyDictionary
+
+from wbc.motions.body import Body
+from wbc.motions.jumping import Jumper, JumpPlan, plan_jump
+from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.robot import Robot
+
+
+@dataclass(frozen=True)
+class Jump(Motion):
+    """Crouch, push off, fly, land, and stand again.
+
+    The height is planned from the robot's limits of torque, joint velocity and joint position;
+    a robot that they do not let up is refused, with the bound and the joint that sets it.
+    """
+
+    name: ClassVar[str] = "jump"
+    summary: ClassVar[str] = "jump on the spot, as high as asked within the robot's limits"
+
+    clearance: float = parameter(0.05, "of both soles over the ground, m")
+
+    @cached_property
+    def _plans(self) -> WeakKeyDictionary[Robot, JumpPlan]:
+        return WeakKeyDictionary()
+
+    def plan(self, robot: Robot) -> JumpPlan:
+        """The jump of a robot; found once, in about a second.
+
+        Raises:
+            JumpTooHigh: it is beyond the robot's limits; with the bound.
+            MotionError: the clearance is not positive, or the legs cannot jump at all.
+        """
+        if robot not in self._plans:
+            self._plans[robot] = plan_jump(robot, self.clearance)
+        return self._plans[robot]
+
+    def check(self, robot: Robot) -> None:
+        """See `Motion.check`."""
+        positive(self, "clearance")
+        self.plan(robot)
+
+    def play(self, body: Body) -> Script:
+        """See `Motion.play`."""
+        plan = self.plan(body.robot)
+        yield from body.until(lambda: body.standing)
+        yield from body.settle()
+        jumper = Jumper(body.robot, plan, body.dt)
+        assert body.state is not None
+        jumper.reset(body.state)
+        body.take_over(jumper)
+        yield from body.until(lambda: jumper.done)
+        body.hand_back()
+        yield from body.until(lambda: body.at_home)
+        body.note(
+            f"planned: the CoM rises {1e3 * plan.rise:.0f} mm after leaving the ground with "
+            f"{plan.speed:.2f} m/s, both soles clear {1e3 * plan.clearance:.0f} mm; it takes "
+            f"{100.0 * plan.torque_share:.0f} % of the torque of '{plan.torque_joint}' and "
+            f"{100.0 * plan.speed_share:.0f} % of the velocity of '{plan.speed_joint}'"
+        )

@@ -1,0 +1,143 @@
+"""How fast a robot can leave the ground at most, and what sets that."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wbc.motions.jumping.path import JumpPath, gravity_of
+from wbc.robot import Robot
+
+_HALVINGS = 40  # of the interval in which the best pace is looked for
+_MORE = 1.1  # factor on a joint's limit, to see whether the limit counts
+
+
+@dataclass(frozen=True, slots=True)
+class TakeOffBound:
+    """The fastest take-off of all push-offs along a robot's jump paths.
+
+    Attributes:
+        speed: of the CoM when the soles leave the ground, at most, m/s; 0 for a robot that
+            cannot even rise.
+        rise: of the CoM after that, v²/2g, at most, m.
+        take_off: height of the CoM at which it is reached, m above the soles.
+        crouch: height from which it is reached, m.
+        joint: whose limit, raised by a tenth, raises the speed most; one of a pair.
+        quantity: which of its limits, "torque" or "velocity".
+    """
+
+    speed: float
+    rise: float
+    take_off: float
+    crouch: float
+    joint: str
+    quantity: str
+
+    def __str__(self) -> str:
+        if self.speed == 0.0:
+            return f"it cannot rise from any crouch for the {self.quantity} of '{self.joint}'"
+        return (
+            f"its CoM takes off with {self.speed:.2f} m/s at most and rises by "
+            f"{100.0 * self.rise:.1f} cm at most, for the {self.quantity} of '{self.joint}'"
+        )
+
+
+def take_off_bound(robot: Robot, paths: Sequence[JumpPath]) -> TakeOffBound:
+    """The bound over all crouches, take-off heights and paces.
+
+    Along a path the torques are linear in (z̈, ż²), and so in β = ż² at neighbouring heights:
+    dβ/dz = 2 z̈. From rest in the crouch, the largest β that any pace reaches follows from
+    height to height, β₊ = max {β + 2 Δz z̈ : |τ(z̈, β)| ≤ τ_max, |q' √β| ≤ q̇_max}: what is
+    reachable at a height is an interval that begins at 0, and its upper end depends on
+    nothing but the upper end before (Pham and Pham, A new approach to time-optimal path
+    parameterization based on reachability analysis, T-RO 2018). Ramps of the torque,
+    which every real push-off needs, only take away from it.
+
+    Args:
+        robot: the robot.
+        paths: with different take-off heights: their tops.
+    """
+    best, where = -1.0, (paths[0], 0)
+    for path in paths:
+        for start in range(len(path.height) - 1):
+            speed = _top_speed(path, start, robot.tau_max, robot.v_max)
+            if speed > best:
+                best, where = speed, (path, start)
+    if best == 0.0:
+        return TakeOffBound(0.0, 0.0, paths[0].top, paths[0].top, _weakest(robot, paths), "torque")
+    path, start = where
+    joint, quantity = _limiting(robot, path, start, best)
+    return TakeOffBound(
+        best,
+        best**2 / (2.0 * gravity_of(robot)),
+        path.top,
+        float(path.height[start]),
+        joint,
+        quantity,
+    )
+
+
+def _top_speed(path: JumpPath, start: int, tau_max: np.ndarray, v_max: np.ndarray) -> float:
+    """Largest ż at the path's top, from rest at one of its heights, m/s."""
+    fastest = np.min((v_max / np.maximum(np.abs(path.tangent[:, 6:]), 1e-9)) ** 2, axis=1)
+    beta = 0.0
+    for k in range(start, len(path.height) - 1):
+        step = 2.0 * (path.height[k + 1] - path.height[k])
+        beta = _next(path.stance[k], tau_max, beta, step)
+        if beta <= 0.0:
+            return 0.0
+        beta = min(beta, float(fastest[k + 1]))
+    return float(np.sqrt(beta))
+
+
+def _next(torque: np.ndarray, tau_max: np.ndarray, most: float, step: float) -> float:
+    """max {β + step z̈ : |a z̈ + b β + c| ≤ τ_max, 0 ≤ β ≤ most}; concave in β.
+
+    Args:
+        torque: (na, 3) columns a, b, c.
+        tau_max: (na,) N·m.
+        most: m²/s².
+        step: 2 Δz, m.
+    """
+    a, b, c = torque[np.abs(torque[:, 0]) > 1e-9].T
+    limit = tau_max[np.abs(torque[:, 0]) > 1e-9] / np.abs(a)
+
+    def reached(beta: float) -> tuple[float, float]:
+        """The value and its slope."""
+        lift = limit - (b * beta + c) / a
+        k = int(np.argmin(lift))
+        return beta + step * float(lift[k]), 1.0 - step * float(b[k] / a[k])
+
+    value, slope = reached(most)
+    if slope >= 0.0:
+        return value
+    low, high = 0.0, most
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        value, slope = reached(middle)
+        low, high = (middle, high) if slope > 0.0 else (low, middle)
+    return value
+
+
+def _weakest(robot: Robot, paths: Sequence[JumpPath]) -> str:
+    """The joint that is overloaded most where standing still takes least."""
+    shares = np.abs(np.vstack([path.stance[..., 2] for path in paths])) / robot.tau_max
+    return robot.joint_names[int(np.argmax(shares[int(np.argmin(shares.max(axis=1)))]))]
+
+
+def _limiting(robot: Robot, path: JumpPath, start: int, speed: float) -> tuple[str, str]:
+    best, found = -np.inf, (0, "torque")
+    pairs = [tuple(i - 6 for i in pair) for pair in zip(*robot.legs, strict=False)]
+    for pair in pairs:
+        more = np.ones(robot.na)
+        more[list(pair)] = _MORE
+        gains = (
+            _top_speed(path, start, robot.tau_max * more, robot.v_max) - speed,
+            _top_speed(path, start, robot.tau_max, robot.v_max * more) - speed,
+        )
+        for gain, quantity in zip(gains, ("torque", "velocity"), strict=True):
+            if gain > best:
+                best, found = gain, (pair[0], quantity)
+    return robot.joint_names[found[0]], found[1]

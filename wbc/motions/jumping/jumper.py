@@ -1,0 +1,285 @@
+"""Crouch, push-off, flight, landing, rising: the phases of a jump."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from enum import Enum
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.balance import clamp_to_polygon, convex_hull, corners
+from wbc.command import Command
+from wbc.gait import Feet
+from wbc.gait.planar import point, wrap
+from wbc.kinematics import Kinematics
+from wbc.motions.jumping.gains import JumpGains
+from wbc.motions.jumping.limbs import Limbs
+from wbc.motions.jumping.path import gravity_of
+from wbc.motions.jumping.plan import JumpPlan
+from wbc.motions.jumping.profile import Glide, Moment, Profile, stroke
+from wbc.robot import Robot
+from wbc.state import State
+from wbc.telemetry import Telemetry
+from wbc.walking.footing import about_z
+from wbc.walking.soles import loads, placements
+
+_GROUND_TIME = 0.15  # s, smoothing of the ground's height under the robot
+_SETTLED = 0.005  # m, of the DCM
+_LEAST_STROKE = 0.03  # m, of a landing
+_LEAST_FORCE = 0.1  # share of the weight: with less, the ZMP moves nothing
+_BOTH = frozenset(("left", "right"))
+
+
+class JumpPhase(Enum):
+    """Where a jump is."""
+
+    CROUCH = "crouch"
+    PUSH_OFF = "push-off"
+    FLIGHT = "flight"
+    LANDING = "landing"
+    RISE = "rise"
+    DONE = "stand"
+
+
+class Jumper:
+    """Jumps once, from standing to standing.
+
+    On the ground, height and posture follow the plan's path, and the ZMP brings the DCM over
+    the middle of the soles, with the force of the moment:
+    `c̈ = (g + z̈)/z (c − p)`. In the air there are no contacts: the CoM falls, angular momentum
+    stays as it is, and the soles follow their hop, to where they will catch the CoM; trunk and
+    arms follow the path, which has no momentum, and so go with the legs of themselves.
+    Touchdown is what the foot sensors feel; from there the landing's stroke is planned anew.
+
+    Args:
+        robot: the robot.
+        plan: of the jump.
+        dt: control period, s.
+        gains: weights, gains and times.
+
+    Attributes:
+        plan: of the jump.
+        phase: where it is.
+    """
+
+    def __init__(
+        self, robot: Robot, plan: JumpPlan, dt: float = 0.002, gains: JumpGains | None = None
+    ) -> None:
+        self.robot = robot
+        self.plan = plan
+        self.dt = dt
+        self._gains = gains or JumpGains()
+        self._gravity = gravity_of(robot)
+        self._limbs = Limbs(robot, dt, self._gains)
+        self._kin = Kinematics(robot, robot.standing())
+        self.reset(robot.standing())
+
+    @property
+    def done(self) -> bool:
+        """It stands again."""
+        return self.phase is JumpPhase.DONE
+
+    def reset(self, state: State) -> None:
+        """Start from standing, both soles on the ground.
+
+        Raises:
+            StateError: see `State.checked`.
+        """
+        kin, plan = self._kin, self.plan
+        kin.update(state)
+        feet = placements(kin)
+        self._ground = 0.5 * (feet.left.height + feet.right.height)
+        self._heading = feet.left.yaw + 0.5 * wrap(feet.right.yaw - feet.left.yaw)
+        self._standing = float(kin.p_com[2]) - self._ground
+        self._home = state.q[7:].copy()
+        self._down = _BOTH
+        self._hop = plan.flight
+        self._take_off = {side: kin.frame(t.frame).copy() for side, t in self._limbs.soles.items()}
+        self._middle = self._zmp = feet.middle
+        self.dcm_error = 0.0
+        time = self._time_for(self._gains.crouch_time, self._standing - plan.lowest)
+        self._height: Profile | Glide = Glide(self._standing, plan.lowest, time)
+        self._bend = Glide(0.0, 1.0, time)
+        self._enter(JumpPhase.CROUCH)
+
+    def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
+        """One tick.
+
+        Args:
+            state: estimated state.
+            foot_wrenches: sole name -> (6,) wrench from the ground in sole axes, N and N·m;
+                None or empty without foot sensors: then touchdown goes by time.
+
+        Raises:
+            StateError: see `State.checked`.
+            ContactError: a foot wrench of the wrong shape or name, or not finite.
+        """
+        shares = loads(self.robot, foot_wrenches)
+        kin = self._kin
+        kin.update(state)
+        feet = placements(kin)
+        self._advance(kin, feet, self._touching(shares))
+        self._time += self.dt
+        if self.phase is JumpPhase.FLIGHT:
+            self._fly(kin)
+        else:
+            self._balance(kin, feet)
+        return self._limbs.solve(kin)
+
+    def _enter(self, phase: JumpPhase) -> None:
+        self.phase, self._time = phase, 0.0
+
+    def _time_for(self, least: float, way: float) -> float:
+        """Duration of a glide whose speed stays below half of that at take-off, s."""
+        return max(least, 1.875 * abs(way) / (0.5 * self.plan.speed))
+
+    def _touching(self, shares: Mapping[str, float] | None) -> frozenset[str]:
+        """Sides whose soles carry."""
+        if shares is None:
+            over = self.phase is not JumpPhase.FLIGHT or self._time >= self._hop.duration
+            return _BOTH if over else frozenset()
+        return frozenset(s for s, share in shares.items() if share > self._gains.contact_share)
+
+    def _advance(self, kin: Kinematics, feet: Feet, touching: frozenset[str]) -> None:
+        """Enter the next phase when it is time."""
+        gains, plan, phase, time = self._gains, self.plan, self.phase, self._time + 0.5 * self.dt
+        if phase is JumpPhase.CROUCH and time > self._height.duration + gains.pause:
+            self._height = plan.push_off
+            self._enter(JumpPhase.PUSH_OFF)
+        elif phase is JumpPhase.PUSH_OFF and time > plan.push_off.duration:
+            self._leave_ground(kin, feet)
+        elif phase is JumpPhase.FLIGHT and time > 0.5 * self._hop.duration and touching:
+            self._touch_down(kin, feet, touching)
+        elif phase is JumpPhase.LANDING:
+            self._down = _BOTH if time > gains.catch_time else self._down | touching
+            if time > self._height.duration + gains.pause:
+                lowest = self._height.at(time)[0]
+                time = self._time_for(gains.rise_time, self._standing - lowest)
+                self._height = Glide(lowest, self._standing, time)
+                self._bend = Glide(1.0, 0.0, time)
+                self._enter(JumpPhase.RISE)
+        elif phase is JumpPhase.RISE:
+            over = time - self._height.duration
+            if over > gains.settle_time or (over > 0.0 and self.dcm_error < _SETTLED):
+                self._height = Glide(self._standing, self._standing, 1.0)
+                self._bend = Glide(0.0, 0.0, 1.0)
+                self._enter(JumpPhase.DONE)
+
+    def _leave_ground(self, kin: Kinematics, feet: Feet) -> None:
+        """The flight as it will be: from the CoM's height and velocity as they are."""
+        g, v = self._gravity, float(kin.v_com[2])
+        above = float(kin.p_com[2]) - self._ground - self.plan.take_off
+        duration = (v + math.sqrt(max(v * v + 2.0 * g * above, 0.0))) / g
+        self._hop = replace(self.plan.flight, duration=max(duration, 10.0 * self.dt))
+        self._take_off = {side: kin.frame(t.frame).copy() for side, t in self._limbs.soles.items()}
+        self._middle = feet.middle
+        self._down = frozenset()
+        self._enter(JumpPhase.FLIGHT)
+
+    def _touch_down(self, kin: Kinematics, feet: Feet, touching: frozenset[str]) -> None:
+        self._down = touching
+        self._ground = float(np.mean([feet.of(side).height for side in touching]))
+        height, fall = float(kin.p_com[2]) - self._ground, min(float(kin.v_com[2]), -0.1)
+        lowest = min(self.plan.lowest, height - _LEAST_STROKE)
+        begin = -self._gains.soft * self._gravity
+        self._height = stroke(height, fall, (lowest, 0.0, 0.0), begin)
+        self._enter(JumpPhase.LANDING)
+
+    def _balance(self, kin: Kinematics, feet: Feet) -> None:
+        """References of a phase on the ground."""
+        gains, g, com = self._gains, self._gravity, self._limbs.com
+        self._limbs.stand_on(self._down)
+        moment = self._height.at(self._time)
+        height, rate, acceleration = moment
+        if self._down == _BOTH:
+            ground = 0.5 * (feet.left.height + feet.right.height)
+            self._ground += (ground - self._ground) * min(self.dt / _GROUND_TIME, 1.0)
+        here, speed, middle = point(kin.p_com), point(kin.v_com), feet.middle
+        omega = math.sqrt(g / height)
+        wish = -(omega + gains.dcm_gain) * speed - gains.dcm_gain * omega * (here - middle)
+        stiffness = max(g + acceleration, _LEAST_FORCE * g) / height
+        self._zmp = clamp_to_polygon(
+            here - wish / stiffness, self._support(feet, -gains.zmp_margin), 0.0
+        )
+        push = stiffness * (here - self._zmp)
+        assert com.target is not None
+        com.target[2] = self._ground + height
+        com.velocity[2] = rate
+        com.acceleration[:] = push.real, push.imag, acceleration
+        self.dcm_error = abs(here + speed / omega - middle)
+        self._follow(moment)
+
+    def _support(self, feet: Feet, margin: float) -> list[complex]:
+        return convex_hull(
+            [
+                corner
+                for sole in self.robot.soles
+                for corner in corners(
+                    feet.of(sole.side), sole.half_length + margin, sole.half_width + margin
+                )
+            ]
+        )
+
+    def _fly(self, kin: Kinematics) -> None:
+        """References in the air."""
+        limbs, gains, plan = self._limbs, self._gains, self.plan
+        limbs.stand_on(())
+        height, rate, acceleration = self._hop.at(self._time)
+        left = max(self._hop.duration - self._time, 0.0)
+        omega = math.sqrt(self._gravity / plan.take_off)
+        # The soles land where the DCM will be: there the CoM comes to rest above them.
+        shift = point(kin.p_com) + point(kin.v_com) * (left + 1.0 / omega) - self._middle
+        shift *= min(1.0, gains.reach / max(abs(shift), 1e-9))
+        way = Glide(0.0, 1.0, self._hop.duration).at(self._time)
+        for side, task in limbs.soles.items():
+            start = self._take_off[side]
+            x, y = start.translation[:2]
+            place = np.array(
+                [x + way[0] * shift.real, y + way[0] * shift.imag, self._ground + height]
+            )
+            yaw = math.atan2(start.rotation[1, 0], start.rotation[0, 0])
+            task.target = pin.SE3(about_z(yaw), place)
+            task.velocity[:3] = way[1] * shift.real, way[1] * shift.imag, rate
+            task.acceleration[:3] = way[2] * shift.real, way[2] * shift.imag, acceleration
+        above = float(kin.p_com[2]) - self._ground - height
+        self._follow((above, float(kin.v_com[2]) - rate, -self._gravity - acceleration))
+
+    def _follow(self, moment: Moment) -> None:
+        """Trunk and posture along the path; crouching and rising, between it and standing."""
+        path = self.plan.path
+        if self.phase in (JumpPhase.PUSH_OFF, JumpPhase.FLIGHT, JumpPhase.LANDING):
+            lean, posture = path.attitude(moment), path.posture(moment)
+        else:
+            lowest = (self.plan.lowest, 0.0, 0.0)
+            bend = np.array(self._bend.at(self._time))[:, None]
+            lean = bend * path.attitude(lowest)[0]
+            posture = bend * (path.posture(lowest)[0] - self._home)
+            posture[0] += self._home
+        self._limbs.lean(self._heading, lean)
+        self._limbs.pose(posture)
+
+    @property
+    def telemetry(self) -> Telemetry:
+        """What it sees and intends, for observers."""
+        kin, z = self._kin, self._ground
+
+        def at(p: complex) -> np.ndarray:
+            return np.array([p.real, p.imag, z])
+
+        here = point(kin.p_com)
+        omega = math.sqrt(self._gravity / self._standing)
+        feet = placements(kin)
+        flying = self.phase is JumpPhase.FLIGHT
+        return Telemetry(
+            com=kin.p_com.copy(),
+            dcm=at(here + point(kin.v_com) / omega),
+            dcm_reference=at(feet.middle),
+            zmp=np.full(3, np.nan) if flying else at(self._zmp),
+            phase="stand",
+            support=np.empty((0, 3))
+            if flying
+            else np.array([at(p) for p in self._support(feet, 0.0)]),
+        )

@@ -1,0 +1,186 @@
+"""A vertical jump within a robot's torque, velocity and position limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wbc.errors import MotionError
+from wbc.motions.jumping.bound import TakeOffBound, take_off_bound
+from wbc.motions.jumping.path import JumpPath, gravity_of
+from wbc.motions.jumping.profile import Hop, Profile, stroke
+from wbc.motions.jumping.tracer import trace
+from wbc.robot import Robot
+
+_SAMPLES = np.linspace(0.0, 1.0, 31)
+_TAKE_OFFS = np.linspace(0.68, 1.04, 13)  # shares of the standing height
+_DEPTHS = np.linspace(0.04, 0.20, 7)  # of the push-off, likewise
+_RISES = np.linspace(0.4, 1.0, 7)  # shares of the clearance that come from the CoM's rise
+_REACH = 0.35  # of the standing height: how far down a path goes
+_SHORTEST = 0.4  # of the push-off, in units of √(height / g): motors need time for their ramps
+_TOUCHDOWN = 0.1  # m/s, downward speed of the soles
+_MOST_EFFORT = 0.95  # share of a limit that a plan may use: the rest is for feedback
+_HALVINGS = 5  # of the interval in which the highest jump is looked for
+
+
+class JumpTooHigh(MotionError):
+    """A jump is beyond a robot's limits; the text says which, and what bounds it.
+
+    Attributes:
+        bound: on its take-off.
+    """
+
+    def __init__(self, text: str, bound: TakeOffBound) -> None:
+        super().__init__(text)
+        self.bound = bound
+
+
+@dataclass(frozen=True)
+class JumpPlan:
+    """A jump on the spot.
+
+    Attributes:
+        path: the configurations on the way; the soles leave the ground, and touch it again,
+            with the CoM at its top.
+        lowest: height of the CoM in the crouch, m above the soles.
+        speed: of the CoM at take-off, m/s.
+        push_off: height of the CoM above the soles over time.
+        flight: height of the soles over time.
+        landing: height of the CoM above the soles over time, from touchdown on.
+        torque_share: largest |τ|/τ_max of push-off, flight and landing.
+        torque_joint: of which joint.
+        speed_share: largest |q̇|/q̇_max.
+        speed_joint: of which joint.
+    """
+
+    path: JumpPath
+    lowest: float
+    speed: float
+    push_off: Profile
+    flight: Hop
+    landing: Profile
+    torque_share: float
+    torque_joint: str
+    speed_share: float
+    speed_joint: str
+
+    @property
+    def take_off(self) -> float:
+        """Height of the CoM above the soles at take-off, m."""
+        return self.path.top
+
+    @property
+    def clearance(self) -> float:
+        """Height of the soles in the middle of the flight, m."""
+        return self.flight.clearance
+
+    @property
+    def rise(self) -> float:
+        """How far the CoM rises after take-off, v²/2g, m."""
+        return self.speed**2 / (2.0 * gravity_of(self.path.robot))
+
+    @property
+    def effort(self) -> float:
+        """The largest share of a limit of torque or velocity."""
+        return max(self.torque_share, self.speed_share)
+
+    @classmethod
+    def along(cls, path: JumpPath, lowest: float, rise: float, clearance: float) -> JumpPlan:
+        """The jump along a path, from a crouch (m), by a rise of the CoM and of the soles (m)."""
+        robot, g = path.robot, gravity_of(path.robot)
+        speed = float(np.sqrt(2.0 * g * rise))
+        push_off = stroke(lowest, 0.0, (path.top, speed, -g))
+        landing = stroke(path.top, -speed, (lowest, 0.0, 0.0), begin=-g)
+        flight = Hop(2.0 * speed / g, clearance, _TOUCHDOWN)
+        up, down = (s.sample(_SAMPLES * s.duration) for s in (push_off, landing))
+        t = _SAMPLES * flight.duration
+        z, rate, acceleration = flight.sample(t)
+        air = (path.top + speed * t - 0.5 * g * t * t - z, speed - g * t - rate, -g - acceleration)
+        torque = np.vstack(
+            [
+                path.torque(path.stance, *up),
+                path.torque(path.stance, *down),
+                path.torque(path.flight, *air),
+            ]
+        )
+        velocity = np.vstack([path.joint_velocity(z, rate) for z, rate, _ in (up, down, air)])
+        shares = [np.abs(torque) / robot.tau_max, np.abs(velocity) / robot.v_max]
+        joints = [robot.joint_names[int(np.argmax(share.max(axis=0)))] for share in shares]
+        most = [float(share.max()) for share in shares]
+        return cls(
+            path, lowest, speed, push_off, flight, landing, most[0], joints[0], most[1], joints[1]
+        )
+
+
+def jump_paths(robot: Robot) -> list[JumpPath]:
+    """Paths with different take-off heights.
+
+    Raises:
+        MotionError: the legs cannot move the CoM up and down.
+    """
+    height = robot.com_height
+    traced = (trace(robot, share * height, _REACH * height) for share in _TAKE_OFFS)
+    paths = [path for path in traced if path is not None]
+    if not paths:
+        raise MotionError(f"jump: the legs of '{robot.name}' cannot lower and raise its body")
+    return paths
+
+
+def plan_jump(robot: Robot, clearance: float) -> JumpPlan:
+    """The jump of a clearance of both soles (m) that takes the least share of all limits.
+
+    Raises:
+        JumpTooHigh: there is none within the limits; with the bound.
+        MotionError: the clearance is not positive, or the legs cannot move the CoM up and down.
+    """
+    if not 0.0 < clearance < np.inf:
+        raise MotionError(f"jump: a clearance of {clearance} m must be positive and finite")
+    paths = jump_paths(robot)
+    plan = _gentlest(paths, clearance)
+    if plan is not None and plan.effort <= _MOST_EFFORT:
+        return plan
+    bound = take_off_bound(robot, paths)
+    highest = _highest(paths, bound)
+    advice = (
+        f"a clearance of {1e3 * highest:.0f} mm is within its limits"
+        if highest > 0.001
+        else "no clearance worth the name is within its limits"
+    )
+    raise JumpTooHigh(
+        f"jump: '{robot.name}' cannot clear {1e3 * clearance:.0f} mm: {bound}; {advice}", bound
+    )
+
+
+def _gentlest(paths: Sequence[JumpPath], clearance: float) -> JumpPlan | None:
+    return min(_candidates(paths, clearance), key=lambda plan: plan.effort, default=None)
+
+
+def _candidates(paths: Sequence[JumpPath], clearance: float) -> Iterator[JumpPlan]:
+    """Jumps of a clearance (m) from different crouches, take-off heights and rises."""
+    robot = paths[0].robot
+    shortest = _SHORTEST * float(np.sqrt(robot.com_height / gravity_of(robot)))
+    for path in paths:
+        room = path.top - float(path.height[0])
+        for depth in _DEPTHS * robot.com_height:
+            for share in _RISES:
+                rise = float(share * clearance)
+                if max(depth, clearance - rise) > room:
+                    continue
+                plan = JumpPlan.along(path, float(path.top - depth), rise, clearance)
+                if plan.push_off.duration >= shortest:
+                    yield plan
+
+
+def _highest(paths: Sequence[JumpPath], bound: TakeOffBound) -> float:
+    """The highest clearance whose plan keeps the limits, m, to a 32nd; by halving."""
+    low, high = 0.0, bound.rise / float(_RISES[0])
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        plan = _gentlest(paths, middle) if middle > 0.0 else None
+        if plan is not None and plan.effort <= _MOST_EFFORT:
+            low = middle
+        else:
+            high = middle
+    return low
