@@ -327,3 +327,15 @@ def test_the_state_is_the_callers_own():
     np.testing.assert_array_equal(first.q, kept[0])
     np.testing.assert_array_equal(first.v, kept[1])
     assert np.linalg.norm(second.q[3:7]) == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 3.0, -3.0])
+def test_the_orientation_is_the_quaternion_with_positive_w(yaw):
+    r = robot()
+    start = moved(r.standing(), (1.0, 2.0, 0.0), yaw)
+    estimator = Estimator(r)
+    estimator.reset(start)
+    still = np.zeros(r.na), np.zeros(3), np.array([0.0, 0.0, 9.81])
+    state = estimator.update(Measurement(0.0, start.q[7:], *still))
+    expected = start.q[3:7] if start.q[6] >= 0.0 else -start.q[3:7]
+    np.testing.assert_allclose(state.q[3:7], expected, atol=1e-9)

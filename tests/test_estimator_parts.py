@@ -5,41 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from wbc.estimation import EstimatorNoise, so3
+from wbc.estimation import EstimatorNoise
 from wbc.estimation.contact import ContactTrigger
 from wbc.estimation.inekf import InvariantFilter
 from wbc.estimation.joints import JointFilter, stationary_gain
-
-vectors = st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3).map(np.array)
-
-
-@settings(deadline=None)
-@given(a=vectors, scale=st.sampled_from([1.0, 1e-2, 1e-4, 1e-7, 0.0]))
-def test_rotations_agree_with_pinocchio(a, scale):
-    a = scale * a
-    R = pin.exp3(a)
-    np.testing.assert_allclose(so3.exp(a), R, atol=1e-12)
-    np.testing.assert_allclose(so3.exps(np.array([a, -a]))[1], R.T, atol=1e-12)
-    turn, smear = so3.exp_and_integral(a)
-    np.testing.assert_allclose(turn, R, atol=1e-12)
-    # ∫ exp(s a) ds is the transposed right Jacobian, i.e. the left one.
-    np.testing.assert_allclose(smear, pin.Jexp3(-a), atol=1e-7)
-    quaternion = np.array(so3.quaternion(R))
-    assert quaternion[3] >= 0.0
-    np.testing.assert_allclose(pin.Quaternion(quaternion).toRotationMatrix(), R, atol=1e-12)
-
-
-@given(a=vectors, b=vectors)
-def test_skew_matrices_are_cross_products(a, b):
-    one, many = np.zeros((3, 3)), np.zeros((2, 3, 3))
-    so3.skew(a, one)
-    so3.skews(np.array([b, a]), many)
-    np.testing.assert_allclose(one @ b, np.cross(a, b), atol=1e-12)
-    np.testing.assert_array_equal(many[1], one)
-    np.testing.assert_array_equal(so3.vee(many[1:]), [a])
 
 
 def filled(seed: int = 0) -> tuple[InvariantFilter, np.ndarray, np.ndarray]:
@@ -77,7 +47,7 @@ def test_a_correction_is_the_textbook_kalman_update(feet):
     random = np.random.default_rng(1)
     rows = list(feet)
     xi = 1e-5 * random.standard_normal(3)
-    F = np.array([f.R.T @ so3.exp(xi) @ f.F[i] for i in rows])
+    F = np.array([f.R.T @ pin.exp3(xi) @ f.F[i] for i in rows])
     off = 1e-4 * random.standard_normal((len(rows), 3))
     h = np.array([f.R.T @ (f.vectors[2 + i] - f.p + o) for i, o in zip(rows, off, strict=True)])
     H = np.zeros((6 * len(rows), 27))
@@ -172,6 +142,22 @@ def test_joint_filter_smooths_and_follows():
     assert plain[1] < 0.028
     assert helped[1] < 0.7 * plain[1]
     assert errors(np.inf, False)[1] == pytest.approx(0.05, rel=0.05)
+
+
+@pytest.mark.parametrize("foreseen", [None, 3.0])
+def test_joint_filter_predicts_and_then_corrects(foreseen):
+    dt, sigma, surprise = 0.002, 20.0, 6.0
+    f = JointFilter(1, dt, 1e-3, 0.05, sigma, surprise)
+    q, v = (float(x[0]) for x in f.update(np.array([0.3]), np.array([-0.2])))
+    assert (q, v) == (0.3, -0.2)
+    known = None if foreseen is None else np.array([foreseen])
+    K = stationary_gain(dt, 1e-3, 0.05, sigma if foreseen is None else surprise)
+    for reading in ([0.31, -0.1], [0.28, 0.3]):
+        v += dt * (foreseen or 0.0)
+        q += dt * v
+        q, v = np.array([q, v]) + K @ (np.array(reading) - [q, v])
+        found = f.update(np.array(reading[:1]), np.array(reading[1:]), known)
+        np.testing.assert_allclose([found[0][0], found[1][0]], [q, v], rtol=1e-12)
 
 
 def test_stationary_gain_is_a_fixed_point_of_the_riccati_equation():

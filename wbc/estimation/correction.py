@@ -20,9 +20,10 @@ class Correction:
     Attributes:
         H: (m, n) of the measurement r = H ξ + noise.
         N: (m, m) covariance of the noise in world axes, after `turn_noise`.
-        rows: the feet, as an index into arrays of all feet.
-        residual: (k, 2, 3) workspace.
-        both: (m, n + 1) workspace.
+        both: (m, n + 1) workspace for H P and, in the last column, r.
+        places: per foot, view of the position's residual in `both`.
+        turns: per foot, view of the rotation's residual.
+        starts: where each foot's six rows begin.
     """
 
     def __init__(
@@ -34,11 +35,10 @@ class Correction:
         covariances: Sequence[np.ndarray],
     ) -> None:
         m = 6 * len(feet)
-        self.rows: slice | list[int] = list(feet)
-        if list(feet) == list(range(feet[0], feet[-1] + 1)):
-            self.rows = slice(feet[0], feet[-1] + 1)  # a view is cheaper than a gather
-        self.residual = np.empty((len(feet), 2, 3))
         self.both = np.empty((m, n + 1))
+        self.starts = np.arange(0, m, 6)
+        self.places = [self.both[k : k + 3, n] for k in self.starts]
+        self.turns = [self.both[k + 3 : k + 6, n] for k in self.starts]
         self.H = np.zeros((m, n))
         self._C = np.zeros((m, m))
         for k, i in enumerate(feet):
@@ -47,12 +47,11 @@ class Correction:
             self.H[at, place[i]] = self.H[to, turn[i]] = -np.eye(3)
             self._C[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = covariances[i]
         self._turn = np.zeros((m, m))
-        blocks = np.arange(2 * len(feet))
-        self._blocks = (blocks, slice(None), blocks, slice(None))
+        self._blocks = [self._turn[k : k + 3, k : k + 3] for k in range(0, m, 3)]
         self.N = self._C.copy()
 
     def turn_noise(self, R: np.ndarray) -> None:
         """Express the legs' noise in world axes: N = R C Rᵀ block by block."""
-        k = len(self._turn) // 3
-        self._turn.reshape(k, 3, k, 3)[self._blocks] = R
-        np.matmul(self._turn @ self._C, self._turn.T, out=self.N)
+        for block in self._blocks:
+            block[:] = R
+        self._turn.dot(self._C).dot(self._turn.T, out=self.N)

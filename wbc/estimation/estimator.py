@@ -9,7 +9,6 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.errors import ContactError, MeasurementError
-from wbc.estimation import so3
 from wbc.estimation.contact import ContactTrigger
 from wbc.estimation.inekf import InvariantFilter
 from wbc.estimation.joints import JointFilter
@@ -89,6 +88,7 @@ class Estimator:
         )
         self._names = [s.name for s in robot.soles]
         self._joint_shape = (robot.na,)
+        self._T_world_imu, self._twist = pin.SE3.Identity(), pin.Motion.Zero()
         self.reset(robot.standing())
 
     @property
@@ -176,13 +176,15 @@ class Estimator:
     def _check(self, measurement: Measurement) -> None:
         q, v = measurement.joint_position, measurement.joint_velocity
         gyro, accelerometer = measurement.gyro, measurement.accelerometer
-        # One sum is finite only if every reading is; what is wrong is found out after.
+        # One sum of squares is finite only if every reading is; what is wrong is told below.
         if (
             q.shape == self._joint_shape
             and v.shape == self._joint_shape
             and gyro.shape == (3,)
             and accelerometer.shape == (3,)
-            and math.isfinite(q.sum() + v.sum() + gyro.sum() + accelerometer.sum())
+            and math.isfinite(
+                q.dot(q) + v.dot(v) + gyro.dot(gyro) + accelerometer.dot(accelerometer)
+            )
         ):
             return
         for name, shape in (
@@ -207,7 +209,7 @@ class Estimator:
         shares = []
         for name in self._names:
             wrench = wrenches.get(name)
-            if wrench is None or wrench.shape != (6,) or not math.isfinite(wrench.sum()):
+            if wrench is None or wrench.shape != (6,) or not math.isfinite(wrench.dot(wrench)):
                 raise MeasurementError(
                     f"measurement.foot_wrenches['{name}'] is {wrench!r}: it needs six finite "
                     "numbers for every sole, or no entries at all without foot sensors"
@@ -243,24 +245,22 @@ class Estimator:
                     self.filter.land(i, leg.translation, leg.rotation)
 
     def _state(self, gyro: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> State:
-        R_imu, vectors = self.filter.R, self.filter.vectors
-        # Plain arrays from here on: Pinocchio's small objects cost more than the products.
-        R, p = self._legs.T_imu_base.rotation, self._legs.T_imu_base.translation
+        velocity_imu, place = self.filter.vectors[:2]
+        R_imu, T_imu_base = self.filter.R, self._legs.T_imu_base
         q = np.empty(self._model.nq)
         v = np.empty(self._model.nv)
-        q[:3] = self._origin + vectors[1] + R_imu @ p
-        q[3:7] = so3.quaternion(R_imu @ R)
+        T_world_imu, twist = self._T_world_imu, self._twist
+        T_world_imu.rotation = R_imu
+        T_world_imu.translation = self._origin + place
+        q[:7] = pin.SE3ToXYZQUAT(T_world_imu * T_imu_base)
+        if q[6] < 0.0:
+            q[3:7] *= -1.0
         q[7:] = position
-        linear = vectors[0] @ R_imu
-        angular = gyro - self.filter.gyro_bias
+        twist.linear = velocity_imu.dot(R_imu)
+        twist.angular = gyro - self.filter.gyro_bias
         relative = self._legs.relative
         if relative is not None:
-            linear -= relative.linear
-            angular -= relative.angular
-        x, y, z = angular.tolist()
-        a, b, c = p.tolist()
-        linear += (y * c - z * b, z * a - x * c, x * b - y * a)
-        v[:3] = linear @ R
-        v[3:6] = angular @ R
+            twist -= relative
+        v[:6] = T_imu_base.actInv(twist).vector
         v[6:] = velocity
         return State(q, v)

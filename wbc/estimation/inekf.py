@@ -12,13 +12,15 @@ import itertools
 from collections.abc import Sequence
 
 import numpy as np
+import pinocchio as pin
 
-from wbc.estimation import so3
 from wbc.estimation.correction import Correction
 from wbc.estimation.noise import EstimatorNoise
 
 _R, _V, _P = slice(0, 3), slice(3, 6), slice(6, 9)
 
+#: (3, 9) `a.dot(_SKEW)` is the matrix of `a ×`, row by row; so for many a at once.
+_SKEW = np.array([pin.skew(axis).ravel() for axis in np.eye(3)])
 
 #: Corrections between two rounds of `_tidy`.
 _TIDY = 20
@@ -81,7 +83,12 @@ class InvariantFilter:
         # How a gyro error in world axes moves the errors: [I; v×; p×; d×].
         self._lever = np.zeros((self._moved, 3))
         self._lever[_R] = np.eye(3)
-        self._skews = self._lever[3:].reshape(-1, 3, 3)
+        self._skews = self._lever[3:].reshape(-1, 9)
+        self.vectors = np.zeros((2 + feet, 3))
+        # A period on, [v, p] is coast [v, p] + kick a.
+        self._body = self.vectors[:2]
+        self._coast = np.array([[1.0, 0.0], [dt, 1.0]])
+        self._kick = np.array([[dt], [0.5 * dt * dt]])
         self._process = np.zeros(n)
         self._process[_V] = (noise.accelerometer * dt) ** 2
         self._process[self._bg] = noise.gyro_walk**2 * dt
@@ -113,7 +120,7 @@ class InvariantFilter:
         """Start at a pose and velocity, with unknown biases and no feet on the ground."""
         noise = self._noise
         self.R = np.array(R, dtype=float)
-        self.vectors = np.zeros((2 + self._feet, 3))
+        self.vectors[:] = 0.0
         self.vectors[0] = v
         self.F = np.array([np.eye(3)] * self._feet)
         self.gyro_bias = np.zeros(3)
@@ -139,13 +146,11 @@ class InvariantFilter:
             accelerometer: (3,) mean specific force over the period, IMU axes, m/s².
             slip: per foot, a factor on its wandering; 0 for a foot in the air.
         """
-        dt, X = self._dt, self.vectors
-        half = so3.exp((0.5 * dt) * (gyro - self.gyro_bias))
-        middle = self.R @ half
-        acceleration = middle @ (accelerometer - self.accelerometer_bias) + self._gravity
-        X[1] += dt * X[0] + (0.5 * dt * dt) * acceleration
-        X[0] += dt * acceleration
-        self.R = middle @ half
+        half = pin.exp3((0.5 * self._dt) * (gyro - self.gyro_bias))
+        middle = self.R.dot(half)
+        acceleration = middle.dot(accelerometer - self.accelerometer_bias) + self._gravity
+        self._body[:] = self._coast.dot(self._body) + self._kick * acceleration
+        self.R = middle.dot(half)
         self._pending += 1
         for i, factor in enumerate(slip):
             self._wander[i] += factor * factor
@@ -164,13 +169,13 @@ class InvariantFilter:
         if transition is None:
             transition = self._transitions[count] = self._transition_over(count * self._dt)
         minus = (-count * self._dt) * self.R
-        so3.skews(self.vectors, self._skews)
+        self.vectors.dot(_SKEW, out=self._skews)
         lever, moved = self._lever, self._moved
-        transition[:moved, self._bg] = lever @ minus
+        transition[:moved, self._bg] = lever.dot(minus)
         transition[_V, self._ba] = minus
         P = self.P
-        np.matmul(transition @ P, transition.T, out=P)
-        P[:moved, :moved] += (count * self._gyro_step) * (lever @ lever.T)
+        transition.dot(P).dot(transition.T, out=P)
+        P[:moved, :moved] += (count * self._gyro_step) * lever.dot(lever.T)
         process = self._process
         for i, square in enumerate(self._wander):
             process[self._place[i]] = (square / count) * self._slip
@@ -182,8 +187,8 @@ class InvariantFilter:
         """The constant part of the errors' transition matrix."""
         transition = np.eye(len(self.P))
         transition[_P, _V] = time * np.eye(3)
-        so3.skew(time * self._gravity, transition[_V, _R])
-        so3.skew(0.5 * time * time * self._gravity, transition[_P, _R])
+        transition[_V, _R] = time * pin.skew(self._gravity)
+        transition[_P, _R] = 0.5 * time * transition[_V, _R]
         return transition
 
     def land(self, foot: int, h: np.ndarray, F: np.ndarray) -> None:
@@ -225,29 +230,28 @@ class InvariantFilter:
             return
         R, P, X = self.R, self.P, self.vectors
         update = self._updates[feet]
-        residual = update.residual
-        rows = update.rows
-        np.matmul(h, R.T, out=residual[:, 0])
-        residual[:, 0] += X[1] - X[2:][rows]
-        # Of R F F̂ᵀ, a rotation by milliradians, sine and angle are the same.
-        turned = (R @ F) @ self.F[rows].transpose(0, 2, 1)
-        residual[:, 1] = so3.vee(turned)
         n = len(P)
         both = update.both
-        HP = both[:, :n]
-        np.matmul(update.H, P, out=HP)
-        both[:, n] = r = residual.reshape(-1)
+        both[:, :n] = HP = update.H.dot(P)
+        r = both[:, n]
+        off = h.dot(R.T) + X[1]
+        for k, i in enumerate(feet):
+            update.places[k][:] = off[k] - X[2 + i]
+            # Of R F F̂ᵀ, a rotation by milliradians, sine and angle are the same.
+            (_, b, c), (d, _, e), (f, g, _) = R.dot(F[k]).dot(self.F[i].T).tolist()
+            update.turns[k][:] = 0.5 * (g - e), 0.5 * (c - f), 0.5 * (d - b)
         update.turn_noise(R)
-        S = HP @ update.H.T + update.N
+        S = HP.dot(update.H.T) + update.N
         solved = np.linalg.solve(S, both)  # S⁻¹ [H P, r]
-        unlikely = (r * solved[:, n]).reshape(-1, 6).sum(axis=1)
-        k = int(unlikely.argmax())
-        if unlikely[k] > self._noise.slip_gate:
+        weighted = solved[:, n]
+        unlikely = np.add.reduceat(r * weighted, update.starts).tolist()
+        if max(unlikely) > self._noise.slip_gate:
             # Taken for truth, the slip of a sole would turn into a bias of the gyro.
+            k = unlikely.index(max(unlikely))
             self.land(feet[k], h[k], F[k])
             return
-        self._retract(-(solved[:, n] @ HP))
-        P -= HP.T @ solved[:, :n]
+        self._retract(-weighted.dot(HP))
+        P -= HP.T.dot(solved[:, :n])
         self._corrections += 1
         if self._corrections % _TIDY == 0:
             self._tidy()
@@ -262,10 +266,12 @@ class InvariantFilter:
 
     def _retract(self, xi: np.ndarray) -> None:
         """Left-multiply the estimate by exp(ξ)."""
-        moved = self._moved
-        turn, smear = so3.exp_and_integral(xi[_R])
-        self.R = turn @ self.R
-        self.vectors = self.vectors @ turn.T + xi[3:moved].reshape(-1, 3) @ smear.T
-        self.F = so3.exps(xi[moved : moved + 3 * self._feet].reshape(-1, 3)) @ self.F
+        # Γ₀ and Γ₁ of the group of double direct isometries: exp(a) and ∫₀¹ exp(s a) ds.
+        turn, smear = pin.exp3(xi[_R]), pin.Jexp3(-xi[_R])
+        self.R = turn.dot(self.R)
+        moves = xi[3 : self._moved].reshape(-1, 3)
+        self.vectors[:] = self.vectors.dot(turn.T) + moves.dot(smear.T)
+        for F, own in zip(self.F, self._turn, strict=True):
+            F[:] = pin.exp3(xi[own]).dot(F)
         self.gyro_bias = self.gyro_bias + xi[self._bg]
         self.accelerometer_bias = self.accelerometer_bias + xi[self._ba]

@@ -10,7 +10,11 @@ class JointFilter:
 
     The model is `q̇ = v, v̇ = a + e` with the foreseen acceleration a, zero if nobody
     foresees one, and an error e that is white noise; measured are both q and v. With all
-    joints alike, the stationary gain is one 2×2 matrix, found once.
+    joints alike, the stationary gain K is one 2×2 matrix, found once, and an update
+
+        x⁺ = (1 − K) (A x + b a) + K z
+
+    one product of a constant matrix with the rows q, v, a and the readings of q and v.
 
     Args:
         na: number of joints.
@@ -31,11 +35,12 @@ class JointFilter:
         acceleration: float,
         surprise: float,
     ) -> None:
-        self._dt = dt
-        self._x = np.zeros((2, na))
-        self._prediction = np.zeros((2, na))
-        self._gain = stationary_gain(dt, position, velocity, acceleration)
-        self._foreseen_gain = stationary_gain(dt, position, velocity, surprise)
+        self._rows = np.zeros((5, na))
+        self._x, self._acceleration, self._readings = np.split(self._rows, (2, 3))
+        self._update = _update_matrix(dt, stationary_gain(dt, position, velocity, acceleration))
+        self._foreseen_update = _update_matrix(
+            dt, stationary_gain(dt, position, velocity, surprise)
+        )
         self._passes = not np.isfinite(acceleration)
         self._fresh = True
 
@@ -56,22 +61,25 @@ class JointFilter:
             velocity: (na,) rad/s.
             acceleration: (na,) foreseen over the period that ends now, rad/s²; none: zero.
         """
-        x = self._x
+        x, readings = self._x, self._readings
+        readings[0] = position
+        readings[1] = velocity
         if self._fresh or self._passes:
-            x[0] = position
-            x[1] = velocity
+            x[:] = readings
             self._fresh = False
-            return x[0], x[1]
-        gain = self._gain
-        if acceleration is not None:
-            gain = self._foreseen_gain
-            x[1] += self._dt * acceleration
-        x[0] += self._dt * x[1]
-        innovation = self._prediction
-        np.subtract(position, x[0], out=innovation[0])
-        np.subtract(velocity, x[1], out=innovation[1])
-        x += gain @ innovation
+        elif acceleration is None:
+            self._acceleration[:] = 0.0
+            x[:] = self._update.dot(self._rows)
+        else:
+            self._acceleration[:] = acceleration
+            x[:] = self._foreseen_update.dot(self._rows)
         return x[0], x[1]
+
+
+def _update_matrix(dt: float, gain: np.ndarray) -> np.ndarray:
+    """(2, 5) from [q, v, a, reading of q, reading of v] to the filtered [q, v]."""
+    predict = np.array([[1.0, dt, dt * dt], [0.0, 1.0, dt]])
+    return np.hstack(((np.eye(2) - gain) @ predict, gain))
 
 
 def stationary_gain(dt: float, position: float, velocity: float, acceleration: float) -> np.ndarray:

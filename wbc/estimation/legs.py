@@ -22,15 +22,16 @@ class Legs:
 
     def __init__(self, robot: Robot) -> None:
         self._model = robot.model
-        self._data = robot.model.createData()
+        self._data = data = robot.model.createData()
         imu = robot.model.frames[robot.frame_id(robot.imu)]
-        self._imu_joint: int = imu.parentJoint
+        # Pinocchio's own memory, looked up once: it shows what the last update computed.
+        self._imu_body, self._imu_twist = data.oMi[imu.parentJoint], data.v[imu.parentJoint]
         self._imu_placement: pin.SE3 = imu.placement
         # On the base link, where it mostly is, the IMU needs no kinematics of its own.
-        self._fixed = self._imu_joint == 1
+        self._fixed: bool = imu.parentJoint == 1
         self.T_imu_base: pin.SE3 = imu.placement.inverse()
         self.relative: pin.Motion | None = None
-        self._soles = [(s.joint_id, s.placement) for s in robot.soles]
+        self._soles = [(data.oMi[s.joint_id], s.placement) for s in robot.soles]
         self._q = pin.neutral(robot.model)
         self._v = np.zeros(robot.nv)
 
@@ -42,13 +43,13 @@ class Legs:
             return
         self._v[6:] = velocity
         pin.forwardKinematics(self._model, self._data, self._q, self._v)
-        self.T_imu_base = (self._data.oMi[self._imu_joint] * self._imu_placement).inverse()
-        self.relative = self._imu_placement.actInv(self._data.v[self._imu_joint])
+        self.T_imu_base = (self._imu_body * self._imu_placement).inverse()
+        self.relative = self._imu_placement.actInv(self._imu_twist)
 
     def sole(self, index: int) -> pin.SE3:
         """Sole axes to IMU axes."""
-        joint, placement = self._soles[index]
-        return self.T_imu_base * self._data.oMi[joint] * placement
+        body, placement = self._soles[index]
+        return self.T_imu_base * body * placement
 
     def sole_height(self, index: int, up: np.ndarray) -> float:
         """How far a sole is along `up`, (3,) in IMU axes, from the IMU, m."""
