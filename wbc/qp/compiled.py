@@ -139,6 +139,11 @@ class CompiledAssembly:
             TaskError: an attribute of a task has a wrong shape or type.
             ContactError: an attribute of a contact has.
         """
+        self.gather(kin)
+        return self.assemble(kin)
+
+    def gather(self, kin: Kinematics) -> None:
+        """Fetch what tasks, contacts and limits want now, and where their frames are."""
         for owner, gather in self._gathers:
             try:
                 gather(kin)
@@ -147,9 +152,12 @@ class CompiledAssembly:
         model, data = kin.model, kin.data
         for place, frame_id in self._places:
             place[:] = pin.updateFramePlacement(model, data, frame_id).homogeneous
+
+    def assemble(self, kin: Kinematics) -> Problem:
+        """The QP of what was gathered."""
         state = kin.state
         self._problem.finite = assemble(
-            kin.mass_matrix, kin.bias_forces, data.J.T, state.q, state.v, *self._arguments
+            kin.mass_matrix, kin.bias_forces, kin.data.J.T, state.q, state.v, *self._arguments
         )
         return self._problem
 
