@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -42,7 +42,7 @@ def run(
     estimator: StateEstimator | None = None,
     viewer: Observer | None = None,
     recording: Observer | None = None,
-    log: Recorder | None = None,
+    log: Recorder | Sequence[Recorder] | None = None,
     real_time: bool | RealTime = False,
     announce: Callable[[LoopConditions], None] | None = None,
     before_tick: Callable[[float], None] | None = None,
@@ -60,7 +60,7 @@ def run(
         estimator: measurement to state; `Estimator(plant.robot, plant.dt)` when left out.
         viewer: shown a snapshot 30 times per second of plant time.
         recording: likewise.
-        log: told every tick, e.g. `wbc.log.FlightRecorder`.
+        log: told every tick, e.g. `wbc.log.FlightRecorder`; or several such.
         real_time: wait for the wall clock, so that a second takes a second. The loop asks the
             system for all that keeps ticks punctual, or for what a `RealTime` says, and gives it
             back in the end.
@@ -81,8 +81,9 @@ def run(
     start = true_before or plant.robot.standing()
     estimator.reset(start)
     controller.reset(start)
-    if log is not None:
-        log.begin(controller, plant)
+    logs = () if log is None else tuple(log) if isinstance(log, Sequence) else (log,)
+    for one in logs:
+        one.begin(controller, plant)
     book = Book(plant.robot, start, int(np.ceil(duration / plant.dt)) + 1)
     show_every = max(1, round(1.0 / (30.0 * plant.dt)))
     tell_every = max(1, round(0.1 / plant.dt))
@@ -109,11 +110,10 @@ def run(
                 true_state = _truth(plant)
                 truth = true_state or state
                 book.note(now, t1 - t0, t2 - t1, command, truth, controller)
-                if log is not None:
-                    log.record(
-                        Tick(now, measurement, state, command, true_before, t1 - t0, t2 - t1),
-                        controller,
-                    )
+                if logs:
+                    seen = Tick(now, measurement, state, command, true_before, t1 - t0, t2 - t1)
+                    for one in logs:
+                        one.record(seen, controller)
                     true_before = true_state
                 if tick % show_every == 0:
                     for observer in observers:
@@ -133,8 +133,8 @@ def run(
     report = book.report(controller, clock)
     if conditions is not None:
         report = replace(report, loop_conditions=conditions.describe())
-    if log is not None:
-        log.end(report)
+    for one in logs:
+        one.end(report)
     return report
 
 
