@@ -223,11 +223,12 @@ def main() -> None:
     parser.add_argument(
         "--cold", type=int, default=3, help="repeats without kernels (default: %(default)s)"
     )
+    parser.add_argument("--only", action="append", metavar="TEXT", help="rows whose name has it")
     parser.add_argument("--json", type=Path, help="write the table there")
     options = parser.parse_args()
-    chosen = rows(options.robot)
-    if options.cold < 1:
-        chosen = [row for row in chosen if not row.cold]
+    chosen = [row for row in rows(options.robot) if options.cold > 0 or not row.cold]
+    texts = [CALIBRATION, *(options.only or [""])]
+    chosen = [row for row in chosen if any(text in row.name for text in texts)]
     times = measure(chosen, options.repeat, options.cold)
     lines = table(chosen, times)
     show(lines)

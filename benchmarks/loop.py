@@ -1,0 +1,302 @@
+"""How late the ticks of a real-time loop begin, and what helps.
+
+The loop is `wbc.run(..., real_time=True)`, the work of each tick the walker's own. A walk in
+MuJoCo with sensor noise is recorded once for every rate; then its measurements are replayed, and
+estimator, walker and bookkeeping do all that they did then. The physics is left out, as on a robot,
+where it is not the loop's work. The replaying plant notes when it is asked for each measurement:
+how late that is against a perfect schedule is a tick's lateness, whatever the loop says of itself.
+A tick that begins when the next one is due already, or later, is an overrun. Time stolen is what a
+hypervisor gave to others; what happens to the loop with nothing to do is the machine's own doing.
+
+Cells are measured in turn, in rounds, so that a machine's other work falls on all of them.
+
+    python benchmarks/loop.py                     # 1 minute for each cell, about 20 minutes
+    python benchmarks/loop.py --busy 2            # beside two processes that compute all the time
+    python benchmarks/loop.py --rate 500 --duration 300 --plot out/loop.png --json out/loop.json
+"""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+import argparse
+import contextlib
+import gc
+import json
+import platform
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from replay import Idle, Replay, lateness, record, walker
+
+import wbc
+
+LENGTH = 20.0  # s, of the recorded walk
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a loop runs with.
+
+    Attributes:
+        name: in the table.
+        observers: names in `OBSERVERS`.
+        collector: Python's garbage collection stays on.
+        priority: the loop asks for everything; otherwise for no priority and no lock.
+        walker: the tick is the walker's; otherwise there is nothing to do in it.
+    """
+
+    name: str
+    observers: tuple[str, ...] = ()
+    collector: bool = False
+    priority: bool = True
+    walker: bool = True
+
+
+SETTINGS = (
+    Setting("nothing to do", walker=False),
+    Setting("walker"),
+    Setting("+ viewer", ("viewer",)),
+    Setting("+ log", ("log",)),
+    Setting("+ viewer, log", ("viewer", "log")),
+    Setting("+ garbage collection", collector=True),
+    Setting("no priority", priority=False),
+    Setting("no priority + viewer, log", ("viewer", "log"), priority=False),
+    Setting("no priority + all three", ("viewer", "log"), collector=True, priority=False),
+)
+
+
+@dataclass
+class Times:
+    """What the rounds of a cell brought, one figure per tick, s; and what they had."""
+
+    late: list[np.ndarray] = field(default_factory=list)
+    work: list[np.ndarray] = field(default_factory=list)
+    conditions: str = ""
+    stolen: float = 0.0
+
+    def add(self, other: Times) -> None:
+        """Take another round in."""
+        self.late += other.late
+        self.work += other.work
+        self.conditions = other.conditions
+        self.stolen += other.stolen
+
+
+AUDIENCE = """
+import asyncio, sys
+from tornado.websocket import websocket_connect
+async def listen(address):
+    socket = await websocket_connect(address, max_message_size=1 << 28)
+    while (message := await socket.read_message()) is not None:
+        if isinstance(message, str) and ("paths" in message or "words" in message):
+            await socket.write_message("frame")
+asyncio.run(listen(sys.argv[1].replace("http", "ws").replace("static/", "socket")))
+"""
+
+
+@contextlib.contextmanager
+def child(*arguments: str) -> Iterator[None]:
+    """Another Python, at ordinary priority, while the context lasts."""
+    process = subprocess.Popen([sys.executable, "-c", *arguments], stderr=subprocess.DEVNULL)
+    try:
+        yield
+    finally:
+        process.kill()
+        process.wait()
+
+
+@contextlib.contextmanager
+def viewer(robot: wbc.Robot, folder: Path) -> Iterator[dict[str, Any]]:
+    """The live view, with a page that takes every frame, in processes of their own."""
+    with wbc.view.Meshcat(robot, port=0, announce=False) as meshcat, child(AUDIENCE, meshcat.url):
+        time.sleep(3.0)  # it reads meshes; a run would not begin before the page is there
+        yield {"viewer": meshcat}
+
+
+@contextlib.contextmanager
+def log(robot: wbc.Robot, folder: Path) -> Iterator[dict[str, Any]]:
+    """The flight recorder."""
+    from wbc.log import FlightRecorder
+
+    with FlightRecorder(folder / f"{time.monotonic_ns()}.mcap", robot) as recorder:
+        yield {"log": recorder}
+
+
+Observer = Callable[[wbc.Robot, Path], contextlib.AbstractContextManager[dict[str, Any]]]
+#: Name in a setting -> what `wbc.run` is given with it.
+OBSERVERS: Mapping[str, Observer] = {"viewer": viewer, "log": log}
+
+
+def stolen() -> float:
+    """Processor time that the hypervisor has given to others since the start, s; NaN if unknown."""
+    try:
+        fields = Path("/proc/stat").read_text("ascii").split("\n", 1)[0].split()
+        return float(fields[8]) / os.sysconf("SC_CLK_TCK")
+    except (OSError, ValueError, IndexError):
+        return float("nan")
+
+
+def measure(
+    setting: Setting, robot: wbc.Robot, dt: float, walk: list[wbc.Measurement], speed: float
+) -> Times:
+    """One round of a cell."""
+    plant = Replay(robot, dt, walk)
+    idle, ordinary = Idle(robot), wbc.RealTime(0, False, sys.getswitchinterval())
+    told: list[wbc.LoopConditions] = []
+
+    def collect(_: float) -> None:
+        if plant.ticks == 0 and setting.collector:
+            gc.unfreeze()
+            gc.enable()
+
+    with contextlib.ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="wbc-loop-")))
+        given: dict[str, Any] = {}
+        for name in setting.observers:
+            given |= stack.enter_context(OBSERVERS[name](robot, folder))
+        before = stolen()
+        report = wbc.run(
+            walker(robot, dt, speed) if setting.walker else idle,
+            plant,
+            len(walk) * dt,
+            estimator=None if setting.walker else idle,
+            real_time=wbc.RealTime() if setting.priority else ordinary,
+            announce=told.append,
+            before_tick=collect,
+            **given,
+        )
+        after = stolen()
+    if not report.survived:
+        raise SystemExit(f"'{setting.name}' is not what was recorded: {report.fell_why}")
+    work = plant.commanded - plant.asked
+    return Times([lateness(plant.asked, dt)], [work], told[0].describe(), after - before)
+
+
+def summary(setting: Setting, rate: float, times: Times) -> dict[str, Any]:
+    """A line of the table; times in µs."""
+    late, work = (1e6 * np.concatenate(parts) for parts in (times.late, times.work))
+    return {
+        "rate_hz": rate,
+        **asdict(setting),
+        "ticks": late.size,
+        **{f"late_p{q}_us": float(np.percentile(late, q)) for q in (50, 99, 99.9)},
+        "late_max_us": float(late.max()),
+        "overruns": int((late >= 1e6 / rate).sum()),
+        "work_p50_us": float(np.median(work)),
+        "work_p99_us": float(np.percentile(work, 99)),
+        "stolen_s": times.stolen,
+        "conditions": times.conditions,
+    }
+
+
+def show(lines: list[dict[str, Any]]) -> None:
+    """Print the table."""
+    print(
+        f"{'':<34}{'begins late, µs':>32}{'':>20}{'work, µs':>17}\n"
+        f"{'rate':>5}  {'loop':<27}{'p50':>8}{'p99':>8}{'p99.9':>8}{'max':>8}"
+        f"{'overruns':>10}{'ticks':>10}{'p50':>9}{'p99':>8}{'stolen s':>10}"
+    )
+    for line in lines:
+        print(
+            f"{line['rate_hz']:>5.0f}  {line['name']:<27}{line['late_p50_us']:>8.1f}"
+            f"{line['late_p99_us']:>8.1f}{line['late_p99.9_us']:>8.0f}{line['late_max_us']:>8.0f}"
+            f"{line['overruns']:>10}{line['ticks']:>10}{line['work_p50_us']:>9.0f}"
+            f"{line['work_p99_us']:>8.0f}{line['stolen_s']:>10.2f}"
+        )
+
+
+def plot(cells: Mapping[tuple[float, Setting], Times], path: Path) -> None:
+    """How many ticks began later than so many µs, for each cell."""
+    try:
+        import matplotlib
+        from matplotlib import pyplot
+    except ImportError as error:
+        raise SystemExit("--plot needs matplotlib: pip install 'wbc[plots]'") from error
+    matplotlib.use("Agg")
+
+    rates = sorted({rate for rate, _ in cells})
+    figure, axes = pyplot.subplots(
+        1, len(rates), figsize=(6.0 * len(rates), 4.6), squeeze=False, layout="constrained"
+    )
+    for ax, rate in zip(axes[0], rates, strict=True):
+        for (own, setting), times in cells.items():
+            if own != rate:
+                continue
+            late = np.sort(1e6 * np.concatenate(times.late))
+            later = 1.0 - np.arange(late.size) / late.size
+            style = "-" if setting.priority else "--"
+            ax.loglog(np.maximum(late, 0.1), later, style, label=setting.name, lw=1.4)
+        ax.axvline(1e6 / rate, color="k", lw=0.8, ls=":")
+        ax.text(1e6 / rate, 1.0, " overrun", va="bottom", fontsize=8)
+        ax.set(title=f"{rate:g} Hz", xlabel="lateness, µs", ylabel="ticks that began later, share")
+        ax.grid(alpha=0.3, which="both", lw=0.4)
+    axes[0][0].legend(fontsize=8, loc="lower left")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=150)
+
+
+def main() -> None:
+    """Record, replay, print the table, write the JSON and the plot."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--robot", default="talos")
+    parser.add_argument("--rate", type=float, action="append", help="Hz (default: 500 and 1000)")
+    parser.add_argument("--speed", type=float, default=0.3, help="m/s (default: %(default)s)")
+    parser.add_argument(
+        "--duration", type=float, default=60.0, help="of each cell, s (default: %(default)s)"
+    )
+    parser.add_argument("--only", action="append", metavar="TEXT", help="cells whose name has it")
+    parser.add_argument(
+        "--busy", type=int, default=0, metavar="N", help="beside N processes that compute"
+    )
+    parser.add_argument("--quick", action="store_true", help="4 s for each cell")
+    parser.add_argument("--json", type=Path, help="write the table there")
+    parser.add_argument("--plot", type=Path, help="draw the lateness there")
+    options = parser.parse_args()
+
+    duration = 4.0 if options.quick else options.duration
+    rounds = max(1, round(duration / LENGTH))
+    robot = wbc.load(options.robot)
+    chosen = [s for s in SETTINGS if not options.only or any(t in s.name for t in options.only)]
+    rates = options.rate or [500.0, 1000.0]
+    walks = {rate: record(robot, 1.0 / rate, options.speed, duration / rounds) for rate in rates}
+    cells = {(rate, setting): Times() for rate in rates for setting in chosen}
+    with contextlib.ExitStack() as stack:
+        for _ in range(options.busy):
+            stack.enter_context(child("while True: sum(bytearray(200_000))"))
+        for _ in range(rounds):
+            for (rate, setting), times in cells.items():
+                times.add(measure(setting, robot, 1.0 / rate, walks[rate], options.speed))
+    lines = [summary(setting, rate, times) for (rate, setting), times in cells.items()]
+    about = {
+        "robot": robot.name,
+        "busy": options.busy,
+        "processors": os.cpu_count(),
+        "kernel": platform.release(),
+        "load": os.getloadavg(),
+    }
+    print(", ".join(f"{key} {value}" for key, value in about.items()))
+    show(lines)
+    for text in dict.fromkeys(line["conditions"] for line in lines):
+        print(text)
+    if options.json:
+        options.json.parent.mkdir(parents=True, exist_ok=True)
+        options.json.write_text(json.dumps({**about, "cells": lines}, indent=1) + "\n")
+    if options.plot:
+        plot(cells, options.plot)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,109 @@
+"""A walk that is recorded once and replayed: every tick of real walking, without the physics.
+
+Estimator and walker are deterministic: given the same measurements from the same start, each tick
+does again what it did in the simulation.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+import wbc
+
+MORE = 10.0  # periods: after a longer hold-up the loop does not catch up
+
+
+class Keeper:
+    """A plant that keeps the measurements of another."""
+
+    def __init__(self, plant: Any) -> None:
+        self.plant, self.robot, self.dt = plant, plant.robot, plant.dt
+        self.measurements: list[wbc.Measurement] = []
+
+    @property
+    def time(self) -> float:
+        return float(self.plant.time)
+
+    def measure(self) -> wbc.Measurement:
+        self.measurements.append(self.plant.measure())
+        return self.measurements[-1]
+
+    def step(self, command: wbc.Command) -> None:
+        self.plant.step(command)
+
+
+class Replay:
+    """A plant that was recorded; notes when it is asked and when it is commanded."""
+
+    def __init__(self, robot: wbc.Robot, dt: float, measurements: list[wbc.Measurement]) -> None:
+        self.robot, self.dt, self._measurements = robot, dt, measurements
+        self.asked, self.commanded = np.zeros((2, len(measurements)))
+        self.ticks = 0
+
+    @property
+    def time(self) -> float:
+        return self.ticks * self.dt
+
+    def measure(self) -> wbc.Measurement:
+        self.asked[self.ticks] = time.perf_counter()
+        return self._measurements[self.ticks]
+
+    def step(self, command: wbc.Command) -> None:
+        self.commanded[self.ticks] = time.perf_counter()
+        self.ticks += 1
+
+
+class Idle:
+    """Controller and estimator with nothing to do."""
+
+    def __init__(self, robot: wbc.Robot) -> None:
+        self._state = robot.standing()
+        zero = np.zeros(robot.na)
+        self._command = wbc.Command(zero, np.zeros(robot.nv), {}, zero, zero)
+
+    def reset(self, state: wbc.State) -> None:
+        """Nothing to do."""
+
+    def update(self, measurement: wbc.Measurement, *, acceleration: object = None) -> wbc.State:
+        return self._state
+
+    def step(self, state: wbc.State, foot_wrenches: object = None) -> wbc.Command:
+        return self._command
+
+
+def walker(robot: wbc.Robot, dt: float, speed: float) -> wbc.Walker:
+    """The walker that is recorded and replayed."""
+    made = wbc.Walker(robot, dt=dt)
+    made.velocity = (speed, 0.0, 0.0)
+    return made
+
+
+def record(robot: wbc.Robot, dt: float, speed: float, length: float) -> list[wbc.Measurement]:
+    """Measurements of a walk from standing, one per tick."""
+    with wbc.sim.Mujoco(robot, dt=dt) as plant:
+        keeper = Keeper(plant)
+        report = wbc.run(walker(robot, dt, speed), keeper, length)
+    if not report.survived:
+        raise SystemExit(f"{robot.name} fell at {report.fell_at_s} s: {report.fell_why}")
+    return keeper.measurements
+
+
+def lateness(asked: np.ndarray, dt: float) -> np.ndarray:
+    """(n,) how much later than on a perfect schedule each of n ticks began, s.
+
+    The schedule begins anew after a hold-up of `MORE` periods; each stretch of it lies so that its
+    most punctual tick is not late.
+    """
+    late = np.zeros_like(asked)
+    due, begin = asked[0], 0
+    for k, now in enumerate(asked):
+        late[k] = now - due
+        if late[k] >= MORE * dt:
+            late[begin : k + 1] -= late[begin : k + 1].min()
+            due, begin = now, k + 1
+        due += dt
+    late[begin:] -= late[begin:].min(initial=np.inf) if begin < len(late) else 0.0
+    return late
