@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import importlib.util
 import json
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from string import Template
@@ -34,9 +35,13 @@ _MARKS = {
 }
 
 
-def live_page(name: str) -> str:
-    """The page that listens to the viewer's process."""
-    sources = ("meshcat.js", "stage.js", "live.js")
+def served_page(name: str, sources: Sequence[str]) -> str:
+    """A page that gets its scripts, and then its bodies and frames, from a server.
+
+    Args:
+        name: of the robot.
+        sources: names of the scripts.
+    """
     return _page(name, "".join(f'<script src="{source}"></script>\n' for source in sources))
 
 

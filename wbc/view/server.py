@@ -15,22 +15,17 @@ import threading
 from typing import Any
 
 import numpy as np
-import tornado.httpserver
-import tornado.netutil
-import tornado.web
 import tornado.websocket
 
 from wbc.process import parent
 from wbc.view.errors import ViewerError
 from wbc.view.order import Order
-from wbc.view.page_text import live_page, script, words
+from wbc.view.page_text import words
 from wbc.view.ring import Ring
 from wbc.view.scene import Scene
 from wbc.view.slot import Layout
+from wbc.view.web import HOST, listen, page_handlers, protected
 
-HOST = "127.0.0.1"
-FIRST_PORT = 7000
-_PORTS = 200
 #: A pose that changed by less than this, m or 1, has not changed.
 _STILL = 1e-5
 
@@ -103,44 +98,6 @@ class Page(tornado.websocket.WebSocketHandler):
             self.show.result().pages.discard(self)
 
 
-class Text(tornado.web.RequestHandler):
-    """A page or a script."""
-
-    def initialize(self, text: str, kind: str) -> None:
-        self.text, self.kind = text, kind
-
-    def get(self) -> None:
-        self.set_header("Content-Type", f"{self.kind}; charset=utf-8")
-        self.set_header("Cache-Control", "no-store")
-        self.finish(self.text)
-
-
-def _application(name: str, show: asyncio.Future[Show]) -> tornado.web.Application:
-    page = {"text": live_page(name), "kind": "text/html"}
-    handlers: list[Any] = [
-        (r"/socket", Page, {"show": show}),
-        (r"/(?:static/)?", Text, page),
-    ]
-    for source in ("meshcat.js", "stage.js", "live.js"):
-        route = {"text": script(source), "kind": "text/javascript"}
-        handlers.append((rf"/(?:static/)?{source}", Text, route))
-    # Only requests for this machine by its own name: other sites cannot reach in.
-    application = tornado.web.Application()
-    application.add_handlers(r"(127\.0\.0\.1|localhost)", handlers)
-    return application
-
-
-def _listen(application: tornado.web.Application, port: int | None) -> int:
-    server = tornado.httpserver.HTTPServer(application)
-    for candidate in range(FIRST_PORT, FIRST_PORT + _PORTS) if port is None else (port,):
-        with contextlib.suppress(OSError):
-            sockets = tornado.netutil.bind_sockets(candidate, HOST)
-            server.add_sockets(sockets)
-            return int(sockets[0].getsockname()[1])
-    what = f"port {port} is" if port is not None else f"all ports from {FIRST_PORT} on are"
-    raise ViewerError(f"{what} in use on {HOST}; give another port, or port=0 for any")
-
-
 async def serve(order: Order) -> None:
     """Serve until the parent is gone."""
     loop = asyncio.get_running_loop()
@@ -148,7 +105,9 @@ async def serve(order: Order) -> None:
     threading.Thread(target=_wait_for_end, args=(loop, done), daemon=True).start()
     show: asyncio.Future[Show] = loop.create_future()
     try:
-        port = _listen(_application(order.robot.name, show), order.port)
+        pages = page_handlers(order.robot.name, ("meshcat.js", "stage.js", "live.js"))
+        application = protected([(r"/socket", Page, {"show": show}), *pages])
+        port = listen(application, order.port)
     except ViewerError as error:
         parent.answer({"error": str(error)})
         return

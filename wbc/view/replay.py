@@ -1,0 +1,165 @@
+"""`Replay`: a page in the browser on which one moves through a run that is over."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wbc.view.errors import ViewerError
+from wbc.view.film import Film, Strip, thinned, up_to
+
+if TYPE_CHECKING:
+    from wbc.robot import Robot
+    from wbc.view.scene import Scene
+
+_MEMORY = 8.0  # s: as far back go the trail and the footprints of a scene
+_STILL = 1e-5  # m or 1: a pose that changed by less has not changed
+_POINTS = 1200  # of a strip
+
+
+class Replay:
+    """Serves a page with a player: play, pause, speed, and a slider through the whole run.
+
+    Every page plays for itself. A page asks for a time and gets the poses that changed.
+
+    Args:
+        robot: whom to draw.
+        film: the run.
+        port: of the page on this machine; None takes the first free one from 7000 on, 0 any.
+        boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
+        strips: quantities drawn along the slider.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        film: Film,
+        *,
+        port: int | None = None,
+        boxes: np.ndarray | None = None,
+        strips: Sequence[Strip] = (),
+    ) -> None:
+        self._robot = robot
+        self._film = film
+        self._port = port
+        self._boxes = boxes
+        self._strips = [_words(strip) for strip in thinned(strips, _POINTS, _peaks)]
+
+    def serve(self, ready: Callable[[str], None]) -> None:
+        """Serve until interrupted.
+
+        Args:
+            ready: called with the page's address once it answers.
+
+        Raises:
+            ViewerError: the port is in use.
+        """
+        with contextlib.suppress(KeyboardInterrupt):
+            asyncio.run(self._serve(ready))
+
+    async def _serve(self, ready: Callable[[str], None]) -> None:
+        from wbc.view.web import HOST, listen, page_handlers, protected
+
+        handlers = page_handlers(self._robot.name, ("meshcat.js", "stage.js", "scrub.js"))
+        application = protected([(r"/socket", _page(), {"replay": self}), *handlers])
+        port = listen(application, self._port)
+        ready(f"http://{HOST}:{port}/static/")
+        await asyncio.Event().wait()
+
+    def stage(self) -> Stage:
+        """A scene for one page."""
+        from wbc.view.scene import Scene
+
+        return Stage(Scene(self._robot, self._boxes), self._film)
+
+    def introduction(self, stage: Stage) -> dict[str, Any]:
+        """What a page is told when its bodies are there."""
+        return {
+            "paths": stage.scene.paths,
+            "start": self._film.start,
+            "end": self._film.end,
+            "strips": self._strips,
+        }
+
+
+class Stage:
+    """What one page shows.
+
+    Args:
+        scene: its bodies and poses.
+        film: the run.
+    """
+
+    def __init__(self, scene: Scene, film: Film) -> None:
+        self.scene = scene
+        self._film = film
+        self._time: float | None = None
+        self._sent: np.ndarray | None = None
+
+    def frame(self, time: float) -> dict[str, Any]:
+        """What changes on the page when it goes to a time, s.
+
+        Raises:
+            ViewerError: the time is not a finite number.
+        """
+        from wbc.view.page_text import words
+
+        if not math.isfinite(time):
+            raise ViewerError(f"{time} is no time")
+        snapshot = None
+        for snapshot in up_to(self._film, time, self._time, _MEMORY):
+            self.scene.update(snapshot)
+        assert snapshot is not None
+        self._time = min(max(time, self._film.start), self._film.end)
+        poses = self.scene.poses
+        changed = np.arange(len(poses))
+        if self._sent is not None:
+            changed = np.flatnonzero(np.abs(poses - self._sent).max(axis=1) > _STILL)
+        self._sent = poses.copy()
+        values = np.round(poses[changed], 5).ravel().tolist()
+        return {"words": words(snapshot), "nodes": changed.tolist(), "poses": values}
+
+
+def _page() -> type:
+    """The handler of a page's web socket; tornado is imported only when pages are served."""
+    import tornado.websocket
+
+    class Page(tornado.websocket.WebSocketHandler):
+        def initialize(self, replay: Replay) -> None:
+            self.replay = replay
+
+        async def open(self, *_: str, **__: str) -> None:
+            self.set_nodelay(True)
+            self.stage = stage = self.replay.stage()
+            with contextlib.suppress(tornado.websocket.WebSocketClosedError):
+                await self.write_message(json.dumps({"scale": stage.scene.proportions.top}))
+                for body in stage.scene.commands():
+                    await self.write_message(body, binary=True)
+                await self.write_message(json.dumps(self.replay.introduction(stage)))
+
+        def on_message(self, message: str | bytes) -> None:
+            try:
+                answer = self.stage.frame(float(json.loads(message)["time"]))
+            except (ValueError, KeyError, TypeError, AttributeError, ViewerError) as error:
+                answer = {"error": f'a page asks with {{"time": s}}: {error}'}
+            with contextlib.suppress(tornado.websocket.WebSocketClosedError):
+                self.write_message(json.dumps(answer, separators=(",", ":")))
+
+    return Page
+
+
+def _peaks(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """The largest of each group: thinning must not hide a peak."""
+    known = np.where(np.isfinite(values), values, -np.inf)
+    return np.asarray(np.maximum.reduceat(known, starts)) if len(values) else values
+
+
+def _words(strip: Strip) -> dict[str, Any]:
+    values = [round(float(x), 6) if np.isfinite(x) else None for x in strip.values]
+    return {"label": strip.label, "time": np.round(strip.time, 4).tolist(), "values": values}

@@ -1,0 +1,72 @@
+"""What every served page has: its texts, its address on this machine, and a closed door."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Sequence
+from typing import Any
+
+import tornado.httpserver
+import tornado.netutil
+import tornado.web
+
+from wbc.view.errors import ViewerError
+from wbc.view.page_text import script, served_page
+
+HOST = "127.0.0.1"
+FIRST_PORT = 7000
+_PORTS = 200
+
+
+class Text(tornado.web.RequestHandler):
+    """A page or a script."""
+
+    def initialize(self, text: str, kind: str) -> None:
+        self.text, self.kind = text, kind
+
+    def get(self) -> None:
+        self.set_header("Content-Type", f"{self.kind}; charset=utf-8")
+        self.set_header("Cache-Control", "no-store")
+        self.finish(self.text)
+
+
+def page_handlers(name: str, sources: Sequence[str]) -> list[Any]:
+    """The page and its scripts.
+
+    Args:
+        name: of the robot.
+        sources: names of the scripts.
+    """
+    page = {"text": served_page(name, sources), "kind": "text/html"}
+    handlers: list[Any] = [(r"/(?:static/)?", Text, page)]
+    for source in sources:
+        route = {"text": script(source), "kind": "text/javascript"}
+        handlers.append((rf"/(?:static/)?{source}", Text, route))
+    return handlers
+
+
+def protected(handlers: Sequence[Any]) -> tornado.web.Application:
+    """An application for requests to this machine by its own name: other sites cannot reach in."""
+    application = tornado.web.Application()
+    application.add_handlers(r"(127\.0\.0\.1|localhost)", list(handlers))
+    return application
+
+
+def listen(application: tornado.web.Application, port: int | None) -> int:
+    """Serve an application; returns the port.
+
+    Args:
+        application: to be served.
+        port: None takes the first free one from 7000 on, 0 any.
+
+    Raises:
+        ViewerError: the port is in use.
+    """
+    server = tornado.httpserver.HTTPServer(application)
+    for candidate in range(FIRST_PORT, FIRST_PORT + _PORTS) if port is None else (port,):
+        with contextlib.suppress(OSError):
+            sockets = tornado.netutil.bind_sockets(candidate, HOST)
+            server.add_sockets(sockets)
+            return int(sockets[0].getsockname()[1])
+    what = f"port {port} is" if port is not None else f"all ports from {FIRST_PORT} on are"
+    raise ViewerError(f"{what} in use on {HOST}; give another port, or port=0 for any")
