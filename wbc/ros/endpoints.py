@@ -121,11 +121,6 @@ class Reader:
         """What is known of one of the `matched`; None when it has gone."""
         return self.dds.get_matched_publication_data(handle)
 
-    @property
-    def lost(self) -> int:
-        """Messages that were sent and never came."""
-        return int(self.dds.get_sample_lost_status().total_count)
-
 
 def _unsigned(handle: int) -> int:
     """A handle as samples and headers carry it; some functions of the package give it a sign."""

@@ -255,7 +255,10 @@ class Parameters:
 
 def _value(message: Message) -> Any:
     name, kind = _FIELDS.get(message.type, ("", type))
-    return kind(getattr(message, name)) if name else None
+    if not name:
+        return None
+    value = getattr(message, name)
+    return tuple(float(x) for x in value) if kind is tuple else kind(value)
 
 
 def _words(kind: int) -> str:

@@ -28,6 +28,7 @@ from wbc.state import State
 
 TYPE = "nav2_msgs/action/NavigateToPose"
 _WORLDS = ("", WORLD, "map", "world")
+_HERE = ("base_link", "base_footprint")  # and the robot's own name for its base
 _RATE = 20.0  # Hz, of the steering
 _FEEDBACK_RATE = 5.0  # Hz
 _HOLD = 0.5  # s that a velocity lasts when nobody renews it
@@ -122,7 +123,9 @@ class WalkTo:
         frame = stamped.header.frame_id.lstrip("/")
         if frame in _WORLDS:
             return pose
-        return pose.from_within(self._here(sample)) if frame == base_frame(self._robot) else None
+        if frame in (*_HERE, base_frame(self._robot)):
+            return pose.from_within(self._here(sample))
+        return None
 
     def _here(self, sample: Sample) -> Pose:
         return Pose(

@@ -1,0 +1,24 @@
+"""A robot in physics as a node of a ROS 2 system: what `wbc ros2 walk` does, by hand.
+
+`/cmd_vel` drives it. Here nobody does, unless you run `03_drive.py` beside it.
+"""
+
+import argparse
+
+import wbc
+from wbc.ros.bridge import Bridge
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("--robot", default="simple_humanoid", help="(default: simple_humanoid)")
+parser.add_argument("--duration", type=float, default=3.0, help="s (default: 3)")
+options = parser.parse_args()
+
+robot = wbc.load(options.robot)
+walker = wbc.Walker(robot)
+
+with wbc.sim.Mujoco(robot) as plant, Bridge(walker, plant) as bridge:
+    report = wbc.run(
+        walker, plant, options.duration, log=bridge, before_tick=bridge.helm, real_time=True
+    )
+
+print(report.table())

@@ -1,0 +1,38 @@
+"""Drive a robot from another process, as a ROS 2 program would: a velocity, then a goal.
+
+Run `wbc ros2 walk` beside it.
+"""
+
+import argparse
+
+from wbc.messages import message_type
+from wbc.ros import Node
+from wbc.ros.actions import ActionClient
+
+Twist = message_type("geometry_msgs/msg/Twist")
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("--speed", type=float, default=0.2, help="m/s (default: 0.2)")
+parser.add_argument("--seconds", type=float, default=3.0, help="of walking (default: 3)")
+parser.add_argument("--goal", type=float, default=0.5, help="m ahead of it (default: 0.5)")
+options = parser.parse_args()
+
+with Node("driver") as node:
+    # A velocity lasts half a second: whoever wants the robot to walk must keep saying so.
+    velocity = node.publisher("geometry_msgs/msg/Twist", "cmd_vel")
+    if not node.spin(lambda: velocity.subscriptions > 0, timeout=10.0):
+        raise SystemExit("no robot listens to /cmd_vel")
+    message = Twist()
+    message.linear.x = options.speed
+    timer = node.timer(0.1, lambda: velocity.publish(message))
+    node.spin(timeout=options.seconds)
+    timer.cancel()
+
+    walk = ActionClient(node, "nav2_msgs/action/NavigateToPose", "navigate_to_pose")
+    ahead = walk.goal_type()
+    ahead.pose.header.frame_id = "base_link"  # seen from where it is now
+    ahead.pose.pose.position.x = options.goal
+    goal = walk.send(ahead, lambda f: print(f"{f.distance_remaining:.2f} m to go", flush=True))
+    if not goal.accepted:
+        raise SystemExit("it does not want to go there")
+    goal.wait(60.0)
+    print(goal.state.name.lower(), goal.result.error_msg)

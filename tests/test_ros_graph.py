@@ -1,0 +1,266 @@
+"""A node is one as ROS 2 would have it: its name, types and quality of service are discovered."""
+
+from __future__ import annotations
+
+import math
+import re
+import time
+
+import numpy as np
+import pytest
+from rostools import PATIENCE, Hearer, Peer, environment, new_domain, node, rosbags_store
+
+import wbc
+from wbc.cli import main
+from wbc.ros import Qos
+from wbc.ros.discovery import Dialect, NodeEntry
+from wbc.ros.graph import Graph
+from wbc.ros.joint_publisher import NAMES, pattern
+from wbc.ros.qos import LATCHED
+
+pytest.importorskip("cyclonedds")
+
+#: As `ros2 topic info --verbose` tells it of the joint_state_broadcaster of Jazzy.
+JOINT_STATE_HASH = "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"
+
+
+@pytest.fixture(scope="module")
+def domain():
+    return new_domain()
+
+
+@pytest.fixture(scope="module")
+def publisher(domain):
+    with Peer.wbc(domain, "ros2", "joint-publisher", "--rate", "100") as peer:
+        assert "started at 100.0 Hz" in peer.first
+        yield peer
+
+
+@pytest.fixture(scope="module")
+def looker(domain):
+    with node("looker", domain) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def graph(publisher, looker):
+    made = Graph(looker)
+    complete = made.wait_for(lambda g: len(g.services()) >= 6 and len(g.topics()) >= 3, PATIENCE)
+    assert complete
+    return made
+
+
+def raw_endpoints(looker):
+    """Publications as Cyclone discovers them, by their DDS names, and all participants."""
+    from cyclonedds.builtin import (
+        BuiltinDataReader,
+        BuiltinTopicDcpsParticipant,
+        BuiltinTopicDcpsPublication,
+    )
+
+    dds = looker.participant.dds
+    participants = BuiltinDataReader(dds, BuiltinTopicDcpsParticipant).read(100)
+    publications = BuiltinDataReader(dds, BuiltinTopicDcpsPublication).read(1000)
+    return participants, {p.topic_name: p for p in publications}
+
+
+def test_a_node_has_its_name_in_the_graph(graph):
+    assert graph.nodes == ["/joint_publisher"]
+
+
+def test_topics_have_their_types(graph):
+    types = {name: topic.types for name, topic in graph.topics().items()}
+    assert types["/joint_states"] == ["sensor_msgs/msg/JointState"]
+    assert types["/robot_description"] == ["std_msgs/msg/String"]
+    assert types["/parameter_events"] == ["rcl_interfaces/msg/ParameterEvent"]
+
+
+def test_every_endpoint_belongs_to_the_node(graph):
+    publishers, subscriptions = graph.endpoints
+    assert {e.node for e in (*publishers, *subscriptions)} == {"/joint_publisher"}
+
+
+def test_services_have_their_types(graph):
+    services = graph.services()
+    name = "/joint_publisher/set_parameters_atomically"
+    assert services[name] == "rcl_interfaces/srv/SetParametersAtomically"
+
+
+def test_a_participant_tells_its_enclave(graph, looker):
+    from cyclonedds.core import Policy
+
+    participants, _ = raw_endpoints(looker)
+    assert participants
+    assert {p.qos[Policy.Userdata].data for p in participants} == {b"enclave=/;"}
+
+
+def test_a_writer_tells_the_hash_that_ros_gives_its_type(graph, looker):
+    from cyclonedds.core import Policy
+
+    _, publications = raw_endpoints(looker)
+    joint_states = publications["rt/joint_states"]
+    assert joint_states.type_name == "sensor_msgs::msg::dds_::JointState_"
+    assert joint_states.qos[Policy.Userdata].data.decode() == f"typehash={JOINT_STATE_HASH};"
+
+
+def test_the_quality_of_service_is_that_of_rmw_cyclonedds(graph, looker):
+    from cyclonedds.core import Policy
+
+    _, publications = raw_endpoints(looker)
+    qos = publications["rt/joint_states"].qos
+    assert qos[Policy.Reliability] == Policy.Reliability.Reliable((1 << 63) - 1)
+    assert qos[Policy.Durability] == Policy.Durability.Volatile
+    assert qos[Policy.History] == Policy.History.KeepLast(10)
+    assert qos[Policy.DataRepresentation].use_cdrv0_representation
+    assert not qos[Policy.DataRepresentation].use_xcdrv2_representation
+    assert not qos[Policy.WriterDataLifecycle].autodispose
+    latched = publications["rt/robot_description"].qos
+    assert latched[Policy.Durability] == Policy.Durability.TransientLocal
+    assert latched[Policy.History] == Policy.History.KeepLast(1)
+    assert latched[Policy.DurabilityService].history == Policy.History.KeepLast(1)
+    service = publications["rr/joint_publisher/get_parametersReply"].qos
+    assert service[Policy.History] == Policy.History.KeepLast(1000)
+
+
+def test_a_service_marks_its_two_ends_as_one(graph):
+    publishers, subscriptions = graph.endpoints
+    pattern = re.compile(r"serviceid=([0-9a-f.]+);typehash=RIHS01_[0-9a-f]{64};$")
+    ends = {
+        pattern.fullmatch(e.user_data)[1]
+        for e in (*publishers, *subscriptions)
+        if e.topic == "/joint_publisher/get_parameters"
+    }
+    assert len(ends) == 1
+
+
+def test_the_joints_are_those_of_the_chapter_and_swing_as_there(publisher, looker):
+    heard = Hearer(looker, "sensor_msgs/msg/JointState", "joint_states", Qos(depth=1000))
+    heard.wait(lambda _: len(heard) >= 20)
+    assert tuple(heard.last.name) == NAMES
+    assert len(NAMES) == 15
+    assert heard.last.header.frame_id == "base_link"
+    assert heard.last.velocity.size == heard.last.effort.size == 0
+    # The time goes on by the timer's period, which the chapter's program forgets.
+    hips = [m.position[NAMES.index("right_hip_pitch")] for m in heard.messages]
+    steps = np.diff(np.unwrap(np.arcsin(np.clip(np.array(hips) / 0.3, -1.0, 1.0))))
+    rising = steps[np.abs(np.abs(steps) - 0.01) < 1e-6]
+    assert rising.size > 0.7 * steps.size
+
+
+def test_the_pattern_is_that_of_the_chapter():
+    at = dict(zip(NAMES, pattern(math.pi / 2), strict=True))
+    assert at["right_hip_pitch"] == pytest.approx(0.3)
+    assert at["right_knee"] == pytest.approx(0.5)
+    assert at["right_ankle_pitch"] == pytest.approx(-0.3)
+    assert at["left_hip_pitch"] == pytest.approx(-0.3)
+    assert at["left_knee"] == 0.0
+    assert at["right_shoulder_pitch"] == pytest.approx(-0.2)
+    assert at["left_elbow"] == at["right_elbow"] == 0.1
+    assert at["torso_yaw"] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_its_description_comes_late_and_has_its_joints(publisher, looker):
+    heard = Hearer(looker, "std_msgs/msg/String", "robot_description", LATCHED)
+    text = heard.wait().data
+    robot = wbc.load("simple_humanoid")
+    assert text == robot.urdf_path.read_text("utf-8")
+    assert set(NAMES) <= set(robot.joint_names)
+
+
+@pytest.fixture
+def here(domain, monkeypatch):
+    for key in ("CYCLONEDDS_URI", "ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
+        monkeypatch.delenv(key, raising=False)
+    monkeypatch.setenv("ROS_DOMAIN_ID", environment(domain)["ROS_DOMAIN_ID"])
+
+
+@pytest.fixture
+def command(publisher, here, capsys):
+    def run(*arguments):
+        code = main(["ros2", *arguments])
+        taken = capsys.readouterr()
+        return code, taken.out, taken.err
+
+    return run
+
+
+def test_nodes_topics_and_services_are_listed(command):
+    code, nodes, _ = command("nodes")
+    assert code == 0
+    assert "/joint_publisher" in nodes.splitlines()
+    _, topics, _ = command("topics")
+    assert "/joint_states [sensor_msgs/msg/JointState]" in topics.splitlines()
+    _, services, _ = command("services")
+    assert "/joint_publisher/get_parameters [rcl_interfaces/srv/GetParameters]" in services
+
+
+def test_echo_prints_messages_and_fields(command):
+    code, text, _ = command("echo", "/joint_states", "-n", "2")
+    assert code == 0
+    assert text.count("\n---\n") == 2
+    assert "name:\n- torso_yaw\n- right_hip_pitch\n" in text
+    _, one, _ = command("echo", "joint_states", "-n", "1", "--field", "header.frame_id")
+    assert one == "base_link\n---\n"
+    _, latched, _ = command("echo", "/robot_description", "-n", "1")
+    assert '<robot name="simple_humanoid">' in latched
+
+
+def test_hz_measures_the_rate(command):
+    code, text, _ = command("hz", "/joint_states", "-n", "1")
+    assert code == 0
+    assert re.match(r"average rate: \d+\.\d+ Hz +min: ", text)
+
+
+def test_info_tells_who_and_how(command):
+    code, text, _ = command("info", "/joint_states")
+    assert code == 0
+    assert "publishers: 1\n  /joint_publisher\n" in text
+    assert JOINT_STATE_HASH in text
+    assert "reliable, volatile, keep last 10" in text
+
+
+def test_a_topic_that_nobody_has_is_told_with_a_near_one(command):
+    code, _, error = command("echo", "/joint_state", "--wait", "0.3")
+    assert code == 2
+    assert "did you mean '/joint_states'?" in error
+
+
+def test_a_field_that_is_not_there_is_told(command):
+    code, _, error = command("echo", "/joint_states", "-n", "1", "--field", "positions[2]")
+    assert code == 2
+    assert "positions" in error
+
+
+def test_an_odd_rate_is_refused(here, capsys):
+    assert main(["ros2", "joint-publisher", "--rate", "900"]) == 2
+    assert "1 to 500" in capsys.readouterr().err
+
+
+def test_a_node_that_leaves_is_gone_at_once(looker, graph, domain):
+    with node("guest", domain + 0):
+        assert graph.wait_for(lambda g: "/guest" in g.nodes, PATIENCE)
+    # Well before the 5 s after which a silent one is taken for dead.
+    start = time.monotonic()
+    assert graph.wait_for(lambda g: "/guest" not in g.nodes, 4.0), time.monotonic() - start
+
+
+@pytest.mark.parametrize(("distribution", "size"), [("humble", 24), ("jazzy", 16), ("", 16)])
+def test_nodes_are_told_in_the_dialect_of_the_distribution(distribution, size):
+    typesys = pytest.importorskip("rosbags.typesys")
+    dialect = Dialect.of({"ROS_DISTRO": distribution})
+    assert dialect.gid_size == size
+    node_entry = NodeEntry("/", "legs", (bytes(range(16)),), (bytes(range(1, 17)), bytes(16)))
+    data = dialect.encode(bytes(range(16, 32)), (node_entry, NodeEntry("/a", "x")))
+    release = typesys.Stores.ROS2_HUMBLE if size == 24 else typesys.Stores.ROS2_JAZZY
+    store = typesys.get_typestore(release)
+    kind = "rmw_dds_common/msg/ParticipantEntitiesInfo"
+    message = store.deserialize_cdr(data, kind)
+    assert bytes(message.gid.data)[:16] == bytes(range(16, 32))
+    assert message.node_entities_info_seq[0].node_name == "legs"
+    assert bytes(store.serialize_cdr(message, kind)) == data
+    assert dialect.decode(data)[1][0] == node_entry
+
+
+def test_rosbags_knows_every_type_that_a_node_may_have():
+    store = pytest.importorskip("rosbags") and rosbags_store()
+    assert "nav2_msgs/action/NavigateToPose_FeedbackMessage" in store.fielddefs

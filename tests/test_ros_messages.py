@@ -1,0 +1,203 @@
+"""Messages on the wire, between two processes: every type, and what is no message."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+from rostools import (
+    PATIENCE,
+    SHORT_LIVED,
+    Hearer,
+    Peer,
+    configuration,
+    new_domain,
+    node,
+    rosbags_store,
+    some_message,
+)
+
+from wbc.messages import available, message_type, type_hash
+from wbc.ros import Qos, RosError
+
+pytest.importorskip("cyclonedds")
+
+#: As `ros2 topic info --verbose` and `ros2 service type` tell them in Jazzy.
+KNOWN_HASHES = {
+    "std_msgs/msg/String": "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
+    "sensor_msgs/msg/JointState": (
+        "a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"
+    ),
+}
+KIND = "sensor_msgs/msg/JointState"
+JointState = message_type(KIND)
+
+
+@pytest.fixture(scope="module")
+def echo():
+    domain = new_domain()
+    with Peer.of(domain, "echo"), node("tester", domain) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def store():
+    pytest.importorskip("rosbags")
+    return rosbags_store()
+
+
+@pytest.mark.parametrize("name", KNOWN_HASHES)
+def test_types_have_the_hashes_that_ros_gives_them(name):
+    assert type_hash(name) == f"RIHS01_{KNOWN_HASHES[name]}"
+
+
+def test_every_type_comes_back_from_another_process_as_rosbags_writes_it(echo, store):
+    """Bytes that rosbags wrote go out, are decoded and encoded there, and come back the same."""
+    expected, heard, writers = {}, {}, []
+    for seed, name in enumerate(available()):
+        topic = name.replace("/", "_").lower()
+        own = some_message(name, seed).encode()
+        data = bytes(store.serialize_cdr(store.deserialize_cdr(own, name), name))
+        assert data == own, name
+        writers.append((echo.publisher(name, f"forth/{topic}"), data))
+        expected[name] = data
+        dds_name = message_type(name).dds_name()
+        echo.listen(dds_name, f"back/{topic}", lambda d, _, n=name: heard.setdefault(n, d))
+    assert echo.spin(lambda: all(w.subscriptions for w, _ in writers), PATIENCE)
+    for writer, data in writers:
+        writer.publish_bytes(data)
+    assert echo.spin(lambda: len(heard) == len(expected), PATIENCE), set(expected) - set(heard)
+    for name, data in expected.items():
+        # DDS fills messages up to whole words.
+        assert heard[name] == data + bytes(-len(data) % 4), name
+
+
+def test_a_large_message_arrives_whole(echo):
+    heard = Hearer(echo, KIND, "back/sensor_msgs_msg_jointstate")
+    publisher = echo.publisher(KIND, "forth/sensor_msgs_msg_jointstate")
+    assert echo.spin(lambda: publisher.subscriptions and heard.subscription.publishers, PATIENCE)
+    numbers = np.arange(1_000_000.0)  # 8 MB
+    publisher.publish(JointState(position=numbers))
+    message = heard.wait(lambda m: len(m.position) == len(numbers))
+    assert np.array_equal(message.position, numbers)
+
+
+@pytest.fixture
+def pair():
+    """Two nodes that talk through the network although they are in one process."""
+    domain = new_domain()
+    with node("reader", domain) as reader, node("writer", domain) as writer:
+        yield reader, writer
+
+
+def spin(nodes, until, timeout=PATIENCE):
+    one, *others = nodes
+
+    def work():
+        for other in others:
+            other.spin_once(0.0)
+        return until()
+
+    return one.spin(work, timeout)
+
+
+GOOD = JointState(name=["knee"], position=[0.5]).encode()
+BAD = {
+    "cut off": GOOD[:30],
+    "without a body": GOOD[:4],
+    "of another encoding": b"\x00\x07\x00\x00" + GOOD[4:],
+    "with a length beyond its end": GOOD[:20] + b"\xff\xff\xff\x7f" + GOOD[24:],
+    "of ones": GOOD[:4] + b"\xff" * 400,
+    "at random": GOOD[:4] + os.urandom(200),
+}
+
+
+@pytest.fixture(scope="module")
+def rogue():
+    """A writer of the same topics and type name in another process, and a node that listens."""
+    domain = new_domain()
+    with Peer.of(domain, "rogue", JointState.dds_name()) as peer, node("good", domain) as made:
+        yield peer, made
+
+
+@pytest.mark.parametrize("what", BAD)
+def test_what_is_no_message_is_skipped(rogue, what):
+    peer, listener = rogue
+    topic = what.replace(" ", "_")
+    heard = Hearer(listener, KIND, topic)
+    for data in (GOOD, BAD[what], GOOD):
+        peer.tell(f"{topic} {data.hex()}")
+    assert listener.spin(lambda: len(heard) >= 2, PATIENCE)
+    listener.spin(timeout=0.05)
+    assert [m.position.tolist() for m in heard.messages] == [[0.5], [0.5]]
+
+
+def test_what_comes_after_a_message_is_ignored(rogue):
+    peer, listener = rogue
+    heard = Hearer(listener, KIND, "longer")
+    peer.tell(f"longer {(GOOD + b'more' * 1000).hex()}")
+    assert heard.wait().position.tolist() == [0.5]
+    assert heard.infos[0].size == len(GOOD) + 4000
+
+
+def test_a_message_of_another_type_is_not_published(pair):
+    publisher = pair[1].publisher(KIND, "joint_states")
+    with pytest.raises(RosError, match="carries sensor_msgs/msg/JointState"):
+        publisher.publish(message_type("std_msgs/msg/String")())
+
+
+def test_a_topic_of_another_type_is_not_heard(pair):
+    reader, writer = pair
+    heard = Hearer(reader, KIND, "joint_states")
+    text = message_type("std_msgs/msg/String")
+    writer.publisher(text.type_name, "joint_states").publish(text(data="hello"))
+    right = writer.publisher(KIND, "joint_states")
+    assert spin(pair, lambda: right.subscriptions)
+    right.publish(JointState(name=["knee"], position=[0.5]))
+    assert spin(pair, lambda: len(heard) > 0)
+    assert len(heard) == 1
+
+
+def test_what_a_network_loses_is_sent_again():
+    """Every fifth packet of the sender is lost; nothing is missing, nothing comes twice."""
+    domain = new_domain()
+    lossy = configuration("Internal/Test/XmitLossiness", "200")
+    sender = Peer.of(domain, "count", "400", "200", "1000", configuration=lossy)
+    with sender, node("receiver", domain) as receiver:
+        heard = Hearer(receiver, KIND, "joint_states", Qos(depth=1000))
+        assert receiver.spin(lambda: len(heard) >= 200, PATIENCE), len(heard)
+        receiver.spin(timeout=0.2)
+        assert [m.position[0] for m in heard.messages] == list(range(200))
+
+
+def test_without_reliability_what_is_lost_stays_lost_and_the_rest_comes_in_order():
+    domain = new_domain()
+    lossy = configuration("Internal/Test/XmitLossiness", "200")
+    sender = Peer.of(domain, "count", "400", "1000000", "1000", configuration=lossy)
+    with sender, node("receiver", domain) as receiver:
+        heard = Hearer(receiver, KIND, "joint_states", Qos(depth=1000, reliable=False))
+        assert receiver.spin(lambda: len(heard) >= 200, PATIENCE), len(heard)
+        numbers = np.array([m.position[0] for m in heard.messages])
+        assert (np.diff(numbers) > 0).all()
+        assert numbers[-1] - numbers[0] > len(numbers) - 1
+
+
+def test_the_latest_of_a_latched_topic_comes_late_and_once():
+    domain = new_domain()
+    with Peer.of(domain, "latch", "old", "new"), node("late", domain) as late:
+        latched = Qos(depth=1, latched=True)
+        heard = Hearer(late, "std_msgs/msg/String", "robot_description", latched)
+        assert heard.wait().data == "new"
+        late.spin(timeout=0.3)
+        assert len(heard) == 1
+
+
+def test_a_peer_that_dies_is_forgotten():
+    domain = new_domain()
+    mortal = Peer.of(domain, "count", "100", "1000000", configuration=SHORT_LIVED)
+    with mortal, node("here", domain) as here:
+        heard = Hearer(here, KIND, "joint_states")
+        heard.wait()
+        mortal.kill()
+        assert here.spin(lambda: heard.subscription.publishers == 0, PATIENCE)

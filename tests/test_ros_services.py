@@ -1,0 +1,247 @@
+"""Services and parameters, between two processes."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+import pytest
+from rostools import PATIENCE, Hearer, Peer, new_domain, node
+
+from wbc.messages import message_type
+from wbc.ros import NoAnswer, Parameters, Qos, RosError
+from wbc.ros.parameters import Kind
+
+pytest.importorskip("cyclonedds")
+
+SET_BOOL = "std_srvs/srv/SetBool"
+Parameter = message_type("rcl_interfaces/msg/Parameter")
+Value = message_type("rcl_interfaces/msg/ParameterValue")
+
+
+@pytest.fixture(scope="module")
+def domain():
+    return new_domain()
+
+
+@pytest.fixture(scope="module")
+def here(domain):
+    with Peer.of(domain, "serve"), node("here", domain) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def call(here):
+    clients = {}
+
+    def ask(kind, **fields):
+        name = "".join("_" + c.lower() if c.isupper() else c for c in kind)[1:]
+        if kind not in clients:
+            clients[kind] = here.client(f"rcl_interfaces/srv/{kind}", f"/peer_serve/{name}")
+        return clients[kind].call(clients[kind].request_type(**fields), PATIENCE)
+
+    return ask
+
+
+def value_of(call, name):
+    return call("GetParameters", names=[name]).values[0]
+
+
+def test_a_request_is_answered(here):
+    client = here.client(SET_BOOL, "switch")
+    first = client.call(client.request_type(data=True), PATIENCE)
+    second = client.call(client.request_type(data=False), PATIENCE)
+    assert (first.success, second.success) == (True, False)
+    assert int(second.message.split()[1]) == int(first.message.split()[1]) + 1
+
+
+def test_each_client_gets_its_own_answers(here, domain):
+    with node("other", domain) as other:
+        one, two = here.client(SET_BOOL, "switch"), other.client(SET_BOOL, "switch")
+        assert one.wait(PATIENCE)
+        assert two.wait(PATIENCE)
+        answers = {"one": [], "two": []}
+        for _ in range(4):  # a service keeps ten requests
+            one.send(one.request_type(data=True), answers["one"].append)
+            two.send(two.request_type(data=False), answers["two"].append)
+
+        def complete():
+            other.spin_once(0.0)
+            return all(len(a) == 4 for a in answers.values())
+
+        assert here.spin(complete, PATIENCE)
+        assert all(a.success for a in answers["one"])
+        assert not any(a.success for a in answers["two"])
+
+
+def test_requests_and_replies_carry_the_header_of_rmw_cyclonedds(here):
+    """After the CDR header: uint64 handle of the client's writer, int64 number, the request."""
+    raw = []
+    client = here.client(SET_BOOL, "switch")
+    assert client.wait(PATIENCE)
+    write = client.writer.write
+    client.writer.write = lambda data: (raw.append(bytes(data)), write(data))
+    client.call(client.request_type(data=True), PATIENCE)
+    (data,) = raw
+    assert data[:4] == b"\x00\x01\x00\x00"
+    assert int.from_bytes(data[4:12], "little") == client.writer.handle
+    assert int.from_bytes(data[12:20], "little") == 1
+    assert data[20:] == b"\x01"
+
+
+def test_nobody_answers_where_nobody_serves(here):
+    client = here.client(SET_BOOL, "no_such_service")
+    with pytest.raises(NoAnswer, match="nobody serves /no_such_service"):
+        client.call(client.request_type(), 0.2)
+
+
+def test_a_request_of_another_service_is_refused(here):
+    client = here.client(SET_BOOL, "switch")
+    with pytest.raises(RosError, match="takes std_srvs/srv/SetBool_Request"):
+        client.send(message_type("std_srvs/srv/Trigger_Request")(), lambda _: None)
+
+
+def test_bad_requests_are_skipped_and_good_ones_answered(here):
+    from wbc.ros.endpoints import Writer
+    from wbc.ros.qos import SERVICES
+    from wbc.ros.wire import unread_type
+
+    name = f"{message_type(SET_BOOL + '_Request').dds_name()}"
+    rogue = Writer(here.participant, "rq/switchRequest", unread_type(name), SERVICES, "")
+    assert here.spin(lambda: rogue.matched, PATIENCE)
+    for data in (b"\x00\x01\x00\x00" + bytes(8), b"\x00\x01\x00\x00" + b"\xff" * 64):
+        rogue.write(data)
+    client = here.client(SET_BOOL, "switch")
+    assert client.call(client.request_type(data=True), PATIENCE).success
+
+
+def test_parameters_are_listed_by_prefix_and_depth(call):
+    every = ["built", "count", "gait.impulse", "name", "on", "rate"]
+    assert call("ListParameters").result.names == every
+    below = call("ListParameters", prefixes=["gait"]).result
+    assert (below.names, below.prefixes) == (["gait.impulse"], ["gait"])
+    assert "gait.impulse" not in call("ListParameters", depth=1).result.names
+    assert call("ListParameters", prefixes=["none"]).result.names == []
+
+
+def test_parameters_have_their_types_and_values(call):
+    names = ["rate", "count", "on", "name", "gait.impulse", "nothing"]
+    kinds = [Kind.DOUBLE, Kind.INTEGER, Kind.BOOL, Kind.STRING, Kind.DOUBLE_ARRAY, Kind.NOT_SET]
+    assert list(call("GetParameterTypes", names=names).types) == kinds
+    rate, count, on, name, impulse, nothing = call("GetParameters", names=names).values
+    assert rate.double_value == 50.0
+    assert count.integer_value == 3
+    assert on.bool_value is True
+    assert name.string_value == "me"
+    assert np.array_equal(impulse.double_array_value, [0.0, 1.0, 2.0])
+    assert nothing.type == Kind.NOT_SET
+
+
+def test_parameters_are_described(call):
+    rate, count, built, nothing = call(
+        "DescribeParameters", names=["rate", "count", "built", "nothing"]
+    ).descriptors
+    assert (rate.name, rate.type, rate.description) == ("rate", Kind.DOUBLE, "Hz")
+    (span,) = rate.floating_point_range
+    assert (span.from_value, span.to_value) == (1.0, 500.0)
+    (whole,) = count.integer_range
+    assert (whole.from_value, whole.to_value) == (0, 10)
+    assert built.read_only
+    assert not rate.read_only
+    assert nothing.type == Kind.NOT_SET
+
+
+def test_a_parameter_is_set_and_told(here, call):
+    events = Hearer(here, "rcl_interfaces/msg/ParameterEvent", "/parameter_events", Qos(depth=1000))
+    assert here.spin(lambda: events.subscription.publishers > 0, PATIENCE)
+    new = Parameter(name="rate", value=Value(type=Kind.DOUBLE, double_value=100.0))
+    (result,) = call("SetParameters", parameters=[new]).results
+    assert result.successful
+    assert value_of(call, "rate").double_value == 100.0
+    event = events.last if len(events) else events.wait()
+    assert event.node == "/peer_serve"
+    assert event.changed_parameters[0].value.double_value == 100.0
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("rate", {"type": Kind.DOUBLE, "double_value": 501.0}, "out of its range, 1 to 500"),
+        ("rate", {"type": Kind.DOUBLE, "double_value": math.nan}, "out of its range"),
+        ("rate", {"type": Kind.STRING, "string_value": "fast"}, "is double, not string"),
+        ("count", {"type": Kind.INTEGER, "integer_value": -1}, "out of its range, 0 to 10"),
+        ("count", {"type": Kind.DOUBLE, "double_value": 1.0}, "is integer, not double"),
+        ("on", {"type": Kind.NOT_SET}, "is bool, not not set"),
+        ("built", {"type": Kind.STRING, "string_value": "never"}, "is read-only"),
+        ("nothing", {"type": Kind.BOOL}, "there is no parameter 'nothing'"),
+        (
+            "gait.impulse",
+            {"type": Kind.DOUBLE_ARRAY, "double_array_value": [0.0, 0.0, 11.0]},
+            "11 is out of its range",
+        ),
+        ("gait.impulse", {"type": Kind.DOUBLE_ARRAY, "double_array_value": [0.0]}, "3 numbers"),
+        ("rate", {"type": 77}, "of an unknown kind, 77"),
+    ],
+)
+def test_a_value_that_cannot_be_is_refused_with_the_reason(call, name, value, reason):
+    before = value_of(call, name)
+    new = Parameter(name=name, value=Value(**value))
+    (result,) = call("SetParameters", parameters=[new]).results
+    assert not result.successful
+    assert reason in result.reason
+    assert value_of(call, name) == before
+
+
+def test_an_integer_will_do_for_a_number(call):
+    new = Parameter(name="rate", value=Value(type=Kind.INTEGER, integer_value=200))
+    assert call("SetParameters", parameters=[new]).results[0].successful
+    assert value_of(call, "rate").double_value == 200.0
+
+
+def test_atomically_means_all_or_nothing(call):
+    good = Parameter(name="count", value=Value(type=Kind.INTEGER, integer_value=9))
+    bad = Parameter(name="rate", value=Value(type=Kind.DOUBLE, double_value=0.0))
+    before = value_of(call, "count").integer_value
+    assert before != 9
+    refused = call("SetParametersAtomically", parameters=[good, bad]).result
+    assert not refused.successful
+    assert "rate = 0" in refused.reason
+    assert value_of(call, "count").integer_value == before
+    assert call("SetParametersAtomically", parameters=[good]).result.successful
+    assert value_of(call, "count").integer_value == 9
+
+
+def test_a_parameter_is_declared_once_and_within_its_range(domain):
+    with node("own", domain) as own:
+        parameters = Parameters(own)
+        parameters.declare("x", 1.0, lowest=0.0, highest=2.0)
+        with pytest.raises(RosError, match="declared twice"):
+            parameters.declare("x", 1.0)
+        with pytest.raises(RosError, match="out of its range"):
+            parameters.declare("y", 3.0, lowest=0.0, highest=2.0)
+        with pytest.raises(RosError, match="no type"):
+            parameters.declare("z", object())
+
+
+def test_a_service_waits_for_a_client_that_does_not_listen_yet(here, domain):
+    """Reply and discovery race: a client that asks in its first moment gets its answer."""
+    for _ in range(5):
+        with node("hasty", domain) as hasty:
+            client = hasty.client(SET_BOOL, "switch")
+            assert hasty.spin(lambda client=client: client.writer.matched, PATIENCE)
+            answers = []
+            client.send(client.request_type(data=True), answers.append)
+            assert hasty.spin(lambda answers=answers: bool(answers), PATIENCE)
+
+
+def test_timers_keep_their_rate_and_do_not_catch_up(domain):
+    with node("clock", domain) as clock:
+        calls = []
+        clock.timer(0.02, lambda: calls.append(time.monotonic()))
+        time.sleep(0.3)  # fifteen periods late
+        clock.spin_once(0.0)
+        clock.spin_once(0.0)
+        assert len(calls) <= 2
+        with pytest.raises(RosError, match="must be positive"):
+            clock.timer(0.0, lambda: None)
