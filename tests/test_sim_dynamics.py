@@ -14,7 +14,7 @@ from simtools import command, random_state, robot
 
 from wbc.errors import MissingExtra, PlantError
 from wbc.sim import Mujoco, SensorNoise
-from wbc.sim.convention import Convention, rotation
+from wbc.sim.convention import Convention
 from wbc.state import State
 
 mujoco = pytest.importorskip("mujoco")
@@ -25,7 +25,7 @@ ROBOTS = ["talos", "g1", "romeo", "icub", "simple_humanoid"]
 def world_blocks(state: State) -> np.ndarray:
     """(nv, nv) from Pinocchio's generalised velocity to MuJoCo's, joints in the same order."""
     blocks = np.eye(state.v.size)
-    blocks[:3, :3] = rotation(state.q[3:7])
+    blocks[:3, :3] = pin.XYZQUATToSE3(state.q[:7]).rotation
     return blocks
 
 

@@ -73,6 +73,27 @@ def test_the_accelerometer_reads_the_mean_specific_force_of_the_period():
         np.testing.assert_allclose(plant.measure().accelerometer, force, atol=5e-3 * scale)
 
 
+@pytest.mark.parametrize("name", ["talos", "g1"])
+def test_the_accelerometer_reads_what_the_forces_of_the_step_do(name):
+    r = robot(name)
+    random = np.random.default_rng(7)
+    imu, data = r.frame_id(r.imu), r.model.createData()
+    with Mujoco(r, dt=1e-3, timestep=1e-3, noise=QUIET) as plant:
+        plant.reset(random_state(r, random))
+        for _ in range(3):
+            before = plant.ground_truth()
+            plant.step(command(random.uniform(-10.0, 10.0, r.na)))
+            R = pin.XYZQUATToSE3(before.q[:7]).rotation
+            a = plant.data.qacc.copy()
+            a[6:] = plant.data.qacc[6 + plant.convention.order]
+            a[:3] = R.T @ a[:3] - np.cross(before.v[3:6], before.v[:3])
+            pin.forwardKinematics(r.model, data, before.q, before.v, a)
+            axes = pin.ReferenceFrame.LOCAL
+            moving = pin.getFrameClassicalAcceleration(r.model, data, imu, axes).linear
+            expected = moving - imu_rotation(r, before).T @ r.model.gravity.linear
+            np.testing.assert_allclose(plant.measure().accelerometer, expected, atol=1e-8)
+
+
 def test_ground_truth_is_only_given_when_asked_for():
     r = robot()
     with Mujoco(r) as plant:

@@ -14,8 +14,8 @@ def attitude(robot: Robot, state: State) -> tuple[float, float, float, float]:
     The base's orientation times the inverse of the nominal one: some models have a base
     link whose x axis points backward or whose z axis lies flat.
     """
-    x, y, z, w = (float(c) for c in state.q[3:7])
-    a, b, c, d = (float(e) for e in robot.q_nominal[3:7])
+    x, y, z, w = state.q[3:7].tolist()
+    a, b, c, d = robot.q_nominal[3:7].tolist()
     # (x, y, z, w) ⊗ (−a, −b, −c, d)
     return (
         d * x - w * a - y * c + z * b,

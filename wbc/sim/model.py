@@ -63,7 +63,8 @@ def build_model(
     """Compile a `mujoco.MjModel` with the robot's dynamics, soles, motors and stops.
 
     Bodies and joints carry the Pinocchio joints' names, motors too; the sole boxes are
-    geoms of the soles' names, at sites of the same name; the site "imu" is the IMU.
+    geoms of the soles' names, at sites of the same name; the site "imu" is the IMU,
+    with sensors "gyro" and "accelerometer".
     A motor's gear is 1 and its range the effort limit.
 
     Args:
@@ -108,6 +109,10 @@ def build_model(
         _add_site(bodies[sole.joint_id], sole.name, sole.placement)
     imu = robot.model.frames[robot.frame_id(robot.imu)]
     _add_site(bodies[imu.parentJoint], "imu", imu.placement)
+    for name, kind in (("gyro", "mjSENS_GYRO"), ("accelerometer", "mjSENS_ACCELEROMETER")):
+        sensor = spec.add_sensor(name=name, objname="imu")
+        sensor.type = getattr(mujoco.mjtSensor, kind)
+        sensor.objtype = mujoco.mjtObj.mjOBJ_SITE
     for name, limit in zip(robot.joint_names, robot.tau_max, strict=True):
         motor = spec.add_actuator(name=name, target=name)
         motor.trntype = mujoco.mjtTrn.mjTRN_JOINT

@@ -81,6 +81,10 @@ class Noise:
         """A new array: the readings `[q, v, gyro, accelerometer, wrenches]` with errors."""
         forces = exact[self._forces]
         draw = self._random.standard_normal(exact.size + forces.size)
-        noisy: np.ndarray = exact + self._scale * draw[: exact.size] + self._offset
-        noisy[self._forces] += self._sigma.force_share * forces * draw[exact.size :]
+        noisy, in_proportion = draw[: exact.size], draw[exact.size :]
+        noisy *= self._scale
+        noisy += exact
+        noisy += self._offset
+        in_proportion *= self._sigma.force_share * forces
+        noisy[self._forces] += in_proportion
         return noisy

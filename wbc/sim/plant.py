@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from types import TracebackType
 from typing import Any
 
 import numpy as np
 
+from wbc.balance import heading
 from wbc.command import Command
 from wbc.errors import PlantError
 from wbc.measurement import Measurement
@@ -85,6 +87,10 @@ class Mujoco:
         self.convention = Convention(np.array(dofs, dtype=int))
         self._sensors = Sensors(robot, self._mujoco, self.model, self.data, self.convention)
         self._pushes = Pushes(self._mujoco, self.model, self.data)
+        first = 2 * robot.na + 6
+        self._wrench_places = [
+            (s.name, slice(first + 6 * i, first + 6 * i + 6)) for i, s in enumerate(robot.soles)
+        ]
         self._tau_max = np.array(robot.tau_max, dtype=float)
         self._tau_min = -self._tau_max
         self._commands: deque[tuple[int, np.ndarray]] = deque()
@@ -123,7 +129,7 @@ class Mujoco:
         mujoco, model, data = self._mujoco, self.model, self.data
         mujoco.mj_resetData(model, data)
         data.qpos[:], data.qvel[:] = self.convention.to_plant(state)
-        self._ground.lay(data, *_ground_move(self.robot.standing().q, state.q))
+        self._lay_ground(state)
         self._steps = 0
         self._commands.clear()
         self._pushes.clear()
@@ -135,18 +141,14 @@ class Mujoco:
     def measure(self) -> Measurement:
         """What the sensors read now; asked twice in a tick, the same object."""
         if self._measurement is None:
-            na = self.robot.na
-            r = self._noise.corrupt(self._sensors.reading)
-            feet = r[2 * na + 6 :]
+            n, r = 2 * self.robot.na, self._noise.corrupt(self._sensors.reading)
             self._measurement = Measurement(
                 time=self.time,
-                joint_position=r[:na],
-                joint_velocity=r[na : 2 * na],
-                gyro=r[2 * na : 2 * na + 3],
-                accelerometer=r[2 * na + 3 : 2 * na + 6],
-                foot_wrenches={
-                    s.name: feet[6 * i : 6 * i + 6] for i, s in enumerate(self.robot.soles)
-                },
+                joint_position=r[: n // 2],
+                joint_velocity=r[n // 2 : n],
+                gyro=r[n : n + 3],
+                accelerometer=r[n + 3 : n + 6],
+                foot_wrenches={name: r[at] for name, at in self._wrench_places},
                 ground_truth=self.ground_truth() if self._give_truth else None,
             )
         return self._measurement
@@ -161,18 +163,19 @@ class Mujoco:
             PlantError: torques of the wrong size or not finite, or physics that diverged.
         """
         self._queue(command.tau)
-        mujoco, model, data = self._mujoco, self.model, self.data
+        mujoco, model, data, commands = self._mujoco, self.model, self.data, self._commands
         self._ground.follow(data)
         for _ in range(self._substeps):
-            while self._commands and self._commands[0][0] <= self._steps:
-                data.ctrl[:] = self._commands.popleft()[1]
+            while commands and commands[0][0] <= self._steps:
+                data.ctrl[:] = commands.popleft()[1]
             self._pushes.apply(self._steps)
             # mj_step's two halves, turned round: the tick ends with fresh kinematics.
             mujoco.mj_step2(model, data)
             self._sensors.accumulate()
             mujoco.mj_step1(model, data)
             self._steps += 1
-        if not np.isfinite(data.qvel.sum()):
+        velocity = data.qvel
+        if not math.isfinite(velocity.dot(velocity)):
             raise PlantError(f"the physics diverged at {self.time:.3f} s: a smaller timestep helps")
         self._sensors.update()
         self._measurement = None
@@ -223,8 +226,7 @@ class Mujoco:
     @property
     def foot_forces(self) -> dict[str, np.ndarray]:
         """Sole name -> (6,) exact contact wrench of the last tick, in sole axes; N, N·m."""
-        feet = self._sensors.reading[2 * self.robot.na + 6 :]
-        return {s.name: feet[6 * i : 6 * i + 6].copy() for i, s in enumerate(self.robot.soles)}
+        return {name: self._sensors.reading[at].copy() for name, at in self._wrench_places}
 
     @property
     def push_force(self) -> np.ndarray:
@@ -254,15 +256,23 @@ class Mujoco:
             found.append((contact.pos.copy(), force))
         return found
 
+    def _lay_ground(self, state: State) -> None:
+        """Lay the terrain's origin where the robot that stands there was moved from."""
+        yaw = heading(self.robot, state)
+        c, s = math.cos(yaw), math.sin(yaw)
+        x, y = self.robot.q_nominal[:2].tolist()
+        at = state.q[0] - (c * x - s * y), state.q[1] - (s * x + c * y)
+        self._ground.lay(self.data, float(at[0]), float(at[1]), yaw)
+
     def _queue(self, tau: np.ndarray) -> None:
         tau = np.asarray(tau, dtype=float)
         if tau.shape != self._tau_max.shape:
             raise PlantError(
                 f"command.tau has shape {tau.shape}, the robot has {self.robot.na} joints"
             )
-        if not np.isfinite(tau.sum()):
+        if not math.isfinite(tau.dot(tau)) and not np.isfinite(tau).all():
             bad = np.flatnonzero(~np.isfinite(tau))
-            name = self.robot.joint_names[bad[0]] if bad.size else "?"
+            name = self.robot.joint_names[bad[0]]
             raise PlantError(f"command.tau of joint '{name}' is not finite: the plant refuses it")
         clipped = np.minimum(np.maximum(tau, self._tau_min), self._tau_max)
         # The first command acts at once: a robot is never switched on without one.
@@ -286,16 +296,3 @@ def _whole_steps(name: str, value: float, timestep: float, least: int) -> int:
     if steps < least or abs(steps * timestep - value) > 1e-9:
         raise PlantError(f"{name} = {value} s is not a whole number of {timestep} s timesteps")
     return steps
-
-
-def _ground_move(origin: np.ndarray, start: np.ndarray) -> tuple[float, float, float]:
-    """(x, y, yaw) of the motion in the plane that takes one base pose to another."""
-
-    def heading(q: np.ndarray) -> float:
-        x, y, z, w = q[3:7]
-        return float(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
-
-    yaw = heading(start) - heading(origin)
-    c, s = np.cos(yaw), np.sin(yaw)
-    x, y = start[:2] - np.array([[c, -s], [s, c]]) @ origin[:2]
-    return float(x), float(y), yaw

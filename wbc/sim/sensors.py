@@ -35,20 +35,28 @@ class Sensors:
         self, robot: Robot, mujoco: Any, model: Any, data: Any, convention: Convention
     ) -> None:
         self._robot = robot
-        self._mujoco = mujoco
         self._model = model
         self._data = data
         self._joints = 7 + convention.order
         self._rates = 6 + convention.order
         self._imu = model.site("imu").id
         self._feet = np.array([model.site(s.name).id for s in robot.soles])
-        self._bodies = model.site_bodyid[self._feet]
+        bodies = model.site_bodyid[self._feet]
         # Views of MuJoCo's own memory, taken once: each access to `data` makes a new one.
-        self._external = data.cfrc_ext
-        self._com = data.subtree_com[model.body_rootid[self._bodies[0]]]
-        self._places, self._axes = data.site_xpos, data.site_xmat
-        self._twist = np.empty(6)
+        self._qpos, self._qvel = data.qpos, data.qvel
+        self._exact_gyro = data.sensor("gyro").data
+        self._exact_accelerometer = data.sensor("accelerometer").data
+        self._com = data.subtree_com[model.body_rootid[bodies[0]]]
         self._sums = np.zeros(3 + 6 * len(robot.soles))
+        self._acceleration = self._sums[:3]
+        self._foot_views = [
+            (total, data.cfrc_ext[body], data.site_xpos[site], data.site_xmat[site])
+            for total, body, site in zip(
+                self._sums[3:].reshape(-1, 6), bodies, self._feet, strict=True
+            )
+        ]
+        self._spatial = np.empty(6)
+        self._transform = mujoco.mju_transformSpatial
         self._samples = 0
         na = robot.na
         self.reading = np.zeros(2 * na + 6 + 6 * len(robot.soles))
@@ -56,23 +64,26 @@ class Sensors:
         self._v = self.reading[na : 2 * na]
         self._gyro = self.reading[2 * na : 2 * na + 3]
         self._averaged = self.reading[2 * na + 3 :]
+        self._wrenches = self._averaged[3:].reshape(-1, 6)
 
     def accumulate(self) -> None:
         """Take in one physics step, between its forces and the next kinematics."""
-        mujoco, model, data = self._mujoco, self._model, self._data
-        mujoco.mj_rnePostConstraint(model, data)
-        mujoco.mj_objectAcceleration(
-            model, data, mujoco.mjtObj.mjOBJ_SITE, self._imu, self._twist, 1
-        )
-        self._sums[:3] += self._twist[3:]
-        self._add_foot_wrenches()
+        self._acceleration += self._exact_accelerometer
+        spatial, com = self._spatial, self._com
+        for total, external, place, axes in self._foot_views:
+            # cfrc_ext is moment then force about the robot's CoM, in world axes.
+            self._transform(spatial, external, 1, place, com, axes)
+            total += spatial
         self._samples += 1
 
     def update(self) -> None:
         """Fill `reading` with `[q, v, gyro, accelerometer, wrenches]` of this instant."""
         self._instant()
         if self._samples:
-            np.multiply(self._sums, 1.0 / self._samples, out=self._averaged)
+            self._sums *= 1.0 / self._samples
+            self._averaged[:3] = self._acceleration
+            for wrench, (total, *_) in zip(self._wrenches, self._foot_views, strict=True):
+                wrench[:3], wrench[3:] = total[3:], total[:3]
             self._sums[:] = 0.0
             self._samples = 0
 
@@ -91,41 +102,12 @@ class Sensors:
             return
         data, gravity = self._data, self._model.opt.gravity
         self._averaged[:3] = -gravity @ data.site_xmat[self._imu].reshape(3, 3)
-        wrenches = self._averaged[3:].reshape(-1, 6)
-        wrenches[standing] = self._standing_wrenches(standing)
+        self._wrenches[standing] = self._standing_wrenches(standing)
 
     def _instant(self) -> None:
-        data = self._data
-        np.take(data.qpos, self._joints, out=self._q)
-        np.take(data.qvel, self._rates, out=self._v)
-        self._mujoco.mj_objectVelocity(
-            self._model, data, self._mujoco.mjtObj.mjOBJ_SITE, self._imu, self._twist, 1
-        )
-        self._gyro[:] = self._twist[:3]
-
-    def _add_foot_wrenches(self) -> None:
-        """Add the contact wrenches at the sole centres, in sole axes, to the sums.
-
-        Scalar by scalar: for two feet, numpy's overhead is twice the cost of the products.
-        """
-        # cfrc_ext is moment then force about the robot's CoM, in world axes.
-        external = self._external[self._bodies].tolist()
-        cx, cy, cz = self._com.tolist()
-        for i, (mx, my, mz, fx, fy, fz) in enumerate(external):
-            if fx == fy == fz == 0.0:
-                continue
-            x, y, z = self._places[self._feet[i]].tolist()
-            x, y, z = cx - x, cy - y, cz - z
-            mx, my, mz = mx + y * fz - z * fy, my + z * fx - x * fz, mz + x * fy - y * fx
-            a, b, c, d, e, f, g, h, k = self._axes[self._feet[i]].tolist()
-            self._sums[3 + 6 * i : 9 + 6 * i] += (
-                a * fx + d * fy + g * fz,
-                b * fx + e * fy + h * fz,
-                c * fx + f * fy + k * fz,
-                a * mx + d * my + g * mz,
-                b * mx + e * my + h * mz,
-                c * mx + f * my + k * mz,
-            )
+        self._qpos.take(self._joints, out=self._q, mode="clip")
+        self._qvel.take(self._rates, out=self._v, mode="clip")
+        self._gyro[:] = self._exact_gyro
 
     def _stands(self, i: int) -> bool:
         sole, site = self._robot.soles[i], self._feet[i]
