@@ -229,7 +229,11 @@ def as_json(found: Comparison, options: argparse.Namespace) -> dict[str, object]
             "libraries": columns,
         }
     return {
-        "machine": {"processor": report.processor(), "python": platform.python_version()},
+        "machine": {
+            "processor": report.processor(),
+            "python": platform.python_version(),
+            "programs_per_core": report.busy(),
+        },
         "rounds": options.rounds,
         "passes": options.passes,
         "versions": found.versions,

@@ -72,7 +72,7 @@ def draw(found: Comparison, path: Path) -> None:
     ax.set_xticks(range(len(found.cases)), [case.title for case in found.cases])
     ax.set_ylabel("µs per tick")
     ax.set_title(
-        "One tick, from (q, v) to torques: the median, and a line up to the 99th percentile",
+        "One tick, from (q, v) to torques: median, and a line up to the 99th percentile of ticks",
         fontsize=10,
         loc="left",
     )

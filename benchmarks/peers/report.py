@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import platform
 import textwrap
 from pathlib import Path
@@ -16,11 +17,17 @@ if TYPE_CHECKING:
     from peers.compare import Comparison
 
 WIDTH = 36
+BUSY = 0.8  # this comparison alone is one program
 
 
 def show(found: Comparison) -> None:
-    """Print everything."""
+    """Print everything; p99* is `Figures.p99_of_ticks`."""
     print(f"\n{processor()}; CPU time of one process, one thread; ratio = ours / theirs")
+    if busy() > BUSY:
+        print(
+            f"The machine is busy ({busy():.1f} programs per core): p99 and max are mostly its "
+            "own; p50 and p99* bear it."
+        )
     for case in found.cases:
         _show_case(found, case)
     _show_agreement(found)
@@ -71,6 +78,14 @@ def _show_agreement(found: Comparison) -> None:
             print(line + f"{near.unsolved:>10}")
         why = textwrap.fill(library.differs, 96, initial_indent="  ", subsequent_indent="  ")
         print(why)
+
+
+def busy() -> float:
+    """Programs that want a core, per core, over the last minute; NaN where nobody counts them."""
+    try:
+        return os.getloadavg()[0] / (os.cpu_count() or 1)
+    except OSError:
+        return float("nan")
 
 
 def processor() -> str:
