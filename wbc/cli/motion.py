@@ -15,6 +15,8 @@ from wbc.trials import Curtain, Judge
 
 _AT_MOST = 300.0  # s
 
+_RUNS_OWN = ("duration", "push")  # options of every simulated run, see `simulation.add_options`
+
 
 def add_to(subcommands: Any) -> None:
     """Add the subcommand."""
@@ -53,7 +55,8 @@ def _destination(parameter: Parameter) -> str:
 
 
 def _option(parameter: Parameter) -> str:
-    return "--" + parameter.name.replace("_", "-")
+    name = parameter.name.replace("_", "-")
+    return f"--motion-{name}" if name in _RUNS_OWN else f"--{name}"
 
 
 def _add_option(group: Any, parameter: Parameter) -> None:
