@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 import wbc
-from wbc.cli import doctor, motion, robots, ros2, stand, view, walk
+from wbc.cli import doctor, motion, replay, robots, ros2, stand, view, walk
 from wbc.cli.parser import BAD_INPUT, INTERRUPTED, Parser
 from wbc.errors import WbcError
 
@@ -39,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--version", action="version", version=f"wbc {wbc.__version__}")
     subcommands = parser.add_subparsers(title="subcommands", metavar="SUBCOMMAND", required=True)
-    for module in (walk, stand, motion, view, robots, doctor, ros2):
+    for module in (walk, stand, motion, view, replay, robots, doctor, ros2):
         module.add_to(subcommands)
     try:
         options = parser.parse_args(arguments)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import sys
+import time
+from types import TracebackType
 from typing import TextIO
 
 from wbc.book import Progress
 
+_BAR = 30  # letters
 _SPARSE = 2.0  # s of the run between lines that are not rewritten
 
 
@@ -47,3 +50,40 @@ class ProgressLine:
         if self._open:
             self._stream.write("\n")
             self._open = False
+
+
+class Rendering:
+    """A bar for the frames of a film, with the time that is left.
+
+    Args:
+        stream: standard error when left out.
+    """
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        self._stream = stream or sys.stderr
+        self._rewrite = self._stream.isatty()
+        self._start = self._next = time.monotonic()
+
+    def show(self, done: int, frames: int) -> None:
+        """Show how many frames are done."""
+        now = time.monotonic()
+        if not self._rewrite and now < self._next and done < frames:
+            return
+        self._next = now + 10.0
+        left = (now - self._start) / done * (frames - done)
+        full = round(_BAR * done / frames)
+        text = f"[{'█' * full}{'·' * (_BAR - full)}] frame {done} of {frames}, {left:.0f} s left"
+        self._stream.write(f"\r{text}\x1b[K" if self._rewrite else f"{text}\n")
+        self._stream.flush()
+
+    def __enter__(self) -> Rendering:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._rewrite:
+            self._stream.write("\n")

@@ -187,6 +187,20 @@ class LoggedRun:
             status=STATUSES[int(self._statuses[tick])],
         )
 
+    @property
+    def start(self) -> float:
+        """Time of the first tick, s."""
+        return float(self.time[0])
+
+    @property
+    def end(self) -> float:
+        """Time of the last tick, s."""
+        return float(self.time[-1])
+
+    def at(self, time: float) -> Snapshot:
+        """What a viewer shows at a time, s."""
+        return self.snapshot(self.tick_at(time))
+
     def tick_at(self, time: float) -> int:
         """The last tick that is not after a time, s; the first one for earlier times."""
         return max(int(np.searchsorted(self.time, time + 1e-9, "right")) - 1, 0)

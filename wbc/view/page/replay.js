@@ -42,6 +42,19 @@ function wirePlayer(animator, story) {
     if (event.key === " ") { event.preventDefault(); toggle(); }
   });
   element("player").hidden = story.words.length < 2;
+  // For films: no player on the page, and frames by their times.
+  wbc.film = () => {
+    document.body.classList.add("film");
+    animator.pause();
+    return story.words.at(-1).time - start;
+  };
+  wbc.seek = (time) => {
+    animator.seek(time);
+    animator.time = time;
+    show(story.words[lastBefore(story.words, start + time + 1e-6)]);
+    viewer.render();
+    viewer.needs_render = false;
+  };
   let shown = -1;
   const tick = () => {
     requestAnimationFrame(tick);

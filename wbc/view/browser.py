@@ -1,0 +1,76 @@
+"""A browser without a window, to take pictures of our own pages with."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import shutil
+from collections.abc import Iterator
+from typing import Any
+
+from wbc.errors import MissingExtra
+from wbc.view.errors import ViewerError
+
+_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+#: Draws in software where there is no graphics card, and reaches nothing but this machine.
+_FLAGS = (
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    "--no-sandbox",
+    "--disable-dev-shm-usage",
+    "--disable-background-networking",
+    "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1 , EXCLUDE localhost",
+)
+
+
+def check_browser() -> None:
+    """Find out early whether `new_page` can work.
+
+    Raises:
+        MissingExtra: `playwright` is not installed.
+        ViewerError: there is no browser.
+    """
+    if importlib.util.find_spec("playwright") is None:
+        raise MissingExtra("playwright", "video")
+    if _installed() is None and not _own():
+        raise ViewerError(
+            "there is no chromium to render with; run  playwright install chromium,  or your "
+            "system's  apt install chromium"
+        )
+
+
+@contextlib.contextmanager
+def new_page(width: int, height: int) -> Iterator[Any]:
+    """A page of a size, in pixels; playwright's `Page`.
+
+    Raises:
+        MissingExtra: `playwright` is not installed.
+        ViewerError: there is no browser, or it does not start.
+    """
+    check_browser()
+    from playwright.sync_api import Error, sync_playwright
+
+    with sync_playwright() as playwright:
+        try:
+            browser = playwright.chromium.launch(executable_path=_installed(), args=list(_FLAGS))
+        except Error as error:
+            reason = str(error).strip().splitlines()[0]
+            raise ViewerError(f"the browser does not start: {reason}") from error
+        try:
+            yield browser.new_page(viewport={"width": width, "height": height})
+        finally:
+            browser.close()
+
+
+def _installed() -> str | None:
+    return next(filter(None, map(shutil.which, _NAMES)), None)
+
+
+def _own() -> bool:
+    """Whether playwright has brought a browser of its own."""
+    from pathlib import Path
+
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        return Path(playwright.chromium.executable_path).is_file()
