@@ -61,7 +61,8 @@ class Book:
         self._time = 0.0
         self._failures = 0
         self._explanation = ""
-        self._torque_ratio = self._torque_excess = self._joint_excess = 0.0
+        self._effort = np.zeros(robot.na)
+        self._lowest, self._highest = np.full(robot.na, np.inf), np.full(robot.na, -np.inf)
         self._fell_at: float | None = None
         self._early = ""
         self._yaw = heading(robot, start)
@@ -96,13 +97,12 @@ class Book:
         if command.status is not Status.OK:
             self._failures += 1
             self._explanation = self._explanation or command.explanation
-        robot, q = self.robot, truth.q[7:]
-        effort = np.abs(command.tau)
-        self._torque_ratio = max(self._torque_ratio, float((effort / robot.tau_max).max()))
-        self._torque_excess = max(self._torque_excess, float((effort - robot.tau_max).max()))
-        beyond = max(float((robot.q_min - q).max()), float((q - robot.q_max).max()))
-        self._joint_excess = max(self._joint_excess, beyond)
-        yaw = heading(robot, truth)
+        # What is beyond the limits follows from the extremes, once, at the end.
+        q = truth.q[7:]
+        np.maximum(self._effort, np.abs(command.tau), out=self._effort)
+        np.minimum(self._lowest, q, out=self._lowest)
+        np.maximum(self._highest, q, out=self._highest)
+        yaw = heading(self.robot, truth)
         self._turned += wrap(yaw - self._yaw)
         self._yaw = yaw
         self._here = truth.q[:2].copy()
@@ -133,6 +133,7 @@ class Book:
     def report(self, controller: Controller, clock: Clock | None) -> Report:
         """The result; `clock` when the run was in real time."""
         wall = time.perf_counter() - self._wall
+        robot = self.robot
         n = min(self._count, self._tick.size)
         tick, errors = 1e6 * self._tick[:n], self._error[:n]
         errors = errors[np.isfinite(errors)]
@@ -141,7 +142,7 @@ class Book:
         dx, dy = self._here - self._trail[0]
         late = clock.lateness if clock is not None else np.zeros(1)
         return Report(
-            robot=self.robot.name,
+            robot=robot.name,
             survived=not self._early,
             fell_at_s=self._fell_at,
             fell_why=self._early,
@@ -153,9 +154,13 @@ class Book:
             mean_speed_m_s=mean,
             cruise_speed_m_s=cruise,
             dcm_error_rms_mm=1e3 * float(np.sqrt(np.mean(errors**2))) if errors.size else 0.0,
-            torque_peak_ratio=self._torque_ratio,
-            torque_excess_nm=self._torque_excess,
-            joint_limit_excess_rad=self._joint_excess,
+            torque_peak_ratio=float((self._effort / robot.tau_max).max()),
+            torque_excess_nm=max(float((self._effort - robot.tau_max).max()), 0.0),
+            joint_limit_excess_rad=max(
+                float((robot.q_min - self._lowest).max()),
+                float((self._highest - robot.q_max).max()),
+                0.0,
+            ),
             qp_failures=self._failures,
             explanation=self._explanation,
             tick_p50_us=float(np.percentile(tick, 50)),
