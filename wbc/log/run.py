@@ -88,29 +88,49 @@ class LoggedRun:
     @cached_property
     def q(self) -> np.ndarray:
         """(n, nq) estimated configuration; m, unit quaternion, rad."""
-        return np.hstack([self._at("/odom", "pose.pose"), self._at("/joint_states", "position")])
+        return np.hstack(
+            [self.at_ticks("/odom", "pose.pose"), self.at_ticks("/joint_states", "position")]
+        )
 
     @cached_property
     def v(self) -> np.ndarray:
         """(n, nv) estimated velocity, base twist in the base frame; m/s, rad/s."""
-        return np.hstack([self._at("/odom", "twist.twist"), self._at("/joint_states", "velocity")])
+        return np.hstack(
+            [self.at_ticks("/odom", "twist.twist"), self.at_ticks("/joint_states", "velocity")]
+        )
 
     @cached_property
     def tau(self) -> np.ndarray:
         """(n, na) commanded torques, N·m or N."""
-        return self._at("/joint_states", "effort")
+        return self.at_ticks("/joint_states", "effort")
 
     def point(self, name: str) -> np.ndarray:
         """(n, 3) "com", "dcm", "dcm_reference", "zmp" or "cop", m, world axes."""
         topic = f"/balance/{name}"
         if topic not in self.log:
             return np.full((len(self), 3), np.nan)
-        return self._at(topic, "point")
+        return self.at_ticks(topic, "point")
 
     def state(self, field: str) -> np.ndarray:
         """(n,) a number of `wbc_msgs/ControllerState`, e.g. "controller_time"."""
         numbers: np.ndarray = self.log.numbers(_STATE, field)[:, 0]
         return numbers
+
+    def at_ticks(self, topic: str, field: str) -> np.ndarray:
+        """(n, k) numbers of a topic at the ticks that have a message of it, NaN at the others.
+
+        Raises:
+            LogError: there is no such topic, or no such field.
+        """
+        numbers = self.log.numbers(topic, field)
+        stamps = self.log.stamps(topic)
+        if len(stamps) == len(self) and (stamps == self.stamps).all():
+            return numbers
+        rows = np.full((len(self), numbers.shape[1]), np.nan)
+        place = np.searchsorted(self.stamps, stamps)
+        there = (place < len(self)) & (self.stamps[np.minimum(place, len(self) - 1)] == stamps)
+        rows[place[there]] = numbers[there]
+        return rows
 
     @cached_property
     def foot_wrenches(self) -> Mapping[str, np.ndarray]:
@@ -219,22 +239,10 @@ class LoggedRun:
 
     def _wrenches(self, prefix: str) -> dict[str, np.ndarray]:
         return {
-            topic[len(prefix) :]: self._at(topic, "wrench")
+            topic[len(prefix) :]: self.at_ticks(topic, "wrench")
             for topic in self.log.topics
             if topic.startswith(prefix)
         }
-
-    def _at(self, topic: str, field: str) -> np.ndarray:
-        """(n, k) numbers of a topic at the ticks that have a message of it, NaN at the others."""
-        numbers = self.log.numbers(topic, field)
-        stamps = self.log.stamps(topic)
-        if len(stamps) == len(self) and (stamps == self.stamps).all():
-            return numbers
-        rows = np.full((len(self), numbers.shape[1]), np.nan)
-        place = np.searchsorted(self.stamps, stamps)
-        there = (place < len(self)) & (self.stamps[np.minimum(place, len(self) - 1)] == stamps)
-        rows[place[there]] = numbers[there]
-        return rows
 
     def _latest(self, stamps: np.ndarray) -> np.ndarray:
         """(n,) index of the last of some stamps that is not after each tick's."""

@@ -1,0 +1,110 @@
+"""`wbc diff`: where two runs part."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from typing import Any
+
+from wbc.cli.parser import number
+from wbc.cli.text import paragraph, table
+from wbc.log.diff import STAGES, Difference, Parting, compare
+from wbc.log.run import LoggedRun
+
+DIFFERENT = 1
+_WIDTH = 100
+_CAUSES = {
+    "measured": "what was measured differs before anything that was computed: sensors, ground, "
+    "pushes or start are not the same",
+    "estimated": "the measurements are the same until then: the estimators differ",
+    "intended": "measurements and state are the same until then: commands, plans or their "
+    "parameters differ",
+    "commanded": "measurements, state and plans are the same until then: the controllers, their "
+    "weights or their solvers differ",
+}
+
+
+def add_to(subcommands: Any) -> None:
+    """Add the subcommand."""
+    parser = subcommands.add_parser(
+        "diff",
+        help="say where two logged runs part",
+        description="Compares two logs tick by tick: when they part, in which quantity first, "
+        "and by how much. Exit code 0: the same; 1: different.",
+    )
+    parser.add_argument("first", metavar="LOG1")
+    parser.add_argument("second", metavar="LOG2")
+    parser.add_argument(
+        "--tolerance",
+        type=number,
+        default=0.0,
+        metavar="X",
+        help="differences up to this do not count, SI units (default: 0)",
+    )
+    parser.set_defaults(execute=execute)
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Compare; returns the exit code."""
+    first, second = LoggedRun.read(options.first), LoggedRun.read(options.second)
+    difference = compare(first, second, options.tolerance)
+    print(f"1  {first.log.path}: {first.title}\n2  {second.log.path}: {second.title}\n")
+    print(_verdict(difference))
+    if difference.partings:
+        print(f"\n{_partings(difference.partings)}")
+    if difference.parameters:
+        rows = [(n, a or "—", b or "—") for n, (a, b) in difference.parameters.items()]
+        print(f"\n{table(('parameter', 'in 1', 'in 2'), [tuple(map(_short, r)) for r in rows])}")
+    same = not difference.partings and difference.ends[0] == difference.ends[1]
+    return 0 if same else DIFFERENT
+
+
+def _verdict(difference: Difference) -> str:
+    first = difference.first
+    lines = []
+    if first is None:
+        lines.append(f"The runs are the same at all {difference.ticks} common ticks.")
+    else:
+        lines.append(
+            f"The runs part at {first.time:.3f} s (common tick {first.tick}), first in what is "
+            f"{first.stage}:\n{first.name}, {first.part}: {_value(first.a)} against "
+            f"{_value(first.b)}{first.unit and ' ' + first.unit}, by {_gap(first)}."
+        )
+        lines.append(paragraph(f"→ {_CAUSES[first.stage]}", 0, _WIDTH))
+    one, other = difference.ends
+    if one != other:
+        lines.append(
+            f"Run {1 if one < other else 2} ends earlier: {one:.3f} s against {other:.3f} s."
+        )
+    return "\n".join(lines)
+
+
+def _partings(partings: tuple[Parting, ...]) -> str:
+    rows = [
+        (
+            f"{p.time:.3f}",
+            p.stage,
+            p.name,
+            p.part,
+            _gap(p),
+            f"{p.largest:.3g}",
+            f"{p.largest_time:.3f}",
+            p.unit,
+        )
+        for p in sorted(partings, key=lambda p: (p.tick, STAGES.index(p.stage)))
+    ]
+    head = ("from, s", "", "quantity", "first in", "then by", "at most by", "at, s", "")
+    return table(head, rows, right=(0, 4, 5, 6))
+
+
+def _gap(parting: Parting) -> str:
+    gap = abs(parting.a - parting.b)
+    return f"{gap:.3g}" if math.isfinite(gap) else "unknown"
+
+
+def _value(x: float) -> str:
+    return "unknown" if not math.isfinite(x) else f"{x:.6g}"
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 60 else text[:57] + "…"

@@ -1,0 +1,39 @@
+"""`wbc plot`: the standard pictures of a log."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from wbc.log.plot import KINDS, plot
+from wbc.log.run import LoggedRun
+
+
+def add_to(subcommands: Any) -> None:
+    """Add the subcommand."""
+    parser = subcommands.add_parser(
+        "plot",
+        help="draw the standard pictures of a log",
+        description="Draws CoM, DCM and ZMP against the footsteps, from above and over time, "
+        "torques against their limits, and tick time.",
+    )
+    parser.add_argument("log", metavar="LOG", help="a log, see --log of the other subcommands")
+    parser.add_argument(
+        "--out", type=Path, metavar="FOLDER", help="for the pictures (default: beside the log)"
+    )
+    parser.add_argument(
+        "--format",
+        choices=[kind[1:] for kind in KINDS],
+        default="png",
+        help="of the pictures (default: png)",
+    )
+    parser.set_defaults(execute=execute)
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Draw; returns the exit code."""
+    folder = options.out if options.out is not None else Path(options.log).parent
+    for path in plot(LoggedRun.read(options.log), folder, f".{options.format}"):
+        print(path.resolve())
+    return 0

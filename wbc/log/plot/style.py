@@ -1,0 +1,66 @@
+"""How the pictures look: one face for all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+COM, DCM, REFERENCE, ZMP, COP = "#23272f", "#7b3fbf", "#b48ad9", "#e69f00", "#0a8f6c"
+LEFT, RIGHT = "#1f66c1", "#d1650c"
+LIMIT, GRID, FAINT = "#c0392b", "#dfe4ea", "#97a1ac"
+
+_STYLE: dict[str, Any] = {
+    "font.size": 9.0,
+    "axes.titlesize": 10.0,
+    "axes.titlelocation": "left",
+    "axes.titleweight": "bold",
+    "axes.edgecolor": "#8c96a0",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.7,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.2,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "figure.dpi": 110,
+    "savefig.dpi": 150,
+}
+
+
+@contextmanager
+def style() -> Iterator[Any]:
+    """Matplotlib in this face, without a window; yields its `Figure`."""
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    with matplotlib.rc_context(_STYLE):
+        yield Figure
+
+
+def shade_phases(axes: Any, time: np.ndarray, phase: np.ndarray) -> None:
+    """Colour the times at which one foot carries, by foot."""
+    for number, colour in ((2, LEFT), (3, RIGHT)):
+        for start, stop in spans(phase == number):
+            axes.axvspan(time[start], time[stop - 1], color=colour, alpha=0.07, linewidth=0)
+
+
+def mark_failures(axes: Any, time: np.ndarray, status: np.ndarray) -> None:
+    """Mark the ticks whose QP had no solution."""
+    for start, stop in spans(status != 0):
+        axes.axvspan(time[start], time[stop - 1], color=LIMIT, alpha=0.35, linewidth=0.8)
+
+
+def spans(chosen: np.ndarray) -> list[tuple[int, int]]:
+    """(start, stop) of the runs of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], chosen, [False]))))
+    return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
+
+
+def thin(count: int, most: int = 6000) -> slice:
+    """Every n-th of so many points, so that a picture of an hour is no larger than its pixels."""
+    return slice(None, None, max(1, -(-count // most)))
