@@ -7,12 +7,12 @@ import sys
 from collections.abc import Sequence
 
 import wbc
-from wbc.cli import doctor, motion, replay, robots, ros2, stand, view, walk
+from wbc.cli import diff, doctor, log, motion, plot, replay, robots, ros2, stand, view, walk
 from wbc.cli.parser import BAD_INPUT, INTERRUPTED, Parser
 from wbc.errors import WbcError
 
 _EPILOG = """\
-exit code: 0 survived, 1 fell (doctor: errors found), 2 bad usage or bad input
+exit code: 0 survived, 1 fell (doctor: errors found, diff: different), 2 bad usage or bad input
 
 examples:
   wbc walk                                     Talos walks, shown in the browser
@@ -21,6 +21,9 @@ examples:
   wbc walk --robot my.urdf --left-foot l_foot --right-foot r_foot
   wbc motion --list                            what a robot can do besides
   wbc motion squat --depth 15 --robot g1       down by 15 % of the leg, and up
+  wbc walk --log walk.mcap                     keep every tick; then look at it:
+  wbc plot walk.mcap                           its pictures;  wbc replay walk.mcap  the run itself
+  wbc diff walk.mcap other.mcap                where two runs part
   wbc doctor my.urdf                           what is wrong with a model, and the cure
 """
 
@@ -39,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--version", action="version", version=f"wbc {wbc.__version__}")
     subcommands = parser.add_subparsers(title="subcommands", metavar="SUBCOMMAND", required=True)
-    for module in (walk, stand, motion, view, replay, robots, doctor, ros2):
+    for module in (walk, stand, motion, view, replay, plot, diff, log, robots, doctor, ros2):
         module.add_to(subcommands)
     try:
         options = parser.parse_args(arguments)

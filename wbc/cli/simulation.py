@@ -12,15 +12,16 @@ from types import FrameType
 import wbc
 from wbc.book import Progress
 from wbc.cli.itinerary import Itinerary, Velocity
+from wbc.cli.keepsakes import Keepsakes, add_keepsake_options
 from wbc.cli.parser import FELL, INTERRUPTED, output, push, seconds, seed
 from wbc.cli.progress import ProgressLine
 from wbc.cli.robot_options import add_robot_options, stated
 from wbc.errors import PlantError, WbcError
 from wbc.loop import StopRun
-from wbc.protocols import Controller
+from wbc.protocols import Controller, Recorder
 from wbc.sim import Flat, Mujoco, Terrain, Tiles
 from wbc.trials import Judge
-from wbc.view import Meshcat, Recording
+from wbc.view import Meshcat
 
 _REACH = 1.5  # m/s: tiles are laid as far as this takes the robot, and a bit
 _FARTHEST = 12.0  # m
@@ -66,9 +67,7 @@ def add_options(parser: argparse.ArgumentParser, duration: str) -> None:
     )
     parser.add_argument("--no-view", action="store_true", help="no view in the browser")
     parser.add_argument("--json", type=output, metavar="FILE", help="also write the report as JSON")
-    parser.add_argument(
-        "--html", type=output, metavar="FILE", help="leave a recording that opens offline"
-    )
+    add_keepsake_options(parser)
     add_robot_options(parser)
 
 
@@ -120,11 +119,14 @@ class Simulation:
         options = self._options
         terrain = self._terrain(duration)
         plant = self._plant(terrain, duration)
-        recording = Recording(self.robot, boxes=terrain.boxes()) if options.html else None
+        keepsakes = Keepsakes(options, self.robot, terrain.boxes())
         with contextlib.ExitStack() as stack:
             viewer = None
             if not options.no_view:
                 viewer = stack.enter_context(Meshcat(self.robot, boxes=terrain.boxes()))
+            logs: list[Recorder] = [*keepsakes.logs(stack)]
+            if judge is not None:
+                logs.append(judge)
             line = ProgressLine()
             stack.callback(line.close)
             interrupted = stack.enter_context(_interruptible())
@@ -142,8 +144,8 @@ class Simulation:
                     duration,
                     estimator=wbc.GroundTruthEstimator() if options.ground_truth else None,
                     viewer=viewer,
-                    recording=recording,
-                    log=judge,
+                    recording=keepsakes.recording,
+                    log=logs,
                     real_time=options.real_time,
                     announce=lambda conditions: line.note(conditions.describe()),
                     before_tick=before_tick,
@@ -157,8 +159,7 @@ class Simulation:
         print(report.table())
         if options.json is not None:
             report.save(options.json)
-        if recording is not None:
-            print(f"\nrecording: {recording.save(options.html).resolve()}")
+        keepsakes.finish()
         if interrupted:
             return INTERRUPTED
         return 0 if report.survived else FELL
