@@ -94,6 +94,17 @@ class Peer:
                 stream.close()
 
 
+def start_example(domain: int, script: str, *arguments: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, str(ROOT / "examples" / "ros2" / script), *arguments],
+        env=environment(domain),
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
 class Hearer:
     """Messages of one topic, kept."""
 
@@ -107,6 +118,9 @@ class Hearer:
         self.messages.append(message)
         self.infos.append(info)
 
+    def close(self) -> None:
+        self.node.drop(self.subscription)
+
     @property
     def last(self) -> Any:
         return self.messages[-1]
@@ -119,9 +133,12 @@ class Hearer:
         self.messages.clear()
         self.infos.clear()
         found: list[Any] = []
+        looked = 0
 
         def look() -> bool:
-            found.extend(m for m in self.messages if until(m))
+            nonlocal looked
+            found.extend(m for m in self.messages[looked:] if until(m))
+            looked = len(self.messages)
             return bool(found)
 
         assert self.node.spin(look, timeout), f"nothing of the kind on {self.subscription.topic}"

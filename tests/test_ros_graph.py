@@ -45,8 +45,12 @@ def looker(domain):
 @pytest.fixture(scope="module")
 def graph(publisher, looker):
     made = Graph(looker)
-    complete = made.wait_for(lambda g: len(g.services()) >= 6 and len(g.topics()) >= 3, PATIENCE)
-    assert complete
+
+    def complete(seen):
+        owners = {e.node for both in seen.endpoints for e in both}
+        return len(seen.services()) >= 6 and len(seen.topics()) >= 3 and "" not in owners
+
+    assert made.wait_for(complete, PATIENCE)
     return made
 
 

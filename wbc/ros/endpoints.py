@@ -121,6 +121,11 @@ class Reader:
         """What is known of one of the `matched`; None when it has gone."""
         return self.dds.get_matched_publication_data(handle)
 
+    def close(self) -> None:
+        """Leave DDS now rather than some time, for which the package has no other way."""
+        self.condition.__del__()
+        self.dds.__del__()
+
 
 def _unsigned(handle: int) -> int:
     """A handle as samples and headers carry it; some functions of the package give it a sign."""

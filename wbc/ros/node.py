@@ -224,10 +224,12 @@ class Node:
         self._workers.append(worker)
         self._waiting.attach(worker.reader.condition)
 
-    def neglect(self, worker: Worker) -> None:
-        """Do not call it any more."""
-        self._workers.remove(worker)
-        self._waiting.detach(worker.reader.condition)
+    def drop(self, subscription: Subscription | Listener) -> None:
+        """Listen no longer."""
+        self._workers.remove(subscription)
+        self._waiting.detach(subscription.reader.condition)
+        self.participant.remove(subscription.reader.gid)
+        subscription.reader.close()
 
     def spin_once(self, timeout: float = _LONGEST_WAIT) -> None:
         """Wait until something is to be done, at most `timeout` s, and do it."""

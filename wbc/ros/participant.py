@@ -71,4 +71,4 @@ class Participant:
 
     def leave(self) -> None:
         """Leave the domain, with all endpoints; the others get to know at once."""
-        self.dds.__del__()  # the package has no other way to do it now rather than some time
+        self.dds.__del__()  # now rather than some time, for which the package has no other way

@@ -1,0 +1,48 @@
+"""The examples of ROS 2 run as a user runs them."""
+
+from __future__ import annotations
+
+import pytest
+from rostools import new_domain, node, start_example
+
+from wbc.messages import message_type
+from wbc.ros.joint_publisher import NAMES, pattern
+
+pytest.importorskip("cyclonedds")
+pytest.importorskip("mujoco")
+
+JointState = message_type("sensor_msgs/msg/JointState")
+
+
+def test_the_right_knee_is_printed_whatever_the_order_of_the_joints():
+    domain = new_domain()
+    listener = start_example(domain, "01_right_knee.py", "-n", "3")
+    with node("joint_publisher", domain) as publishing:
+        publisher = publishing.publisher(JointState.type_name, "joint_states")
+        assert publishing.spin(lambda: publisher.subscriptions > 0, 20.0)
+        positions = dict(zip(NAMES, pattern(1.0), strict=True))
+        backward = list(reversed(NAMES))
+        others = [name for name in NAMES if name != "right_knee"]
+        for names in (
+            others,  # without the knee
+            list(NAMES),
+            backward,
+            [],
+            ["left_knee", "right_knee"],
+        ):
+            publisher.publish(JointState(name=names, position=[positions[n] for n in names]))
+        publisher.publish(JointState(name=["right_knee"], position=[]))
+        publishing.spin(lambda: listener.poll() is not None, 10.0)
+    out, error = listener.communicate(timeout=10.0)
+    assert listener.returncode == 0, error
+    first, *knees = out.splitlines()
+    assert first.startswith("a message without right_knee; it has torso_yaw, ")
+    angle = positions["right_knee"]
+    assert knees == [f"right_knee: {angle:+.3f} rad = {angle * 57.29577951308232:+.1f}°"] * 3
+
+
+def test_a_walking_robot_is_a_node():
+    done = start_example(new_domain(), "02_walking_robot.py", "--duration", "0.5")
+    out, error = done.communicate(timeout=60.0)
+    assert done.returncode == 0, error
+    assert "survived" in out

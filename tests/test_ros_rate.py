@@ -1,0 +1,43 @@
+"""At 500 Hz nothing is lost on the loopback interface."""
+
+from __future__ import annotations
+
+import pytest
+from rostools import Hearer, Peer, new_domain, node
+
+from wbc.ros import Qos
+from wbc.ros.due import Due
+
+pytest.importorskip("cyclonedds")
+
+RATE = 500
+
+
+@pytest.mark.parametrize(
+    "seconds", [5, pytest.param(60, marks=pytest.mark.slow)], ids="{} s".format
+)
+def test_no_message_is_lost_at_500_hz(seconds):
+    domain = new_domain()
+    number = RATE * seconds
+    with Peer.of(domain, "count", str(RATE), str(number)), node("here", domain) as here:
+        heard = Hearer(here, "sensor_msgs/msg/JointState", "joint_states", Qos(depth=10_000))
+        # A busy machine may be slower than the clock; but what is sent must come.
+        here.spin(lambda: len(heard) >= number, 5.0 * seconds + 20.0)
+        numbers = [int(m.position[0]) for m in heard.messages]
+        assert numbers == list(range(number))
+
+
+def test_a_rate_is_kept_over_jitter():
+    due = Due(500.0, early=0.001)
+    stamps = [0.002 * i + 0.0004 * (-1) ** i for i in range(1000)]
+    assert sum(map(due, stamps)) == 1000
+    due = Due(50.0, early=0.001)
+    assert sum(map(due, stamps)) == 100
+
+
+def test_what_was_missed_is_not_made_up_for():
+    due = Due(100.0)
+    assert due(0.0)
+    assert due(10.0)
+    assert not due(10.005)
+    assert due(10.01)
