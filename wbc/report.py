@@ -8,6 +8,40 @@ from pathlib import Path
 
 
 @dataclass(frozen=True, slots=True)
+class Flight:
+    """A time in which no sole touched the ground, in truth.
+
+    Attributes:
+        duration_s: s.
+        take_off_speed_m_s: of the CoM, upward.
+        rise_mm: of the CoM from take-off to its apex.
+        clearance_mm: greatest height of the lower sole's lowest corner over the ground.
+        spin: angular momentum about the CoM at take-off, kg·m²/s.
+        spin_change: farthest that it got from that in flight, kg·m²/s.
+        landing_error_mm: farther of the ways from where a sole left to where it landed.
+        push_off_load: largest force on both feet before, as a share of the weight.
+        landing_load: likewise within 0.3 s after touchdown.
+    """
+
+    duration_s: float
+    take_off_speed_m_s: float
+    rise_mm: float
+    clearance_mm: float
+    spin: float
+    spin_change: float
+    landing_error_mm: float
+    push_off_load: float
+    landing_load: float
+
+    def __str__(self) -> str:
+        return (
+            f"{self.duration_s:.2f} s; CoM rose {self.rise_mm:.0f} mm, soles cleared "
+            f"{self.clearance_mm:.0f} mm and landed {self.landing_error_mm:.0f} mm off; load "
+            f"{self.push_off_load:.1f} / {self.landing_load:.1f} × weight (push-off / landing)"
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class Report:
     """The result of `wbc.run`.
 
@@ -43,6 +77,7 @@ class Report:
         targets_reached: how many of them within 1 cm, in truth.
         target_error_max_mm: the worst of them.
         notes: what a motion has to say.
+        flights: when both soles were off the ground.
     """
 
     robot: str
@@ -76,6 +111,7 @@ class Report:
     targets_reached: int = 0
     target_error_max_mm: float | None = None
     notes: tuple[str, ...] = ()
+    flights: tuple[Flight, ...] = ()
 
     def to_json(self) -> str:
         """All fields as a JSON object."""
@@ -136,6 +172,7 @@ class Report:
         if self.targets:
             reached = f"{self.targets_reached} of {self.targets} within 1 cm"
             rows.append(("targets", f"{reached}, worst {self.target_error_max_mm or 0.0:.1f} mm"))
+        rows += [("flight", str(flight)) for flight in self.flights]
         rows += [("note", note) for note in self.notes]
         return rows
 

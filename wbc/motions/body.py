@@ -22,7 +22,7 @@ from wbc.motions.posing import Pose
 from wbc.motions.reference import SmoothReference
 from wbc.robot import Robot
 from wbc.state import State
-from wbc.telemetry import Footstep
+from wbc.telemetry import Balance, Footstep, Telemetry
 from wbc.walking import BodyOffset, Walker
 from wbc.walking.soles import placements
 
@@ -37,6 +37,25 @@ class Pilot(Protocol):
 
     def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
         """One tick."""
+
+    def abandon(self) -> None:
+        """Return to standing as soon as that is safe."""
+
+    @property
+    def done(self) -> bool:
+        """It stands, and may be relieved."""
+
+    @property
+    def balance(self) -> Balance:
+        """How the balance is."""
+
+    @property
+    def telemetry(self) -> Telemetry:
+        """What it sees and intends, for observers."""
+
+    @property
+    def dcm_error(self) -> float:
+        """Distance of the DCM from its reference after the last tick, m."""
 
 
 class Body:
@@ -309,6 +328,11 @@ class Body:
 
     def go_home(self, duration: float = 1.0) -> Script:
         """Bring everything back to standing, from wherever it is."""
+        pilot = self.pilot
+        if pilot is not None:
+            pilot.abandon()
+            yield from self.until(lambda: pilot.done)
+            self.hand_back()
         self.walker.velocity = (0.0, 0.0, 0.0)
         self.walker.follow(())
         self.com.go(0.0, duration)

@@ -143,12 +143,12 @@ class Performer:
     @property
     def balance(self) -> Balance:
         """See `Walker.balance`."""
-        return self.walker.balance
+        return (self.body.pilot or self.walker).balance
 
     @property
     def telemetry(self) -> Telemetry:
         """What it sees and intends, for observers."""
-        return self.walker.telemetry
+        return (self.body.pilot or self.walker).telemetry
 
     @property
     def steps(self) -> int:
@@ -158,4 +158,4 @@ class Performer:
     @property
     def dcm_error(self) -> float:
         """Distance of the DCM from its reference after the last tick, m."""
-        return self.walker.dcm_error
+        return (self.body.pilot or self.walker).dcm_error

@@ -14,6 +14,7 @@ from wbc.report import Report
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.tick import Tick
+from wbc.trials.flight import FlightWatch
 
 _REACHED = 0.01  # m
 _LOADED = 0.05  # share of the weight that the command puts on a sole that stands
@@ -31,6 +32,7 @@ class Judge:
         self._robot: Robot = plant.robot
         self._data = plant.robot.model.createData()
         self._performer = controller if isinstance(controller, Performer) else None
+        self._flights = FlightWatch(plant.robot)
         self._squares, self._ticks = 0.0, 0
         self._slip = 0.0
         self._anchors: dict[str, np.ndarray] = {}
@@ -40,6 +42,7 @@ class Judge:
         """See `wbc.protocols.Recorder`."""
         if tick.truth is None:
             return
+        self._flights.record(tick)
         self._move(tick.truth)
         for sole in self._robot.soles:
             wrench = tick.command.wrenches.get(sole.name)
@@ -68,6 +71,7 @@ class Judge:
             targets_reached=sum(e <= 1e3 * _REACHED for e in errors),
             target_error_max_mm=max(errors) if errors else None,
             notes=() if performer is None else tuple(performer.body.notes),
+            flights=self._flights.flights,
         )
 
     def _compare(self, intent: Intent) -> None:

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from enum import Enum
 
 import numpy as np
-import pinocchio as pin
 
 from wbc.balance import clamp_to_polygon, convex_hull, corners
 from wbc.command import Command
 from wbc.gait import Feet
 from wbc.gait.planar import point, wrap
 from wbc.kinematics import Kinematics
+from wbc.motions.jumping.flight import SoleFlight
 from wbc.motions.jumping.gains import JumpGains
 from wbc.motions.jumping.limbs import Limbs
 from wbc.motions.jumping.path import gravity_of
@@ -22,8 +21,7 @@ from wbc.motions.jumping.plan import JumpPlan
 from wbc.motions.jumping.profile import Glide, Moment, Profile, stroke
 from wbc.robot import Robot
 from wbc.state import State
-from wbc.telemetry import Telemetry
-from wbc.walking.footing import about_z
+from wbc.telemetry import Balance, Telemetry
 from wbc.walking.soles import loads, placements
 
 _GROUND_TIME = 0.15  # s, smoothing of the ground's height under the robot
@@ -96,14 +94,18 @@ class Jumper:
         self._standing = float(kin.p_com[2]) - self._ground
         self._home = state.q[7:].copy()
         self._down = _BOTH
-        self._hop = plan.flight
-        self._take_off = {side: kin.frame(t.frame).copy() for side, t in self._limbs.soles.items()}
-        self._middle = self._zmp = feet.middle
+        self._abandoned = False
+        self._flight: SoleFlight | None = None
+        self._zmp = feet.middle
         self.dcm_error = 0.0
         time = self._time_for(self._gains.crouch_time, self._standing - plan.lowest)
         self._height: Profile | Glide = Glide(self._standing, plan.lowest, time)
         self._bend = Glide(0.0, 1.0, time)
         self._enter(JumpPhase.CROUCH)
+
+    def abandon(self) -> None:
+        """Rise from the crouch without a jump; what has left the crouch is carried through."""
+        self._abandoned = True
 
     def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
         """One tick.
@@ -123,10 +125,11 @@ class Jumper:
         feet = placements(kin)
         self._advance(kin, feet, self._touching(shares))
         self._time += self.dt
-        if self.phase is JumpPhase.FLIGHT:
-            self._fly(kin)
-        else:
+        if self._flight is None:
             self._balance(kin, feet)
+        else:
+            self._limbs.stand_on(())
+            self._follow(self._flight.refer(kin, self._time))
         return self._limbs.solve(kin)
 
     def _enter(self, phase: JumpPhase) -> None:
@@ -139,7 +142,8 @@ class Jumper:
     def _touching(self, shares: Mapping[str, float] | None) -> frozenset[str]:
         """Sides whose soles carry."""
         if shares is None:
-            over = self.phase is not JumpPhase.FLIGHT or self._time >= self._hop.duration
+            flight = self._flight
+            over = flight is None or self._time >= flight.duration
             return _BOTH if over else frozenset()
         return frozenset(s for s, share in shares.items() if share > self._gains.contact_share)
 
@@ -147,20 +151,20 @@ class Jumper:
         """Enter the next phase when it is time."""
         gains, plan, phase, time = self._gains, self.plan, self.phase, self._time + 0.5 * self.dt
         if phase is JumpPhase.CROUCH and time > self._height.duration + gains.pause:
+            if self._abandoned:
+                self._rise(plan.lowest)
+                return
             self._height = plan.push_off
             self._enter(JumpPhase.PUSH_OFF)
         elif phase is JumpPhase.PUSH_OFF and time > plan.push_off.duration:
-            self._leave_ground(kin, feet)
-        elif phase is JumpPhase.FLIGHT and time > 0.5 * self._hop.duration and touching:
-            self._touch_down(kin, feet, touching)
+            self._leave_ground(kin)
+        elif self._flight is not None:
+            if touching and time > 0.5 * self._flight.duration:
+                self._touch_down(kin, feet, touching)
         elif phase is JumpPhase.LANDING:
             self._down = _BOTH if time > gains.catch_time else self._down | touching
             if time > self._height.duration + gains.pause:
-                lowest = self._height.at(time)[0]
-                time = self._time_for(gains.rise_time, self._standing - lowest)
-                self._height = Glide(lowest, self._standing, time)
-                self._bend = Glide(1.0, 0.0, time)
-                self._enter(JumpPhase.RISE)
+                self._rise(self._height.at(time)[0])
         elif phase is JumpPhase.RISE:
             over = time - self._height.duration
             if over > gains.settle_time or (over > 0.0 and self.dcm_error < _SETTLED):
@@ -168,18 +172,20 @@ class Jumper:
                 self._bend = Glide(0.0, 0.0, 1.0)
                 self._enter(JumpPhase.DONE)
 
-    def _leave_ground(self, kin: Kinematics, feet: Feet) -> None:
-        """The flight as it will be: from the CoM's height and velocity as they are."""
-        g, v = self._gravity, float(kin.v_com[2])
-        above = float(kin.p_com[2]) - self._ground - self.plan.take_off
-        duration = (v + math.sqrt(max(v * v + 2.0 * g * above, 0.0))) / g
-        self._hop = replace(self.plan.flight, duration=max(duration, 10.0 * self.dt))
-        self._take_off = {side: kin.frame(t.frame).copy() for side, t in self._limbs.soles.items()}
-        self._middle = feet.middle
+    def _rise(self, lowest: float) -> None:
+        time = self._time_for(self._gains.rise_time, self._standing - lowest)
+        self._height = Glide(lowest, self._standing, time)
+        self._bend = Glide(1.0, 0.0, time)
+        self._enter(JumpPhase.RISE)
+
+    def _leave_ground(self, kin: Kinematics) -> None:
+        soles, gains = self._limbs.soles, self._gains
         self._down = frozenset()
+        self._flight = SoleFlight(self.plan, kin, soles, self._ground, 10.0 * self.dt, gains.reach)
         self._enter(JumpPhase.FLIGHT)
 
     def _touch_down(self, kin: Kinematics, feet: Feet, touching: frozenset[str]) -> None:
+        self._flight = None
         self._down = touching
         self._ground = float(np.mean([feet.of(side).height for side in touching]))
         height, fall = float(kin.p_com[2]) - self._ground, min(float(kin.v_com[2]), -0.1)
@@ -223,30 +229,6 @@ class Jumper:
             ]
         )
 
-    def _fly(self, kin: Kinematics) -> None:
-        """References in the air."""
-        limbs, gains, plan = self._limbs, self._gains, self.plan
-        limbs.stand_on(())
-        height, rate, acceleration = self._hop.at(self._time)
-        left = max(self._hop.duration - self._time, 0.0)
-        omega = math.sqrt(self._gravity / plan.take_off)
-        # The soles land where the DCM will be: there the CoM comes to rest above them.
-        shift = point(kin.p_com) + point(kin.v_com) * (left + 1.0 / omega) - self._middle
-        shift *= min(1.0, gains.reach / max(abs(shift), 1e-9))
-        way = Glide(0.0, 1.0, self._hop.duration).at(self._time)
-        for side, task in limbs.soles.items():
-            start = self._take_off[side]
-            x, y = start.translation[:2]
-            place = np.array(
-                [x + way[0] * shift.real, y + way[0] * shift.imag, self._ground + height]
-            )
-            yaw = math.atan2(start.rotation[1, 0], start.rotation[0, 0])
-            task.target = pin.SE3(about_z(yaw), place)
-            task.velocity[:3] = way[1] * shift.real, way[1] * shift.imag, rate
-            task.acceleration[:3] = way[2] * shift.real, way[2] * shift.imag, acceleration
-        above = float(kin.p_com[2]) - self._ground - height
-        self._follow((above, float(kin.v_com[2]) - rate, -self._gravity - acceleration))
-
     def _follow(self, moment: Moment) -> None:
         """Trunk and posture along the path; crouching and rising, between it and standing."""
         path = self.plan.path
@@ -262,6 +244,11 @@ class Jumper:
         self._limbs.pose(posture)
 
     @property
+    def balance(self) -> Balance:
+        """See `telemetry`."""
+        return self.telemetry
+
+    @property
     def telemetry(self) -> Telemetry:
         """What it sees and intends, for observers."""
         kin, z = self._kin, self._ground
@@ -272,7 +259,7 @@ class Jumper:
         here = point(kin.p_com)
         omega = math.sqrt(self._gravity / self._standing)
         feet = placements(kin)
-        flying = self.phase is JumpPhase.FLIGHT
+        flying = self._flight is not None
         return Telemetry(
             com=kin.p_com.copy(),
             dcm=at(here + point(kin.v_com) / omega),

@@ -21,6 +21,8 @@ _RISES = np.linspace(0.4, 1.0, 7)  # shares of the clearance that come from the 
 _REACH = 0.35  # of the standing height: how far down a path goes
 _SHORTEST = 0.4  # of the push-off, in units of √(height / g): motors need time for their ramps
 _TOUCHDOWN = 0.1  # m/s, downward speed of the soles
+STILLNESS = (2e-5, 5e-6, 1e-6)  #: of waist and arms, see `trace`: tried one after the other
+_WORTH = 0.003  # m: a clearance below is none
 _MOST_EFFORT = 0.95  # share of a limit that a plan may use: the rest is for feedback
 _HALVINGS = 5  # of the interval in which the highest jump is looked for
 
@@ -114,43 +116,61 @@ class JumpPlan:
         )
 
 
-def jump_paths(robot: Robot) -> list[JumpPath]:
-    """Paths with different take-off heights.
+def jump_paths(robot: Robot, stillness: float = STILLNESS[0]) -> list[JumpPath]:
+    """Paths with different take-off heights; none for legs that cannot move the CoM up and down.
 
-    Raises:
-        MotionError: the legs cannot move the CoM up and down.
+    Args:
+        robot: the robot.
+        stillness: of waist and arms, see `trace`.
     """
     height = robot.com_height
-    traced = (trace(robot, share * height, _REACH * height) for share in _TAKE_OFFS)
-    paths = [path for path in traced if path is not None]
-    if not paths:
-        raise MotionError(f"jump: the legs of '{robot.name}' cannot lower and raise its body")
-    return paths
+    traced = (trace(robot, share * height, _REACH * height, stillness) for share in _TAKE_OFFS)
+    return [path for path in traced if path is not None]
 
 
 def plan_jump(robot: Robot, clearance: float) -> JumpPlan:
     """The jump of a clearance of both soles (m) that takes the least share of all limits.
 
+    When there is none within the limits, waist and arms may swing more, and then still more.
+
     Raises:
-        JumpTooHigh: there is none within the limits; with the bound.
+        JumpTooHigh: it is beyond the limits all the same; with the bound.
         MotionError: the clearance is not positive, or the legs cannot move the CoM up and down.
     """
     if not 0.0 < clearance < np.inf:
         raise MotionError(f"jump: a clearance of {clearance} m must be positive and finite")
-    paths = jump_paths(robot)
-    plan = _gentlest(paths, clearance)
-    if plan is not None and plan.effort <= _MOST_EFFORT:
-        return plan
+    paths: list[JumpPath] = []
+    for stillness in STILLNESS:
+        more = jump_paths(robot, stillness)
+        plan = _gentlest(more, clearance)
+        if plan is not None and plan.effort <= _MOST_EFFORT:
+            return plan
+        paths += more
+    if not paths:
+        raise MotionError(f"jump: the legs of '{robot.name}' cannot lower and raise its body")
+    raise _too_high(robot, paths, clearance)
+
+
+def _too_high(robot: Robot, paths: Sequence[JumpPath], clearance: float) -> JumpTooHigh:
     bound = take_off_bound(robot, paths)
-    highest = _highest(paths, bound)
-    advice = (
-        f"a clearance of {1e3 * highest:.0f} mm is within its limits"
-        if highest > 0.001
-        else "no clearance worth the name is within its limits"
+    highest = _highest(paths, min(clearance, bound.rise / float(_RISES[0])))
+    best = _gentlest(paths, clearance)
+    lines = [f"jump: '{robot.name}' cannot clear {1e3 * clearance:.0f} mm: {bound}"]
+    if best is not None:
+        share, joint, quantity = max(
+            (best.torque_share, best.torque_joint, "torque"),
+            (best.speed_share, best.speed_joint, "velocity"),
+        )
+        lines.append(
+            f"the gentlest way asks for {100.0 * share:.0f} % of the {quantity} of '{joint}', "
+            f"{100.0 * _MOST_EFFORT:.0f} % is what a plan may"
+        )
+    lines.append(
+        f"ask for {1e3 * highest:.0f} mm or less"
+        if highest > _WORTH
+        else f"not even {1e3 * _WORTH:.0f} mm are within its limits"
     )
-    raise JumpTooHigh(
-        f"jump: '{robot.name}' cannot clear {1e3 * clearance:.0f} mm: {bound}; {advice}", bound
-    )
+    return JumpTooHigh("; ".join(lines), bound)
 
 
 def _gentlest(paths: Sequence[JumpPath], clearance: float) -> JumpPlan | None:
@@ -159,9 +179,9 @@ def _gentlest(paths: Sequence[JumpPath], clearance: float) -> JumpPlan | None:
 
 def _candidates(paths: Sequence[JumpPath], clearance: float) -> Iterator[JumpPlan]:
     """Jumps of a clearance (m) from different crouches, take-off heights and rises."""
-    robot = paths[0].robot
-    shortest = _SHORTEST * float(np.sqrt(robot.com_height / gravity_of(robot)))
     for path in paths:
+        robot = path.robot
+        shortest = _SHORTEST * float(np.sqrt(robot.com_height / gravity_of(robot)))
         room = path.top - float(path.height[0])
         for depth in _DEPTHS * robot.com_height:
             for share in _RISES:
@@ -173,12 +193,12 @@ def _candidates(paths: Sequence[JumpPath], clearance: float) -> Iterator[JumpPla
                     yield plan
 
 
-def _highest(paths: Sequence[JumpPath], bound: TakeOffBound) -> float:
-    """The highest clearance whose plan keeps the limits, m, to a 32nd; by halving."""
-    low, high = 0.0, bound.rise / float(_RISES[0])
+def _highest(paths: Sequence[JumpPath], beyond: float) -> float:
+    """The highest clearance (m) whose plan keeps the limits, found by halving; 0 for none."""
+    low, high = 0.0, beyond
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        plan = _gentlest(paths, middle) if middle > 0.0 else None
+        plan = _gentlest(paths, middle) if middle > _WORTH else None
         if plan is not None and plan.effort <= _MOST_EFFORT:
             low = middle
         else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,15 +24,15 @@ class Profile:
         self, start: float, velocity: float, times: np.ndarray, accelerations: np.ndarray
     ) -> None:
         self._t, self._a = np.asarray(times, dtype=float), np.asarray(accelerations, dtype=float)
-        dt = np.diff(self._t)
-        slope = np.diff(self._a) / dt
-        self._jerk = np.append(slope, 0.0)
-        self._v = np.full(len(self._t), velocity, dtype=float)
-        self._z = np.full(len(self._t), start, dtype=float)
-        for k, h in enumerate(dt):
-            a, j, v = self._a[k], slope[k], self._v[k]
-            self._v[k + 1] = v + h * (a + 0.5 * h * j)
-            self._z[k + 1] = self._z[k] + h * (v + h * (0.5 * a + h * j / 6.0))
+        t, a = self._t.tolist(), self._a.tolist()
+        z, v, jerk = [float(start)], [float(velocity)], []
+        for k in range(len(t) - 1):
+            h = t[k + 1] - t[k]
+            j = (a[k + 1] - a[k]) / h
+            z.append(z[k] + h * (v[k] + h * (0.5 * a[k] + h * j / 6.0)))
+            v.append(v[k] + h * (a[k] + 0.5 * h * j))
+            jerk.append(j)
+        self._z, self._v, self._jerk = np.array(z), np.array(v), np.array(jerk)
 
     @property
     def duration(self) -> float:
@@ -67,10 +68,11 @@ _FALL = 0.2  # share in which it goes over to the final one
 def stroke(start: float, velocity: float, end: Moment, begin: float = 0.0) -> Profile:
     """From a height and velocity to others by one burst of acceleration.
 
-    The acceleration goes linearly from `begin` to a plateau and from there to its final value;
-    duration T and plateau follow from the two ends: with A, B, C the unit shapes of plateau,
-    begin and end, `Δv = T (a A₁ + a₀ B₁ + a₁ C₁)` and `Δz = v₀ T + T² (a A₂ + a₀ B₂ + a₁ C₂)`,
-    a quadratic equation in T.
+    The acceleration goes linearly from `begin` to a plateau and from there to its final value.
+    Duration T and plateau a follow from the two ends: with A, B, C the first and second
+    integrals of the unit shapes of plateau, begin a₀ and end a₁,
+
+        Δv = T (a A₁ + a₀ B₁ + a₁ C₁),   Δz = v₀ T + T² (a A₂ + a₀ B₂ + a₁ C₂).
 
     Args:
         start: height, m.
@@ -78,22 +80,27 @@ def stroke(start: float, velocity: float, end: Moment, begin: float = 0.0) -> Pr
         end: height, velocity and acceleration at the end.
         begin: acceleration at the start, m/s².
     """
-    knots = np.array([0.0, _RISE, 1.0 - _FALL, 1.0])
-
-    def unit(*accelerations: float) -> tuple[float, float]:
-        z, v, _ = Profile(0.0, 0.0, knots, np.array(accelerations)).end
-        return v, z
-
     height, speed, final = end
-    plateau, first, last = unit(0, 1, 1, 0), unit(1, 0, 0, 0), unit(0, 0, 0, 1)
+    first = (0.5 * _RISE, 0.5 * _RISE - _RISE**2 / 6.0)
+    last = (0.5 * _FALL, _FALL**2 / 6.0)
+    plateau = (1.0 - first[0] - last[0], 0.5 - first[1] - last[1])
     rest = [begin * f + final * e for f, e in zip(first, last, strict=True)]
     ratio = plateau[1] / plateau[0]
     square = rest[1] - rest[0] * ratio
     linear = velocity + (speed - velocity) * ratio
-    roots = np.roots([square, linear, start - height])
-    duration = min(float(r.real) for r in roots if abs(r.imag) < 1e-12 and r.real > 0.0)
+    duration = _least_positive_root(square, linear, start - height)
     a = ((speed - velocity) / duration - rest[0]) / plateau[0]
+    knots = np.array([0.0, _RISE, 1.0 - _FALL, 1.0])
     return Profile(start, velocity, duration * knots, np.array([begin, a, a, final]))
+
+
+def _least_positive_root(a: float, b: float, c: float) -> float:
+    """Of a x² + b x + c."""
+    if abs(a) < 1e-12 * abs(b):
+        return -c / b
+    bend = math.sqrt(b * b - 4.0 * a * c)
+    big = -0.5 * (b + math.copysign(bend, b))
+    return min(x for x in (big / a, c / big) if x > 0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,11 +16,10 @@ _REACHED = 1e-6  # m, rad
 _ITERATIONS = 60
 _STEP = 0.2  # rad, largest joint step of one Gauss-Newton iteration
 _MARGIN = 0.05  # rad that the legs keep from their position limits
-_STILL = 2e-5  # weight of (dq/dz)² against squared torque shares per m/s², for waist and arms
 _MOMENTUM_SCALE = 0.1  # makes momentum rows comparable to lengths
 
 
-def trace(robot: Robot, top: float, depth: float) -> JumpPath | None:
+def trace(robot: Robot, top: float, depth: float, stillness: float) -> JumpPath | None:
     """The path down from the height at which the trunk is upright; None if that is too high.
 
     It ends where a leg's joint comes near its position limit, if not before.
@@ -29,8 +28,10 @@ def trace(robot: Robot, top: float, depth: float) -> JumpPath | None:
         robot: the robot.
         top: greatest height of the CoM above the soles, m.
         depth: how far it goes down, m.
+        stillness: weight of (dq/dz)² of waist and arms against the squares of their torque
+            shares per m/s²: with less they swing more, and take less torque in flight.
     """
-    tracer = _Tracer(robot)
+    tracer = _Tracer(robot, stillness)
     path = tracer.trace(np.linspace(top - depth, top, _POINTS))
     if path is not None and len(path.height) < _POINTS:  # what is left of it deserves as many
         path = tracer.trace(np.linspace(float(path.height[0]), top, _POINTS))
@@ -40,7 +41,7 @@ def trace(robot: Robot, top: float, depth: float) -> JumpPath | None:
 class _Tracer:
     """Follows the path down from its upper end."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, stillness: float) -> None:
         self._robot = robot
         self._model = model = robot.model
         self._data = data = model.createData()
@@ -48,7 +49,7 @@ class _Tracer:
         self._free = np.concatenate((np.arange(6), self._legs))
         self._others = np.setdiff1d(np.arange(model.nv), self._free)
         self._still = np.zeros(model.nv)
-        self._still[self._others] = _STILL
+        self._still[self._others] = stillness
         self._ids = [sole.frame_id for sole in robot.soles]
         self._trunk = [robot.frame_id(name) for name in (robot.torso, robot.base)]
         pin.framesForwardKinematics(model, data, robot.q_nominal)
