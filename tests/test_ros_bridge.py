@@ -395,6 +395,12 @@ def test_a_robot_that_fell_lies_there_until_it_is_reset(anew, driver, ask, odom,
     assert odom.wait().pose.pose.position.z > 0.7
 
 
+def test_the_node_goes_when_its_loop_is_killed(walking, driver, odom):
+    """The last test that needs them: the loop's process dies and cannot say so."""
+    walking.kill()
+    assert driver.spin(lambda: odom.subscription.publishers == 0, PATIENCE)
+
+
 def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
     walker = wbc.Walker(robot)
     plant = wbc.sim.Mujoco(robot)

@@ -1,0 +1,250 @@
+"""What ROS 2 costs: a message, the loop, and the way from one process to another.
+
+- publishing: CPU time per message in the thread that publishes and in the whole process (DDS has
+  threads of its own), with a subscriber in another process. "Anew" encodes a message object each
+  time, "template" fills numbers into bytes that were laid out once, as the robot's node does.
+- the loop: what a tick pays for its copy into shared memory and for its look at the orders, at
+  500 Hz, with the robot's node publishing everything.
+- the way: latency from the stamp in one process to the callback in another, and loss, of joint
+  states at 500 Hz on the loopback interface.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import wbc
+from wbc.messages import Template, message_type
+from wbc.ros import Network, Node, Qos
+from wbc.ros.bridge import Bridge
+from wbc.ros.bridge.transforms import MovingLinks, links
+from wbc.tick import Tick
+
+Row = dict[str, float | str]
+JOINTS = 32
+RATE = 500.0
+
+
+def joint_state() -> Any:
+    """A joint state of 32 joints."""
+    zeros = np.zeros(JOINTS)
+    names = [f"leg_left_{i}_joint" for i in range(JOINTS)]
+    kind = message_type("sensor_msgs/msg/JointState")
+    return kind(name=names, position=zeros, velocity=zeros, effort=zeros)
+
+
+def transforms() -> Any:
+    """As many transforms, and one for the base."""
+    message = message_type("tf2_msgs/msg/TFMessage")()
+    kind = message_type("geometry_msgs/msg/TransformStamped")
+    for i in range(JOINTS + 1):
+        one = kind(child_frame_id=f"leg_left_{i + 1}_link")
+        one.header.frame_id = f"leg_left_{i}_link"
+        message.transforms.append(one)
+    return message
+
+
+def publishing(domain: int, number: int) -> list[Row]:
+    """Cost of publishing, µs of CPU per message."""
+    cases: list[tuple[str, Any]] = [
+        ("JointState, 32 joints", joint_state()),
+        ("TFMessage, 33 transforms", transforms()),
+        ("PointStamped", message_type("geometry_msgs/msg/PointStamped")()),
+        ("Odometry", message_type("nav_msgs/msg/Odometry")()),
+    ]
+    rows: list[Row] = []
+    with Node("publisher", network=Network(domain)) as node:
+        for name, message in cases:
+            publisher = node.publisher(message.type_name, f"case_{len(rows)}")
+            peer = other("swallow", domain, publisher.topic, message.type_name)
+            node.spin(lambda publisher=publisher: publisher.subscriptions > 0, 20.0)
+            template = Template(message)
+
+            def from_template(publisher: Any = publisher, template: Any = template) -> None:
+                template.stamp(time.time())
+                publisher.publish_bytes(template.data)
+
+            def anew(publisher: Any = publisher, message: Any = message) -> None:
+                publisher.publish(message)
+
+            rows.append(
+                {
+                    "what": name,
+                    "bytes": len(template.data),
+                    **each("anew", anew, number // 10),
+                    **each("template", from_template, number),
+                }
+            )
+            peer.terminate()
+            peer.wait()
+    return rows
+
+
+def each(name: str, action: Callable[[], object], number: int) -> dict[str, float]:
+    """µs of CPU per call, in this thread and in the process; the least of five rounds."""
+    own, whole = [], []
+    for _ in range(5):
+        gc.collect()
+        thread, process = time.thread_time(), time.process_time()
+        for _ in range(number):
+            action()
+        own.append((time.thread_time() - thread) / number)
+        whole.append((time.process_time() - process) / number)
+        time.sleep(0.05)
+    return {f"{name}_us": 1e6 * min(own), f"{name}_process_us": 1e6 * min(whole)}
+
+
+def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
+    """What a tick of a 500 Hz loop pays, µs of CPU."""
+    robot = wbc.load(name)
+    walker = wbc.Walker(robot, dt=1.0 / RATE)
+    plant = wbc.sim.Mujoco(robot, dt=1.0 / RATE)
+    measurement, state = plant.measure(), robot.standing()
+    command = walker.step(state, measurement.foot_wrenches)
+    number = int(RATE * seconds)
+    records, helms, both = (np.zeros(number) for _ in range(3))
+    with Bridge(walker, plant, network=Network(domain)) as bridge:
+        bridge.begin(walker, plant)
+        tick = Tick(0.0, measurement, state, command, None, 1e-4, 2e-4)
+        due = time.perf_counter()
+        gc.collect()
+        gc.disable()
+        for i in range(number):
+            due += 1.0 / RATE
+            while time.perf_counter() < due:
+                time.sleep(max(due - time.perf_counter() - 3e-4, 0.0))
+            start = time.thread_time_ns()
+            bridge.helm(0.0)
+            middle = time.thread_time_ns()
+            bridge.record(tick, walker)
+            end = time.thread_time_ns()
+            helms[i], records[i], both[i] = middle - start, end - middle, end - start
+        gc.enable()
+    moving = MovingLinks([link for link in links(robot) if link.joint is not None])
+    kinematics = each("tf", lambda: moving.at(state.q[7:]), 2000)["tf_us"]
+    rows = [
+        {"what": what, **spread(1e-3 * values)}
+        for what, values in (("helm", helms), ("record", records), ("both", both))
+    ]
+    rows.append({"what": "all links for tf, in the node's process", "p50_us": kinematics})
+    return rows
+
+
+def spread(values: np.ndarray) -> dict[str, float]:
+    """Median, 99 % and largest of µs."""
+    p50, p99, most = np.percentile(values, [50, 99, 100])
+    return {"p50_us": float(p50), "p99_us": float(p99), "max_us": float(most)}
+
+
+def latency(domain: int, seconds: float) -> Row:
+    """Latency and loss of joint states from another process at 500 Hz."""
+    number = int(RATE * seconds)
+    arrived: list[tuple[int, float]] = []
+    with Node("subscriber", network=Network(domain)) as node:
+
+        def hear(message: Any, _: Any) -> None:
+            stamp = message.header.stamp
+            late = time.time() - stamp.sec - 1e-9 * stamp.nanosec
+            arrived.append((int(message.position[0]), late))
+
+        node.subscription("sensor_msgs/msg/JointState", "joint_states", hear, Qos(depth=10_000))
+        peer = other("stream", domain, str(number))
+        node.spin(lambda: len(arrived) >= number, 3.0 * seconds + 20.0)
+        peer.terminate()
+        peer.wait()
+    numbers = [i for i, _ in arrived]
+    late = 1e6 * np.array([t for _, t in arrived])
+    return {
+        "sent": number,
+        "lost": number - len(set(numbers)),
+        "twice": len(numbers) - len(set(numbers)),
+        "out_of_order": int((np.diff(numbers) < 0).sum()),
+        **spread(late),
+    }
+
+
+def other(kind: str, domain: int, *arguments: str) -> subprocess.Popen[bytes]:
+    """This script as another process."""
+    return subprocess.Popen([sys.executable, __file__, "--as", kind, str(domain), *arguments])
+
+
+def swallow(domain: str, topic: str, type_name: str) -> None:
+    """Receives messages and does nothing with them."""
+    dds_name = message_type(type_name).dds_name()
+    with Node("swallower", network=Network(int(domain))) as node:
+        node.listen(dds_name, topic, lambda _, __: None, Qos(depth=1000))
+        node.spin()
+
+
+def stream(domain: str, number: str) -> None:
+    """Sends numbered joint states at 500 Hz."""
+    with Node("streamer", network=Network(int(domain))) as node:
+        template = Template(joint_state())
+        position = template.view("position")
+        publisher = node.publisher("sensor_msgs/msg/JointState", "joint_states")
+        node.spin(lambda: publisher.subscriptions > 0)
+        due = time.perf_counter()
+        for i in range(int(number)):
+            due += 1.0 / RATE
+            while (left := due - time.perf_counter()) > 0.0:
+                time.sleep(left)
+            position[0] = i
+            template.stamp(time.time())
+            publisher.publish_bytes(template.data)
+        node.spin()
+
+
+def show(title: str, rows: list[Row]) -> None:
+    """A table."""
+    print(f"\n{title}")
+    heads = list(dict.fromkeys(key for row in rows for key in row))
+    cells = [[text(row.get(head, "")) for head in heads] for row in rows]
+    widths = [max(len(line[k]) for line in (heads, *cells)) for k in range(len(heads))]
+    for line in (heads, *cells):
+        print("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)))
+
+
+def text(value: float | str) -> str:
+    """A cell."""
+    return f"{value:.1f}" if isinstance(value, float) else str(value)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--robot", default="talos", help="of the loop (default: talos)")
+    parser.add_argument("--seconds", type=float, default=10.0, help="at 500 Hz (default: 10)")
+    parser.add_argument("--messages", type=int, default=2000, help="per round (default: 2000)")
+    parser.add_argument("--domain", type=int, default=93, help="DDS domain (default: 93)")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the figures here")
+    parser.add_argument("--as", dest="role", nargs="+", help=argparse.SUPPRESS)
+    options = parser.parse_args()
+    if options.role:
+        kind, *arguments = options.role
+        {"swallow": swallow, "stream": stream}[kind](*arguments)
+        return
+    figures = {
+        "publishing": publishing(options.domain, options.messages),
+        "loop": loop_cost(options.domain, options.robot, options.seconds),
+        "way": [latency(options.domain, options.seconds)],
+    }
+    show("publishing, µs of CPU per message", figures["publishing"])
+    show(f"a tick of {options.robot}'s loop at 500 Hz, µs of CPU", figures["loop"])
+    show("from one process to another at 500 Hz, µs", figures["way"])
+    if options.json is not None:
+        options.json.write_text(json.dumps(figures, indent=2) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    main()
