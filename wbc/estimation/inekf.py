@@ -89,13 +89,17 @@ class InvariantFilter:
         self._body = self.vectors[:2]
         self._coast = np.array([[1.0, 0.0], [dt, 1.0]])
         self._kick = np.array([[dt], [0.5 * dt * dt]])
+        # What a period adds to the covariance: by the gyro, by a foot that wanders, by the rest.
+        self._gyro_step = (noise.gyro * dt) ** 2
+        self._wandering = np.zeros((n, feet))
+        twist = dt * np.square([noise.rock, noise.rock, noise.twist])
+        for i in range(feet):
+            self._wandering[self._place[i], i] = noise.slip**2 * dt
+            self._wandering[self._turn[i], i] = twist
         self._process = np.zeros(n)
         self._process[_V] = (noise.accelerometer * dt) ** 2
         self._process[self._bg] = noise.gyro_walk**2 * dt
         self._process[self._ba] = noise.accelerometer_walk**2 * dt
-        self._gyro_step = (noise.gyro * dt) ** 2
-        self._slip = noise.slip**2 * dt
-        self._twist = dt * np.array([noise.rock, noise.rock, noise.twist]) ** 2
         self._diagonal = self.P.reshape(-1)[:: n + 1]
         self._updates = {
             key: Correction(key, n, self._place, self._turn, covariances)
@@ -176,12 +180,8 @@ class InvariantFilter:
         P = self.P
         transition.dot(P).dot(transition.T, out=P)
         P[:moved, :moved] += (count * self._gyro_step) * lever.dot(lever.T)
-        process = self._process
-        for i, square in enumerate(self._wander):
-            process[self._place[i]] = (square / count) * self._slip
-            process[self._turn[i]] = (square / count) * self._twist
-            self._wander[i] = 0.0
-        self._diagonal += count * process
+        self._diagonal += count * self._process + self._wandering.dot(self._wander)
+        self._wander = [0.0] * self._feet
 
     def _transition_over(self, time: float) -> np.ndarray:
         """The constant part of the errors' transition matrix."""

@@ -134,8 +134,11 @@ def _set_options(mujoco: Any, option: Any) -> None:
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
-    # Without this MuJoCo answers a divergence by silently starting over.
-    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    flags = mujoco.mjtDisableBit
+    # Left on, it answers a divergence by silently starting over.
+    option.disableflags |= int(flags.mjDSBL_AUTORESET)
+    # All constraints act on the one robot: no need to look for sets that do not interact.
+    option.disableflags |= int(flags.mjDSBL_ISLAND)
 
 
 def _surface(friction: float) -> dict[str, Any]:
