@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, is_dataclass
 from datetime import datetime, timezone
 from enum import Enum
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -59,7 +60,7 @@ def run_facts(controller: Any, plant: Any) -> Facts:
     """
     run = {
         "began": datetime.now(timezone.utc).isoformat(timespec="seconds"),
-        "command": shlex.join(sys.argv),
+        "command": shlex.join([_program(sys.argv[0]), *sys.argv[1:]]),
         "dt": str(plant.dt),
     }
     tables = {"run": run, "controller": dict(_parameters(controller)), "plant": {}}
@@ -71,6 +72,11 @@ def run_facts(controller: Any, plant: Any) -> Facts:
         {name: table for name, table in tables.items() if table},
         {"terrain.json": json.dumps({"boxes": boxes})},
     )
+
+
+def _program(path: str) -> str:
+    name = Path(path).name
+    return "wbc" if name == "__main__.py" and Path(path).parent.name == "wbc" else name
 
 
 def _parameters(thing: Any, prefix: str = "") -> Iterator[tuple[str, str]]:

@@ -1,7 +1,7 @@
 // A run that is over: the page plays it by its own clock, and asks the server for each frame.
 // The next one is asked for when the last has come: a slow page skips, it does not lag.
 "use strict";
-const STRIP = 54;
+const STRIP = 50;
 let socket = null, objects = [], run = null;
 let now = 0, playing = false, speed = 1, wanted = null, waiting = false, before = null;
 
@@ -122,7 +122,7 @@ function drawStrips() {
     row.innerHTML = `<svg viewBox="0 0 1000 ${STRIP}" preserveAspectRatio="none">` +
       `<path d="${way}" fill="none" stroke="#2f6fb0" stroke-width="1.2" ` +
       'vector-effect="non-scaling-stroke"/></svg><i class="mark"></i><span></span>';
-    row.querySelector("span").textContent = `${strip.label}, up to ${top.toPrecision(3)}`;
+    row.querySelector("span").textContent = `${strip.label}, up to ${+top.toPrecision(3)}`;
     const seekHere = (event) => {
       if (!event.buttons) return;
       const frame = row.getBoundingClientRect();

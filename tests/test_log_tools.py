@@ -1,0 +1,327 @@
+"""`wbc plot`, `wbc diff` and `wbc log`, and what they are made of."""
+
+import os
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from logtools import Nowhere, Pretender, random_tick, robot, telemetry
+from matplotlib.figure import Figure
+
+import wbc
+from wbc.cli import main
+from wbc.command import Status
+from wbc.log import FlightRecorder, LogError
+from wbc.log.diff import compare
+from wbc.log.plot import plot
+from wbc.log.plot.above import draw_from_above, footprints
+from wbc.log.plot.balance import draw_coordinate, draw_dcm_error
+from wbc.log.plot.style import spans
+from wbc.log.plot.timing import draw_tick_time
+from wbc.log.plot.torques import draw_torque_peaks, draw_torques
+from wbc.log.robot import robot_of
+from wbc.log.run import LoggedRun
+from wbc.sim import Mujoco
+
+
+def logged_walk(path, *, seconds=1.5, gains=None, seed=0, push=None):
+    g1 = wbc.load("g1")
+    walker = wbc.Walker(g1, gains=gains)
+    walker.velocity = (0.2, 0.0, 0.0)
+    plant = Mujoco(g1, dt=walker.dt, seed=seed)
+    if push is not None:
+        plant.schedule_push(*push)
+    with FlightRecorder(path, g1) as log:
+        report = wbc.run(walker, plant, seconds, log=log)
+    return report
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("tools")
+
+
+@pytest.fixture(scope="module")
+def walk(folder):
+    report = logged_walk(folder / "walk.mcap")
+    return LoggedRun.read(folder / "walk.mcap"), report
+
+
+@pytest.fixture
+def axes():
+    return Figure().subplots()
+
+
+def line(axes, label):
+    (found,) = [one for one in axes.get_lines() if one.get_label() == label]
+    return found
+
+
+def test_the_picture_from_above_has_the_way_and_the_places_of_the_soles(walk, axes):
+    run, report = walk
+    draw_from_above(axes, run)
+    np.testing.assert_array_equal(line(axes, "CoM").get_xydata(), run.point("com")[:, :2])
+    np.testing.assert_array_equal(line(axes, "DCM").get_xydata(), run.point("dcm")[:, :2])
+    prints = list(footprints(run))
+    # Both soles where it stood, and one place for every touchdown.
+    assert len(prints) == 2 + report.steps
+    assert {side for side, _ in prints} == {"left", "right"}
+    for side, corners in prints:
+        length, width = run.sheet.soles[side == "right"]
+        edges = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+        np.testing.assert_allclose(edges, [2 * length, 2 * width, 2 * length], rtol=1e-9)
+    # A foot that carries the robot has its centre of pressure inside.
+    single = run.state("phase") == 2
+    cop = run.point("cop")[single, :2]
+    left = np.array([c for side, c in prints if side == "left"])
+    inside = ((cop[:, None] > left.min(axis=1)) & (cop[:, None] < left.max(axis=1))).all(axis=2)
+    assert inside.any(axis=1).mean() > 0.95
+
+
+def test_the_picture_over_time_has_reference_and_error(walk, axes):
+    run, report = walk
+    draw_coordinate(axes, run, 1)
+    np.testing.assert_array_equal(line(axes, "DCM reference").get_xdata(), run.time)
+    np.testing.assert_array_equal(line(axes, "ZMP, commanded").get_ydata(), run.point("zmp")[:, 1])
+    axes = Figure().subplots()
+    draw_dcm_error(axes, run)
+    (text,) = axes.texts
+    assert text.get_text() == f"rms {report.dcm_error_rms_mm:.1f} mm"
+
+
+def test_the_pictures_of_torques_have_the_report_s_peak(walk, axes):
+    run, report = walk
+    draw_torques(axes, run)
+    highest = max(one.get_ydata().max() for one in axes.get_lines() if len(one.get_xdata()) > 2)
+    assert highest == pytest.approx(100.0 * report.torque_peak_ratio)
+    axes = Figure().subplots()
+    draw_torque_peaks(axes, run)
+    widths = [bar.get_width() for bar in axes.containers[0]]
+    assert max(widths) == pytest.approx(100.0 * report.torque_peak_ratio)
+    assert axes.get_yticklabels()[-1].get_text() in run.sheet.joints
+
+
+def test_the_picture_of_tick_times_has_period_median_and_failures(folder):
+    humanoid = robot()
+    rng = np.random.default_rng(0)
+    path = folder / "failures.mcap"
+    with FlightRecorder(path, humanoid) as log:
+        for k in range(40):
+            tick = random_tick(humanoid, rng, 0.002 * k)
+            bad = replace(tick.command, status=Status.INFEASIBLE, explanation="no way")
+            tick = replace(
+                tick,
+                estimator_time=50e-6,
+                controller_time=200e-6,
+                command=bad if 10 <= k < 13 else tick.command,
+            )
+            log.record(tick, Pretender())
+    axes = Figure().subplots()
+    draw_tick_time(axes, LoggedRun.read(path))
+    texts = {text.get_text() for text in axes.texts}
+    assert texts == {"period 2000 µs", "median 250 µs", "p99 250 µs"}
+    assert "3 ticks without a solution" in axes.get_title(loc="left") + axes.get_title()
+    (mark,) = axes.patches
+    assert mark.get_x() == pytest.approx(0.02)
+
+
+def test_all_pictures_come_in_one_call(walk, tmp_path, capsys):
+    from PIL import Image
+
+    run, _ = walk
+    assert main(["plot", str(run.log.path), "--out", str(tmp_path / "new")]) == 0
+    paths = [Path(text) for text in capsys.readouterr().out.split()]
+    names = ["above", "balance", "torques", "timing"]
+    assert [p.name for p in paths] == [f"walk_{name}.png" for name in names]
+    for path in paths:
+        picture = np.asarray(Image.open(path).convert("L"), float)
+        assert picture.shape[1] == 1650
+        assert (picture < 200).mean() > 0.01, "there is hardly anything on it"
+
+
+def test_a_log_without_balance_is_drawn_all_the_same(tmp_path):
+    humanoid = robot()
+    rng = np.random.default_rng(0)
+    path = tmp_path / "plain.mcap"
+    with FlightRecorder(path, humanoid) as log:
+        log.record(random_tick(humanoid, rng, 0.0, truth=False), object())
+    paths = plot(LoggedRun.read(path), tmp_path, ".svg")
+    assert [p.suffix for p in paths] == [".svg"] * 4
+    assert all(p.stat().st_size > 1000 for p in paths)
+
+
+def test_a_folder_that_cannot_be_written_is_told(walk, tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(LogError, match="give another folder"):
+        plot(walk[0], tmp_path / "file")
+
+
+def test_spans_of_true_values():
+    assert spans(np.array([1, 1, 0, 1, 0, 0, 1], bool)) == [(0, 2), (3, 4), (6, 7)]
+    assert spans(np.zeros(3, bool)) == []
+
+
+def test_the_same_run_twice_is_the_same(walk, folder, capsys):
+    run, _ = walk
+    logged_walk(folder / "again.mcap", seconds=0.5)
+    again = LoggedRun.read(folder / "again.mcap")
+    difference = compare(run, again)
+    assert difference.partings == ()
+    assert difference.ticks == 250
+    assert main(["diff", str(run.log.path), str(run.log.path)]) == 0
+    assert "The runs are the same at all 750 common ticks" in capsys.readouterr().out
+
+
+def test_other_gains_part_runs_in_what_is_commanded(walk, folder, capsys):
+    run, _ = walk
+    path = folder / "gains.mcap"
+    logged_walk(path, seconds=0.4, gains=replace(wbc.WalkerGains(), trunk_kp=81.0))
+    difference = compare(run, LoggedRun.read(path))
+    first = difference.first
+    assert (first.stage, first.tick) == ("commanded", 0)
+    assert difference.parameters["controller.gains.trunk_kp"] == ("80.0", "81.0")
+    # It spreads: what was commanded is measured afterwards, never before.
+    measured = [p for p in difference.partings if p.stage == "measured"]
+    assert measured
+    assert min(p.tick for p in measured) >= 1
+    assert main(["diff", str(run.log.path), str(path)]) == 1
+    told = capsys.readouterr().out
+    assert "first in what is commanded" in told
+    assert "the controllers, their weights or their solvers differ" in " ".join(told.split())
+    assert "controller.gains.trunk_kp" in told
+    assert "Run 2 ends earlier" in told
+
+
+def test_a_push_parts_runs_in_what_is_measured_when_it_comes(walk, folder):
+    run, _ = walk
+    path = folder / "push.mcap"
+    logged_walk(path, seconds=0.4, push=(0.3, (0.0, 2.0, 0.0)))
+    first = compare(run, LoggedRun.read(path)).first
+    assert first.stage == "measured"
+    assert first.time == pytest.approx(0.302, abs=0.003)
+
+
+def made_up(path, change=None, ticks=20):
+    """A log of ticks that are the same every time, but for one change."""
+    humanoid = robot()
+    rng = np.random.default_rng(3)
+    controller = Pretender()
+    with FlightRecorder(path, humanoid) as log:
+        log.begin(controller, Nowhere())
+        for k in range(ticks):
+            tick = random_tick(humanoid, rng, 0.002 * k)
+            controller.telemetry = telemetry(rng)
+            if change is not None and k == 12:
+                tick = change(tick)
+            log.record(tick, controller)
+    return LoggedRun.read(path)
+
+
+def shifted_knee(tick):
+    tau = tick.command.tau.copy()
+    tau[4] += 1e-4
+    return replace(tick, command=replace(tick.command, tau=tau))
+
+
+def test_a_difference_is_told_with_its_joint_its_time_and_its_size(tmp_path):
+    a = made_up(tmp_path / "a.mcap")
+    b = made_up(tmp_path / "b.mcap", shifted_knee)
+    (parting,) = compare(a, b).partings
+    assert parting.name == "torques"
+    assert parting.part == a.sheet.joints[4]
+    assert (parting.tick, parting.time) == (12, pytest.approx(0.024))
+    assert parting.b - parting.a == pytest.approx(1e-4)
+    assert parting.largest == pytest.approx(1e-4)
+    assert compare(a, b, tolerance=1e-3).partings == ()
+
+
+def test_a_number_that_only_one_run_knows_is_a_difference(tmp_path):
+    a = made_up(tmp_path / "a.mcap")
+    b = made_up(
+        tmp_path / "b.mcap",
+        lambda tick: replace(tick, command=replace(tick.command, wrenches={})),
+    )
+    (parting,) = compare(a, b).partings
+    assert parting.name == "wrench wanted on left_sole"
+    assert np.isnan(parting.b)
+
+
+def test_logs_of_different_robots_are_not_compared(walk, tmp_path):
+    other = made_up(tmp_path / "other.mcap", ticks=3)
+    with pytest.raises(LogError, match="robots with different joints cannot be compared"):
+        compare(walk[0], other)
+
+
+def test_wbc_log_tells_what_is_in_a_log(walk, capsys):
+    run, _ = walk
+    assert main(["log", str(run.log.path)]) == 0
+    told = capsys.readouterr().out
+    assert "g1, 1.5 s" in told
+    assert "/joint_states" in told
+    assert "gains.com_weight" in told
+    assert wbc.__version__ in told
+
+
+def test_wbc_log_repairs_a_copy_and_leaves_the_log_alone(walk, tmp_path, capsys):
+    run, _ = walk
+    broken = tmp_path / "broken.mcap"
+    data = run.log.path.read_bytes()
+    broken.write_bytes(data[: int(0.9 * len(data))])
+    cut = broken.read_bytes()
+    assert main(["log", str(broken)]) == 0
+    assert "It was interrupted" in capsys.readouterr().out
+    assert main(["log", str(broken), "--repair", str(tmp_path / "whole.mcap")]) == 0
+    assert broken.read_bytes() == cut
+    assert LoggedRun.read(tmp_path / "whole.mcap").log.complete
+    assert main(["log", str(broken), "--repair", str(broken)]) == 0
+    assert broken.read_bytes() == (tmp_path / "whole.mcap").read_bytes()
+
+
+@pytest.mark.parametrize("command", ["plot", "log", "replay"])
+def test_a_log_that_is_not_there_is_one_line(command, capsys):
+    assert main([command, "nowhere.mcap"]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "nowhere.mcap" in error
+
+
+def test_a_run_of_the_command_leaves_its_log(tmp_path, capsys):
+    path = tmp_path / "deep" / "stand.mcap"
+    arguments = ["stand", "--robot", "g1", "--duration", "0.3", "--no-view", "--log", str(path)]
+    assert main(arguments) == 0
+    assert str(path) in capsys.readouterr().out
+    run = LoggedRun.read(path)
+    assert len(run) == 150
+    assert run.log.tables["report"]["survived"] == "True"
+
+
+def test_the_robot_of_a_log_is_found_by_name_or_path(walk, tmp_path):
+    run, _ = walk
+    assert robot_of(run.sheet).joint_names == run.sheet.joints
+    # One of one's own, in a place of its own, with a joint welded.
+    source = wbc.load("simple_humanoid").urdf_path
+    own = Path(shutil.copy(source, tmp_path / "own.urdf"))
+    loaded = wbc.load("simple_humanoid")
+    welded = loaded.joint_names[-1]
+    left, right = (sole.link for sole in loaded.soles)
+    mine = wbc.load(own, left_foot=left, right_foot=right, fixed_joints=[welded], name="mine")
+    rng = np.random.default_rng(0)
+    with FlightRecorder(tmp_path / "mine.mcap", mine) as log:
+        log.record(random_tick(mine, rng, 0.0), Pretender())
+    sheet = LoggedRun.read(tmp_path / "mine.mcap").sheet
+    assert robot_of(sheet).joint_names == mine.joint_names
+    os.remove(own)
+    with pytest.raises(LogError, match="say where it is with --robot"):
+        robot_of(sheet)
+    with pytest.raises(LogError, match=f"other joints than the robot of the log .'{welded}'"):
+        robot_of(sheet, "simple_humanoid")
+
+
+def test_a_replayed_log_becomes_a_page(walk, tmp_path, capsys):
+    run, _ = walk
+    path = tmp_path / "walk.html"
+    assert main(["replay", str(run.log.path), "--html", str(path)]) == 0
+    assert str(path) in capsys.readouterr().out
+    assert '"time":1.498' in path.read_text("utf-8")
