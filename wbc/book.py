@@ -65,11 +65,10 @@ class Book:
         self._lowest, self._highest = np.full(robot.na, np.inf), np.full(robot.na, -np.inf)
         self._fell_at: float | None = None
         self._early = ""
-        self._yaw = heading(robot, start)
+        self._truth = start
+        self._heading = self._yaw = heading(robot, start)
         self._turned = 0.0
         self._trail = [start.q[:2].copy()]
-        self._here = start.q[:2].copy()
-        self._heading = self._yaw
         self._wall = time.perf_counter()
 
     @property
@@ -102,12 +101,15 @@ class Book:
         np.maximum(self._effort, np.abs(command.tau), out=self._effort)
         np.minimum(self._lowest, q, out=self._lowest)
         np.maximum(self._highest, q, out=self._highest)
-        yaw = heading(self.robot, truth)
+        self._truth = truth
+        if self._time >= len(self._trail) * _TRAIL:
+            self._trail.append(truth.q[:2].copy())
+            self._note_turn()
+
+    def _note_turn(self) -> None:
+        yaw = heading(self.robot, self._truth)
         self._turned += wrap(yaw - self._yaw)
         self._yaw = yaw
-        self._here = truth.q[:2].copy()
-        if self._time >= len(self._trail) * _TRAIL:
-            self._trail.append(self._here)
 
     def fell(self, at: float, why: str) -> None:
         """The robot fell at a time, s."""
@@ -125,7 +127,7 @@ class Book:
         return Progress(
             now,
             duration,
-            float(np.linalg.norm(self._here - back)) / span,
+            float(np.linalg.norm(self._truth.q[:2] - back)) / span,
             float(self._error[k - 1]),
             1e6 * float(np.median(self._tick[max(0, k - 50) : k])),
         )
@@ -137,9 +139,11 @@ class Book:
         n = min(self._count, self._tick.size)
         tick, errors = 1e6 * self._tick[:n], self._error[:n]
         errors = errors[np.isfinite(errors)]
-        distance, mean, cruise = _way(np.array([*self._trail, self._here]))
+        self._note_turn()
+        here = self._truth.q[:2]
+        distance, mean, cruise = _way(np.array([*self._trail, here]))
         c, s = np.cos(self._heading), np.sin(self._heading)
-        dx, dy = self._here - self._trail[0]
+        dx, dy = here - self._trail[0]
         late = clock.lateness if clock is not None else np.zeros(1)
         return Report(
             robot=robot.name,
