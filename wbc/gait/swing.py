@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from wbc.gait.planar import Placement, wrap
 
@@ -140,7 +140,9 @@ class SwingFoot:
 
     def path(self, points: int = 12) -> list[tuple[float, float, float]]:
         """The way still to go, for display: positions from now to touchdown."""
-        ghost = copy.deepcopy(self)
+        ghost = copy.copy(self)
+        for name in ("_plane", "_yaw", "_height"):
+            setattr(ghost, name, replace(getattr(self, name)))
         dt = max(self.duration - self.time, 0.0) / points
         way = [ghost.position]
         if dt > 0.0:
