@@ -11,7 +11,7 @@ from wbc.cli.text import table
 from wbc.motions import Motion, Performer
 from wbc.motions.catalogue import CATALOGUE
 from wbc.motions.motion import Parameter
-from wbc.trials import Curtain, Judge
+from wbc.trials import Judge, Stage
 
 _AT_MOST = 300.0  # s
 
@@ -47,7 +47,7 @@ def execute(options: argparse.Namespace) -> int:
     chosen = {p.name: getattr(options, _destination(p)) for p in motion.parameters()}
     run = simulation.Simulation(options)
     performer = Performer(run.robot, motions=[motion(**chosen)], walker=run.walker)
-    return run.perform(performer, options.duration or _AT_MOST, Curtain(performer), Judge())
+    return run.perform(performer, options.duration or _AT_MOST, Stage(performer), Judge())
 
 
 def _destination(parameter: Parameter) -> str:

@@ -102,7 +102,7 @@ class Simulation:
         self,
         controller: Controller,
         duration: float,
-        before_tick: Callable[[float], None],
+        before_tick: Callable[[float, Mujoco], None],
         judge: Judge | None = None,
     ) -> int:
         """Run a controller, show, report; returns the exit code.
@@ -110,7 +110,7 @@ class Simulation:
         Args:
             controller: that steps with the walker's period.
             duration: s, at most.
-            before_tick: see `wbc.run`.
+            before_tick: called with time and plant before each tick, see `wbc.run`.
             judge: adds its figures to the report.
 
         Raises:
@@ -148,7 +148,7 @@ class Simulation:
                     log=logs,
                     real_time=options.real_time,
                     announce=lambda conditions: line.note(conditions.describe()),
-                    before_tick=before_tick,
+                    before_tick=lambda time: before_tick(time, plant),
                     progress=progress,
                 )
             except PlantError as error:
@@ -193,7 +193,7 @@ class _Helm:
         self._itinerary = itinerary
         self._velocity: Velocity | None = None
 
-    def __call__(self, time: float) -> None:
+    def __call__(self, time: float, plant: Mujoco) -> None:
         velocity = self._itinerary.velocity(time)
         if velocity != self._velocity:
             self._velocity = self._walker.velocity = velocity

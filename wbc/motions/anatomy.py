@@ -127,6 +127,24 @@ class Anatomy:
         """
         return self.arm("left"), self.arm("right")
 
+    def elbow(self, arm: Arm) -> int:
+        """The joint of an arm (index into (na,)) that changes the reach from the shoulder most."""
+        model, data = self.robot.model, self.robot.model.createData()
+        shoulder = model.getJointId(arm.shoulder)
+        hand = self.robot.frame_id(arm.hand)
+        best, most = arm.joints[-1], 0.0
+        for joint in arm.joints:
+            reach = []
+            for angle in np.linspace(self.robot.q_min[joint], self.robot.q_max[joint], 7):
+                q = self.robot.q_nominal.copy()
+                q[7 + joint] = angle
+                pin.forwardKinematics(model, data, q)
+                tip = pin.updateFramePlacement(model, data, hand).translation
+                reach.append(float(np.linalg.norm(tip - data.oMi[shoulder].translation)))
+            if max(reach) - min(reach) > most:
+                best, most = joint, max(reach) - min(reach)
+        return best
+
     def hips_share(self, turn: np.ndarray) -> np.ndarray:
         """(3,) how far the root link turns along with the upper trunk, rotation vectors, rad.
 

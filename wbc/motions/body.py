@@ -75,6 +75,7 @@ class Body:
         time: since the reset, s.
         state: as estimated at this tick; None before the first.
         foot_wrenches: sole name -> (6,) measured wrench, sole axes; empty without sensors.
+        last_torque: (na,) commanded at the last tick, N·m; None before the first.
         com: (3,) offset of the CoM from where it is when standing, m.
         lean: (1,) where the weight is: 0 over the right sole, 0.5 in the middle, 1 over the left.
         torso: (3,) rotation vector of the upper trunk from upright, standing frame, rad.
@@ -114,6 +115,7 @@ class Body:
         self.time = 0.0
         self.state: State | None = None
         self.foot_wrenches: Mapping[str, np.ndarray] = {}
+        self.last_torque: np.ndarray | None = None
 
     def reset(self) -> None:
         """Standing, everything at home. The walker has just been reset."""
@@ -326,27 +328,37 @@ class Body:
         yield from self.arrive(self._load)
         yield from self.shift_weight(None)
 
-    def go_home(self, duration: float = 1.0) -> Script:
-        """Bring everything back to standing, from wherever it is."""
-        pilot = self.pilot
-        if pilot is not None:
-            pilot.abandon()
-            yield from self.until(lambda: pilot.done)
-            self.hand_back()
-        self.walker.velocity = (0.0, 0.0, 0.0)
-        self.walker.follow(())
-        self.com.go(0.0, duration)
-        self.torso.go(0.0, duration)
-        self.pelvis.go(0.0, duration)
-        self.posture.go(self.posture.home, duration)
+    def relax(self, duration: float = 1.0) -> None:
+        """Order everything home, without waiting: posture, trunk, CoM, hands; walking ends."""
+        self.walker.halt()
+        for reference in (self.com, self.torso, self.pelvis, self.posture):
+            reference.go(reference.home, duration)
         for hand in self.hands.values():
             hand.release(0.5 * duration)
+
+    def go_home(self, duration: float = 1.0) -> Script:
+        """Bring everything back to standing, from wherever it is."""
+        yield from self.relieve()
+        self.relax(duration)
+        yield from self.stand(duration)
+        yield from self.until(lambda: self.at_home)
+
+    def stand(self, duration: float = 1.0) -> Script:
+        """Bring both feet to the ground, the weight between them."""
         yield from self.put_down()
         yield from self.until(lambda: self.standing)
         if self._load.value[0] < 1.0 or self.lean.value[0] != 0.5:
             self._load.go(1.0, _UNLOAD)
             self.lean.go(0.5, duration)
-        yield from self.until(lambda: self.at_home)
+            yield from self.arrive(self._load, self.lean)
+
+    def relieve(self) -> Script:
+        """Have a pilot come to an end, and hand back."""
+        pilot = self.pilot
+        if pilot is not None:
+            pilot.abandon()
+            yield from self.until(lambda: pilot.done)
+            self.hand_back()
 
     def take_over(self, pilot: Pilot) -> None:
         """From this tick on the pilot computes the commands, until `hand_back`."""
@@ -428,6 +440,7 @@ class Body:
         targets = tuple(t for hand in self.hands.values() if (t := hand.target) is not None)
         return Intent(float(self.lean.value[0]), com, targets)
 
-    def observe(self) -> None:
+    def observe(self, command: Command) -> None:
         """After the tick."""
+        self.last_torque = command.tau
         self._calm = self._calm + self.dt if self.walker.dcm_error < _SETTLED else 0.0

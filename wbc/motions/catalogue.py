@@ -5,8 +5,11 @@ from __future__ import annotations
 from wbc.errors import MotionError, did_you_mean
 from wbc.motions.bow import Bow
 from wbc.motions.jump import Jump
+from wbc.motions.look import Look
 from wbc.motions.motion import Motion
 from wbc.motions.one_leg import OneLeg
+from wbc.motions.reach import Reach
+from wbc.motions.sine import Sine
 from wbc.motions.squat import Squat
 from wbc.motions.stepping import StepInPlace
 from wbc.motions.sway import Sway
@@ -17,10 +20,13 @@ CATALOGUE: tuple[type[Motion], ...] = (
     Sway,
     Squat,
     Wave,
+    Reach,
+    Look,
     OneLeg,
     Bow,
     StepInPlace,
     Jump,
+    Sine,
 )
 
 

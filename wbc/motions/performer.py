@@ -77,6 +77,21 @@ class Performer:
             self._script.close()
         self._playing, self._script = None, self.body.go_home()
 
+    def blend(self, motion: Motion) -> None:
+        """Go over to a motion at once, and forget what waits.
+
+        What the new motion does not order goes home meanwhile; but feet come first: a lifted
+        one is put down and walking ends before it begins.
+
+        Raises:
+            MotionError: the robot cannot do it.
+        """
+        motion.check(self.robot)
+        self._queue.clear()
+        if self._script is not None:
+            self._script.close()
+        self._playing, self._script = motion, self._over_to(motion)
+
     @property
     def playing(self) -> Motion | None:
         """The motion that is going on; None while it stands or returns to standing."""
@@ -108,10 +123,11 @@ class Performer:
         self._go_on()
         if body.pilot is not None:
             body.time += self.dt
-            return body.pilot.step(state, foot_wrenches)
-        body.advance()
-        command = self.walker.step(state, foot_wrenches)
-        body.observe()
+            command = body.pilot.step(state, foot_wrenches)
+        else:
+            body.advance()
+            command = self.walker.step(state, foot_wrenches)
+        body.observe(command)
         return command
 
     def _go_on(self) -> None:
@@ -120,6 +136,12 @@ class Performer:
             self._script = self._whole(self._playing)
         if self._script is not None and next(self._script, "over") == "over":
             self._playing = self._script = None
+
+    def _over_to(self, motion: Motion) -> Script:
+        yield from self.body.relieve()
+        self.body.relax()
+        yield from self.body.stand()
+        yield from self._whole(motion)
 
     def _whole(self, motion: Motion) -> Script:
         yield from motion.play(self.body)

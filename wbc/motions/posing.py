@@ -97,7 +97,7 @@ class Posing:
     """
 
     def __init__(self, robot: Robot) -> None:
-        self._robot = robot
+        self.robot = robot
         model = self._model = robot.model
         self._data = model.createData()
         q = robot.q_nominal
@@ -125,8 +125,8 @@ class Posing:
 
     def place(self, frame: str, q: np.ndarray | None = None) -> np.ndarray:
         """(3,) where a frame is in a posture (nq,), by default the nominal one."""
-        pin.forwardKinematics(self._model, self._data, self._robot.q_nominal if q is None else q)
-        at = pin.updateFramePlacement(self._model, self._data, self._robot.frame_id(frame))
+        pin.forwardKinematics(self._model, self._data, self.robot.q_nominal if q is None else q)
+        at = pin.updateFramePlacement(self._model, self._data, self.robot.frame_id(frame))
         return np.array(at.translation)
 
     def find(self, wish: Wish, start: np.ndarray | None = None, *, elsewhere: bool = True) -> Pose:
@@ -157,12 +157,12 @@ class Posing:
         joints = np.array([j for arm in arms for j in arm.joints], dtype=int)
         low, high = np.maximum(self._low, -3.0)[joints], np.minimum(self._high, 3.0)[joints]
         for _ in range(_SAMPLES):
-            q = self._robot.q_nominal.copy()
+            q = self.robot.q_nominal.copy()
             q[7 + joints] = random.uniform(low, high)
             pin.forwardKinematics(self._model, self._data, q)
             off = 0.0
             for arm in arms:
-                frame = self._robot.frame_id(arm.hand)
+                frame = self.robot.frame_id(arm.hand)
                 at = pin.updateFramePlacement(self._model, self._data, frame).translation
                 off = max(off, float(np.linalg.norm(at - wish.hands[arm.hand])))
             starts.append((off, q))
@@ -192,7 +192,7 @@ class Posing:
         com_weight: float,
         hand: float,
     ) -> Pose:
-        robot, model = self._robot, self._model
+        robot, model = self.robot, self._model
         q = np.array(robot.q_nominal if start is None else start)
         q[7:] = np.clip(q[7:], self._low, self._high)
         hands = [(robot.frame_id(name), place) for name, place in wish.hands.items()]
@@ -251,7 +251,7 @@ class Posing:
             J = pin.getFrameJacobian(model, data, frame, _WORLD)[:3]
             add(J, place - data.oMf[frame].translation, aims.hand)
         J, e, w = np.vstack(rows), np.concatenate(errors), np.concatenate(weights)
-        off = pin.difference(model, q, self._robot.q_nominal)
+        off = pin.difference(model, q, self.robot.q_nominal)
         pull = self._posture * off
         H = np.diag(self._posture) + (J.T * w) @ J
         return 0.5 * float(e @ (w * e) + off @ pull), H, pull + J.T @ (w * e)

@@ -11,7 +11,7 @@ from wbc.errors import MotionError
 #: Position of a reference over time since it was begun, s -> (n,).
 Path = Callable[[float], np.ndarray]
 
-_H = 1e-3  # s, of the central differences along a path
+_H = 4e-3  # s, of the central differences along a path
 _SAMPLES = np.linspace(0.0, 1.0, 15)[:, None]
 _LONGER = 1.15  # by how much a duration grows until it suits the limits
 _LONGEST = 60.0  # s
@@ -152,17 +152,22 @@ class SmoothReference:
         self._since, self._blend, self.arrived = 0.0, blend, False
 
     def _suited(self, e: np.ndarray, time: float) -> float:
-        """The least duration from `time` on that keeps the limits."""
+        """The least duration from `time` on that keeps the limits, or comes nearest to it.
+
+        Longer is not always gentler: what moves already goes on farther meanwhile.
+        """
         v, a = self.velocity, self.acceleration
-        speed = np.maximum(self._speed, 1.05 * np.abs(v))
-        limit = np.maximum(self._limit, 1.05 * np.abs(a))
+        best, least = time, np.inf
         while time < _LONGEST:
             _, dr, ddr = _quintic(_fading(e, v * time, a * time**2), _SAMPLES)
-            fast = (np.abs(dr) > speed * time).any()
-            if not fast and not (np.abs(ddr) > limit * time**2).any():
+            speed = float((np.abs(dr) / (self._speed * time)).max())
+            excess = max(speed, float((np.abs(ddr) / (self._limit * time**2)).max()))
+            if excess < least:
+                best, least = time, excess
+            if excess <= 1.0:
                 break
             time *= _LONGER
-        return time
+        return best
 
     def _vector(self, value: np.ndarray | float) -> np.ndarray:
         n = self.home.size

@@ -14,19 +14,31 @@ from wbc.trials.judge import Judge
 _LAST = 1.0  # s of standing after, in which it may still fall
 
 
-class Curtain:
-    """Ends a run when a performer has been standing idle for a second; a `before_tick`."""
+class Stage:
+    """What a performer needs around it in a simulation; called before each tick.
+
+    Grants the pushes that a motion asks for, and ends the run when the performer has been
+    standing idle for a second.
+
+    Args:
+        performer: the performer.
+    """
 
     def __init__(self, performer: Performer) -> None:
         self._performer = performer
         self._since: float | None = None
 
-    def __call__(self, time: float) -> None:
-        """Look.
+    def __call__(self, time: float, plant: Mujoco) -> None:
+        """Look after it.
 
         Raises:
             RunComplete: everything is done.
         """
+        body = self._performer.body
+        for impulse in body.pushes:
+            turned = self._performer.walker.standing_frame.rotation @ impulse
+            plant.push(body.robot.mass * turned)
+        body.pushes.clear()
         if not self._performer.idle:
             self._since = None
         elif self._since is None:
@@ -56,13 +68,13 @@ def run_motions(
         MotionError: the robot cannot do one of them.
     """
     performer = Performer(robot, motions=motions)
-    judge, curtain = Judge(), Curtain(performer)
+    judge, stage = Judge(), Stage(performer)
     with Mujoco(robot, dt=performer.dt, seed=seed) as plant:
 
         def tick(time: float) -> None:
             if before_tick is not None:
                 before_tick(time, performer, plant)
-            curtain(time)
+            stage(time, plant)
 
         report = run(performer, plant, at_most, log=judge, before_tick=tick)
     return judge.amend(report)

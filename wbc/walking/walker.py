@@ -17,6 +17,7 @@ from wbc.gait import DcmReference, Feet, GaitParameters, Phase, Placement, Sched
 from wbc.gait.footsteps import SIDES
 from wbc.gait.planar import point, turn, wrap
 from wbc.gait.reach import LegReach
+from wbc.gait.schedule import PREVIEW_STEPS
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 from wbc.state import State
@@ -139,6 +140,11 @@ class Walker:
             placement = Placement(point(step.position), step.yaw, float(step.position[2]))
             queue.append((step.side, placement))
         self._queue[:] = queue
+
+    def halt(self) -> None:
+        """Stop walking soon: the steps that the plan of now counts on are still made."""
+        self._wanted = Velocity()
+        del self._queue[PREVIEW_STEPS - 1 :]
 
     def reset(self, state: State) -> None:
         """Start anew, standing, from a state with both soles on the ground.

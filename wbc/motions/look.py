@@ -1,0 +1,169 @@
+"""Look: the head, or the trunk where there is no head, follows a point."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from wbc.errors import MotionError
+from wbc.kinematics import Kinematics
+from wbc.motions.anatomy import Anatomy
+from wbc.motions.body import Body
+from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.robot import Robot
+
+_AHEAD = 1.5  # m: where the point is by default, at the height of the eyes
+_ALONG = 0.7  # cosine from which on a joint's axis counts as pitch or yaw
+_PLAY = 0.85  # share of a joint's range that may be used
+_HIPS_PITCH = 0.35  # rad of bow that the trunk gives at most
+_HIPS_YAW = 0.15  # rad that the hips add to the waist's yaw
+
+
+@dataclass(frozen=True)
+class Look(Motion):
+    """The gaze follows a point, which may go round in an ellipse that faces the robot.
+
+    The neck turns as far as its joints go, the trunk does the rest; a robot without a head
+    looks with its chest.
+    """
+
+    name: ClassVar[str] = "look"
+    summary: ClassVar[str] = "follow a point with head or trunk"
+
+    point: tuple[float, ...] | None = parameter(
+        None, "middle of the ellipse, standing frame, m (default: ahead)", names=("X", "Y", "Z")
+    )
+    radius: float = parameter(0.4, "of the ellipse: to the sides, half of it up and down, m")
+    frequency: float = parameter(0.2, "rounds per second, Hz")
+    duration: float = parameter(6.0, "s")
+
+    def check(self, robot: Robot) -> None:
+        """See `Motion.check`."""
+        positive(self, "frequency", "duration")
+        if not 0.0 <= self.radius < math.inf:
+            raise MotionError(f"look: radius = {self.radius} m must not be negative")
+        gaze = Gaze(robot)
+        for k in range(24):
+            yaw, pitch = gaze.angles(self._point(gaze, k / 24.0 / self.frequency))
+            for what, angle, limit in (
+                ("to the side", yaw, gaze.most_yaw),
+                ("up", -pitch, gaze.most_up),
+                ("down", pitch, gaze.most_down),
+            ):
+                angle = abs(angle) if what == "to the side" else angle
+                if angle > limit:
+                    raise MotionError(
+                        f"look: {robot.name} would have to look {math.degrees(angle):.0f}° {what}, "
+                        f"which is {math.degrees(angle - limit):.0f}° more than it can"
+                    )
+
+    def _point(self, gaze: Gaze, time: float) -> np.ndarray:
+        """(3,) place of the point, standing frame, m."""
+        middle = (
+            gaze.eye + np.array([_AHEAD, 0.0, 0.0]) if self.point is None else np.array(self.point)
+        )
+        angle = 2.0 * math.pi * self.frequency * time
+        way = np.array([0.0, math.sin(angle), -0.5 * math.cos(angle)])
+        return np.asarray(middle + self.radius * way)
+
+    def play(self, body: Body) -> Script:
+        """See `Motion.play`."""
+        gaze = Gaze(body.robot)
+        home = body.posture.home
+
+        def angles(time: float) -> tuple[float, float]:
+            return gaze.angles(self._point(gaze, time))
+
+        body.posture.follow(lambda t: home + gaze.joints(*angles(t)), blend=1.0)
+        body.torso.follow(lambda t: gaze.trunk(*angles(t)), blend=1.0)
+        body.pelvis.follow(lambda t: body.anatomy.hips_share(gaze.trunk(*angles(t))), blend=1.0)
+        end = body.time + self.duration
+        squares, ticks, start = 0.0, 0, body.time
+        while body.time < end:
+            yield
+            if body.time - start > 1.5:
+                error = gaze.error(body, self._point(gaze, body.time - start))
+                squares, ticks = squares + error * error, ticks + 1
+        body.note(f"gaze off by {math.degrees(math.sqrt(squares / max(ticks, 1))):.1f}° rms")
+        yield from body.go_home(1.0)
+
+
+class Gaze:
+    """Shares the angles of a gaze between the joints of the neck and the trunk.
+
+    A joint takes `limit · tanh(angle / limit)`, smooth up to its limit; the trunk the rest.
+
+    Args:
+        robot: the robot.
+
+    Attributes:
+        eye: (3,) where it looks from, standing frame, m.
+        most_yaw: largest angle to either side, rad.
+        most_up: rad.
+        most_down: rad.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        anatomy = Anatomy.of(robot)
+        head = anatomy.head
+        self._frame = robot.torso if head is None else head.frame
+        self._kin = kin = Kinematics(robot, robot.standing())
+        here = kin.motion(self._frame)
+        self._forward = here.rotation.T @ np.array([1.0, 0.0, 0.0])
+        self.eye = np.array(here.position)
+        self._yaw = self._pitch = (-1, 0.0, 0.0, 0.0)  # joint, its sign, least and largest angle
+        for joint in head.joints if head is not None else ():
+            axis = here.jacobian[3:, 6 + joint]
+            sign = float(np.sign(axis[int(np.argmax(np.abs(axis)))]))
+            now = robot.q_nominal[7 + joint]
+            ends = sorted(sign * _PLAY * (x[joint] - now) for x in (robot.q_min, robot.q_max))
+            found = (joint, sign, ends[0], ends[1])
+            if abs(axis[2]) > _ALONG and self._yaw[0] < 0:
+                self._yaw = found
+            elif abs(axis[1]) > _ALONG and self._pitch[0] < 0:
+                self._pitch = found
+        waist = _PLAY * anatomy.waist_range[2]
+        trunk_yaw = min(abs(waist[0]), waist[1]) + _HIPS_YAW
+        self.most_yaw = min(abs(self._yaw[2]), self._yaw[3]) + trunk_yaw
+        self.most_down = self._pitch[3] + _HIPS_PITCH
+        self.most_up = -self._pitch[2] + 0.5 * _HIPS_PITCH
+
+    def angles(self, point: np.ndarray) -> tuple[float, float]:
+        """Yaw to the left and pitch downwards of the way from the eye to a point, rad."""
+        x, y, z = point - self.eye
+        return math.atan2(y, x), -math.atan2(z, math.hypot(x, y))
+
+    def joints(self, yaw: float, pitch: float) -> np.ndarray:
+        """(na,) what the neck's joints add to their nominal positions, rad."""
+        turn = np.zeros(self._robot.na)
+        for angle, (joint, sign, low, high) in ((yaw, self._yaw), (pitch, self._pitch)):
+            if joint >= 0:
+                turn[joint] = sign * _soft(angle, low, high)
+        return turn
+
+    def trunk(self, yaw: float, pitch: float) -> np.ndarray:
+        """(3,) rotation vector of the upper trunk that makes up what the neck leaves, rad."""
+        left = [
+            angle - _soft(angle, low, high)
+            for angle, (_, _, low, high) in ((yaw, self._yaw), (pitch, self._pitch))
+        ]
+        return np.array([0.0, left[1], left[0]])
+
+    def error(self, body: Body, point: np.ndarray) -> float:
+        """Angle between the gaze and the way to a point, as estimated, rad."""
+        assert body.state is not None
+        self._kin.update(body.state)
+        at = self._kin.frame(self._frame)
+        frame = body.walker.standing_frame
+        way = frame.act(point) - at.translation
+        gaze = at.rotation @ self._forward
+        return math.atan2(float(np.linalg.norm(np.cross(gaze, way))), float(gaze @ way))
+
+
+def _soft(angle: float, low: float, high: float) -> float:
+    limit = high if angle >= 0.0 else -low
+    return limit * math.tanh(angle / limit) if limit > 1e-6 else 0.0

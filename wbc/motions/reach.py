@@ -1,0 +1,131 @@
+"""Reach: both hands to places, as far as the robot can, in balance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from wbc.errors import MotionError
+from wbc.motions.anatomy import Anatomy, Arm
+from wbc.motions.body import Body
+from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.motions.posing import Posing, Wish
+from wbc.motions.statics import effort
+from wbc.robot import Robot
+
+_REACHABLE = 0.003  # m: nearer than this the posture is on the place
+_STRENGTH = 0.9  # share of any torque limit, at rest
+# Shares of the arm's length: how far a hand stays on its side of the body's middle,
+_ASIDE = 0.05
+_CLEAR = 0.45  # from the trunk's vertical axis and from the other hand,
+_BEHIND = 0.1  # and how far behind the shoulder it may be
+_LEAST, _MOST = 0.15, 0.85  # share of each joint's range that samples are drawn from
+_XYZ = ("X", "Y", "Z")
+
+Places = Mapping[str, np.ndarray]  # hand frame -> (3,) in the standing frame, m
+
+
+@dataclass(frozen=True)
+class Reach(Motion):
+    """Hands to places in the standing frame: origin midway between the soles, x forward.
+
+    Without places it goes through random ones that both hands can reach at once. What is out
+    of reach is said, with the distance that is left, and the hand goes as near as it can.
+    """
+
+    name: ClassVar[str] = "reach"
+    summary: ClassVar[str] = "lead the hands to places, given or random"
+
+    left: tuple[float, ...] | None = parameter(None, "place of the left hand, m", names=_XYZ)
+    right: tuple[float, ...] | None = parameter(None, "place of the right hand, m", names=_XYZ)
+    random: int = parameter(4, "how many random places when none is given")
+    seed: int = parameter(0, "of the random places")
+    duration: float = parameter(1.5, "of each way, s, at least")
+    hold: float = parameter(0.7, "at each place, s")
+
+    def check(self, robot: Robot) -> None:
+        """See `Motion.check`."""
+        positive(self, "random", "duration", "hold")
+        anatomy = Anatomy.of(robot)
+        if self.left is None and self.right is None:
+            anatomy.both_arms()
+        for side, place in self._given():
+            anatomy.arm(side)
+            if len(place) != 3 or not np.isfinite(place).all():
+                raise MotionError(f"reach: {side} = {place} must be three finite numbers, m")
+
+    def _given(self) -> list[tuple[str, tuple[float, ...]]]:
+        both = (("left", self.left), ("right", self.right))
+        return [(side, place) for side, place in both if place is not None]
+
+    def play(self, body: Body) -> Script:
+        """See `Motion.play`."""
+        posing = Posing(body.robot)
+        given = {posing.anatomy.arm(s).hand: np.array(p) for s, p in self._given()}
+        goals = [given] if given else sample(posing, self.random, self.seed)
+        for places in goals:
+            yield from self._go(body, posing, places)
+        yield from body.go_home(self.duration)
+
+    def _go(self, body: Body, posing: Posing, places: Places) -> Script:
+        pose = posing.find(Wish(hands=places))
+        body.take(pose, self.duration)
+        for arm in posing.anatomy.arms:
+            if arm.hand not in places:
+                continue
+            miss, place = pose.misses[arm.hand], places[arm.hand]
+            if miss > _REACHABLE:
+                at = " ".join(f"{x:g}" for x in place)
+                body.note(f"({at}) is out of reach of the {arm.side} hand by {1e3 * miss:.0f} mm")
+                place = posing.place(arm.hand, pose.q)
+            body.reach(arm.side, place, self.duration, counts=miss <= _REACHABLE)
+        yield from body.arrive(body.posture, *(hand.place for hand in body.hands.values()))
+        yield from body.wait(self.hold)
+
+
+def sample(posing: Posing, count: int, seed: int) -> list[Places]:
+    """Places that both hands can reach at once, standing upright, clear of the body.
+
+    Joints of the arms are drawn from the middle of their ranges; what brings a hand behind
+    the body, across its middle, into the trunk or to the other hand is drawn again, and so
+    is what the arms are too weak to hold.
+
+    Raises:
+        MotionError: hardly anything is within reach.
+    """
+    robot, anatomy = posing.robot, posing.anatomy
+    random = np.random.default_rng(seed)
+    arms = anatomy.both_arms()
+    found: list[Places] = []
+    for _ in range(400 * count):
+        q = robot.q_nominal.copy()
+        for arm in arms:
+            joints = np.array(arm.joints)
+            low, high = (np.clip(x[joints], -2.6, 2.6) for x in (robot.q_min, robot.q_max))
+            share = random.uniform(_LEAST, _MOST, joints.size)
+            q[7 + joints] = low + share * (high - low)
+        places = {arm.hand: posing.place(arm.hand, q) for arm in arms}
+        if _is_clear(posing, arms, places) and effort(robot, q).ratio < _STRENGTH:
+            found.append(places)
+            if len(found) == count:
+                return found
+    raise MotionError(f"reach: {robot.name}'s hands reach hardly anything in front of it")
+
+
+def _is_clear(posing: Posing, arms: tuple[Arm, Arm], places: Places) -> bool:
+    left, right = (places[arm.hand] for arm in arms)
+    axis = posing.place(posing.robot.torso)
+    length = arms[0].length
+    for arm, place in zip(arms, (left, right), strict=True):
+        outward = 1.0 if arm.side == "left" else -1.0
+        shoulder = posing.place(arm.shoulder)
+        if outward * place[1] < _ASIDE * length:
+            return False
+        if place[0] < shoulder[0] - _BEHIND * length:
+            return False
+        if np.hypot(*(place - axis)[:2]) < _CLEAR * length:
+            return False
+    return bool(np.linalg.norm(left - right) > _CLEAR * length)

@@ -1,0 +1,226 @@
+"""Sine: fifteen joints on sines of time, the first pattern of many a tutorial."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.command import Command
+from wbc.errors import MotionError
+from wbc.gait.reach import LegReach
+from wbc.motions.anatomy import Anatomy
+from wbc.motions.body import Body
+from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.robot import Robot
+from wbc.state import State
+
+_LEAD_IN = 1.0  # s from standing to the pattern's first posture
+_LEAD_OUT = 2.0  # s back to the posture of standing, and to come to rest
+_STIFFNESS = 20.0  # torque limits per rad
+_DAMPING = 0.6  # torque limits per rad/s
+_FADE = 0.3  # s in which the torques of standing give way
+_ROUNDING = 0.05
+_ALONG = 0.6  # cosine from which on a joint turns about an axis
+_X, _Y, _Z = 0, 1, 2
+
+
+def pattern(time: float, rounding: float = 0.0) -> dict[str, float]:
+    """Joint positions of the pattern at a time, rad.
+
+    The legs swing in opposite phase at 1 rad/s, the knees bend only forward, the trunk turns
+    at twice the rate, the arms swing against the legs.
+
+    Args:
+        time: s.
+        rounding: ε of max(0, x) ≈ (x + √(x² + ε²)) / 2, for who needs the knees' accelerations.
+    """
+
+    def bend(phase: float) -> float:
+        return 0.25 * (phase + math.hypot(phase, rounding))
+
+    right, left = math.sin(time), math.sin(time + math.pi)
+    return {
+        "torso_yaw": 0.1 * math.sin(2.0 * time),
+        "right_hip_pitch": 0.3 * right,
+        "right_hip_roll": 0.1 * right,
+        "right_knee": bend(right),
+        "right_ankle_pitch": -0.3 * right,
+        "right_ankle_roll": 0.0,
+        "left_hip_pitch": 0.3 * left,
+        "left_hip_roll": 0.1 * left,
+        "left_knee": bend(left),
+        "left_ankle_pitch": -0.3 * left,
+        "left_ankle_roll": 0.0,
+        "right_shoulder_pitch": -0.2 * right,
+        "right_elbow": 0.1,
+        "left_shoulder_pitch": -0.2 * left,
+        "left_elbow": 0.1,
+    }
+
+
+@dataclass(frozen=True)
+class Sine(Motion):
+    """The pattern as joint positions: open loop, or as a posture under balance.
+
+    Open loop, springs and dampers at the joints track it, and nothing looks after balance: a
+    robot may fall, and the report says when. Balanced, the walker's controller keeps CoM, trunk
+    and feet, and the joints follow as far as that lets them.
+    """
+
+    name: ClassVar[str] = "sine"
+    summary: ClassVar[str] = "fifteen joints on sines of time, open loop or balanced"
+
+    balanced: bool = parameter(False, "keep the balance; without it the robot may fall")
+    duration: float = parameter(4.0 * math.pi, "of the pattern, whose period is 6.28 s; s")
+
+    def check(self, robot: Robot) -> None:
+        """See `Motion.check`."""
+        positive(self, "duration")
+        joints_of(robot)
+
+    def play(self, body: Body) -> Script:
+        """See `Motion.play`."""
+        joints, missing = joints_of(body.robot)
+        if missing:
+            body.note(f"{body.robot.name} has no joint for {', '.join(missing)}: left out")
+        home = body.posture.home
+
+        def posture(time: float) -> np.ndarray:
+            q = home.copy()
+            for name, value in pattern(time, _ROUNDING if self.balanced else 0.0).items():
+                if name in joints:
+                    index, sign = joints[name]
+                    q[index] = sign * value
+            return q
+
+        if self.balanced:
+            yield from self._balanced(body, posture)
+        else:
+            yield from self._open_loop(body, posture)
+
+    def _balanced(self, body: Body, posture: Callable[[float], np.ndarray]) -> Script:
+        body.posture.go(posture(0.0), _LEAD_IN)
+        yield from body.arrive(body.posture)
+        body.posture.follow(posture)
+        yield from body.wait(self.duration)
+        yield from body.go_home(1.0)
+
+    def _open_loop(self, body: Body, posture: Callable[[float], np.ndarray]) -> Script:
+        body.take_over(JointSprings(body, posture, self.duration))
+        yield from body.wait(_LEAD_IN + self.duration + _LEAD_OUT)
+        body.hand_back()
+        yield from body.go_home(1.5)
+
+
+class JointSprings:
+    """Springs and dampers at the joints: a pilot that knows nothing of balance.
+
+    Args:
+        body: whose joints these are; they set out from where they are.
+        posture: time since the end of the lead-in, s -> (na,) rad.
+        duration: of the pattern, s; then back to the posture of standing.
+    """
+
+    def __init__(self, body: Body, posture: Callable[[float], np.ndarray], duration: float) -> None:
+        robot = self._robot = body.robot
+        self._dt = body.dt
+        self._time = -_LEAD_IN
+        self._posture = posture
+        self._start, self._end = body.posture.value.copy(), body.posture.home.copy()
+        self._duration = duration
+        self._kp = _STIFFNESS * robot.tau_max
+        self._kd = _DAMPING * robot.tau_max
+        self._before = body.last_torque
+        self._offset: np.ndarray | None = None
+
+    def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
+        """One tick."""
+        q, v = self._wanted()
+        tau = self._kp * (q - state.q[7:]) + self._kd * (v - state.v[6:])
+        if self._offset is None:
+            self._offset = np.zeros(tau.size) if self._before is None else self._before - tau
+        tau = tau + self._offset * math.exp(-(self._time + _LEAD_IN) / _FADE)
+        self._time += self._dt
+        tau = np.clip(tau, -self._robot.tau_max, self._robot.tau_max)
+        return Command(tau, np.zeros(self._robot.nv), {}, q, v)
+
+    def _wanted(self) -> tuple[np.ndarray, np.ndarray]:
+        """(na,) position, rad, and velocity, rad/s."""
+        time, last = self._time, self._duration
+        first, final = self._posture(0.0), self._posture(last)
+        if time < 0.0:
+            return _between(self._start, first, 1.0 + time / _LEAD_IN, _LEAD_IN)
+        if time > last:
+            half = 0.5 * _LEAD_OUT
+            return _between(final, self._end, min((time - last) / half, 1.0), half)
+        h = 0.5 * self._dt
+        ends = (self._posture(time - h), self._posture(time + h))
+        return self._posture(time), (ends[1] - ends[0]) / (2.0 * h)
+
+
+def _between(
+    a: np.ndarray, b: np.ndarray, s: float, duration: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Position and velocity at share s of a minimum-jerk way."""
+    share = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
+    rate = 30.0 * s * s * (1.0 - s) ** 2 / duration
+    return a + share * (b - a), rate * (b - a)
+
+
+def joints_of(robot: Robot) -> tuple[dict[str, tuple[int, float]], tuple[str, ...]]:
+    """The pattern's joints on a robot: name -> (index into (na,), sign); and names that it lacks.
+
+    A joint of that very name counts; else the one that does the same: the waist's that turns
+    about the vertical, a leg's before, at and after the knee, an arm's before and at the elbow.
+    Positive is then a turn about the forward, left or upward axis, for an elbow towards flexion.
+
+    Raises:
+        MotionError: not even the legs are like that.
+    """
+    found: dict[str, tuple[int, float]] = {}
+    data = robot.model.createData()
+    pin.computeJointJacobians(robot.model, data, robot.q_nominal)
+    axes = np.array(data.J[3:, 6:])
+    anatomy = Anatomy.of(robot)
+
+    def about(axis: int, joints: tuple[int, ...]) -> tuple[int, float] | None:
+        best = max(joints, key=lambda j: abs(axes[axis, j]), default=-1)
+        if best < 0 or abs(axes[axis, best]) < _ALONG:
+            return None
+        return best, float(np.sign(axes[axis, best]))
+
+    roles: dict[str, tuple[int, float] | None] = {"torso_yaw": about(_Z, anatomy.waist)}
+    for side, leg, knee in zip(("left", "right"), robot.legs, LegReach(robot).knees, strict=True):
+        joints = tuple(j - 6 for j in leg)
+        hip, ankle = joints[: joints.index(knee)], joints[joints.index(knee) + 1 :]
+        roles |= {
+            f"{side}_hip_pitch": about(_Y, hip),
+            f"{side}_hip_roll": about(_X, hip),
+            f"{side}_knee": about(_Y, (knee,)),
+            f"{side}_ankle_pitch": about(_Y, ankle),
+            f"{side}_ankle_roll": about(_X, ankle),
+        }
+    for arm in anatomy.arms:
+        elbow = anatomy.elbow(arm)
+        before = arm.joints[: arm.joints.index(elbow)]
+        roles[f"{arm.side}_shoulder_pitch"] = about(_Y, before)
+        middle = robot.q_min[elbow] + robot.q_max[elbow]
+        roles[f"{arm.side}_elbow"] = (elbow, float(np.sign(middle)) or 1.0)
+    for name in pattern(0.0):
+        if name in robot.joint_names:
+            found[name] = (robot.joint_names.index(name), 1.0)
+        elif (role := roles.get(name)) is not None:
+            found[name] = role
+    missing = tuple(name for name in pattern(0.0) if name not in found)
+    legs = [name for name in missing if "hip" in name or "knee" in name or "ankle" in name]
+    if legs:
+        raise MotionError(
+            f"sine: {robot.name} has no joint that could be {', '.join(legs)}; its joints: "
+            f"{', '.join(robot.joint_names)}"
+        )
+    return found, missing
