@@ -15,8 +15,6 @@ from wbc.trials import Judge, Stage
 
 _AT_MOST = 300.0  # s
 
-_RUNS_OWN = ("duration", "push")  # options of every simulated run, see `simulation.add_options`
-
 
 def add_to(subcommands: Any) -> None:
     """Add the subcommand."""
@@ -55,8 +53,7 @@ def _destination(parameter: Parameter) -> str:
 
 
 def _option(parameter: Parameter) -> str:
-    name = parameter.name.replace("_", "-")
-    return f"--motion-{name}" if name in _RUNS_OWN else f"--{name}"
+    return "--" + parameter.name.replace("_", "-")
 
 
 def _add_option(group: Any, parameter: Parameter) -> None:

@@ -29,11 +29,11 @@ class Bow(Motion):
 
     angle: float = parameter(30.0, "of the upper trunk, °")
     hold: float = parameter(1.0, "at the bottom, s")
-    duration: float = parameter(1.5, "of the way down, and up, s")
+    seconds: float = parameter(1.5, "of the way down, and up, s")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "angle", "duration")
+        positive(self, "angle", "seconds")
         pose = self._pose(robot)
         bowed = math.degrees(pose.torso[1])
         if pose.com_miss > _MISS or abs(bowed - self.angle) > math.degrees(_MISS):
@@ -56,7 +56,7 @@ class Bow(Motion):
 
     def play(self, body: Body) -> Script:
         """See `Motion.play`."""
-        body.take(self._pose(body.robot), self.duration)
+        body.take(self._pose(body.robot), self.seconds)
         yield from body.arrive(body.torso, body.posture)
         yield from body.wait(self.hold)
-        yield from body.go_home(self.duration)
+        yield from body.go_home(self.seconds)

@@ -38,11 +38,11 @@ class Look(Motion):
     )
     radius: float = parameter(0.4, "of the ellipse: to the sides, half of it up and down, m")
     frequency: float = parameter(0.2, "rounds per second, Hz")
-    duration: float = parameter(6.0, "s")
+    seconds: float = parameter(6.0, "s")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "frequency", "duration")
+        positive(self, "frequency", "seconds")
         if not 0.0 <= self.radius < math.inf:
             raise MotionError(f"look: radius = {self.radius} m must not be negative")
         gaze = Gaze(robot)
@@ -80,7 +80,7 @@ class Look(Motion):
         body.posture.follow(lambda t: home + gaze.joints(*angles(t)), blend=1.0)
         body.torso.follow(lambda t: gaze.trunk(*angles(t)), blend=1.0)
         body.pelvis.follow(lambda t: body.anatomy.hips_share(gaze.trunk(*angles(t))), blend=1.0)
-        end = body.time + self.duration
+        end = body.time + self.seconds
         squares, ticks, start = 0.0, 0, body.time
         while body.time < end:
             yield

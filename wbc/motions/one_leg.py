@@ -29,7 +29,7 @@ class OneLeg(Motion):
     leg: str = parameter("both", "that carries", choices=("left", "right", "both"))
     hold: float = parameter(5.0, "how long, s")
     height: float = parameter(8.0, "of the lifted sole, % of the leg's length")
-    push: float = parameter(0.05, "in mid-hold, in simulation, N·s per kg")
+    impulse: float = parameter(0.05, "of the push in mid-hold, in simulation, N·s per kg")
     towards: float = parameter(90.0, "direction of the push: 0 forward, 90 left, °")
 
     def check(self, robot: Robot) -> None:
@@ -42,7 +42,7 @@ class OneLeg(Motion):
         """See `Motion.play`."""
         carrying: Sequence[Side] = SIDES if self.leg == "both" else (self._side(),)
         angle = math.radians(self.towards)
-        push = self.push * np.array([math.cos(angle), math.sin(angle), 0.0])
+        push = self.impulse * np.array([math.cos(angle), math.sin(angle), 0.0])
         for leg in carrying:
             up: Side = "right" if leg == "left" else "left"
             yield from body.lift(up, 0.01 * self.height * body.robot.leg_length)

@@ -42,13 +42,13 @@ class Reach(Motion):
     left: tuple[float, ...] | None = parameter(None, "place of the left hand, m", names=_XYZ)
     right: tuple[float, ...] | None = parameter(None, "place of the right hand, m", names=_XYZ)
     random: int = parameter(4, "how many random places when none is given")
-    seed: int = parameter(0, "of the random places")
-    duration: float = parameter(1.5, "of each way, s, at least")
+    draw: int = parameter(0, "of the random places")
+    seconds: float = parameter(1.5, "of each way, s, at least")
     hold: float = parameter(0.7, "at each place, s")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "random", "duration", "hold")
+        positive(self, "random", "seconds", "hold")
         anatomy = Anatomy.of(robot)
         if self.left is None and self.right is None:
             anatomy.both_arms()
@@ -65,14 +65,14 @@ class Reach(Motion):
         """See `Motion.play`."""
         posing = Posing(body.robot)
         given = {posing.anatomy.arm(s).hand: np.array(p) for s, p in self._given()}
-        goals = [given] if given else sample(posing, self.random, self.seed)
+        goals = [given] if given else sample(posing, self.random, self.draw)
         for places in goals:
             yield from self._go(body, posing, places)
-        yield from body.go_home(self.duration)
+        yield from body.go_home(self.seconds)
 
     def _go(self, body: Body, posing: Posing, places: Places) -> Script:
         pose = posing.find(Wish(hands=places))
-        body.take(pose, self.duration)
+        body.take(pose, self.seconds)
         for arm in posing.anatomy.arms:
             if arm.hand not in places:
                 continue
@@ -81,7 +81,7 @@ class Reach(Motion):
                 at = " ".join(f"{x:g}" for x in place)
                 body.note(f"({at}) is out of reach of the {arm.side} hand by {1e3 * miss:.0f} mm")
                 place = posing.place(arm.hand, pose.q)
-            body.reach(arm.side, place, self.duration, counts=miss <= _REACHABLE)
+            body.reach(arm.side, place, self.seconds, counts=miss <= _REACHABLE)
         yield from body.arrive(body.posture, *(hand.place for hand in body.hands.values()))
         yield from body.wait(self.hold)
 

@@ -76,11 +76,11 @@ class Sine(Motion):
     summary: ClassVar[str] = "fifteen joints on sines of time, open loop or balanced"
 
     balanced: bool = parameter(False, "keep the balance; without it the robot may fall")
-    duration: float = parameter(4.0 * math.pi, "of the pattern, whose period is 6.28 s; s")
+    seconds: float = parameter(4.0 * math.pi, "of the pattern, whose period is 6.28 s; s")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "duration")
+        positive(self, "seconds")
         joints_of(robot)
 
     def play(self, body: Body) -> Script:
@@ -107,12 +107,12 @@ class Sine(Motion):
         body.posture.go(posture(0.0), _LEAD_IN)
         yield from body.arrive(body.posture)
         body.posture.follow(posture)
-        yield from body.wait(self.duration)
+        yield from body.wait(self.seconds)
         yield from body.go_home(1.0)
 
     def _open_loop(self, body: Body, posture: Callable[[float], np.ndarray]) -> Script:
-        body.take_over(JointSprings(body, posture, self.duration))
-        yield from body.wait(_LEAD_IN + self.duration + _LEAD_OUT)
+        body.take_over(JointSprings(body, posture, self.seconds))
+        yield from body.wait(_LEAD_IN + self.seconds + _LEAD_OUT)
         body.hand_back()
         yield from body.go_home(1.5)
 

@@ -31,12 +31,12 @@ class Wave(Motion):
     summary: ClassVar[str] = "wave with both arms, standing or walking"
 
     frequency: float = parameter(1.0, "waves per second, Hz")
-    duration: float = parameter(5.0, "of the waving, s")
+    seconds: float = parameter(5.0, "of the waving, s")
     walk: float = parameter(0.0, "forward speed meanwhile, m/s")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "frequency", "duration")
+        positive(self, "frequency", "seconds")
         self._postures(robot)
 
     def _postures(self, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
@@ -81,7 +81,7 @@ class Wave(Motion):
         yield from body.arrive(body.posture)
         rate = 2.0 * math.pi * self.frequency
         body.posture.follow(lambda t: up + math.sin(rate * t) * swing, blend=0.5 / self.frequency)
-        yield from body.wait(self.duration)
+        yield from body.wait(self.seconds)
         body.posture.go(body.posture.home, _RAISE)
         body.walk((0.0, 0.0, 0.0))
         yield from body.arrive(body.posture)
