@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -16,13 +16,15 @@ from wbc.gait.reach import LegReach
 from wbc.motions.anatomy import Anatomy
 from wbc.motions.body import Body
 from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.motions.reference import Path, SmoothReference
 from wbc.robot import Robot
 from wbc.state import State
+from wbc.telemetry import Balance, Telemetry
 
-_LEAD_IN = 1.0  # s from standing to the pattern's first posture
-_LEAD_OUT = 2.0  # s back to the posture of standing, and to come to rest
+_LEAD_IN = 1.0  # s from standing into the pattern; likewise back, and at rest there
 _STIFFNESS = 20.0  # torque limits per rad
 _DAMPING = 0.6  # torque limits per rad/s
+_ACCELERATION = 10.0  # rad/s², on the way back
 _FADE = 0.3  # s in which the torques of standing give way
 _ROUNDING = 0.05
 _ALONG = 0.6  # cosine from which on a joint turns about an axis
@@ -103,17 +105,17 @@ class Sine(Motion):
         else:
             yield from self._open_loop(body, posture)
 
-    def _balanced(self, body: Body, posture: Callable[[float], np.ndarray]) -> Script:
+    def _balanced(self, body: Body, posture: Path) -> Script:
         body.posture.go(posture(0.0), _LEAD_IN)
         yield from body.arrive(body.posture)
         body.posture.follow(posture)
         yield from body.wait(self.seconds)
         yield from body.go_home(1.0)
 
-    def _open_loop(self, body: Body, posture: Callable[[float], np.ndarray]) -> Script:
-        body.take_over(JointSprings(body, posture, self.seconds))
-        yield from body.wait(_LEAD_IN + self.seconds + _LEAD_OUT)
-        body.hand_back()
+    def _open_loop(self, body: Body, posture: Path) -> Script:
+        body.take_over(JointSprings(body, posture))
+        yield from body.wait(_LEAD_IN + self.seconds)
+        yield from body.relieve()
         yield from body.go_home(1.5)
 
 
@@ -122,54 +124,59 @@ class JointSprings:
 
     Args:
         body: whose joints these are; they set out from where they are.
-        posture: time since the end of the lead-in, s -> (na,) rad.
-        duration: of the pattern, s; then back to the posture of standing.
+        posture: time, s -> (na,) rad; exactly followed after a lead-in of 1 s.
     """
 
-    def __init__(self, body: Body, posture: Callable[[float], np.ndarray], duration: float) -> None:
+    dcm_error = math.nan  #: no DCM is planned
+
+    def __init__(self, body: Body, posture: Path) -> None:
         robot = self._robot = body.robot
         self._dt = body.dt
-        self._time = -_LEAD_IN
-        self._posture = posture
-        self._start, self._end = body.posture.value.copy(), body.posture.home.copy()
-        self._duration = duration
+        self._home = body.posture.home
+        self._reference = SmoothReference(
+            body.posture.value, speed=robot.v_max, acceleration=_ACCELERATION
+        )
+        self._reference.follow(posture, blend=_LEAD_IN)
+        self._rest: float | None = None
         self._kp = _STIFFNESS * robot.tau_max
         self._kd = _DAMPING * robot.tau_max
         self._before = body.last_torque
-        self._offset: np.ndarray | None = None
+        self._share = 1.0
 
     def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
         """One tick."""
-        q, v = self._wanted()
+        reference = self._reference
+        reference.advance(self._dt)
+        q, v = reference.value, reference.velocity
         tau = self._kp * (q - state.q[7:]) + self._kd * (v - state.v[6:])
-        if self._offset is None:
-            self._offset = np.zeros(tau.size) if self._before is None else self._before - tau
-        tau = tau + self._offset * math.exp(-(self._time + _LEAD_IN) / _FADE)
-        self._time += self._dt
+        if self._before is not None:  # the torques of standing give way
+            tau = tau + self._share * (self._before - tau)
+            self._share *= 1.0 - self._dt / _FADE
+        if self._rest is not None and reference.arrived:
+            self._rest += self._dt
         tau = np.clip(tau, -self._robot.tau_max, self._robot.tau_max)
         return Command(tau, np.zeros(self._robot.nv), {}, q, v)
 
-    def _wanted(self) -> tuple[np.ndarray, np.ndarray]:
-        """(na,) position, rad, and velocity, rad/s."""
-        time, last = self._time, self._duration
-        first, final = self._posture(0.0), self._posture(last)
-        if time < 0.0:
-            return _between(self._start, first, 1.0 + time / _LEAD_IN, _LEAD_IN)
-        if time > last:
-            half = 0.5 * _LEAD_OUT
-            return _between(final, self._end, min((time - last) / half, 1.0), half)
-        h = 0.5 * self._dt
-        ends = (self._posture(time - h), self._posture(time + h))
-        return self._posture(time), (ends[1] - ends[0]) / (2.0 * h)
+    def abandon(self) -> None:
+        """Go back to the posture of standing."""
+        if self._rest is None:
+            self._rest = 0.0
+            self._reference.go(self._home, _LEAD_IN)
 
+    @property
+    def done(self) -> bool:
+        """It is there, and at rest."""
+        return self._rest is not None and self._rest >= _LEAD_IN
 
-def _between(
-    a: np.ndarray, b: np.ndarray, s: float, duration: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Position and velocity at share s of a minimum-jerk way."""
-    share = s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
-    rate = 30.0 * s * s * (1.0 - s) ** 2 / duration
-    return a + share * (b - a), rate * (b - a)
+    @property
+    def balance(self) -> Balance:
+        """Nobody looks after it."""
+        return Balance()
+
+    @property
+    def telemetry(self) -> Telemetry:
+        """Nothing is planned."""
+        return Telemetry()
 
 
 def joints_of(robot: Robot) -> tuple[dict[str, tuple[int, float]], tuple[str, ...]]:
