@@ -78,7 +78,7 @@ SETTINGS = (
 
 @dataclass
 class Times:
-    """What the rounds of a cell brought, one figure per tick, s; and what they had."""
+    """What the rounds of a cell brought, one figure per tick, s."""
 
     late: list[np.ndarray] = field(default_factory=list)
     work: list[np.ndarray] = field(default_factory=list)
@@ -226,9 +226,8 @@ def plot(cells: Mapping[tuple[float, Setting], Times], path: Path) -> None:
     matplotlib.use("Agg")
 
     rates = sorted({rate for rate, _ in cells})
-    figure, axes = pyplot.subplots(
-        1, len(rates), figsize=(6.0 * len(rates), 4.6), squeeze=False, layout="constrained"
-    )
+    size = (6.0 * len(rates), 4.6)
+    figure, axes = pyplot.subplots(1, len(rates), figsize=size, squeeze=False, layout="constrained")
     for ax, rate in zip(axes[0], rates, strict=True):
         for (own, setting), times in cells.items():
             if own != rate:
@@ -268,25 +267,22 @@ def main() -> None:
 
     duration = 4.0 if options.quick else options.duration
     rounds = max(1, round(duration / LENGTH))
+    length = duration / rounds
     robot = wbc.load(options.robot)
     chosen = [s for s in SETTINGS if not options.only or any(t in s.name for t in options.only)]
     rates = options.rate or [500.0, 1000.0]
-    walks = {rate: record(robot, 1.0 / rate, options.speed, duration / rounds) for rate in rates}
+    walks = {rate: record(robot, 1.0 / rate, options.speed, length) for rate in rates}
     cells = {(rate, setting): Times() for rate in rates for setting in chosen}
     with contextlib.ExitStack() as stack:
         for _ in range(options.busy):
             stack.enter_context(child("while True: sum(bytearray(200_000))"))
-        for _ in range(rounds):
+        for done in range(rounds):
+            print(f"round {done + 1} of {rounds}", file=sys.stderr)
             for (rate, setting), times in cells.items():
                 times.add(measure(setting, robot, 1.0 / rate, walks[rate], options.speed))
     lines = [summary(setting, rate, times) for (rate, setting), times in cells.items()]
-    about = {
-        "robot": robot.name,
-        "busy": options.busy,
-        "processors": os.cpu_count(),
-        "kernel": platform.release(),
-        "load": os.getloadavg(),
-    }
+    about = {"robot": robot.name, "busy": options.busy, "processors": os.cpu_count()}
+    about |= {"kernel": platform.release(), "load": os.getloadavg()}
     print(", ".join(f"{key} {value}" for key, value in about.items()))
     show(lines)
     for text in dict.fromkeys(line["conditions"] for line in lines):

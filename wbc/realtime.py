@@ -73,7 +73,7 @@ def punctual(wanted: RealTime) -> Iterator[LoopConditions]:
 
 @contextlib.contextmanager
 def uncollected() -> Iterator[None]:
-    """No garbage collection: one in mid-tick costs tens of ms, and a tick makes no cycles."""
+    """No garbage collection: a full one takes 100 ms, and nothing in a tick makes cycles."""
     with ExitStack() as undo:
         if gc.isenabled():
             undo.callback(gc.enable)
