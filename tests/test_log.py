@@ -416,7 +416,7 @@ def test_ticks_that_found_no_room_are_counted_and_told(humanoid, tmp_path, caplo
         log.close()
     assert f"{log.dropped} of {log.dropped + 33} ticks are not in" in caplog.text
     run = LoggedRun.read(path)
-    assert run.log.tables["dropped"]["ticks"] == str(log.dropped)
+    assert run.log.tables["log"]["dropped"] == str(log.dropped)
     assert run.state("tick")[:32].tolist() == list(range(32))
     assert run.state("tick")[32] == 32 + log.dropped  # the gap can be seen
 

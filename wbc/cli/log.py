@@ -51,8 +51,9 @@ def _title(log: Log) -> str:
     size = log.path.stat().st_size / 1e6
     text = f"{log.path}: {size:.1f} MB, "
     text += LoggedRun(log).title if log.topics else "without a tick"
-    if "dropped" in log.tables:
-        text += f"; {log.tables['dropped']['ticks']} ticks were dropped"
+    dropped = log.tables.get("log", {}).get("dropped", "0")
+    if dropped != "0":
+        text += f"; {dropped} ticks were dropped"
     if not log.complete:
         text += "\nIt was interrupted; here is what it holds.  wbc log --repair  completes it."
     return text

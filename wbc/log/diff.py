@@ -209,7 +209,7 @@ def _parameters(a: LoggedRun, b: LoggedRun) -> dict[str, tuple[str | None, str |
             {
                 f"{table}.{name}": value
                 for table, values in run.log.tables.items()
-                if table not in ("report", "dropped")
+                if table not in ("report", "log")
                 for name, value in values.items()
                 if (table, name) != ("run", "began")
             }

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wbc.command import Status
 from wbc.errors import MissingExtra
 from wbc.log.describe import Facts, run_facts
 from wbc.log.errors import LogError
@@ -44,7 +45,8 @@ _LOOK = 0.5  # s, between two looks whether the process is still there
 _GRACE = 20.0  # s, for it to write what is there and end
 _UNKNOWN = Balance()
 _NO_VELOCITY = (np.nan, np.nan, np.nan)
-_STATUS = {status: i for i, status in enumerate(STATUSES)}
+_NO_PLAN = (0, 0, 0, 0)
+_NO_WRENCH = np.full(6, np.nan)
 _PHASE = {phase: i for i, phase in enumerate(PHASES)}
 
 
@@ -78,11 +80,11 @@ class FlightRecorder:
         self._robot = robot
         self._layout = layout = Layout.of(robot)
         self._ring = TickRing(layout, capacity)
-        self._body, self._text = layout.body_slice, layout.slices("text")
+        self._bodies = [row[layout.body_slice] for row in self._ring.flat]
+        self._text = layout.slices("text")
         self._plan = [layout.slices(name) for name in ("support", "footsteps", "swing")]
         self._soles = [sole.name for sole in robot.soles]
-        self._no_wrench = np.full(6, np.nan)
-        self._no_truth = np.full(robot.nq + robot.nv, np.nan)
+        self._no_truth = (np.full(robot.nq, np.nan), np.full(robot.nv, np.nan))
         self._padding = [np.full(7 * k, np.nan) for k in range(CONTACTS + 1)]
         self._names: dict[str, np.ndarray] = {}
         self._plan_due = self._last = -np.inf
@@ -140,44 +142,40 @@ class FlightRecorder:
         if self._told or self._closed or (index := ring.claim()) < 0:
             self._tick += 1
             return
-        flat = ring.flat[index]
         command, measurement = tick.command, tick.measurement
         plan = self._plan_of(tick.time, controller)
         balance: Balance = plan or _balance(controller)
-        truth = tick.truth
+        truth, feet = tick.truth, measurement.foot_wrenches
+        pieces = [
+            tick.state.q,
+            tick.state.v,
+            command.tau,
+            command.acceleration,
+            command.q_target,
+            command.v_target,
+            measurement.joint_position,
+            measurement.joint_velocity,
+            measurement.gyro,
+            measurement.accelerometer,
+            balance.com,
+            balance.dcm,
+            balance.dcm_reference,
+            balance.zmp,
+        ]
+        pieces += self._no_truth if truth is None else (truth.q, truth.v)
+        for sole in self._soles:
+            pieces.append(feet.get(sole, _NO_WRENCH))
+        self._add_contacts(pieces, command.wrenches)
         try:
-            np.concatenate(
-                (
-                    tick.state.q,
-                    tick.state.v,
-                    command.tau,
-                    command.acceleration,
-                    command.q_target,
-                    command.v_target,
-                    measurement.joint_position,
-                    measurement.joint_velocity,
-                    measurement.gyro,
-                    measurement.accelerometer,
-                    balance.com,
-                    balance.dcm,
-                    balance.dcm_reference,
-                    balance.zmp,
-                    *((truth.q, truth.v) if truth is not None else (self._no_truth,)),
-                    *(measurement.foot_wrenches.get(s, self._no_wrench) for s in self._soles),
-                    *self._contacts(command.wrenches),
-                ),
-                out=flat[self._body],
-            )
+            np.concatenate(pieces, out=self._bodies[index])
         except ValueError as error:
             raise LogError(self._misfit(tick, balance)) from error
-        text = command.explanation.encode("utf-8", "replace")[:TEXT] if command.explanation else b""
-        if text:
-            flat[self._text].view(np.uint8)[: len(text)] = np.frombuffer(text, np.uint8)
-        sizes = self._write_plan(flat, plan) if plan is not None else (0.0, 0.0, 0.0, 0.0)
-        flat[: 13 + len(sizes)] = (
+        text = self._write_text(index, command.explanation) if command.explanation else 0
+        ring.write_head(
+            index,
             tick.time,
             self._tick,
-            _STATUS[command.status],
+            0 if command.status is Status.OK else STATUSES.index(command.status),
             _PHASE.get(balance.phase, 0),
             getattr(controller, "steps", 0),
             tick.estimator_time,
@@ -185,8 +183,8 @@ class FlightRecorder:
             period,
             getattr(controller, "dcm_error", np.nan),
             *getattr(controller, "velocity", _NO_VELOCITY),
-            len(text),
-            *sizes,
+            text,
+            *(_NO_PLAN if plan is None else self._write_plan(index, plan)),
         )
         ring.publish()
         self._tick += 1
@@ -200,30 +198,37 @@ class FlightRecorder:
         self._plan_due = now + 1.0 / _PLAN_RATE - 1e-9
         return getattr(controller, "telemetry", None)
 
-    def _contacts(self, wrenches: dict[str, np.ndarray]) -> list[np.ndarray]:
-        pieces: list[np.ndarray] = []
+    def _add_contacts(self, pieces: list[np.ndarray], wrenches: dict[str, np.ndarray]) -> None:
+        room = CONTACTS
         for name, wrench in wrenches.items():
             number = self._names.get(name)
             if number is None:
                 number = self._names[name] = np.array([float(self._ring.name(name))])
-            pieces += (number, wrench)
-        del pieces[2 * CONTACTS :]
-        pieces.append(self._padding[CONTACTS - len(pieces) // 2])
-        return pieces
+            if room:
+                pieces += (number, wrench)
+                room -= 1
+        pieces.append(self._padding[room])
 
-    def _write_plan(self, flat: np.ndarray, plan: Telemetry) -> tuple[float, float, float, float]:
-        support, footsteps, swing = self._plan
+    def _write_text(self, index: int, text: str) -> int:
+        """Write the explanation; returns its size in bytes."""
+        data = text.encode("utf-8", "replace")[:TEXT]
+        place = self._ring.flat[index, self._text].view(np.uint8)
+        place[: len(data)] = np.frombuffer(data, np.uint8)
+        return len(data)
+
+    def _write_plan(self, index: int, plan: Telemetry) -> tuple[int, int, int, int]:
+        """Write the plan; returns 1 and the sizes of its parts."""
+        support, footsteps, swing = (self._ring.flat[index, part] for part in self._plan)
         polygon = np.asarray(plan.support, float)[:SUPPORT].ravel()
-        flat[support][: polygon.size] = polygon
+        support[: polygon.size] = polygon
         steps = plan.footsteps[:FOOTSTEPS]
-        rows = flat[footsteps].reshape(FOOTSTEPS, 5)
-        for row, step in zip(rows, steps, strict=False):
+        for row, step in zip(footsteps.reshape(FOOTSTEPS, 5), steps, strict=False):
             row[0] = step.side == "right"
             row[1:4] = step.position
             row[4] = step.yaw
         path = np.asarray(plan.swing_path, float)[:SWING].ravel()
-        flat[swing][: path.size] = path
-        return (1.0, polygon.size // 3, len(steps), path.size // 3)
+        swing[: path.size] = path
+        return (1, polygon.size // 3, len(steps), path.size // 3)
 
     def _misfit(self, tick: Tick, balance: Balance) -> str:
         """Which array has the wrong size."""

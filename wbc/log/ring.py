@@ -7,9 +7,11 @@ only the tail.
 
 from __future__ import annotations
 
+import struct
+
 import numpy as np
 
-from wbc.log.layout import TEXT, Layout
+from wbc.log.layout import HEAD, TEXT, Layout
 from wbc.process import SharedMemory
 
 NAMES = 64
@@ -17,6 +19,7 @@ _NAME = 64  # bytes
 _LINE = 8  # words: the counters sit on cache lines of their own
 _HEAD, _TAIL, _DROPPED, _STOPPED, _NAMED = (i * _LINE for i in range(5))
 _COUNTERS = 5 * _LINE * 8
+_HEAD_FORM = struct.Struct(f"={len(HEAD)}d")
 
 
 class TickRing:
@@ -41,7 +44,8 @@ class TickRing:
         self._counters = view[:_COUNTERS].cast("Q")
         self._reason = view[_COUNTERS : _COUNTERS + TEXT]
         self._names = view[_COUNTERS + TEXT : start]
-        self._records = np.frombuffer(view[start:], dtype, capacity)
+        self._bytes, self._stride = view[start:], dtype.itemsize
+        self._records = np.frombuffer(self._bytes, dtype, capacity)
         self.flat = self._records.view(np.float64).reshape(capacity, -1)
         self._known: list[str] = []
         if descriptor is None:
@@ -60,6 +64,10 @@ class TickRing:
             counters[_DROPPED] += 1
             return -1
         return int(head % self.capacity)
+
+    def write_head(self, index: int, *numbers: float) -> None:
+        """Write the numbers of `HEAD` into a record."""
+        _HEAD_FORM.pack_into(self._bytes, index * self._stride, *numbers)
 
     def publish(self) -> None:
         """The record that was claimed is written."""

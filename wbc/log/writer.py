@@ -45,7 +45,7 @@ class LogWriter:
         self._tracker = Tracker(order)
         self._topics: list[Topic] = topics_of(order)
         self._contacts = 0
-        self._due = 0.0
+        self._due = self._longest = 0.0
 
     def advance(self) -> bool:
         """Write some of the ticks that are there; False when there is none.
@@ -63,9 +63,11 @@ class LogWriter:
             self._contacts = len(names)
             self._file.write(self._tracker.block(records, names), self._topics)
             ring.release(count)
-        if time.monotonic() >= self._due:
-            self._due = time.monotonic() + _CHUNK
+        start = time.monotonic()
+        if start >= self._due:
+            self._due = start + _CHUNK
             self._file.commit()
+            self._longest = max(self._longest, time.monotonic() - start)
         return count > 0
 
     def add(self, facts: Facts) -> None:
@@ -80,8 +82,13 @@ class LogWriter:
         """
         while self.advance():
             pass
-        if self._ring.dropped:
-            self.add(Facts({"dropped": {"ticks": str(self._ring.dropped)}}))
+        own = {
+            "ticks": str(self._ring.written),
+            "dropped": str(self._ring.dropped),
+            "longest_write_s": f"{self._longest:.6f}",
+            "cpu_s": f"{time.process_time():.3f}",
+        }
+        self.add(Facts({"log": own}))
         self._file.commit()
         self._file.finish()
         self._file.close()

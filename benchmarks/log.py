@@ -1,0 +1,184 @@
+"""What keeping every tick costs the loop, and what it costs the disk.
+
+The loop is `wbc.run(..., real_time=True)` at 500 Hz with the walker's own work in every tick; a
+walk in MuJoCo is recorded once and replayed, so that the physics takes no part. Measured are the
+call that keeps a tick (`FlightRecorder.record`), with and without a plan in it (30 per second have
+one), the walker's work in the same loop with and without a log, and what the other process did:
+its processor time, its longest write, the size of the file. A write takes milliseconds; that no
+call takes as long shows that it happens elsewhere.
+
+Runs with and without a log take turns, so that a machine's other work falls on both.
+"""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+import argparse
+import contextlib
+import json
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from replay import Replay, record, walker
+
+import wbc
+from wbc.log import FlightRecorder
+from wbc.log.reader import Log
+from wbc.log.run import LoggedRun
+
+DT = 0.002  # s
+
+
+class Timed:
+    """A flight recorder whose calls are timed."""
+
+    def __init__(self, recorder: FlightRecorder) -> None:
+        self._recorder = recorder
+        self.begin, self.end = recorder.begin, recorder.end
+        self.spent: list[float] = []
+
+    def record(self, tick: Any, controller: Any) -> None:
+        start = time.perf_counter()
+        self._recorder.record(tick, controller)
+        self.spent.append(time.perf_counter() - start)
+
+
+def run(
+    robot: wbc.Robot, walk: list[wbc.Measurement], speed: float, log: Timed | None
+) -> tuple[np.ndarray, int]:
+    """One round; the work of every tick, s, and the number of overruns."""
+    plant = Replay(robot, DT, walk)
+    report = wbc.run(
+        walker(robot, DT, speed),
+        plant,
+        len(walk) * DT,
+        real_time=True,
+        announce=lambda _: None,
+        log=log,
+    )
+    if not report.survived:
+        raise SystemExit(f"{robot.name} does not do what was recorded: {report.fell_why}")
+    return plant.commanded - plant.asked, report.overruns
+
+
+def measure(name: str, seconds: float, rounds: int, speed: float) -> dict[str, Any]:
+    """All figures of a robot."""
+    robot = wbc.load(name)
+    walk = record(robot, DT, speed, seconds)
+    plain, logged, spent, planned = [], [], [], []
+    overruns = {"without": 0, "with": 0}
+    facts: list[dict[str, float]] = []
+    for _ in range(rounds):
+        work, late = run(robot, walk, speed, None)
+        plain.append(work)
+        overruns["without"] += late
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "walk.mcap"
+            with FlightRecorder(path, robot) as recorder:
+                timed = Timed(recorder)
+                work, late = run(robot, walk, speed, timed)
+            logged.append(work)
+            overruns["with"] += late
+            spent.append(timed.spent)
+            log = Log(path)
+            with_plan = np.isin(LoggedRun(log).stamps, log.stamps("/footsteps"))
+            planned.append(with_plan[: len(timed.spent)])
+            facts.append(
+                {
+                    "megabytes": path.stat().st_size / 1e6,
+                    **{key: float(value) for key, value in log.tables["log"].items()},
+                }
+            )
+    calls = 1e6 * np.concatenate(spent)
+    plan = np.concatenate(planned)
+    without, with_log = 1e6 * np.concatenate(plain), 1e6 * np.concatenate(logged)
+    total = with_log + calls
+    minutes = len(walk) * DT / 60.0
+    return {
+        "robot": robot.name,
+        "joints": robot.na,
+        "call_p50_us": float(np.median(calls)),
+        "call_p99_us": float(np.percentile(calls, 99)),
+        "call_max_us": float(calls.max()),
+        "call_without_plan_p50_us": float(np.median(calls[~plan])),
+        "call_without_plan_p99_us": float(np.percentile(calls[~plan], 99)),
+        "call_with_plan_p50_us": float(np.median(calls[plan])),
+        "work_p50_us": float(np.median(without)),
+        "work_p99_us": float(np.percentile(without, 99)),
+        "work_p50_ratio": float(np.median(with_log) / np.median(without)),
+        "work_p99_ratio": float(np.percentile(with_log, 99) / np.percentile(without, 99)),
+        "work_and_call_p50_ratio": float(np.median(total) / np.median(without)),
+        "work_and_call_p99_ratio": float(np.percentile(total, 99) / np.percentile(without, 99)),
+        "overruns_without": overruns["without"],
+        "overruns_with": overruns["with"],
+        "ticks": len(calls),
+        "dropped": sum(f["dropped"] for f in facts),
+        "megabytes_per_minute": float(np.median([f["megabytes"] for f in facts])) / minutes,
+        "longest_write_ms": 1e3 * max(f["longest_write_s"] for f in facts),
+        "writer_cpu_percent": 100.0
+        * float(np.median([f["cpu_s"] for f in facts]))
+        / (len(walk) * DT),
+    }
+
+
+def show(row: dict[str, Any]) -> None:
+    """Print a robot's figures."""
+    print(f"{row['robot']}, {row['joints']} joints, {row['ticks']} ticks with a log")
+    print(
+        f"  a call               {row['call_p50_us']:7.1f} µs median  "
+        f"{row['call_p99_us']:7.1f} µs p99  {row['call_max_us']:9.1f} µs max"
+    )
+    print(
+        f"    without a plan     {row['call_without_plan_p50_us']:7.1f} µs median  "
+        f"{row['call_without_plan_p99_us']:7.1f} µs p99"
+    )
+    print(f"    with a plan        {row['call_with_plan_p50_us']:7.1f} µs median")
+    print(
+        f"  work without a log   {row['work_p50_us']:7.1f} µs median  "
+        f"{row['work_p99_us']:7.1f} µs p99"
+    )
+    print(
+        f"  work with / without  {row['work_p50_ratio']:7.3f}    median  "
+        f"{row['work_p99_ratio']:7.3f}    p99"
+    )
+    print(
+        f"    with the call      {row['work_and_call_p50_ratio']:7.3f}    median  "
+        f"{row['work_and_call_p99_ratio']:7.3f}    p99"
+    )
+    print(f"  overruns             {row['overruns_without']} without, {row['overruns_with']} with")
+    print(
+        f"  the other process    {row['writer_cpu_percent']:.1f} % of a core, longest write "
+        f"{row['longest_write_ms']:.1f} ms, {row['dropped']:.0f} ticks dropped"
+    )
+    print(f"  on the disk          {row['megabytes_per_minute']:.1f} MB per minute")
+
+
+def main() -> None:
+    """Measure, print, write the JSON."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--robot", nargs="+", default=["talos", "g1"])
+    parser.add_argument("--seconds", type=float, default=20.0, help="of each run")
+    parser.add_argument("--rounds", type=int, default=3, help="with and without a log in turn")
+    parser.add_argument("--speed", type=float, default=0.2, help="of the walk, m/s")
+    parser.add_argument("--json", type=Path, help="write the figures to this file")
+    options = parser.parse_args()
+    rows = []
+    for name in options.robot:
+        with contextlib.redirect_stderr(None):
+            rows.append(measure(name, options.seconds, options.rounds, options.speed))
+        show(rows[-1])
+    if options.json:
+        options.json.write_text(json.dumps(rows, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
