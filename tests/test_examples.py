@@ -20,6 +20,7 @@ SAYS = {
     "07_infeasible": "pulled down: infeasible",
     "08_footsteps": "survived",
     "09_own_robot": "survived",
+    "10_jump": "soles cleared",
 }
 
 

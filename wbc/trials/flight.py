@@ -72,8 +72,9 @@ class FlightWatch:
             spin,
         )
         # A measurement is as old as the truth of the tick before.
-        if load < _FREE:
-            self._fly(self._before or now, now, min(corners) - self._ground)
+        clear = min(corners) - self._ground
+        if load < _FREE or (self._take_off is not None and clear > _LEAST):
+            self._fly(self._before or now, now, clear)
         elif self._take_off is not None:
             self._land(self._take_off, self._before or now)
         self._before = now
