@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypeVar
 
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 
 TaskT = TypeVar("TaskT", bound=Task)
 
+_priority = operator.attrgetter("priority")
 _HOLD_TIME = 0.1  # s, how fast the torque of the last good tick fades after a failure
 _SAFE_DAMPING = 0.05  # share of the torque limit per rad/s
 _EXPLAIN_EVERY = 0.1  # s
@@ -219,18 +221,16 @@ class WholeBodyController:
         return kept[2], kept[3]
 
     def _assembly(self) -> Assembly | CompiledAssembly:
-        """The assembly of this structure; they are kept, since a gait comes back to each.
-
-        Objects in the key cannot be confused with later ones at the same address: the
-        assembly keeps them alive.
-        """
+        """The assembly of this structure; they are kept, since a gait comes back to each."""
         key = (
-            *[(id(t), t.priority) for t in self.tasks],
-            *[(id(c), c.motion_weight is None) for c in self._contacts],
-            *[id(b) for b in self.bounds],
-            id(self.torque_limit),
-            self.formulation,
-            self.regularisation,
+            tuple(self.tasks),
+            tuple(map(_priority, self.tasks)),
+            self._contacts,
+            tuple([contact.motion_weight is None for contact in self._contacts]),
+            tuple(self.bounds),
+            self.torque_limit,
+            id(self.formulation),  # hashing these two takes longer than all the rest;
+            id(self.regularisation),  # the assembly keeps them alive
         )
         found = self._assemblies.get(key)
         if found is None:

@@ -48,6 +48,7 @@ class Assembly:
         contacts: the contacts, the eliminated one first, with their rows.
         elimination: the formulation's maps.
         n: number of unknowns.
+        regularisation: as given.
         blocks, equality: see `Problem`.
     """
 
@@ -75,6 +76,7 @@ class Assembly:
         else:
             m = Floating(robot.nv, nf, unit)
         self.elimination, self.n = m, m.n
+        self.regularisation = regularisation
         self._x1 = np.ones(m.n + 1)
         self._limit = torque_limit
         weighted = [t for t in tasks if t.priority == 1]

@@ -55,6 +55,7 @@ class CompiledAssembly:
         layout = Assembly(
             robot, tasks, contacts, bounds, torque_limit, Formulation.REDUCED, regularisation
         )
+        self._layout = layout
         m = layout.elimination
         stance = isinstance(m, Stance)
         self._contacts = list(layout.contacts)

@@ -156,6 +156,20 @@ def point_of(
 
 
 @part
+def scale_of(row: int, C: np.ndarray, bounded: int, scale: np.ndarray) -> float:
+    """One over the norm of a row, found when it is first asked for."""
+    if scale[row] == 0.0:
+        s = 1.0
+        if row >= bounded:
+            s = 0.0
+            for c in C[row - bounded]:
+                s += c * c
+        scale[row] = 1.0 / math.sqrt(s) if s > 1e-24 else 1e12
+    known: float = scale[row]
+    return known
+
+
+@part
 def most_violated(
     C: np.ndarray,
     x: np.ndarray,
@@ -177,11 +191,11 @@ def most_violated(
             y = 0.0
             for k in range(x.size):
                 y += C[row - bounded, k] * x[k]
-        above, below = (y - ub[row]) * scale[row], (lb[row] - y) * scale[row]
-        if above > worst:
-            worst, at, side = above, row, 1
-        if below > worst:
-            worst, at, side = below, row, -1
+        above, below = y - ub[row], lb[row] - y
+        if above > 0.0 and above * scale_of(row, C, bounded, scale) > worst:
+            worst, at, side = above * scale[row], row, 1
+        if below > 0.0 and below * scale_of(row, C, bounded, scale) > worst:
+            worst, at, side = below * scale[row], row, -1
     return at, side
 
 
@@ -245,7 +259,7 @@ def refine(
                 for i in range(n):
                     y += C[row - bounded, i] * x[i]
             r[k] = y - ub[row] if sides[k] > 0 else lb[row] - y
-            worst = max(worst, abs(r[k]) * scale[row])
+            worst = max(worst, abs(r[k]) * scale_of(row, C, bounded, scale))
         if not worst > 0.05 * tolerance or attempt == 3:
             return worst
         solve_factored(F, r, size)
@@ -304,13 +318,7 @@ def solve(
     w[:] = g
     forward(L, w, 0)
     used = np.zeros(total, np.int8)
-    for row in range(total):
-        scale[row] = 1.0
-        if row >= bounded:
-            s = 0.0
-            for k in range(n):
-                s += C[row - bounded, k] * C[row - bounded, k]
-            scale[row] = 1.0 / math.sqrt(s) if s > 1e-24 else 1e12
+    scale[:] = 0.0
     # Equalities first, then what was active before.
     before = counts[0]
     old_rows, old_sides, old_multipliers = rows.copy(), sides.copy(), multipliers.copy()

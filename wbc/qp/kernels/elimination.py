@@ -62,10 +62,7 @@ def eliminate(
         solve_base(M, S, B)
     # With the base's motion. Without a stance contact S becomes zero: the base is free.
     for i in range(6):
-        for k in range(6):
-            m = M[i, k]
-            for c in maps.dense:
-                S[i, c] += m * B[k, c]
+        add_columns(M[i], B, maps.dense, S[i])
     for j in range(na):
         out = T[j]
         for c in range(na):
@@ -73,21 +70,37 @@ def eliminate(
         for f in range(gone, nf):
             out[na + f - gone] = -unit * J[f, 6 + j]
         out[last] = h[6 + j]
-        for k in range(6):
-            m = M[6 + j, k]
-            for c in maps.dense:
-                out[c] += m * B[k, c]
+        add_columns(M[6 + j], B, maps.dense, out)
+    weights = np.empty(6)
     for j in stance:
         for k in range(6):
-            p = B[k, j]
-            for c in range(last + 1):
-                T[j, c] += p * S[k, c]
+            weights[k] = B[k, j]
+        add_product(weights, S, T[j])
     for i in range(gone):
-        W[i, :] = 0.0
         for k in range(6):
-            x = X[k, i]
-            for c in range(last + 1):
-                W[i, c] += x * S[k, c]
+            weights[k] = X[k, i]
+        W[i, :] = 0.0
+        add_product(weights, S, W[i])
+
+
+@part
+def add_product(weights: np.ndarray, B: np.ndarray, out: np.ndarray) -> None:
+    """out += Bᵀ weights for six rows B. Six products in one pass: it is the stores that cost."""
+    w0, w1, w2, w3, w4, w5 = weights[0], weights[1], weights[2], weights[3], weights[4], weights[5]
+    for c in range(out.size):
+        out[c] += (w0 * B[0, c] + w1 * B[1, c] + w2 * B[2, c]) + (
+            w3 * B[3, c] + w4 * B[4, c] + w5 * B[5, c]
+        )
+
+
+@part
+def add_columns(weights: np.ndarray, B: np.ndarray, columns: np.ndarray, out: np.ndarray) -> None:
+    """The same in some columns only."""
+    w0, w1, w2, w3, w4, w5 = weights[0], weights[1], weights[2], weights[3], weights[4], weights[5]
+    for c in columns:
+        out[c] += (w0 * B[0, c] + w1 * B[1, c] + w2 * B[2, c]) + (
+            w3 * B[3, c] + w4 * B[4, c] + w5 * B[5, c]
+        )
 
 
 @part
@@ -113,13 +126,11 @@ def solve_base(M: np.ndarray, S: np.ndarray, B: np.ndarray) -> None:
 
 @part
 def project(rows: Rows, row: int, maps: Maps, out: np.ndarray) -> None:
-    """out ← x̂'s coefficients of `A v̇` for one row of A."""
-    na = maps.T.shape[0]
-    out[:] = 0.0
+    """out ← x̂'s coefficients of `A v̇ − b` for one row."""
+    na, A = maps.T.shape[0], rows.A[row]
     for c in range(na):
-        out[c] = rows.A[row, 6 + c]
-    for k in range(6):
-        s = rows.A[row, k]
-        if s != 0.0:
-            for c in maps.dense:
-                out[c] += s * maps.B[k, c]
+        out[c] = A[6 + c]
+    for c in range(na, out.size - 1):
+        out[c] = 0.0
+    out[out.size - 1] = -rows.b[row]
+    add_columns(A, maps.B, maps.dense, out)

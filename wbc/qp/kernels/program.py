@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from wbc.qp.kernels.elimination import eliminate, project
+from wbc.qp.kernels.elimination import add_product, eliminate, project
 from wbc.qp.kernels.groups import Contacts, Limits, Maps, Program, Rows, Wishes
 from wbc.qp.kernels.jit import kernel, part
 from wbc.qp.kernels.motion import move_centroid, move_frames, sweep
@@ -31,7 +31,6 @@ def write_cost(
     for r in range(count):
         out, root = G[r], rows.root[r]
         project(rows, r, maps, out)
-        out[n] -= rows.b[r]
         for c in range(n + 1):
             out[c] *= root
     for r in range(gone):
@@ -61,6 +60,15 @@ def write_cost(
 
 
 @part
+def split(line: np.ndarray, row: np.ndarray) -> float:
+    """row ← the coefficients of x in a row of x̂'s; returns the constant behind them."""
+    for c in range(row.size):
+        row[c] = line[c]
+    constant: float = line[row.size]
+    return constant
+
+
+@part
 def write_constraints(
     rows: Rows,
     maps: Maps,
@@ -80,13 +88,11 @@ def write_constraints(
     line = np.empty(n + 1)
     for r in range(rows.cost[0], rows.b.size):
         project(rows, r, maps, line)
-        C[at] = line[:n]
-        lb[na + at] = ub[na + at] = rows.b[r] - line[n]
+        lb[na + at] = ub[na + at] = -split(line, C[at])
         at += 1
     for j in range(limits.torque.size):
-        C[at] = maps.T[j, :n]
-        lb[na + at] = -limits.torque[j] - maps.T[j, n]
-        ub[na + at] = limits.torque[j] - maps.T[j, n]
+        constant = split(maps.T[j], C[at])
+        lb[na + at], ub[na + at] = -limits.torque[j] - constant, limits.torque[j] - constant
         at += 1
     for i in range(contacts.place.shape[0]):
         start, size, count = contacts.place[i, 1], contacts.place[i, 2], contacts.place[i, 4]
@@ -104,17 +110,11 @@ def write_constraints(
         else:
             for r in range(count):
                 line[:] = 0.0
-                for k in range(size):
-                    s = cone[r, k]
-                    if s != 0.0:
-                        for c in range(n + 1):
-                            line[c] += s * W[start + k, c]
-                C[at] = line[:n]
-                ub[na + at] = -line[n]
+                add_product(cone[r], W[start:], line)
+                ub[na + at] = -split(line, C[at])
                 at += 1
-            C[at] = W[start + 2, :n]
-            lb[na + at] = least - W[start + 2, n]
-            ub[na + at] = most - W[start + 2, n]
+            constant = split(W[start + 2], C[at])
+            lb[na + at], ub[na + at] = least - constant, most - constant
         at += 1
 
 
