@@ -1,0 +1,210 @@
+"""How many times faster than real time a closed loop runs on one core, and where the time goes.
+
+A robot walks in MuJoCo: physics at 1 kHz, noisy sensors, state estimator, walker and controller
+at 500 Hz, nobody looking on. The factor of real time is simulated time over the CPU time of the
+whole process during `wbc.run`. Then it walks once more with a stopwatch around each part of a
+control period, and the torques of that walk are given to MuJoCo alone, for comparison. All rounds
+are the same walk: of each period, and of the CPU times, the smallest counts, since other work on
+the machine only ever adds.
+
+    python benchmarks/closed_loop.py
+    python benchmarks/closed_loop.py --robot talos --rounds 5 --json out/closed_loop.json
+"""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+import argparse
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+import wbc
+from wbc.estimation import Estimator
+from wbc.kinematics import Kinematics
+from wbc.sim import Mujoco
+
+SPEEDS = {"talos": 0.3, "g1": 0.25, "simple_humanoid": 0.3}
+SETTLE = 0.5  # s of standing before the first step
+
+#: What a control period consists of; the rest is the loop with its book.
+STAGES = ("plant", "estimator", "gait and balance", "controller", "book and loop")
+_PARTS = ("plant", "estimator", "walker", "controller", "period")
+
+
+class Stopwatch:
+    """Adds up, period by period, what the wrapped methods take.
+
+    Attributes:
+        periods: one list of seconds for each of `_PARTS`.
+    """
+
+    def __init__(self) -> None:
+        self.periods: list[list[float]] = []
+        self._begun: float | None = None
+        self._spent = dict.fromkeys(_PARTS, 0.0)
+
+    def around(self, method: Callable[..., Any], part: str) -> Callable[..., Any]:
+        """The same method, timed."""
+        spent, clock = self._spent, time.perf_counter
+
+        def timed(*args: Any, **options: Any) -> Any:
+            start = clock()
+            try:
+                return method(*args, **options)
+            finally:
+                spent[part] += clock() - start
+
+        return timed
+
+    def stop(self) -> None:
+        """A control period is over."""
+        if self._begun is not None:
+            self._spent["period"] = time.perf_counter() - self._begun
+            self.periods.append(list(self._spent.values()))
+
+    def start(self) -> None:
+        """A control period begins."""
+        for part in _PARTS:
+            self._spent[part] = 0.0
+        self._begun = time.perf_counter()
+
+
+class Timed:
+    """Stands in for a plant, an estimator or a controller, and has some of its methods timed."""
+
+    def __init__(self, inner: Any, watch: Stopwatch, part: str, methods: tuple[str, ...]) -> None:
+        self._inner = inner
+        for name in methods:
+            setattr(self, name, watch.around(getattr(inner, name), part))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._inner, name)
+
+
+def steer(walker: wbc.Walker, speed: float) -> Callable[[float], None]:
+    """Stand for a moment, then walk."""
+
+    def command(at: float) -> None:
+        wanted = (speed if at >= SETTLE else 0.0, 0.0, 0.0)
+        if walker.velocity != wanted:
+            walker.velocity = wanted
+
+    return command
+
+
+def cpu_time(robot: wbc.Robot, speed: float, duration: float) -> float:
+    """CPU seconds of the process per simulated second."""
+    walker = wbc.Walker(robot)
+    with Mujoco(robot) as plant:
+        start = time.process_time()
+        report = wbc.run(walker, plant, duration, before_tick=steer(walker, speed))
+        spent = time.process_time() - start
+    if not report.survived:
+        raise SystemExit(f"{robot.name} fell at {report.fell_at_s:.2f} s: {report.fell_why}")
+    return spent / duration
+
+
+def stage_times(robot: wbc.Robot, speed: float, duration: float) -> dict[str, np.ndarray]:
+    """Per stage, (periods,) µs."""
+    walker, watch = wbc.Walker(robot), Stopwatch()
+    torques: list[np.ndarray] = []
+    walker.controller.solve = watch.around(walker.controller.solve, "controller")
+    update = Kinematics.update
+    Kinematics.update = watch.around(update, "controller")
+    with Mujoco(robot) as plant:
+        timed_plant = Timed(plant, watch, "plant", ("measure", "step", "ground_truth"))
+        estimator = Timed(Estimator(robot, plant.dt), watch, "estimator", ("update",))
+        command = steer(walker, speed)
+
+        def between(at: float) -> None:
+            watch.stop()
+            torques.append(plant.torque)
+            command(at)
+            watch.start()
+
+        try:
+            wbc.run(
+                Timed(walker, watch, "walker", ("step",)),
+                timed_plant,
+                duration,
+                estimator=estimator,
+                before_tick=between,
+            )
+        finally:
+            Kinematics.update = update
+    parts = dict(zip(_PARTS, 1e6 * np.array(watch.periods).T, strict=True))
+    stages = {name: parts[name] for name in ("plant", "estimator", "controller")}
+    stages["gait and balance"] = parts["walker"] - parts["controller"]
+    stages["book and loop"] = (
+        parts["period"] - parts["plant"] - parts["estimator"] - parts["walker"]
+    )
+    stages["period"] = parts["period"]
+    stages["mj_step alone"] = bare_physics(robot, torques[1:])
+    return stages
+
+
+def bare_physics(robot: wbc.Robot, torques: list[np.ndarray]) -> np.ndarray:
+    """(periods,) µs of MuJoCo's own steps under recorded torques."""
+    spent = []
+    with Mujoco(robot) as plant:
+        model, data, substeps = plant.model, plant.data, round(plant.dt / plant.timestep)
+        for torque in torques:
+            data.ctrl[:] = torque
+            start = time.perf_counter()
+            mujoco.mj_step(model, data, nstep=substeps)
+            spent.append(time.perf_counter() - start)
+    return 1e6 * np.array(spent)
+
+
+def measure(name: str, duration: float, rounds: int) -> dict[str, float]:
+    """Per stage median and mean over the periods, and the factor of real time."""
+    robot = wbc.load(name)
+    cpu_time(robot, 0.0, 0.1)  # whatever is compiled or read on first use
+    costs, runs = [], []
+    for _ in range(rounds):
+        costs.append(cpu_time(robot, SPEEDS[name], duration))
+        runs.append(stage_times(robot, SPEEDS[name], duration))
+    row: dict[str, float] = {}
+    for stage in (*STAGES, "period", "mj_step alone"):
+        key, times = stage.replace(" ", "_"), np.min([run[stage] for run in runs], axis=0)
+        row[f"{key}_p50_us"], row[f"{key}_mean_us"] = float(np.median(times)), float(times.mean())
+    row["real_time_factor"] = 1.0 / min(costs)
+    row["real_time_factor_worst"] = 1.0 / max(costs)
+    return row
+
+
+def main() -> None:
+    """Walk, print the table, write the JSON."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--robot", action="append", choices=sorted(SPEEDS), help="only this one")
+    parser.add_argument("--duration", type=float, default=6.0, help="s of a walk")
+    parser.add_argument("--rounds", type=int, default=5, help="(default: %(default)s)")
+    parser.add_argument("--json", type=Path, help="write the table there")
+    args = parser.parse_args()
+    columns = (*STAGES, "period", "mj_step alone")
+    print("µs per control period of 2 ms, median / mean; × real time by CPU time")
+    print(f"| robot | {' | '.join(columns)} | × real time |")
+    print(f"| --- |{' --- |' * (len(columns) + 1)}")
+    table = {}
+    for name in args.robot or SPEEDS:
+        row = table[name] = measure(name, args.duration, args.rounds)
+        keys = [column.replace(" ", "_") for column in columns]
+        cells = [f"{row[f'{k}_p50_us']:.0f} / {row[f'{k}_mean_us']:.0f}" for k in keys]
+        print(f"| {name} | {' | '.join(cells)} | {row['real_time_factor']:.1f} |", flush=True)
+    if args.json:
+        args.json.parent.mkdir(parents=True, exist_ok=True)
+        args.json.write_text(json.dumps(table, indent=2) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
