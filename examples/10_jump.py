@@ -16,9 +16,7 @@ jump = Jump(clearance=CLEARANCE)
 
 plan = jump.plan(robot)
 print(f"crouch to {plan.lowest:.3f} m, push off for {plan.push_off.duration:.2f} s")
-print(
-    f"take off from {plan.take_off:.3f} m with {plan.speed:.2f} m/s, fly {plan.flight.duration:.2f} s"
-)
+print(f"take off with {plan.speed:.2f} m/s, fly for {plan.flight.duration:.2f} s")
 print(f"{100 * plan.torque_share:.0f} % of the torque of {plan.torque_joint} at most")
 
 report = run_motions(robot, [jump], seed=1)  # noise on every sensor, no ground truth inside

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
-from weakref import WeakKeyDictionary
 
 from wbc.motions.body import Body
 from wbc.motions.jumping import Jumper, JumpPlan, plan_jump
@@ -27,8 +26,8 @@ class Jump(Motion):
     clearance: float = parameter(0.05, "of both soles over the ground, m")
 
     @cached_property
-    def _plans(self) -> WeakKeyDictionary[Robot, JumpPlan]:
-        return WeakKeyDictionary()
+    def _plans(self) -> dict[Robot, JumpPlan]:
+        return {}
 
     def plan(self, robot: Robot) -> JumpPlan:
         """The jump of a robot; found once, in about a second.

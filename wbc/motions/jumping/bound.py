@@ -52,8 +52,10 @@ def take_off_bound(robot: Robot, paths: Sequence[JumpPath]) -> TakeOffBound:
     height to height, β₊ = max {β + 2 Δz z̈ : |τ(z̈, β)| ≤ τ_max, |q' √β| ≤ q̇_max}: what is
     reachable at a height is an interval that begins at 0, and its upper end depends on
     nothing but the upper end before (Pham and Pham, A new approach to time-optimal path
-    parameterization based on reachability analysis, T-RO 2018). Ramps of the torque,
-    which every real push-off needs, only take away from it.
+    parameterization based on reachability analysis, T-RO 2018). So it is a bound, to the
+    resolution of the path's grid, for all paces and crouches of these paths: soles flat until
+    take-off, no spin. Ramps of the torque, the flight and the landing, which a plan has to
+    bear too, only take away from it.
 
     Args:
         robot: the robot.
