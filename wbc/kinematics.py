@@ -92,6 +92,7 @@ class Kinematics:
         self.model = robot.model
         self.data = robot.model.createData()
         self.mass = float(pin.computeTotalMass(robot.model))
+        self._nq, self._nv = robot.nq, robot.nv
         self._at_rest = np.zeros(robot.nv)
         self._gravity = np.concatenate((robot.model.gravity.linear, np.zeros(3)))
         self._world: dict[int, FrameKinematics] = {}
@@ -108,7 +109,7 @@ class Kinematics:
             StateError: see `State.checked`.
         """
         model, data = self.model, self.data
-        self.state = state = state.checked(model)
+        self.state = state = state if state.fits(self._nq, self._nv) else state.checked(model)
         q, v = state.q, state.v
         self.mass_matrix: np.ndarray = pin.crba(model, data, q, pin.Convention.WORLD)
         self.bias_forces: np.ndarray = pin.nonLinearEffects(model, data, q, v)

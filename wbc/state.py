@@ -11,6 +11,7 @@ import pinocchio as pin
 from wbc.errors import StateError
 
 QUATERNION_TOLERANCE = 1e-3
+_SHORTEST, _LONGEST = (1.0 - QUATERNION_TOLERANCE) ** 2, (1.0 + QUATERNION_TOLERANCE) ** 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +26,21 @@ class State:
 
     q: np.ndarray
     v: np.ndarray
+
+    def fits(self, nq: int, nv: int) -> bool:
+        """Whether this is a floating-base state that `checked` would return as it is.
+
+        True only for float arrays of these sizes, finite, with a unit quaternion; False says
+        nothing: `checked` tells what is wrong, if anything is.
+        """
+        q, v = self.q, self.v
+        if not (type(q) is np.ndarray and type(v) is np.ndarray and nq == nv + 1):
+            return False
+        if q.shape != (nq,) or v.shape != (nv,) or q.dtype != float or v.dtype != float:
+            return False
+        quaternion = q[3:7]
+        length = quaternion.dot(quaternion)
+        return _SHORTEST < length < _LONGEST and math.isfinite(q.dot(q) + v.dot(v))
 
     def checked(self, model: pin.Model) -> State:
         """This state as float arrays, or a `StateError` that names the entry.

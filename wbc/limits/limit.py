@@ -39,7 +39,7 @@ class AccelerationBound(ABC):
 
 
 def per_joint(name: str, what: str, value: float | np.ndarray, robot: Robot) -> np.ndarray:
-    """A number or (na,) array of positive limits as (na,).
+    """A number or (na,) array of positive limits as (na,), not to be changed in place.
 
     Raises:
         LimitError: wrong shape, or an entry that is not positive.
@@ -55,6 +55,7 @@ def per_joint(name: str, what: str, value: float | np.ndarray, robot: Robot) -> 
     if bad.size:
         joint = robot.joint_names[int(bad[0])]
         raise LimitError(f"{name}: {what} of '{joint}' is {array[bad[0]]}, it must be positive")
+    array.setflags(write=False)
     return array
 
 

@@ -66,6 +66,8 @@ class JointPositionLimit(AccelerationBound):
         margins = np.minimum(margin, 0.25 * (robot.q_max - robot.q_min))
         self.lower = robot.q_min + margins
         self.upper = robot.q_max - margins
+        self.lower.setflags(write=False)
+        self.upper.setflags(write=False)
         braking = moderate_braking(robot) if braking is None else braking
         self.braking = per_joint(self.name, "braking", braking, robot)
         self.recovery = recovery

@@ -145,11 +145,12 @@ class CompiledAssembly:
 
     def gather(self, kin: Kinematics) -> None:
         """Fetch what tasks, contacts and limits want now, and where their frames are."""
-        for owner, gather in self._gathers:
-            try:
+        owner: object = None
+        try:
+            for owner, gather in self._gathers:  # noqa: B007 - named when it fails
                 gather(kin)
-            except (ValueError, TypeError, AttributeError) as error:
-                naming(owner, error)
+        except (ValueError, TypeError, AttributeError) as error:
+            naming(owner, error)
         model, data = kin.model, kin.data
         for place, frame_id in self._places:
             place[:] = pin.updateFramePlacement(model, data, frame_id).homogeneous

@@ -137,8 +137,11 @@ def bound_gather(bound: AccelerationBound, store: Store, k: int) -> Gather:
 
         def gather_positions(kin: Kinematics) -> None:
             number[0], number[1] = position.horizon, position.recovery
-            lower[:], upper[:], braking[:] = position.lower, position.upper, position.braking
+            fetch_lower(position.lower)
+            fetch_upper(position.upper)
+            fetch_braking(position.braking)
 
+        fetch_lower, fetch_upper, fetch_braking = map(_fetch, (lower, upper, braking))
         return gather_positions
     if isinstance(bound, JointVelocityLimit) and inherits(bound, JointVelocityLimit, "bounds"):
         limits.kind[k] = _VELOCITIES
@@ -146,9 +149,10 @@ def bound_gather(bound: AccelerationBound, store: Store, k: int) -> Gather:
 
         def gather_velocities(kin: Kinematics) -> None:
             number[0] = velocity.horizon
-            np.negative(velocity.maximum, out=lower)
-            upper[:], braking[:] = velocity.maximum, velocity.braking
+            fetch_upper(velocity.maximum)
+            fetch_braking(velocity.braking)
 
+        fetch_upper, fetch_braking = map(_fetch, (upper, braking))
         return gather_velocities
     limits.kind[k] = _ACCELERATIONS
 
@@ -160,9 +164,21 @@ def bound_gather(bound: AccelerationBound, store: Store, k: int) -> Gather:
 
 def torque_gather(limit: TorqueLimit, store: Store) -> Gather:
     """The limit on torques."""
-    maximum = store.limits.torque
+    fetch = _fetch(store.limits.torque)
 
     def gather(kin: Kinematics) -> None:
-        maximum[:] = limit.maximum
+        fetch(limit.maximum)
 
     return gather
+
+
+def _fetch(to: np.ndarray) -> Callable[[np.ndarray], None]:
+    """Copies an array, but one that cannot change only once."""
+    seen: np.ndarray | None = None
+
+    def fetch(array: np.ndarray) -> None:
+        nonlocal seen
+        if array is not seen or array.flags.writeable:
+            to[:] = seen = array
+
+    return fetch

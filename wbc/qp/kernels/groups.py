@@ -118,7 +118,7 @@ class Limits(NamedTuple):
     Attributes:
         kind: (l,) 0 accelerations as they stand, 1 positions, 2 velocities.
         number: (l, 2) horizon, recovery.
-        joint: (l, 3, na) lower, upper, braking.
+        joint: (l, 3, na) lower, upper, braking; velocities have no lower.
         torque: (na,), or empty.
     """
 

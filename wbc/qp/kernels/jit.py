@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import hashlib
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import lru_cache
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
@@ -13,7 +18,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 _FAST = {"reassoc", "contract", "nsz"}
 
 
-def kernel(signature: Any) -> Callable[[F], F]:
+def kernel(signature: str) -> Callable[[F], F]:
     """Compile a function for one signature when its module is imported.
 
     The machine code is kept beside the module or in the user's cache folder; where neither can
@@ -21,10 +26,8 @@ def kernel(signature: Any) -> Callable[[F], F]:
     """
 
     def compiled(function: F) -> F:
-        try:
-            return numba.njit(signature, cache=True, fastmath=_FAST)(function)  # type: ignore[no-any-return]
-        except RuntimeError:  # "no locator available": nowhere to keep it
-            return numba.njit(signature, fastmath=_FAST)(function)  # type: ignore[no-any-return]
+        with _kept_by_content() as kept:
+            return numba.njit(signature, cache=kept, fastmath=_FAST)(function)  # type: ignore[no-any-return]
 
     return compiled
 
@@ -32,3 +35,40 @@ def kernel(signature: Any) -> Callable[[F], F]:
 def part(function: F) -> F:
     """A function that is called by kernels only."""
     return numba.njit(fastmath=_FAST)(function)  # type: ignore[no-any-return]
+
+
+@contextmanager
+def _kept_by_content() -> Iterator[bool]:
+    """Have Numba keep machine code in a folder named after the text of all kernels.
+
+    Left alone it looks at the date of the kernel's own file, and runs old code when a part in
+    another file was changed.
+
+    Yields:
+        Whether there is such a folder.
+    """
+    before = numba.config.CACHE_DIR
+    folder = _folder(before)
+    numba.config.CACHE_DIR = folder or before
+    try:
+        yield bool(folder)
+    finally:
+        numba.config.CACHE_DIR = before
+
+
+@lru_cache
+def _folder(asked: str) -> str:
+    """The first of Numba's cache folder (if one was asked for), here, or the user's that works."""
+    here = Path(__file__).parent
+    text = b"".join(path.read_bytes() for path in sorted(here.glob("*.py")))
+    name = f"wbc-kernels-{hashlib.sha256(text).hexdigest()[:16]}"
+    users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    for parent in [Path(asked)] if asked else [here / "__pycache__", users / "wbc"]:
+        folder = parent / name
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(folder, os.W_OK):
+            return str(folder)
+    return ""

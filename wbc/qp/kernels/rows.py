@@ -82,7 +82,7 @@ def bound_joints(
                 least = -toward(x - lower, -rate, braking, horizon, recovery)
                 most = toward(upper - x, rate, braking, horizon, recovery)
             elif limits.kind[i] == 2:
-                least = min((lower - rate) / horizon, braking)
+                least = min((-upper - rate) / horizon, braking)
                 most = max((upper - rate) / horizon, -braking)
             else:
                 least, most = lower, upper
