@@ -195,6 +195,21 @@ def test_swing_path_for_display_ends_at_the_target() -> None:
     assert path[-1][:2] == pytest.approx((0.3, 0.1), abs=1e-6)
 
 
+@pytest.mark.parametrize("ticks", [0, 10, 100, 250])
+def test_path_is_the_way_that_the_swing_foot_then_goes(ticks: int) -> None:
+    swing = SwingFoot(
+        Placement(0j, 0.0, 0.0), Placement(0.3 + 0.1j, 0.2, 0.02), 0.6, 0.06, touchdown_speed=0.05
+    )
+    for _ in range(ticks):
+        swing.advance(0.002, swing.target)
+    path = swing.path(points=10)
+    dt = (swing.duration - swing.time) / 5000
+    for point in path[1:]:
+        for _ in range(500):
+            swing.advance(dt, swing.target)
+        assert math.dist(point, swing.position) < 3e-4
+
+
 @given(st.lists(points, min_size=3, max_size=12, unique=True))
 def test_convex_hull_holds_all_its_points(cloud: list[complex]) -> None:
     hull = convex_hull(cloud)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import copy
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 from wbc.gait.planar import Placement, wrap
 
@@ -40,6 +40,24 @@ class _Axis:
         self.x = target - speed * (T - dt) + u * u * u * P
         self.v = speed + u * u * (u * dP - 3.0 * P) / T
         self.a = u * (2.0 * u * u * p2 - 6.0 * (u * dP - P)) / (T * T)
+
+    def way(self, target: complex, speed: complex, remaining: float) -> Callable[[float], complex]:
+        """The position over time, from now (0) to `remaining` s, on that quintic."""
+        start = self.x
+        if remaining <= 0.0:
+            return lambda t: start
+        T = remaining
+        v0, a0, v1, d = self.v * T, self.a * T * T, speed * T, target - start
+        c2 = 0.5 * a0
+        c3 = 10.0 * d - 6.0 * v0 - 4.0 * v1 - 1.5 * a0
+        c4 = -15.0 * d + 8.0 * v0 + 7.0 * v1 + 1.5 * a0
+        c5 = 6.0 * d - 3.0 * (v0 + v1) - 0.5 * a0
+
+        def position(t: float) -> complex:
+            s = min(max(t / T, 0.0), 1.0)
+            return start + s * (v0 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
+
+        return position
 
 
 class SwingFoot:
@@ -140,13 +158,18 @@ class SwingFoot:
 
     def path(self, points: int = 12) -> list[tuple[float, float, float]]:
         """The way still to go, for display: positions from now to touchdown."""
-        ghost = copy.copy(self)
-        for name in ("_plane", "_yaw", "_height"):
-            setattr(ghost, name, replace(getattr(self, name)))
-        dt = max(self.duration - self.time, 0.0) / points
-        way = [ghost.position]
-        if dt > 0.0:
-            for _ in range(points):
-                ghost.advance(dt, self.target)
-                way.append(ghost.position)
+        duration, target = self.duration, self.target
+        left = max(duration - self.time, 0.0)
+        wait = min(max(_LIFT * duration - self.time, 0.0), left)  # straight up for so long
+        rise = max(left - (1.0 - _APEX) * duration, 0.0)
+        apex = _Axis(self._apex) if rise > 0.0 else self._height
+        plane = self._plane.way(target.point, 0.0, left - wait)
+        up = self._height.way(self._apex, 0.0, rise)
+        down = apex.way(target.height, -self._touchdown_speed, left - rise)
+        way = []
+        for k in range(points + 1 if left > 0.0 else 1):
+            t = left * k / points
+            p = plane(t - wait)
+            z = up(t) if t < rise else down(t - rise)
+            way.append((p.real, p.imag, z.real))
         return way
