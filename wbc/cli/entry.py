@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 import wbc
-from wbc.cli import diff, doctor, log, motion, plot, replay, robots, ros2, stand, view, walk
+from wbc.cli import diff, doctor, live, log, motion, plot, replay, robots, ros2, stand, view, walk
 from wbc.cli.parser import BAD_INPUT, INTERRUPTED, Parser
 from wbc.errors import WbcError
 
@@ -19,6 +19,7 @@ examples:
   wbc walk --robot g1 --velocity 0.2 0 0.1     G1 walks a curve
   wbc walk --push "3 0 20 0" --no-view         20 N·s to the left at 3 s
   wbc walk --robot my.urdf --left-foot l_foot --right-foot r_foot
+  wbc live --robot g1                          drive it from the browser: walk, push, tune
   wbc motion --list                            what a robot can do besides
   wbc motion squat --depth 15 --robot g1       down by 15 % of the leg, and up
   wbc walk --log walk.mcap                     keep every tick; then look at it:
@@ -42,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--version", action="version", version=f"wbc {wbc.__version__}")
     subcommands = parser.add_subparsers(title="subcommands", metavar="SUBCOMMAND", required=True)
-    for module in (walk, stand, motion, view, replay, plot, diff, log, robots, doctor, ros2):
+    for module in (walk, stand, motion, live, view, replay, plot, diff, log, robots, doctor, ros2):
         module.add_to(subcommands)
     try:
         options = parser.parse_args(arguments)

@@ -144,6 +144,11 @@ class Schedule:
                 self._place_target()
                 self.swing.advance(dt, self.target)
 
+    def change_gait(self, gait: GaitParameters) -> None:
+        """Go on with other parameters; the present phase keeps its duration."""
+        self.gait = gait
+        self._preview = Preview(gait, self.queue)
+
     def stand_on(self, side: str) -> None:
         """While standing: which foot the ground holds exactly, and is not to be lifted.
 

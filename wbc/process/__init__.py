@@ -2,5 +2,6 @@
 
 from wbc.process.child import Child, ChildError
 from wbc.process.memory import SharedMemory
+from wbc.process.records import RecordRing
 
-__all__ = ["Child", "ChildError", "SharedMemory"]
+__all__ = ["Child", "ChildError", "RecordRing", "SharedMemory"]

@@ -14,6 +14,7 @@ from wbc.view.errors import ViewerError
 from wbc.view.page_text import script, served_page
 
 HOST = "127.0.0.1"
+LOOPBACK = r"(127\.0\.0\.1|localhost)"
 FIRST_PORT = 7000
 _PORTS = 200
 
@@ -45,19 +46,28 @@ def page_handlers(name: str, sources: Sequence[str]) -> list[Any]:
     return handlers
 
 
-def protected(handlers: Sequence[Any]) -> tornado.web.Application:
-    """An application for requests to this machine by its own name: other sites cannot reach in."""
-    application = tornado.web.Application()
-    application.add_handlers(r"(127\.0\.0\.1|localhost)", list(handlers))
+def protected(
+    handlers: Sequence[Any], names: str = LOOPBACK, **settings: Any
+) -> tornado.web.Application:
+    """An application for requests to this machine by its own name: other sites cannot reach in.
+
+    Args:
+        handlers: what it serves.
+        names: regular expression of the host names by which it may be asked.
+        settings: of the application.
+    """
+    application = tornado.web.Application(**settings)
+    application.add_handlers(names, list(handlers))
     return application
 
 
-def listen(application: tornado.web.Application, port: int | None) -> int:
+def listen(application: tornado.web.Application, port: int | None, host: str = HOST) -> int:
     """Serve an application; returns the port.
 
     Args:
         application: to be served.
         port: None takes the first free one from 7000 on, 0 any.
+        host: address to listen on.
 
     Raises:
         ViewerError: the port is in use.
@@ -65,8 +75,8 @@ def listen(application: tornado.web.Application, port: int | None) -> int:
     server = tornado.httpserver.HTTPServer(application)
     for candidate in range(FIRST_PORT, FIRST_PORT + _PORTS) if port is None else (port,):
         with contextlib.suppress(OSError):
-            sockets = tornado.netutil.bind_sockets(candidate, HOST)
+            sockets = tornado.netutil.bind_sockets(candidate, host)
             server.add_sockets(sockets)
             return int(sockets[0].getsockname()[1])
     what = f"port {port} is" if port is not None else f"all ports from {FIRST_PORT} on are"
-    raise ViewerError(f"{what} in use on {HOST}; give another port, or port=0 for any")
+    raise ViewerError(f"{what} in use on {host}; give another port, or port=0 for any")

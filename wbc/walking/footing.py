@@ -44,6 +44,11 @@ class Footing:
                 sole.name, weight=gains.swing_weight, kp=gains.swing_kp
             )
 
+    @property
+    def swing_tasks(self) -> tuple[FrameTask, ...]:
+        """One per foot; the controller has that of the foot in the air."""
+        return tuple(self._swing_tasks.values())
+
     def place(self, schedule: Schedule) -> None:
         """Set contacts and swing task for the phase of now."""
         support = self._contacts[schedule.support]

@@ -21,7 +21,7 @@ from wbc.gait.schedule import PREVIEW_STEPS
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 from wbc.state import State
-from wbc.tasks import AngularMomentumTask, ComTask, OrientationTask, PostureTask
+from wbc.tasks import AngularMomentumTask, ComTask, OrientationTask, PostureTask, Task
 from wbc.telemetry import Balance, Footstep, Telemetry
 from wbc.walking.body_offset import BodyOffset
 from wbc.walking.footing import Footing, about_z
@@ -122,6 +122,21 @@ class Walker:
                 VelocityClamped,
                 stacklevel=2,
             )
+
+    def change_gait(self, gait: GaitParameters) -> None:
+        """Go on with other gait parameters, at any tick; the wanted velocity is kept within them.
+
+        The present step keeps its duration; everything planned from now on has the new ones.
+        """
+        self.gait = gait
+        self.schedule.change_gait(gait)
+        self._wanted = self._wanted.clamped(gait)
+
+    @property
+    def tasks(self) -> tuple[Task, ...]:
+        """Its own tasks, the swing feet's included: gains and weights may be set at any tick."""
+        trunk = (task for task, _ in self._trunk)
+        return (self.com, *trunk, self.posture, self.momentum, *self._footing.swing_tasks)
 
     def follow(self, footsteps: Sequence[Footstep]) -> None:
         """Walk over given footsteps, alternating sides, then stop.

@@ -1,0 +1,73 @@
+"""What the loop tells the page about each tick, as numbers in shared memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from enum import IntEnum
+
+import numpy as np
+
+
+class Mode(IntEnum):
+    """What the loop is doing."""
+
+    RUNNING = 0
+    PAUSED = 1
+    FALLEN = 2  #: it waits to be reset
+
+
+@dataclass(frozen=True, slots=True)
+class Gauges:
+    """A tick as the page sees it; all of it numbers, see `record`.
+
+    Attributes:
+        time: of the plant, s.
+        mode: what the loop is doing.
+        dcm_error: m.
+        tick_time: that estimator and controller took, s.
+        forward: velocity that is wanted of the gait now, m/s.
+        left: likewise, m/s.
+        turn: likewise, rad/s.
+        playing: index of the motion; -1 none, -2 on the way back to standing.
+        pushes: that have been survived or not, so far.
+        survived: how many of them.
+        taken: orders taken since the loop was made.
+        run: counts resets.
+    """
+
+    time: float
+    mode: Mode
+    dcm_error: float
+    tick_time: float
+    forward: float
+    left: float
+    turn: float
+    playing: int
+    pushes: int
+    survived: int
+    taken: int
+    run: int
+
+    @staticmethod
+    def of(record: np.ndarray) -> Gauges:
+        """The gauges in a record."""
+        (time, mode, error, tick, forward, left, turn, playing, pushes, survived, taken, run) = (
+            record.tolist()
+        )
+        return Gauges(
+            time,
+            Mode(int(mode)),
+            error,
+            tick,
+            forward,
+            left,
+            turn,
+            int(playing),
+            int(pushes),
+            int(survived),
+            int(taken),
+            int(run),
+        )
+
+
+SIZE = len(fields(Gauges))

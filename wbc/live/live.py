@@ -1,0 +1,213 @@
+"""`Live`: a page that drives a robot in a running loop, from a process of its own."""
+
+from __future__ import annotations
+
+import logging
+import os
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wbc.live.errors import LiveError
+from wbc.live.gauges import SIZE, Mode
+from wbc.live.helm import NO_MOTION, RETURNING, Helm
+from wbc.live.order import Order
+from wbc.motions import Motion, Performer
+from wbc.motions.catalogue import CATALOGUE
+from wbc.process import Child, ChildError, RecordRing
+from wbc.snapshot import Snapshot
+from wbc.view.due import next_due
+from wbc.view.ring import Ring
+from wbc.view.slot import Layout
+from wbc.view.terrain import checked_boxes
+
+if TYPE_CHECKING:
+    from wbc.protocols import Controller, Plant
+    from wbc.report import Report
+    from wbc.tick import Tick
+
+logger = logging.getLogger(__name__)
+
+_LOOK = 0.5  # s, between two looks whether the process is still there
+_RATE = 40.0  # Hz of snapshots
+
+
+class Live:
+    """Serves a page that shows a robot and drives it.
+
+    The page and everything about it live in another process. The loop's process copies each
+    tick's figures and some snapshots into shared memory, and looks there for requests before
+    each tick; it never waits, and goes on when the other process has died.
+
+    Example:
+        >>> with Live(performer, plant) as live:
+        ...     drive(live, performer, plant, 3600.0)
+
+    Args:
+        performer: whom to drive.
+        plant: what it is in; it may have `push` and `reset`.
+        host: address to listen on; by default only this machine can reach the page.
+        port: None takes the first free one from 7000 on, 0 any free one.
+        boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
+        motions: that get a button; the whole catalogue when left out.
+        announce: print the page's address.
+
+    Attributes:
+        helm: takes requests; `before_tick` of `wbc.run`.
+        url: address of the page.
+
+    Raises:
+        LiveError: the page cannot be served.
+    """
+
+    def __init__(
+        self,
+        performer: Performer,
+        plant: Any,
+        *,
+        host: str = "127.0.0.1",
+        port: int | None = None,
+        boxes: np.ndarray | None = None,
+        motions: Sequence[type[Motion]] = CATALOGUE,
+        announce: bool = True,
+    ) -> None:
+        robot = performer.robot
+        self._performer, self._plant = performer, plant
+        self._snapshots = Ring(Layout.of(robot.model))
+        self._gauges = RecordRing(SIZE)
+        self.helm = Helm(performer, plant, motions, self._idle)
+        self._mode = Mode.RUNNING
+        self._run = 0
+        self._due = self._look = 0.0
+        self._last = np.zeros(SIZE)
+        rings = (self._snapshots, self._gauges, self.helm.requests)
+        self._process = Child("wbc.live.server", [ring.descriptor for ring in rings])
+        order = Order(
+            # A fresh copy: meshes that somebody has looked at stay at home.
+            robot=replace(robot),
+            boxes=checked_boxes(boxes),
+            panel=self.helm.panel,
+            host=host,
+            port=port,
+            rate=_RATE,
+            snapshots=self._snapshots.descriptor,
+            gauges=self._gauges.descriptor,
+            requests=self.helm.requests.descriptor,
+            parent=os.getpid(),
+        )
+        try:
+            self.url = str(self._process.introduce(order)["url"])
+        except BaseException as error:
+            self.close()
+            if isinstance(error, ChildError):
+                raise LiveError(f"the live page: {error}") from error
+            raise
+        if announce:
+            print(f"Live: {self.url}", flush=True)
+
+    @property
+    def alive(self) -> bool:
+        """Whether the page's process is there."""
+        return self._process.alive
+
+    @property
+    def pid(self) -> int:
+        """Of the page's process."""
+        return self._process.pid
+
+    def begin(self, controller: Controller, plant: Plant) -> None:
+        """A run begins, see `wbc.protocols.Recorder`."""
+        self._run += 1
+        self._mode = Mode.RUNNING
+        self.helm.begin()
+
+    def record(self, tick: Tick, controller: Controller) -> None:
+        """Show a tick. Never waits; whatever happens to the page, returns."""
+        performer, helm = self._performer, self.helm
+        record = self._gauges.begin()
+        record[:] = (
+            tick.time,
+            Mode.RUNNING,
+            performer.dcm_error,
+            tick.estimator_time + tick.controller_time,
+            *performer.velocity,
+            helm.playing,
+            helm.pushes.decided,
+            helm.pushes.survived,
+            helm.taken,
+            self._run,
+        )
+        self._gauges.publish()
+        self._last = record
+        now = time.perf_counter()
+        if now >= self._due:
+            self._due = next_due(self._due, now, 1.0 / _RATE)
+            self._show(tick)
+        if now >= self._look:
+            self._look_after(now)
+
+    def _show(self, tick: Tick) -> None:
+        command = tick.command
+        wrenches = tick.measurement.foot_wrenches or command.wrenches
+        telemetry = self._performer.telemetry
+        text = command.explanation or self._doing()
+        snapshot = Snapshot(tick.time, tick.state.q, wrenches, telemetry, command.status, text)
+        self._snapshots.write(snapshot)
+
+    def _doing(self) -> str:
+        playing = self.helm.playing
+        if playing >= 0:
+            return self.helm.panel.motions[playing].name
+        return {NO_MOTION: "", RETURNING: "back to standing"}[playing]
+
+    def end(self, report: Report) -> None:
+        """The run is over, see `wbc.protocols.Recorder`."""
+
+    def fell(self) -> None:
+        """It lies: say so to the page, again at every call of `helm.lie`."""
+        self._mode = Mode.FALLEN
+        self.helm.pushes.fell()
+        self._idle()
+
+    def _idle(self) -> None:
+        """While nothing moves, the page is told so, and that requests are taken."""
+        helm = self.helm
+        last = self._last.copy()
+        record = self._gauges.begin()
+        record[:] = last
+        record[1] = Mode.PAUSED if self._mode is Mode.RUNNING else self._mode
+        record[-4:] = (helm.pushes.decided, helm.pushes.survived, helm.taken, self._run)
+        self._gauges.publish()
+        self._last = record
+
+    def _look_after(self, now: float) -> None:
+        """Report the end of the process, once."""
+        self._look = now + _LOOK
+        if not self._process.alive:
+            self._look = float("inf")
+            logger.warning(
+                "the live page's process has ended (exit code %s); the run goes on without it",
+                self._process.exit_code,
+            )
+
+    def close(self) -> None:
+        """End the page."""
+        self._look = float("inf")
+        self._process.close()
+        for ring in (self._snapshots, self._gauges, self.helm.requests):
+            ring.close()
+
+    def __enter__(self) -> Live:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

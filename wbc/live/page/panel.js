@@ -1,0 +1,330 @@
+// The controls: everything on the panel is made from what the server says there is. A control sends
+// {"control": name, "value": …}; where things stand comes back from the loop, to every page alike.
+"use strict";
+(() => {
+const SHOWN = 20;  // s of a strip
+const DRAWN = [["robot", "robot"], ["forces", "contact forces"], ["balance", "CoM, DCM, ZMP"],
+  ["trail", "CoM trail"], ["support", "support polygon"], ["footsteps", "footsteps"],
+  ["swing", "swing path"], ["terrain", "terrain"]];
+const knobs = new Map();
+const buttons = new Map();
+let socket = null, panel = null, gauges = null, complaintEnds = 0;
+// Read by tests.
+wbc.live = {panel: null, gauges: null, values: {}, errors: []};
+
+function make(tag, attributes = {}, ...children) {
+  const node = document.createElement(tag);
+  Object.assign(node, attributes);
+  node.append(...children);
+  return node;
+}
+
+function send(control, value) {
+  if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify({control, value}));
+}
+
+function text(value, unit) {
+  const size = Math.abs(value);
+  const digits = size === 0 || size >= 100 ? 0 : Math.max(0, 2 - Math.floor(Math.log10(size)));
+  return `${value.toFixed(Math.min(digits, size < 0.01 && size > 0 ? 6 : 3))} ${unit}`.trim();
+}
+
+// A slider; its own numbers run from 0 to 1, so that it may move by ratios.
+function slider(low, high, logarithmic) {
+  const input = make("input", {type: "range", min: 0, max: 1, step: 0.002});
+  const ratio = Math.log(high / low);
+  return {
+    input,
+    get: () => {
+      const x = +input.value;
+      if (x === 0 || x === 1) return x ? high : low;
+      return logarithmic ? low * Math.exp(x * ratio) : low + x * (high - low);
+    },
+    set: (value) => {
+      input.value = logarithmic ? Math.log(value / low) / ratio : (value - low) / (high - low);
+    },
+  };
+}
+
+function makeKnob(knob) {
+  const move = slider(knob.low, knob.high, knob.logarithmic);
+  const output = make("output");
+  const row = make("label", {className: "knob", title: `${knob.name}: ${text(knob.low, knob.unit)} `
+    + `to ${text(knob.high, knob.unit)}; double click: ${text(knob.value, knob.unit)}`},
+    make("span", {textContent: knob.label}), move.input, output);
+  const show = (value) => {
+    output.textContent = text(value, knob.unit);
+    row.classList.toggle("moved", Math.abs(value - knob.value) > 1e-3 * (knob.high - knob.low));
+    wbc.live.values[knob.name] = value;
+  };
+  const turn = (value) => { show(value); send(knob.name, value); };
+  move.input.setAttribute("aria-label", knob.name);
+  move.input.dataset.control = knob.name;
+  move.input.oninput = () => {
+    const value = move.get();
+    // The middle of a slider that goes both ways is easy to hit.
+    turn(knob.low < 0 && Math.abs(value) < 0.03 * knob.high ? 0 : value);
+  };
+  move.input.onchange = () => { move.set(wbc.live.values[knob.name]); move.input.blur(); };
+  row.ondblclick = () => { move.set(knob.value); turn(knob.value); };
+  knobs.set(knob.name, {
+    knob,
+    put: (value) => { if (document.activeElement !== move.input) move.set(value); show(value); },
+    turn: (value) => {
+      const kept = Math.min(Math.max(value, knob.low), knob.high);
+      move.set(kept);
+      turn(kept);
+    },
+  });
+  move.set(knob.value);
+  show(knob.value);
+  return row;
+}
+
+const inGroup = (group) => panel.knobs.filter((knob) => knob.group === group);
+const back = (group) => make("button", {textContent: "as it was", onclick: () => {
+  for (const knob of panel.knobs.filter(group)) knobs.get(knob.name).turn(knob.value);
+}});
+
+function section(title, ...content) {
+  return make("section", {}, make("h2", {textContent: title}), ...content);
+}
+
+function folded(title, ...content) {
+  return make("details", {}, make("summary", {textContent: title}), ...content);
+}
+
+function action(name, label, title, act) {
+  const button = make("button", {textContent: label, title, onclick: act});
+  button.dataset.action = name;
+  buttons.set(name, button);
+  return button;
+}
+
+function walkSection() {
+  return section("Walk", ...inGroup("velocity").map(makeKnob),
+    make("small", {textContent: "keys: ↑ ↓ speed, ← → turn, shift ← → sideways, S stand" }));
+}
+
+function walk() {
+  const {knob, turn} = knobs.get("velocity.forward");
+  turn(0.4 * knob.high);
+}
+
+function motionSection() {
+  const box = make("div", {className: "buttons"},
+    action("stand", "stand", "leave everything off and stand", () => send("stand")),
+    action("walk", "walk", "forward, at an easy pace", walk),
+    ...panel.motions.map((motion) => action(`motion ${motion.name}`, motion.name, motion.summary,
+      () => send("motion", motion.name))));
+  return section("Motions", box);
+}
+
+function pushSection() {
+  const most = panel.max_impulse;
+  const size = slider(most / 50, most, false);
+  const output = make("output");
+  let angle = Math.PI / 2;
+  const pad = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  pad.id = "pad";
+  pad.setAttribute("viewBox", "-52 -52 104 104");
+  const draw = () => {
+    output.textContent = text(size.get(), "N·s");
+    // Up is forward, left is the robot's left.
+    const reach = 16 + 28 * size.get() / most;
+    const x = -Math.sin(angle), y = -Math.cos(angle);
+    const at = (r, side) => `${(r * x - side * y).toFixed(1)} ${(r * y + side * x).toFixed(1)}`;
+    pad.innerHTML = '<circle r="50" fill="#fff" stroke="#c9d1d9"/>' +
+      '<circle r="33" fill="none" stroke="#eceff2"/><circle r="17" fill="none" stroke="#eceff2"/>' +
+      '<ellipse cx="-7" rx="4" ry="9" fill="#c3ccd5"/><ellipse cx="7" rx="4" ry="9" fill="#c3ccd5"/>' +
+      '<text y="-37" text-anchor="middle" font-size="9" fill="#8a949e">front</text>' +
+      `<path d="M0 0L${at(reach - 8, 0)}" stroke="#d1342b" stroke-width="4" stroke-linecap="round"/>` +
+      `<path d="M${at(reach, 0)}L${at(reach - 10, 7)}L${at(reach - 10, -7)}Z" fill="#d1342b"/>`;
+  };
+  const push = () => {
+    send("push", [size.get() * Math.cos(angle), size.get() * Math.sin(angle)]);
+  };
+  const aim = (event) => {
+    if (!event.buttons) return;
+    const frame = pad.getBoundingClientRect();
+    const x = event.clientX - frame.left - frame.width / 2;
+    const y = event.clientY - frame.top - frame.height / 2;
+    angle = Math.atan2(-x, -y);
+    draw();
+  };
+  pad.onpointerdown = aim;
+  pad.onpointermove = aim;
+  size.input.setAttribute("aria-label", "size of the push");
+  size.input.oninput = draw;
+  size.set(0.3 * most);
+  draw();
+  return section("Push", make("div", {className: "push"}, pad, make("div", {},
+    make("label", {className: "knob"}, size.input, output),
+    action("push", "push", "the arrow shows where to; key: P", push))));
+}
+
+function timeSection() {
+  return section("Time",
+    make("div", {className: "buttons"},
+      action("pause", "pause", "key: space", () => send("pause", gauges?.mode !== "paused")),
+      action("reset", "reset", "back to the start; key: R", () => send("reset"))),
+    ...inGroup("time").map(makeKnob));
+}
+
+function drawnSection() {
+  return folded("Drawn here", ...DRAWN.map(([name, label]) => {
+    const box = make("input", {type: "checkbox", checked: true});
+    box.dataset.drawn = name;
+    box.onchange = () => {
+      viewer.scene_tree.find(["wbc", name]).object.visible = box.checked;
+      viewer.set_dirty();
+    };
+    return make("label", {className: "toggle"}, box, label);
+  }));
+}
+
+function gainSection() {
+  const own = new Set(["velocity", "time", "gait"]);
+  const tasks = [...new Set(panel.knobs.map((knob) => knob.group))].filter((g) => !own.has(g));
+  return folded("Tasks: weights and gains", ...tasks.flatMap((task) =>
+    [make("h3", {textContent: task}), ...inGroup(task).map(makeKnob)]),
+    back((knob) => !own.has(knob.group)));
+}
+
+// Strips: [label, unit, factor, gauge, colour, least top, line that is the limit].
+const STRIPS = [
+  {label: "DCM error", unit: "mm", colour: "#7a3fc4", least: 20, of: (g) => 1000 * g.dcm_error,
+    word: (g, top) => `${(1000 * g.dcm_error).toFixed(1)} mm, up to ${top.toFixed(0)}`},
+  {label: "tick", unit: "µs", colour: "#2467d6", least: 200, of: (g) => 1e6 * g.tick_time,
+    word: (g, top) => `${(1e6 * g.tick_time).toFixed(0)} µs, up to ${top.toFixed(0)}`},
+  {label: "pushes survived", unit: "", colour: "#1f9d7a", least: 1, of: (g) => g.survived,
+    behind: (g) => g.pushes, word: (g) => `${g.survived} of ${g.pushes}`},
+];
+
+function makeStrips() {
+  const box = make("div", {id: "strips"});
+  for (const strip of STRIPS) {
+    strip.canvas = make("canvas");
+    strip.text = make("span");
+    strip.points = [];
+    box.append(make("div", {}, make("b", {textContent: strip.label}), strip.canvas, strip.text));
+  }
+  document.body.append(box);
+}
+
+function addToStrips(now) {
+  const stamp = performance.now() / 1000;
+  for (const strip of STRIPS) {
+    strip.points.push([stamp, strip.of(now), strip.behind ? strip.behind(now) : null]);
+    while (strip.points[0][0] < stamp - SHOWN - 1) strip.points.shift();
+  }
+}
+
+function drawStrips() {
+  if (gauges === null) return;
+  const end = performance.now() / 1000;
+  for (const strip of STRIPS) {
+    const canvas = strip.canvas, scale = devicePixelRatio || 1;
+    const w = canvas.clientWidth * scale, h = canvas.clientHeight * scale;
+    if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, {width: w, height: h});
+    const pen = canvas.getContext("2d");
+    pen.clearRect(0, 0, w, h);
+    let peak = 0;
+    for (const [, value, behind] of strip.points) peak = Math.max(peak, value, behind ?? 0);
+    const top = Math.max(peak, strip.least);
+    const line = (k, colour) => {
+      pen.beginPath();
+      for (const point of strip.points) {
+        pen.lineTo(w * (1 - (end - point[0]) / SHOWN), h - 2 * scale - (h - 6 * scale) * point[k] / top);
+      }
+      pen.strokeStyle = colour;
+      pen.lineWidth = 1.5 * scale;
+      pen.stroke();
+    };
+    if (strip.behind) line(2, "#c3ccd5");
+    line(1, strip.colour);
+    strip.text.textContent = strip.word(gauges, peak);
+  }
+}
+
+function showGauges(now) {
+  gauges = wbc.live.gauges = now;
+  addToStrips(now);
+  element("banner").firstChild.textContent = {running: "", paused: "paused",
+    fallen: "it fell: reset sets it on its feet"}[now.mode];
+  buttons.get("pause").textContent = now.mode === "paused" ? "go on" : "pause";
+  buttons.get("pause").classList.toggle("on", now.mode === "paused");
+  panel.motions.forEach((motion, i) =>
+    buttons.get(`motion ${motion.name}`).classList.toggle("on", now.playing === i));
+  const walking = now.velocity.some((x) => x !== 0);
+  buttons.get("walk").classList.toggle("on", walking);
+  buttons.get("stand").classList.toggle("on", !walking && now.playing === -1);
+}
+
+function complain(what) {
+  wbc.live.errors.push(what);
+  element("complaint").textContent = what;
+  complaintEnds = performance.now() + 6000;
+}
+
+function wireKeys() {
+  const step = (name, share) => () => {
+    const {knob, turn} = knobs.get(name);
+    const next = wbc.live.values[name] + share * knob.high;
+    turn(Math.abs(next) < 0.01 * knob.high ? 0 : next);
+  };
+  const press = (name) => () => buttons.get(name).click();
+  const keys = {
+    ArrowUp: step("velocity.forward", 0.1), ArrowDown: step("velocity.forward", -0.1),
+    ArrowLeft: step("velocity.turn", 0.15), ArrowRight: step("velocity.turn", -0.15),
+    "shift ArrowLeft": step("velocity.left", 0.25), "shift ArrowRight": step("velocity.left", -0.25),
+    s: press("stand"), p: press("push"), r: press("reset"), " ": press("pause"),
+  };
+  addEventListener("keydown", (event) => {
+    // A control that has the focus keeps its own keys.
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.target.matches("input[type=range]") && event.key.startsWith("Arrow")) return;
+    if (event.target.matches("button, summary, input") && event.key === " ") return;
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const act = keys[(event.shiftKey && key.startsWith("Arrow") ? "shift " : "") + key];
+    if (!act) return;
+    event.preventDefault();
+    act();
+  });
+}
+
+function build(told) {
+  panel = wbc.live.panel = told;
+  const box = make("div", {id: "panel"});
+  box.append(walkSection(), motionSection(), pushSection(), timeSection(), drawnSection(),
+    folded("Gait", ...inGroup("gait").map(makeKnob), back((knob) => knob.group === "gait")),
+    gainSection());
+  document.body.append(box, make("div", {id: "banner"}, make("span")), make("div", {id: "complaint"}));
+  makeStrips();
+  wireKeys();
+  setInterval(() => {
+    drawStrips();
+    if (performance.now() > complaintEnds) element("complaint").textContent = "";
+  }, 50);
+}
+
+function open() {
+  socket = new WebSocket(`ws://${location.host}/controls`);
+  socket.onmessage = (message) => {
+    const news = JSON.parse(message.data);
+    if (news.panel) build(news.panel);
+    for (const [name, value] of Object.entries(news.values ?? {})) knobs.get(name).put(value);
+    for (const [name, why] of Object.entries(news.unable ?? {})) {
+      Object.assign(buttons.get(`motion ${name}`), {disabled: true, title: why});
+    }
+    if (news.gauges) showGauges(news.gauges);
+    if (news.error) complain(news.error);
+  };
+  socket.onclose = () => {
+    for (const control of document.querySelectorAll("#panel button, #panel input")) {
+      control.disabled = true;
+    }
+  };
+}
+open();
+})();
