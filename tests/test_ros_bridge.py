@@ -14,10 +14,12 @@ import pytest
 from rostools import PATIENCE, SHORT_LIVED, Hearer, Peer, new_domain, node, start_example
 
 import wbc
+from wbc.loop import StopRun
 from wbc.messages import message_type
 from wbc.ros import Network, Qos
 from wbc.ros.actions import ActionClient, GoalState
 from wbc.ros.bridge import Bridge
+from wbc.ros.bridge.helm import Helm
 from wbc.ros.bridge.layout import Layout
 from wbc.ros.bridge.mailbox import Mailbox, Orders
 from wbc.ros.bridge.ring import SLOTS, StateRing
@@ -448,6 +450,96 @@ def test_orders_reach_the_loop_whole():
     assert np.array_equal(seen.joints, orders.joints, equal_nan=True)
     assert {**vars(seen), "joints": 0} == {**vars(orders), "joints": 0}
     assert mailbox.look() is seen
+
+
+class StandIn:
+    """A walker, its posture and its plant, without any of them."""
+
+    def __init__(self, robot):
+        self.robot, self.dt = robot, 0.002
+        self.velocity = (0.0, 0.0, 0.0)
+        self.posture = self
+        self.target = robot.q_nominal[7:].copy()
+        self.pushes = []
+
+    def push(self, impulse, *, duration):
+        self.pushes.append((impulse.tolist(), duration))
+
+
+@pytest.fixture
+def helm(robot):
+    mailbox, stand_in = Mailbox(robot.na), StandIn(robot)
+    made = Helm(mailbox, stand_in, stand_in)
+    made.begin()
+    made(0.0)
+    return made, mailbox, stand_in
+
+
+def test_a_velocity_lasts_as_long_as_it_says(helm, robot):
+    steer, mailbox, walker = helm
+    orders = Orders.none(robot.na)
+    orders.velocity, orders.velocity_until = (0.1, 0.0, 0.0), time.monotonic() + 0.05
+    mailbox.post(orders)
+    steer(0.0)
+    assert walker.velocity == (0.1, 0.0, 0.0)
+    time.sleep(0.06)
+    steer(0.0)
+    assert walker.velocity == (0.0, 0.0, 0.0)
+
+
+def test_joints_move_no_faster_than_they_may_and_arrive(helm, robot):
+    steer, mailbox, walker = helm
+    elbow = robot.joint_index("left_elbow")
+    start = walker.target.copy()
+    orders = Orders.none(robot.na)
+    orders.joints[elbow] = start[elbow] + 0.01
+    orders.joint_speed = 0.5
+    mailbox.post(orders)
+    steer(0.0)
+    assert walker.target[elbow] - start[elbow] == pytest.approx(0.5 * walker.dt)
+    for _ in range(20):
+        steer(0.0)
+    assert walker.target[elbow] == pytest.approx(start[elbow] + 0.01)
+    others = np.arange(robot.na) != elbow
+    assert np.array_equal(walker.target[others], start[others])
+
+
+def test_joints_take_their_time_when_they_have_it(helm, robot):
+    steer, mailbox, walker = helm
+    elbow = robot.joint_index("left_elbow")
+    start = walker.target[elbow]
+    orders = Orders.none(robot.na)
+    orders.joints[elbow] = start + 0.1
+    orders.arrival = time.monotonic() + 100.0
+    mailbox.post(orders)
+    steer(0.0)
+    assert 0.0 < walker.target[elbow] - start < 1e-5
+
+
+def test_a_push_is_given_once(helm, robot):
+    steer, mailbox, walker = helm
+    orders = Orders.none(robot.na)
+    orders.pushes, orders.impulse, orders.push_duration = 1, (0.0, 5.0, 0.0), 0.2
+    mailbox.post(orders)
+    for _ in range(3):
+        steer(0.0)
+    assert walker.pushes == [([0.0, 5.0, 0.0], 0.2)]
+
+
+def test_a_reset_ends_the_run_but_not_before_its_first_tick(helm, robot):
+    steer, mailbox, _ = helm
+    orders = Orders.none(robot.na)
+    orders.resets = 1
+    steer.begin()
+    mailbox.post(orders)
+    steer(0.0)  # the first tick
+    with pytest.raises(StopRun):
+        steer(0.0)
+    assert steer.reset_wanted
+    steer.begin()
+    steer(0.0)
+    steer(0.0)
+    assert not steer.reset_wanted
 
 
 def test_orders_that_are_being_written_are_not_read():

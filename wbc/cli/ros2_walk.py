@@ -81,6 +81,7 @@ def _walk(options: argparse.Namespace) -> int:
             real_time=not options.as_fast_as_possible,
             progress=progress,
             told=line.note,
+            interrupted=lambda: bool(interrupted),
         )
     print(report.table())
     if interrupted:

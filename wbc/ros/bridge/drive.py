@@ -26,6 +26,7 @@ def drive(
     real_time: bool = True,
     progress: Callable[[Progress], None] | None = None,
     told: Callable[[str], None] = lambda _: None,
+    interrupted: Callable[[], bool] = lambda: False,
 ) -> Report:
     """Run until the duration is over. A robot that fell lies until somebody resets it.
 
@@ -38,6 +39,7 @@ def drive(
         real_time: see `wbc.run`.
         progress: see `wbc.run`; it may raise `StopRun`.
         told: what happens, in words.
+        interrupted: whether to leave a robot that lies.
 
     Returns:
         The report of the last run.
@@ -60,21 +62,22 @@ def drive(
             told("reset")
         elif report.fell_at_s is not None:
             told(f"fell: {report.fell_why}; /reset_robot sets it on its feet")
-            left -= _lie(bridge, left)
-            if left > 0.0:
-                told("reset")
+            left -= _lie(bridge, left, interrupted)
+            if interrupted():
+                return report
+            told("reset")
         else:
             return report
         if left <= plant.dt:
             return report
 
 
-def _lie(bridge: Bridge, longest: float) -> float:
+def _lie(bridge: Bridge, longest: float, interrupted: Callable[[], bool]) -> float:
     """Wait for a reset; how long it took, s."""
     start = time.monotonic()
     while not bridge.helm.reset_asked:
         bridge.fallen()
-        if time.monotonic() - start >= longest:
+        if interrupted() or time.monotonic() - start >= longest:
             break
         time.sleep(_LYING)
     return time.monotonic() - start

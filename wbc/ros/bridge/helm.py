@@ -37,7 +37,7 @@ class Helm:
         robot = walker.robot
         self._slowest = _SHARE * np.minimum(robot.v_max, 1e3) * walker.dt
         self._orders: Orders | None = None
-        self._moving = False
+        self._moving = self._begun = False
         self.reset_wanted = False
 
     def __call__(self, _: float) -> None:
@@ -46,6 +46,9 @@ class Helm:
         Raises:
             StopRun: a reset is wanted.
         """
+        if not self._begun:
+            self._begun = True  # a run cannot be ended before its first tick
+            return
         orders = self._mailbox.look()
         now = time.monotonic()
         velocity = orders.velocity if now < orders.velocity_until else STANDING
@@ -64,7 +67,7 @@ class Helm:
         self._orders, self._moving = orders, False
         self._pushes, self._resets = orders.pushes, orders.resets
         self._velocity = self._walker.velocity = STANDING
-        self.reset_wanted = False
+        self.reset_wanted = self._begun = False
 
     @property
     def reset_asked(self) -> bool:

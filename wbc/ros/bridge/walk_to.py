@@ -8,7 +8,6 @@ fields, which earlier readers do not mind. `behavior_tree` is not used.
 from __future__ import annotations
 
 import math
-import time
 from typing import Any
 
 import numpy as np
@@ -33,8 +32,10 @@ _RATE = 20.0  # Hz, of the steering
 _FEEDBACK_RATE = 5.0  # Hz
 _HOLD = 0.5  # s that a velocity lasts when nobody renews it
 _STILL = 0.3  # s of standing before it counts
-_STUCK = 30.0  # s without coming nearer
-_PROGRESS = 0.05  # m, or rad, that count as coming nearer
+_NEAR = 0.8  # m: it steps there in any direction
+_GAIN = 0.6  # 1/s
+_STUCK = 20.0  # s without coming nearer
+_PROGRESS = 0.03  # m that count as coming nearer
 _TRIES = 5  # corrections after coming to a stand beside the goal
 _UNKNOWN_ERROR, _TIMEOUT = 9000, 9003
 
@@ -100,8 +101,7 @@ class WalkTo:
         pose = self._pose(goal.request.pose, self._sample)
         assert pose is not None
         self._goal, self._target, self._ending = goal, pose, None
-        now = time.monotonic()
-        self._began = self._nearer = now
+        self._began = self._nearer = self._sample.time
         self._nearest = math.inf
         self._standing_since: float | None = None
         self._tries = 0
@@ -137,7 +137,7 @@ class WalkTo:
     def _go_on(self, goal: Goal, sample: Sample) -> None:
         here = self._here(sample)
         error = self._target.seen_from(here)
-        now = time.monotonic()
+        now = sample.time  # a simulation may be slower than the clock
         if self._tells(sample.stamp):
             self._tell(goal, here, error, now)
         if self._ending is None and not goal.client_alive:
@@ -153,16 +153,16 @@ class WalkTo:
         if self._arrived(error, 0.5):
             self._end(GoalState.SUCCEEDED, self._server.result_type())
             return
-        left_over = error.distance + abs(error.heading) * 0.2
-        if left_over < self._nearest - _PROGRESS:
-            self._nearest, self._nearer = left_over, now
+        share = float(self._share.value)
+        x, y, turn = (share * v for v in self._steering.max_velocity)
+        approach = Approach((x, y, turn), max(_NEAR, 3.0 * float(self._tolerance.value)), _GAIN)
+        left = approach.left(error)
+        if left < self._nearest - _PROGRESS:
+            self._nearest, self._nearer = left, now
         elif now - self._nearer > _STUCK:
             self._end(GoalState.ABORTED, self._failure(_TIMEOUT, "it comes no nearer"))
             return
-        share = float(self._share.value)
-        x, y, turn = (share * v for v in self._steering.max_velocity)
-        near = max(0.5, 3.0 * float(self._tolerance.value))
-        self._steering.walk(Approach((x, y, turn), near, 0.6).velocity(error), _HOLD)
+        self._steering.walk(approach.velocity(error), _HOLD)
 
     def _arrived(self, error: Pose, share: float) -> bool:
         return error.distance < share * float(self._tolerance.value) and abs(
