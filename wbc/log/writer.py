@@ -21,7 +21,7 @@ from wbc.log.ring import TickRing
 from wbc.log.topics import CommandedWrench, Topic, Tracker, topics_of
 from wbc.process import parent
 
-_PAUSE = 0.02  # s, between two looks for ticks
+_PAUSE = 0.1  # s, between two looks for ticks
 _CHUNK = 0.4  # s, between the ends of two chunks
 _MOST = 256  # ticks at once
 _NICENESS = 5  # the loop comes first
