@@ -9,6 +9,7 @@ from typing import Any
 import wbc
 from wbc.book import Progress
 from wbc.cli.interrupt import interruptible
+from wbc.cli.keepsakes import Keepsakes, add_keepsake_options
 from wbc.cli.parser import FELL, INTERRUPTED, number, seconds, seed
 from wbc.cli.progress import ProgressLine
 from wbc.cli.robot_options import add_robot_options, stated
@@ -45,6 +46,7 @@ def add_to(verbs: Any) -> None:
     parser.add_argument(
         "--as-fast-as-possible", action="store_true", help="do not wait for the wall clock"
     )
+    add_keepsake_options(parser)
     add_robot_options(parser)
 
 
@@ -55,6 +57,7 @@ def _walk(options: argparse.Namespace) -> int:
     walker = wbc.Walker(robot)
     terrain = Flat() if options.terrain == "flat" else Tiles(seed=options.seed, extent=_TILES)
     plant = Mujoco(robot, dt=walker.dt, terrain=terrain, seed=options.seed)
+    keepsakes = Keepsakes(options, robot, terrain.boxes())
     with contextlib.ExitStack() as stack:
         viewer = None
         if options.view:
@@ -62,6 +65,7 @@ def _walk(options: argparse.Namespace) -> int:
         bridge = stack.enter_context(
             Bridge(walker, plant, network=network(options), update_rate=options.rate)
         )
+        logs = keepsakes.logs(stack)
         print(f"[INFO] [wbc]: {robot.name} stands at your /cmd_vel; Ctrl-C ends", flush=True)
         line = ProgressLine()
         stack.callback(line.close)
@@ -78,12 +82,15 @@ def _walk(options: argparse.Namespace) -> int:
             plant,
             options.duration,
             viewer=viewer,
+            recording=keepsakes.recording,
+            logs=logs,
             real_time=not options.as_fast_as_possible,
             progress=progress,
             told=line.note,
             interrupted=lambda: bool(interrupted),
         )
     print(report.table())
+    keepsakes.finish()
     if interrupted:
         return INTERRUPTED
     return 0 if report.survived else FELL

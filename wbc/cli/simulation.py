@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import signal
 import warnings
 from collections.abc import Callable, Iterator
-from types import FrameType
 
 import wbc
 from wbc.book import Progress
+from wbc.cli.interrupt import interruptible
 from wbc.cli.itinerary import Itinerary, Velocity
 from wbc.cli.keepsakes import Keepsakes, add_keepsake_options
 from wbc.cli.parser import FELL, INTERRUPTED, output, push, seconds, seed
@@ -129,7 +128,7 @@ class Simulation:
                 logs.append(judge)
             line = ProgressLine()
             stack.callback(line.close)
-            interrupted = stack.enter_context(_interruptible())
+            interrupted = stack.enter_context(interruptible())
             stack.enter_context(_clamping_told(line))
 
             def progress(now: Progress) -> None:
@@ -210,28 +209,3 @@ def _clamping_told(line: ProgressLine) -> Iterator[None]:
         warnings.simplefilter("always", wbc.VelocityClamped)
         warnings.showwarning = tell
         yield
-
-
-@contextlib.contextmanager
-def _interruptible() -> Iterator[list[int]]:
-    """Ctrl-C asks for the end instead of tearing the tick apart; a second one does not ask.
-
-    Yields:
-        A list that is empty until then.
-    """
-    asked: list[int] = []
-
-    def ask(signum: int, _: FrameType | None) -> None:
-        if asked:
-            raise KeyboardInterrupt
-        asked.append(signum)
-
-    try:
-        before = signal.signal(signal.SIGINT, ask)
-    except ValueError:  # not in the main thread, which alone gets signals
-        yield asked
-        return
-    try:
-        yield asked
-    finally:
-        signal.signal(signal.SIGINT, before)

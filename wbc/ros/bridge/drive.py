@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from wbc.book import Progress
 from wbc.loop import run
-from wbc.protocols import Observer
+from wbc.protocols import Observer, Recorder
 from wbc.report import Report
 from wbc.ros.bridge.bridge import Bridge
 from wbc.walking import Walker
@@ -23,6 +23,8 @@ def drive(
     duration: float,
     *,
     viewer: Observer | None = None,
+    recording: Observer | None = None,
+    logs: Sequence[Recorder] = (),
     real_time: bool = True,
     progress: Callable[[Progress], None] | None = None,
     told: Callable[[str], None] = lambda _: None,
@@ -36,6 +38,8 @@ def drive(
         plant: a simulator.
         duration: s of plant time, those lying down counted by the wall clock.
         viewer: see `wbc.run`.
+        recording: see `wbc.run`.
+        logs: told every tick besides the bridge, see `wbc.run`.
         real_time: see `wbc.run`.
         progress: see `wbc.run`; it may raise `StopRun`.
         told: what happens, in words.
@@ -52,7 +56,8 @@ def drive(
             plant,
             left,
             viewer=viewer,
-            log=bridge,
+            recording=recording,
+            log=(bridge, *logs),
             real_time=real_time,
             before_tick=bridge.helm,
             progress=progress,
