@@ -11,7 +11,7 @@ import numpy as np
 from wbc.errors import MotionError
 from wbc.motions.anatomy import Anatomy
 from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
 from wbc.motions.posing import Pose, Posing, Wish
 from wbc.motions.statics import effort
 from wbc.robot import Robot
@@ -49,6 +49,7 @@ class Bow(Motion):
                 f"{100.0 * need.ratio:.0f} % of its torque"
             )
 
+    @once_per_robot
     def _pose(self, robot: Robot) -> Pose:
         turn = np.array([0.0, math.radians(self.angle), 0.0])
         pelvis = Anatomy.of(robot).hips_share(turn)

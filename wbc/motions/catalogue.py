@@ -1,33 +1,14 @@
-"""The motions that come with the library, by name."""
+"""All motions that come with the library, by name."""
 
 from __future__ import annotations
 
 from wbc.errors import MotionError, did_you_mean
-from wbc.motions.bow import Bow
-from wbc.motions.jump import Jump
-from wbc.motions.look import Look
 from wbc.motions.motion import Motion
-from wbc.motions.one_leg import OneLeg
-from wbc.motions.reach import Reach
-from wbc.motions.sine import Sine
-from wbc.motions.squat import Squat
-from wbc.motions.stepping import StepInPlace
-from wbc.motions.sway import Sway
-from wbc.motions.wave import Wave
+from wbc.motions.repertoire import REPERTOIRE
+from wbc.motions.show import Show
 
-#: All of them; the command line, `show` and the live page take them from here.
-CATALOGUE: tuple[type[Motion], ...] = (
-    Sway,
-    Squat,
-    Wave,
-    Reach,
-    Look,
-    OneLeg,
-    Bow,
-    StepInPlace,
-    Jump,
-    Sine,
-)
+#: The command line and the live page take them from here.
+CATALOGUE: tuple[type[Motion], ...] = (*REPERTOIRE, Show)
 
 
 def find(name: str) -> type[Motion]:

@@ -12,7 +12,7 @@ from wbc.errors import MotionError
 from wbc.kinematics import Kinematics
 from wbc.motions.anatomy import Anatomy
 from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
 from wbc.robot import Robot
 
 _AHEAD = 1.5  # m: where the point is by default, at the height of the eyes
@@ -45,7 +45,7 @@ class Look(Motion):
         positive(self, "frequency", "seconds")
         if not 0.0 <= self.radius < math.inf:
             raise MotionError(f"look: radius = {self.radius} m must not be negative")
-        gaze = Gaze(robot)
+        gaze = self._gaze(robot)
         for k in range(24):
             yaw, pitch = gaze.angles(self._point(gaze, k / 24.0 / self.frequency))
             for what, angle, limit in (
@@ -60,6 +60,10 @@ class Look(Motion):
                         f"which is {math.degrees(angle - limit):.0f}° more than it can"
                     )
 
+    @once_per_robot
+    def _gaze(self, robot: Robot) -> Gaze:
+        return Gaze(robot)
+
     def _point(self, gaze: Gaze, time: float) -> np.ndarray:
         """(3,) place of the point, standing frame, m."""
         middle = (
@@ -71,7 +75,7 @@ class Look(Motion):
 
     def play(self, body: Body) -> Script:
         """See `Motion.play`."""
-        gaze = Gaze(body.robot)
+        gaze = self._gaze(body.robot)
         home = body.posture.home
 
         def angles(time: float) -> tuple[float, float]:

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from abc import ABC, abstractmethod
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from weakref import WeakKeyDictionary
 
 from wbc.errors import MotionError
 from wbc.robot import Robot
 
 if TYPE_CHECKING:
     from wbc.motions.body import Body
+
+M = TypeVar("M", bound="Motion")
+P = TypeVar("P")
 
 #: What `Motion.play` is: each `yield` is one tick.
 Script = Generator[None, None, None]
@@ -47,6 +52,11 @@ class Motion(ABC):
     @abstractmethod
     def play(self, body: Body) -> Script:
         """The script."""
+
+    @classmethod
+    def shown(cls) -> Motion:
+        """As it is played in the show: by default with its default parameters."""
+        return cls()
 
     @classmethod
     def parameters(cls) -> tuple[Parameter, ...]:
@@ -101,6 +111,23 @@ def parameter(
     """
     metadata = {"about": about, "choices": tuple(choices), "names": tuple(names)}
     return dataclasses.field(default=default, metadata=metadata)
+
+
+def once_per_robot(plan: Callable[[M, Robot], P]) -> Callable[[M, Robot], P]:
+    """A method of a motion that plans for a robot: computed once, in `check`, before it starts.
+
+    `play` runs inside the control loop, where there is no time to plan.
+    """
+    key = f"_{plan.__name__}_per_robot"
+
+    @functools.wraps(plan)
+    def remembered(motion: M, robot: Robot) -> P:
+        found: WeakKeyDictionary[Robot, P] = motion.__dict__.setdefault(key, WeakKeyDictionary())
+        if robot not in found:
+            found[robot] = plan(motion, robot)
+        return found[robot]
+
+    return remembered
 
 
 def positive(motion: Motion, *names: str) -> None:

@@ -9,10 +9,10 @@ from typing import ClassVar
 import numpy as np
 
 from wbc.errors import MotionError
-from wbc.motions.anatomy import Anatomy, Arm
+from wbc.motions.anatomy import Anatomy, Arm, Side
 from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, parameter, positive
-from wbc.motions.posing import Posing, Wish
+from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
+from wbc.motions.posing import Pose, Posing, Wish
 from wbc.motions.statics import effort
 from wbc.robot import Robot
 
@@ -56,34 +56,62 @@ class Reach(Motion):
             anatomy.arm(side)
             if len(place) != 3 or not np.isfinite(place).all():
                 raise MotionError(f"reach: {side} = {place} must be three finite numbers, m")
+        self._goals(robot)
 
     def _given(self) -> list[tuple[str, tuple[float, ...]]]:
         both = (("left", self.left), ("right", self.right))
         return [(side, place) for side, place in both if place is not None]
 
+    @once_per_robot
+    def _goals(self, robot: Robot) -> list[Goal]:
+        posing = Posing(robot)
+        given = {posing.anatomy.arm(s).hand: np.array(p) for s, p in self._given()}
+        wishes = [given] if given else sample(posing, self.random, self.draw)
+        return [Goal.of(posing, places) for places in wishes]
+
     def play(self, body: Body) -> Script:
         """See `Motion.play`."""
-        posing = Posing(body.robot)
-        given = {posing.anatomy.arm(s).hand: np.array(p) for s, p in self._given()}
-        goals = [given] if given else sample(posing, self.random, self.draw)
-        for places in goals:
-            yield from self._go(body, posing, places)
+        for goal in self._goals(body.robot):
+            body.take(goal.pose, self.seconds)
+            for side, place in goal.places.items():
+                body.reach(side, place, self.seconds, counts=side not in goal.misses)
+            for side, text in goal.misses.items():
+                body.note(f"{side} hand: {text}")
+            yield from body.arrive(body.posture, *(hand.place for hand in body.hands.values()))
+            yield from body.wait(self.hold)
         yield from body.go_home(self.seconds)
 
-    def _go(self, body: Body, posing: Posing, places: Places) -> Script:
-        pose = posing.find(Wish(hands=places))
-        body.take(pose, self.seconds)
+
+@dataclass(frozen=True)
+class Goal:
+    """Places for the hands, as near as the robot can.
+
+    Attributes:
+        pose: whole posture.
+        places: side -> (3,) where the hand goes, standing frame, m.
+        misses: side -> what is said of a place that is out of reach.
+    """
+
+    pose: Pose
+    places: Mapping[Side, np.ndarray]
+    misses: Mapping[Side, str]
+
+    @classmethod
+    def of(cls, posing: Posing, wished: Places) -> Goal:
+        """The posture nearest to wished places."""
+        pose = posing.find(Wish(hands=wished))
+        places: dict[Side, np.ndarray] = {}
+        misses: dict[Side, str] = {}
         for arm in posing.anatomy.arms:
-            if arm.hand not in places:
+            if arm.hand not in wished:
                 continue
-            miss, place = pose.misses[arm.hand], places[arm.hand]
+            place, miss = wished[arm.hand], pose.misses[arm.hand]
             if miss > _REACHABLE:
                 at = " ".join(f"{x:g}" for x in place)
-                body.note(f"({at}) is out of reach of the {arm.side} hand by {1e3 * miss:.0f} mm")
+                misses[arm.side] = f"({at}) m is out of reach by {1e3 * miss:.0f} mm"
                 place = posing.place(arm.hand, pose.q)
-            body.reach(arm.side, place, self.seconds, counts=miss <= _REACHABLE)
-        yield from body.arrive(body.posture, *(hand.place for hand in body.hands.values()))
-        yield from body.wait(self.hold)
+            places[arm.side] = place
+        return cls(pose, places, misses)
 
 
 def sample(posing: Posing, count: int, seed: int) -> list[Places]:

@@ -12,6 +12,7 @@ from wbc.errors import MotionError
 Path = Callable[[float], np.ndarray]
 
 _H = 4e-3  # s, of the central differences along a path
+_CORNER = 5.0  # times the limit of acceleration
 _SAMPLES = np.linspace(0.0, 1.0, 15)[:, None]
 _LONGER = 1.15  # by how much a duration grows until it suits the limits
 _LONGEST = 60.0  # s
@@ -109,7 +110,7 @@ class SmoothReference:
             MotionError: the path gives a wrong shape, or a value that is not finite.
         """
         self._vector(path(0.0))
-        p, v, a = _derivatives(path, 0.0)
+        p, v, a = self._along(path, 0.0)
         self._start(
             path, self.home, self.value - p, self.velocity - v, self.acceleration - a, blend
         )
@@ -129,7 +130,7 @@ class SmoothReference:
                 return
             x, v, a = self._goal, self._still, self._still
         else:
-            x, v, a = _derivatives(self._path, time)
+            x, v, a = self._along(self._path, time)
             if time >= self._blend:
                 self.value, self.velocity, self.acceleration = x, v, a
                 return
@@ -137,6 +138,12 @@ class SmoothReference:
         self.value = x + r
         self.velocity = v + dr / self._blend
         self.acceleration = a + ddr / self._blend**2
+
+    def _along(self, path: Path, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        before, now, after = (np.asarray(path(time + h), dtype=float) for h in (-_H, 0.0, _H))
+        most = _CORNER * self._limit  # a path with a corner has no acceleration there
+        bend = (after - 2.0 * now + before) / (_H * _H)
+        return now, (after - before) / (2.0 * _H), np.minimum(np.maximum(bend, -most), most)
 
     def _start(
         self,
@@ -201,8 +208,3 @@ def _quintic(c: np.ndarray, s: float | np.ndarray) -> tuple[np.ndarray, np.ndarr
     v = c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * (4.0 * c[4] + s * 5.0 * c[5])))
     a = 2.0 * c[2] + s * (6.0 * c[3] + s * (12.0 * c[4] + s * 20.0 * c[5]))
     return x, v, a
-
-
-def _derivatives(path: Path, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    before, now, after = (np.asarray(path(time + h), dtype=float) for h in (-_H, 0.0, _H))
-    return now, (after - before) / (2.0 * _H), (after - 2.0 * now + before) / (_H * _H)

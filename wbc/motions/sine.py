@@ -15,7 +15,7 @@ from wbc.errors import MotionError
 from wbc.gait.reach import LegReach
 from wbc.motions.anatomy import Anatomy
 from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
 from wbc.motions.reference import Path, SmoothReference
 from wbc.robot import Robot
 from wbc.state import State
@@ -29,6 +29,9 @@ _FADE = 0.3  # s in which the torques of standing give way
 _ROUNDING = 0.05
 _ALONG = 0.6  # cosine from which on a joint turns about an axis
 _X, _Y, _Z = 0, 1, 2
+
+#: Name in the pattern -> index into (na,) and sign.
+Joints = dict[str, tuple[int, float]]
 
 
 def pattern(time: float, rounding: float = 0.0) -> dict[str, float]:
@@ -83,11 +86,20 @@ class Sine(Motion):
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
         positive(self, "seconds")
-        joints_of(robot)
+        self._joints(robot)
+
+    @once_per_robot
+    def _joints(self, robot: Robot) -> tuple[Joints, tuple[str, ...]]:
+        return joints_of(robot)
+
+    @classmethod
+    def shown(cls) -> Motion:
+        """See `Motion.shown`."""
+        return cls(balanced=True, seconds=2.0 * math.pi)
 
     def play(self, body: Body) -> Script:
         """See `Motion.play`."""
-        joints, missing = joints_of(body.robot)
+        joints, missing = self._joints(body.robot)
         if missing:
             body.note(f"{body.robot.name} has no joint for {', '.join(missing)}: left out")
         home = body.posture.home
@@ -124,7 +136,7 @@ class JointSprings:
 
     Args:
         body: whose joints these are; they set out from where they are.
-        posture: time, s -> (na,) rad; exactly followed after a lead-in of 1 s.
+        posture: time, s -> (na,) rad; from 0 on after a lead-in of 1 s, exactly.
     """
 
     dcm_error = math.nan  #: no DCM is planned
@@ -136,12 +148,12 @@ class JointSprings:
         self._reference = SmoothReference(
             body.posture.value, speed=robot.v_max, acceleration=_ACCELERATION
         )
-        self._reference.follow(posture, blend=_LEAD_IN)
+        self._reference.follow(lambda time: posture(time - _LEAD_IN), blend=_LEAD_IN)
         self._rest: float | None = None
         self._kp = _STIFFNESS * robot.tau_max
         self._kd = _DAMPING * robot.tau_max
         self._before = body.last_torque
-        self._share = 1.0
+        self._fading: np.ndarray | None = None  # what the torques of standing had more
 
     def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
         """One tick."""
@@ -149,9 +161,10 @@ class JointSprings:
         reference.advance(self._dt)
         q, v = reference.value, reference.velocity
         tau = self._kp * (q - state.q[7:]) + self._kd * (v - state.v[6:])
-        if self._before is not None:  # the torques of standing give way
-            tau = tau + self._share * (self._before - tau)
-            self._share *= 1.0 - self._dt / _FADE
+        if self._fading is None:
+            self._fading = np.zeros(tau.size) if self._before is None else self._before - tau
+        tau = tau + self._fading
+        self._fading = self._fading * (1.0 - self._dt / _FADE)
         if self._rest is not None and reference.arrived:
             self._rest += self._dt
         tau = np.clip(tau, -self._robot.tau_max, self._robot.tau_max)
@@ -179,7 +192,7 @@ class JointSprings:
         return Telemetry()
 
 
-def joints_of(robot: Robot) -> tuple[dict[str, tuple[int, float]], tuple[str, ...]]:
+def joints_of(robot: Robot) -> tuple[Joints, tuple[str, ...]]:
     """The pattern's joints on a robot: name -> (index into (na,), sign); and names that it lacks.
 
     A joint of that very name counts; else the one that does the same: the waist's that turns

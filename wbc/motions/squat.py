@@ -10,7 +10,7 @@ import numpy as np
 
 from wbc.errors import MotionError
 from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
 from wbc.motions.posing import Pose, Posing, Wish
 from wbc.motions.statics import effort
 from wbc.robot import Robot
@@ -37,6 +37,7 @@ class Squat(Motion):
         """See `Motion.check`."""
         positive(self, "depth", "frequency", "times")
         posing = Posing(robot)
+        self._bends(robot)
         why = self._hindrance(robot, self._pose(posing, robot, self.depth), self.depth)
         if not why:
             return
@@ -49,6 +50,14 @@ class Squat(Motion):
             f"squat: {robot.name} cannot go down by {self.depth:g} % of its leg: {why}; "
             f"{max(low, 0.1):.1f} % is the most"
         )
+
+    @once_per_robot
+    def _bends(self, robot: Robot) -> np.ndarray:
+        """(k, na) polynomial, highest power first: what the joints add at a share of the depth."""
+        posing = Posing(robot)
+        shares = np.linspace(0.0, 1.0, _DEPTHS)
+        poses = [self._pose(posing, robot, self.depth * share).q[7:] for share in shares]
+        return np.asarray(np.polyfit(shares, np.array(poses) - poses[0], _DEGREE))
 
     def _pose(self, posing: Posing, robot: Robot, depth: float) -> Pose:
         down = np.array([0.0, 0.0, -0.01 * depth * robot.leg_length])
@@ -72,11 +81,8 @@ class Squat(Motion):
     def play(self, body: Body) -> Script:
         """See `Motion.play`."""
         depth = 0.01 * self.depth * body.robot.leg_length
-        posing = Posing(body.robot)
-        shares = np.linspace(0.0, 1.0, _DEPTHS)
-        poses = [self._pose(posing, body.robot, self.depth * share).q[7:] for share in shares]
+        fit = self._bends(body.robot)
         home = body.posture.home
-        fit = np.polyfit(shares, np.array(poses) - poses[0], _DEGREE)
 
         def share(time: float) -> float:
             return 0.5 * (1.0 - math.cos(2.0 * math.pi * self.frequency * time))

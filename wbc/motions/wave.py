@@ -11,7 +11,7 @@ import numpy as np
 from wbc.errors import MotionError
 from wbc.motions.anatomy import Anatomy
 from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
 from wbc.motions.posing import Posing, Wish
 from wbc.robot import Robot
 
@@ -39,6 +39,7 @@ class Wave(Motion):
         positive(self, "frequency", "seconds")
         self._postures(robot)
 
+    @once_per_robot
     def _postures(self, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
         """(na,) with the hands up, and (na,) half of the way to and fro, rad."""
         anatomy, posing = Anatomy.of(robot), Posing(robot)
