@@ -1,23 +1,44 @@
-"""The MCAP file: schemas, channels, chunks. Only the log's process uses this.
+"""The MCAP file that a log is written to. Only the log's process uses this.
 
-Source: MCAP format specification 0; profile and channel metadata as rosbag2 writes them
-(`rosbag2_storage_mcap`).
+Source: MCAP format specification, version 0; profile and channel metadata as rosbag2 writes
+them (`rosbag2_storage_mcap`).
 """
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
 
-import mcap.writer
+import zstandard
 
 import wbc
 from wbc.log.describe import Facts
+from wbc.log.format.contents import ChunkFacts, Contents, Place
+from wbc.log.format.records import (
+    CHANNEL,
+    HEAD,
+    MAGIC,
+    MESSAGE,
+    MESSAGE_HEAD,
+    MESSAGE_HEAD_CONTENT,
+    SCHEMA,
+    attachment,
+    channel,
+    chunk,
+    header,
+    message_index,
+    metadata,
+    record,
+    schema,
+    text,
+)
+from wbc.log.format.survey import attachment_facts
 from wbc.log.output import Output
 from wbc.log.topics import Block, Topic
 from wbc.messages import schema_text, type_hash
 
-_CHUNK = 64 * 1024 * 1024  # bytes: chunks end by time, not by size
+_LEVEL = 3  # of zstandard
 _QOS = (
     "- history: 1\n  depth: {depth}\n  reliability: 1\n  durability: {durability}\n"
     "  deadline:\n    sec: 2147483647\n    nsec: 4294967295\n"
@@ -29,7 +50,7 @@ _QOS = (
 
 
 class McapFile:
-    """A log being written.
+    """A log being written: in chunks, each whole with its indices before the next begins.
 
     Args:
         path: of the file.
@@ -40,35 +61,53 @@ class McapFile:
 
     def __init__(self, path: Path) -> None:
         self._output = Output(path)
-        self._writer = mcap.writer.Writer(self._output, chunk_size=_CHUNK)  # type: ignore[arg-type]
-        self._writer.start("ros2", f"wbc {wbc.__version__}")
+        self._contents = Contents()
+        self._compressor = zstandard.ZstdCompressor(level=_LEVEL)
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
         self._sequence: dict[int, int] = {}
+        self._begin()
+        self._output.write(MAGIC + header("ros2", f"wbc {wbc.__version__}"))
         self._output.commit()
+
+    def _begin(self) -> None:
+        """Begin a chunk."""
+        self._parts: list[bytes] = []
+        self._size = 0
+        self._places: dict[int, list[int]] = {}
 
     def add(self, facts: Facts) -> None:
         """Write down facts."""
-        for name, table in facts.tables.items():
-            self._writer.add_metadata(name, dict(table))
-        for name, text in facts.files.items():
+        for name, values in facts.tables.items():
+            data = metadata(name, values)
+            self._contents.metadata.append(Place(self._output.tell(), len(data), text(name)))
+            self._output.write(data)
+        for name, content in facts.files.items():
             kind = "application/json" if name.endswith(".json") else "text/plain"
-            self._writer.add_attachment(0, 0, name, kind, text.encode())
+            data = attachment(name, kind, content.encode())
+            place = Place(self._output.tell(), len(data), attachment_facts(data[HEAD.size :]))
+            self._contents.attachments.append(place)
+            self._output.write(data)
 
     def write(self, block: Block, topics: Sequence[Topic]) -> None:
-        """Write the messages of a block, in the order of time."""
+        """Take the messages of a block, in the order of time, into the chunk."""
         ticks: list[list[tuple[int, bytes]]] = [[] for _ in range(len(block))]
         for topic in topics:
             found = topic.messages(block)
             if found:
-                channel = self._channel(topic)
-                for index, data in found:
-                    ticks[index].append((channel, data))
-        add, sequence = self._writer.add_message, self._sequence
+                number = self._channel(topic)
+                for tick, data in found:
+                    ticks[tick].append((number, data))
+        parts, places, sequence, at = self._parts, self._places, self._sequence, self._size
+        head = MESSAGE_HEAD.pack
         for stamp, messages in zip(block.stamps.tolist(), ticks, strict=True):
-            for channel, data in messages:
-                sequence[channel] = number = sequence[channel] + 1
-                add(channel, stamp, data, stamp, number)
+            for number, data in messages:
+                sequence[number] = count = sequence[number] + 1
+                length = MESSAGE_HEAD_CONTENT + len(data)
+                parts += (head(MESSAGE, length, number, count, stamp, stamp), data)
+                places[number] += (stamp, at)
+                at += HEAD.size + length
+        self._size = at
 
     def commit(self) -> None:
         """End the chunk and bring it to the disk.
@@ -76,16 +115,44 @@ class McapFile:
         Raises:
             OSError: it did not go; the file ends with the chunk before.
         """
-        self._writer.flush()
+        places = {number: found for number, found in self._places.items() if found}
+        if places:
+            self._write_chunk(places)
+            self._begin()
+            self._places = {number: [] for number in self._sequence}
         self._output.commit()
 
+    def _write_chunk(self, places: dict[int, list[int]]) -> None:
+        records = b"".join(self._parts)
+        packed = self._compressor.compress(records)
+        start = min(found[0] for found in places.values())
+        end = max(found[-2] for found in places.values())
+        data = chunk(start, end, len(records), zlib.crc32(records), "zstd", packed)
+        facts = ChunkFacts(
+            offset=self._output.tell(),
+            length=len(data),
+            start=start,
+            end=end,
+            compression="zstd",
+            packed=len(packed),
+            size=len(records),
+        )
+        self._output.write(data)
+        for number, found in places.items():
+            index = message_index(number, found)
+            facts.indices[number] = self._output.tell()
+            facts.indices_length += len(index)
+            facts.counts[number] = len(found) // 2
+            self._output.write(index)
+        self._contents.chunks.append(facts)
+
     def finish(self) -> None:
-        """Write summary and footer.
+        """Write the end of the file.
 
         Raises:
-            OSError: they did not go; the file ends with the last chunk.
+            OSError: it did not go; the file ends with the last chunk.
         """
-        self._writer.finish()
+        self._output.write(self._contents.ending(self._output.tell()))
         self._output.commit()
 
     def close(self) -> None:
@@ -93,24 +160,31 @@ class McapFile:
         self._output.close()
 
     def _channel(self, topic: Topic) -> int:
-        channel = self._channels.get(topic.name)
-        if channel is None:
+        number = self._channels.get(topic.name)
+        if number is None:
+            number = self._channels[topic.name] = len(self._channels) + 1
+            self._sequence[number] = 0
+            self._places[number] = []
             durability, depth = (1, 1) if topic.latched else (2, 10)
             facts = {
                 "offered_qos_profiles": _QOS.format(durability=durability, depth=depth),
                 "topic_type_hash": type_hash(topic.type_name),
             }
-            channel = self._writer.register_channel(
-                topic.name, "cdr", self._schema(topic.type_name), facts
-            )
-            self._channels[topic.name] = channel
-            self._sequence[channel] = 0
-        return channel
+            content = channel(number, self._schema(topic.type_name), topic.name, facts)
+            self._contents.channels[number] = content
+            self._put(record(CHANNEL, content))
+        return number
 
     def _schema(self, type_name: str) -> int:
-        schema = self._schemas.get(type_name)
-        if schema is None:
-            text = schema_text(type_name).encode()
-            schema = self._writer.register_schema(type_name, "ros2msg", text)
-            self._schemas[type_name] = schema
-        return schema
+        number = self._schemas.get(type_name)
+        if number is None:
+            number = self._schemas[type_name] = len(self._schemas) + 1
+            content = schema(number, type_name, "ros2msg", schema_text(type_name).encode())
+            self._contents.schemas[number] = content
+            self._put(record(SCHEMA, content))
+        return number
+
+    def _put(self, data: bytes) -> None:
+        """Put a record that is no message into the chunk."""
+        self._parts.append(data)
+        self._size += len(data)

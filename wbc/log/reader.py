@@ -12,7 +12,15 @@ import numpy as np
 
 from wbc.errors import MissingExtra, did_you_mean
 from wbc.log.errors import LogError
-from wbc.log.records import (
+from wbc.log.format.reading import (
+    DamagedChunk,
+    chunk_data,
+    file_records,
+    inner_records,
+    message_at,
+    string_at,
+)
+from wbc.log.format.records import (
     ATTACHMENT,
     CHANNEL,
     CHUNK,
@@ -21,11 +29,6 @@ from wbc.log.records import (
     MESSAGE,
     METADATA,
     SCHEMA,
-    DamagedChunk,
-    chunk_data,
-    file_records,
-    inner_records,
-    message_at,
 )
 from wbc.log.sheet import RobotSheet
 from wbc.log.table import Table
@@ -171,36 +174,30 @@ class Log:
 
     def _read_schema(self, content: bytes) -> None:
         (number,) = struct.unpack_from("<H", content)
-        name, _ = _string(content, 2)
+        name, _ = string_at(content, 2)
         self._schemas[number] = name
 
     def _read_channel(self, content: bytes) -> None:
         number, schema = struct.unpack_from("<HH", content)
-        topic, at = _string(content, 4)
-        encoding, _ = _string(content, at)
+        topic, at = string_at(content, 4)
+        encoding, _ = string_at(content, at)
         if encoding == "cdr" and number not in self._channels:
             self._channels[number] = Table(topic, self._schemas.get(schema, ""))
 
     def _read_table(self, content: bytes) -> None:
-        name, at = _string(content, 0)
+        name, at = string_at(content, 0)
         (size,) = _U32.unpack_from(content, at)
         texts = list(_strings(content, at + 4, at + 4 + size))
         self.tables[name] = dict(zip(texts[::2], texts[1::2], strict=False))
 
     def _read_file(self, content: bytes) -> None:
-        name, at = _string(content, 16)
-        _, at = _string(content, at)
+        name, at = string_at(content, 16)
+        _, at = string_at(content, at)
         (size,) = struct.unpack_from("<Q", content, at)
         self.files[name] = content[at + 8 : at + 8 + size].decode("utf-8", "replace")
 
 
-def _string(content: bytes, at: int) -> tuple[str, int]:
-    """A string, and where it ends."""
-    (size,) = _U32.unpack_from(content, at)
-    return content[at + 4 : at + 4 + size].decode("utf-8", "replace"), at + 4 + size
-
-
 def _strings(content: bytes, at: int, stop: int) -> Iterator[str]:
     while at < stop:
-        text, at = _string(content, at)
+        text, at = string_at(content, at)
         yield text

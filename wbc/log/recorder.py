@@ -68,14 +68,13 @@ class FlightRecorder:
         capacity: number of ticks that may wait to be written.
 
     Raises:
-        MissingExtra: `mcap` or `zstandard` is not installed.
+        MissingExtra: `zstandard` is not installed.
         LogError: the file cannot be written, or the process does not start.
     """
 
     def __init__(self, path: str | Path, robot: Robot, *, capacity: int = _CAPACITY) -> None:
-        for module in ("mcap", "zstandard"):
-            if importlib.util.find_spec(module) is None:
-                raise MissingExtra(module, "log")
+        if importlib.util.find_spec("zstandard") is None:
+            raise MissingExtra("zstandard", "log")
         self.path = Path(path)
         self._robot = robot
         self._layout = layout = Layout.of(robot)

@@ -13,13 +13,10 @@ from pathlib import Path
 from typing import IO
 
 from wbc.log.errors import LogError
-
-MAGIC = b"\x89MCAP0\r\n"
-HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, MESSAGE_INDEX = range(1, 8)
-ATTACHMENT, METADATA, DATA_END = 0x09, 0x0C, 0x0F
-HEAD = struct.Struct("<BQ")
+from wbc.log.format.records import HEAD, MAGIC
 
 _CHUNK = struct.Struct("<QQQI")  # start and end time, uncompressed size, checksum
+_LENGTH = struct.Struct("<I")
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log and publish time
 
 
@@ -84,6 +81,12 @@ def inner_records(data: bytes) -> Iterator[tuple[int, int, int]]:
         at += head
         yield opcode, at, at + length
         at += length
+
+
+def string_at(data: bytes, at: int) -> tuple[str, int]:
+    """A string, and where it ends."""
+    (size,) = _LENGTH.unpack_from(data, at)
+    return data[at + 4 : at + 4 + size].decode("utf-8", "replace"), at + 4 + size
 
 
 def message_at(data: bytes, start: int, stop: int) -> tuple[int, int, bytes]:
