@@ -87,7 +87,10 @@ class Odometry:
 
 
 class BalanceTopics:
-    """`com`, `dcm`, `dcm_reference` and `zmp` as points, and the wrenches of the feet."""
+    """`balance/com`, `dcm`, `dcm_reference` and `zmp` as points, and `sensors/wrench/<sole>`.
+
+    The names are those of the log, so that one layout shows both.
+    """
 
     _POINTS = ("com", "dcm", "dcm_reference", "zmp")
 
@@ -98,13 +101,13 @@ class BalanceTopics:
         for name in self._POINTS:
             message: Any = point()
             message.header.frame_id = WORLD
-            topic = Filled(node, name, message)
+            topic = Filled(node, f"balance/{name}", message)
             self._points.append((name, topic, topic.view("point")))
         self._wrenches: list[tuple[Filled, np.ndarray]] = []
         for sole in robot.soles:
             message = wrench()
             message.header.frame_id = sole.name
-            topic = Filled(node, f"foot_wrenches/{token(sole.name)}", message)
+            topic = Filled(node, f"sensors/wrench/{token(sole.name)}", message)
             self._wrenches.append((topic, topic.view("wrench")))
 
     def publish(self, sample: Sample) -> None:
