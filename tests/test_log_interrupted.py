@@ -20,7 +20,7 @@ import wbc
 from wbc.log import FlightRecorder
 from wbc.log.errors import LogError
 from wbc.log.reader import Log
-from wbc.log.repair import repair
+from wbc.log.recovery import repair
 from wbc.log.run import LoggedRun
 
 ROOT = Path(wbc.__file__).parent.parent

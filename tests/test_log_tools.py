@@ -15,12 +15,12 @@ from wbc.cli import main
 from wbc.command import Status
 from wbc.log import FlightRecorder, LogError
 from wbc.log.diff import compare
-from wbc.log.plot import plot
-from wbc.log.plot.above import draw_from_above, footprints
-from wbc.log.plot.balance import draw_coordinate, draw_dcm_error
-from wbc.log.plot.style import spans
-from wbc.log.plot.timing import draw_tick_time
-from wbc.log.plot.torques import draw_torque_peaks, draw_torques
+from wbc.log.pictures import plot
+from wbc.log.pictures.above import draw_from_above, footprints
+from wbc.log.pictures.balance import draw_coordinate, draw_dcm_error
+from wbc.log.pictures.style import spans
+from wbc.log.pictures.timing import draw_tick_time
+from wbc.log.pictures.torques import draw_torque_peaks, draw_torques
 from wbc.log.robot import robot_of
 from wbc.log.run import LoggedRun
 from wbc.sim import Mujoco

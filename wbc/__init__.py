@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pinocchio  # noqa: F401  # everything needs it: paid here, where one expects to wait
 
 if TYPE_CHECKING:
-    from wbc import errors, sim, view
+    from wbc import errors, log, sim, view
     from wbc.command import Command, Status
     from wbc.conditions import LoopConditions
     from wbc.contacts import Contact, PointContact, SurfaceContact
@@ -86,6 +86,7 @@ __all__ = [
     "WholeBodyController",
     "errors",
     "load",
+    "log",
     "run",
     "sim",
     "view",
@@ -126,7 +127,7 @@ _NAMES = {
     "telemetry": ("Footstep", "Telemetry"),
     "walking": ("VelocityClamped", "Walker", "WalkerGains"),
 }
-_MODULES = ("errors", "sim", "view")
+_MODULES = ("errors", "log", "sim", "view")
 
 if not TYPE_CHECKING:  # a checker is to report a name that is not there
 

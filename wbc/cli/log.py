@@ -11,7 +11,7 @@ from wbc.cli.parser import output
 from wbc.cli.text import table
 from wbc.errors import WbcError
 from wbc.log.reader import Log
-from wbc.log.repair import repair
+from wbc.log.recovery import repair
 from wbc.log.run import LoggedRun
 
 

@@ -27,6 +27,7 @@ from wbc.log.layout import (
     Layout,
 )
 from wbc.log.order import Order
+from wbc.log.recovery import repair
 from wbc.log.ring import TickRing
 from wbc.process import Child, ChildError
 from wbc.telemetry import Balance, Telemetry
@@ -271,8 +272,6 @@ class FlightRecorder:
         """What the writing process could not do, and what is to be said."""
         self._look_after(np.inf)
         if self._process.exit_code != 0 and not self._ring.stopped:
-            from wbc.log.repair import repair
-
             logger.warning("the log %s now ends at %.2f s", self.path, repair(self.path))
         if self.dropped:
             logger.warning(

@@ -16,7 +16,7 @@ from wbc.log.describe import Facts
 from wbc.log.errors import LogError
 from wbc.log.mcapfile import McapFile
 from wbc.log.order import Order
-from wbc.log.repair import repair
+from wbc.log.recovery import repair
 from wbc.log.ring import TickRing
 from wbc.log.topics import CommandedWrench, Topic, Tracker, topics_of
 from wbc.process import parent

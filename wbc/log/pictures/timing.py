@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wbc.log.plot.style import FAINT, LIMIT, mark_failures, thin
+from wbc.log.pictures.style import FAINT, LIMIT, mark_failures, thin
 from wbc.log.run import LoggedRun
 
 _CONTROLLER, _ESTIMATOR = "#2f6fb0", "#8fb8de"

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wbc.log.plot.style import FAINT, LIMIT, thin
+from wbc.log.pictures.style import FAINT, LIMIT, thin
 from wbc.log.run import LoggedRun
 
 _SHOWN = 6  # joints over time

@@ -1,5 +1,5 @@
 """The standard pictures of a log."""
 
-from wbc.log.plot.pictures import KINDS, plot
+from wbc.log.pictures.standard import KINDS, plot
 
 __all__ = ["KINDS", "plot"]

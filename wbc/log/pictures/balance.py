@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wbc.log.plot.style import (
+from wbc.log.pictures.style import (
     COM,
     COP,
     DCM,

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from wbc.errors import MissingExtra
 from wbc.log.errors import LogError
-from wbc.log.plot.above import draw_from_above
-from wbc.log.plot.balance import draw_coordinate, draw_dcm_error
-from wbc.log.plot.style import style
-from wbc.log.plot.timing import draw_tick_time
-from wbc.log.plot.torques import draw_torque_peaks, draw_torques
+from wbc.log.pictures.above import draw_from_above
+from wbc.log.pictures.balance import draw_coordinate, draw_dcm_error
+from wbc.log.pictures.style import style
+from wbc.log.pictures.timing import draw_tick_time
+from wbc.log.pictures.torques import draw_torque_peaks, draw_torques
 from wbc.log.run import LoggedRun
 
 KINDS = (".png", ".pdf", ".svg")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from wbc.log.plot.style import COM, COP, DCM, LEFT, RIGHT, ZMP, spans, thin
+from wbc.log.pictures.style import COM, COP, DCM, LEFT, RIGHT, ZMP, spans, thin
 from wbc.log.run import LoggedRun
 
 _LOADED = 0.05  # share of the weight that a standing sole bears
