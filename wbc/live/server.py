@@ -52,10 +52,12 @@ class Desk:
         self._unable: dict[int, str] = {}
         self.desks: set[Controls] = set()
 
-    def check_motions(self) -> None:
-        """Find out which motions this robot cannot do; takes a while."""
+    def check_motions(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Find out which motions this robot cannot do, and tell the pages; takes a while."""
         for i in range(len(self.panel.motions)):
             self.check_motion(i)
+        with contextlib.suppress(RuntimeError):  # it was the end meanwhile
+            loop.call_soon_threadsafe(lambda: self.tell({"unable": self.unable}))
 
     def check_motion(self, index: int) -> str:
         """Why the robot cannot do a motion; empty when it can."""
@@ -207,8 +209,8 @@ async def serve(order: Order) -> None:
         order.robot, order.snapshots, order.port, order.rate, order.boxes, order.parent
     )
     show.set_result(await loop.run_in_executor(None, Show, drawn))
-    checking = loop.run_in_executor(None, desk.check_motions)
-    checking.add_done_callback(lambda _: desk.tell({"unable": desk.unable}))
+    # A thread that nobody waits for in the end.
+    threading.Thread(target=desk.check_motions, args=(loop,), daemon=True).start()
     period = 0.5 / order.rate  # twice as often as snapshots come: none waits long
     even = False
     while not done.is_set() and os.getppid() == order.parent:

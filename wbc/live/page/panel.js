@@ -301,11 +301,19 @@ function build(told) {
     gainSection());
   document.body.append(box, make("div", {id: "banner"}, make("span")), make("div", {id: "complaint"}));
   makeStrips();
+  fitScene();
+  addEventListener("resize", fitScene);
   wireKeys();
   setInterval(() => {
     drawStrips();
     if (performance.now() > complaintEnds) element("complaint").textContent = "";
   }, 50);
+}
+
+// Left to itself, meshcat's canvas is as high as the window.
+function fitScene() {
+  const pane = element("meshcat-pane");
+  viewer.set_3d_pane_size(pane.clientWidth, pane.clientHeight);
 }
 
 function open() {

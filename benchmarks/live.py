@@ -1,0 +1,227 @@
+"""From slider to robot motion, and what the live page costs the loop.
+
+A page without a picture moves a slider of a robot that stands in a real-time run, time and again.
+Measured from the message: until the loop begins the tick that takes it, until that tick's command
+is there, and until the first frame of that tick or later reaches a page. That the command is
+another one is checked against the same run without the message: physics repeat bit by bit.
+Then what the loop pays per tick: looking for requests, and showing itself.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import argparse
+import asyncio
+import json
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import wbc
+from wbc.live import Live
+from wbc.motions import Performer
+from wbc.realtime import RealTime, punctual
+from wbc.report import Report
+from wbc.sim import Mujoco
+from wbc.tick import Tick
+
+Row = dict[str, float | str]
+_SETTLE = 0.3  # s of standing before the message
+
+
+class Page(threading.Thread):
+    """A page without a picture: answers each frame at once, and notes when it came."""
+
+    def __init__(self, url: str) -> None:
+        super().__init__(daemon=True)
+        self._address = url.replace("http", "ws").replace("static/", "")
+        self.frames: list[tuple[float, float]] = []  # wall clock, plant's time
+        self.ready = threading.Event()
+        self.start()
+
+    def run(self) -> None:
+        """Listen until the server is gone."""
+        asyncio.run(self._listen())
+
+    async def _listen(self) -> None:
+        from tornado.websocket import websocket_connect
+
+        self._loop = asyncio.get_running_loop()
+        self._controls = await websocket_connect(self._address + "controls")
+        self._controls_reader = asyncio.ensure_future(self._drain())
+        scene = await websocket_connect(self._address + "socket", max_message_size=1 << 28)
+        while (message := await scene.read_message()) is not None:
+            if not isinstance(message, str):
+                continue
+            news = json.loads(message)
+            if "words" in news:
+                self.frames.append((time.perf_counter(), news["words"]["time"]))
+            if "words" in news or "paths" in news:
+                await scene.write_message("frame")
+                self.ready.set()
+
+    async def _drain(self) -> None:
+        while await self._controls.read_message() is not None:
+            pass
+
+    def say(self, control: str, value: float) -> None:
+        """Send a message now."""
+        text = json.dumps({"control": control, "value": value})
+        self._loop.call_soon_threadsafe(self._controls.write_message, text)
+
+
+class Watch:
+    """Notes when each tick began and when its command was there."""
+
+    def __init__(self, live: Live) -> None:
+        self._live = live
+        self.began: list[float] = []
+        self.ended: list[float] = []
+        self.taken: list[int] = []
+        self.tau: list[np.ndarray] = []
+        self.times: list[float] = []
+
+    def begin(self, controller: object, plant: object) -> None:
+        """See `wbc.protocols.Recorder`."""
+
+    def before_tick(self, now: float) -> None:
+        """Let the page's requests in."""
+        self._live.helm(now)
+        self.began.append(time.perf_counter())
+        self.taken.append(self._live.helm.taken)
+
+    def record(self, tick: Tick, controller: object) -> None:
+        """Note the command."""
+        self.ended.append(time.perf_counter())
+        self.tau.append(tick.command.tau)
+        self.times.append(tick.time)
+
+    def end(self, report: Report) -> None:
+        """See `wbc.protocols.Recorder`."""
+
+
+def stand(live: Live, performer: Performer, plant: Mujoco, seconds: float) -> Watch:
+    """A real-time run from the start."""
+    watch = Watch(live)
+    plant.reset()
+    wbc.run(performer, plant, seconds, log=(watch, live), before_tick=watch.before_tick)
+    return watch
+
+
+def slider(robot: wbc.Robot, repeats: int) -> tuple[list[Row], dict[str, list[float]]]:
+    """Latencies from the message on, ms."""
+    rng = np.random.default_rng(0)
+    spent: dict[str, list[float]] = {
+        "to the tick that takes it": [],
+        "to the command that differs": [],
+        "to a frame of it at a page": [],
+    }
+    performer = Performer(robot)
+    plant = Mujoco(robot, dt=performer.dt)
+    seconds = _SETTLE + 0.5
+    with Live(performer, plant, port=0, announce=False) as live, punctual(RealTime()):
+        page = Page(live.url)
+        quiet = stand(live, performer, plant, seconds)
+        while not page.ready.is_set():
+            live.helm.lie()
+        for k in range(repeats):
+            sent: list[float] = []
+
+            def move(value: float, sent: list[float] = sent) -> None:
+                sent.append(time.perf_counter())
+                page.say("velocity.forward", value)
+
+            # Just so much that each is another value, and at no particular phase of the ticks.
+            wait = _SETTLE + float(rng.uniform(0.0, 0.05))
+            timer = threading.Timer(wait, move, [0.1 + 1e-4 * k])
+            timer.start()
+            watch = stand(live, performer, plant, seconds)
+            timer.join()
+            took = int(np.argmax(np.array(watch.taken) > watch.taken[0]))
+            differs = [(a != b).any() for a, b in zip(watch.tau, quiet.tau, strict=True)]
+            first = differs.index(True)
+            assert first == took, f"taken at tick {took}, another command at tick {first}"
+            time.sleep(0.2)
+            frame = next(
+                wall
+                for wall, at in page.frames
+                if wall > watch.ended[first] and at >= round(watch.times[first], 4) - 1e-4
+            )
+            for what, wall in zip(
+                spent, (watch.began[took], watch.ended[first], frame), strict=True
+            ):
+                spent[what].append(1e3 * (wall - sent[0]))
+    rows: list[Row] = []
+    for what, values in spent.items():
+        p50, p99, most = np.percentile(values, [50, 99, 100])
+        rows.append({"what": f"slider {what}", "unit": "ms", "p50": p50, "p99": p99, "max": most})
+    return rows, spent
+
+
+def cost(robot: wbc.Robot, ticks: int) -> list[Row]:
+    """CPU time per tick of what the page asks of the loop, µs."""
+    performer = Performer(robot)
+    plant = Mujoco(robot, dt=performer.dt)
+    looking: list[float] = []
+    showing: list[float] = []
+    with Live(performer, plant, port=0, announce=False) as live:
+        helm = live.helm
+
+        class Timed:
+            def begin(self, controller: Any, plant: Any) -> None:
+                live.begin(controller, plant)
+
+            def record(self, tick: Tick, controller: Any) -> None:
+                start = time.thread_time_ns()
+                live.record(tick, controller)
+                showing.append(1e-3 * (time.thread_time_ns() - start))
+
+            def end(self, report: Report) -> None:
+                live.end(report)
+
+        def before_tick(now: float) -> None:
+            helm._clock.wait()
+            start = time.thread_time_ns()
+            helm._take()
+            helm._steer()
+            looking.append(1e-3 * (time.thread_time_ns() - start))
+
+        performer.velocity = (0.1, 0.0, 0.0)
+        wbc.run(performer, plant, ticks * performer.dt, log=Timed(), before_tick=before_tick)
+    rows: list[Row] = []
+    for what, values in (("looking for requests", looking), ("showing a tick", showing)):
+        p50, p99, mean = *np.percentile(values, [50, 99]), np.mean(values)
+        rows.append({"what": what, "unit": "µs", "p50": p50, "p99": p99, "mean": mean})
+    return rows
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("--robot", default="talos", help="default: talos")
+    parser.add_argument("--repeats", type=int, default=30, help="of the slider (default: 30)")
+    parser.add_argument("--ticks", type=int, default=2000, help="of the cost (default: 2000)")
+    parser.add_argument("--json", type=Path, help="also write the figures there")
+    options = parser.parse_args()
+    robot = wbc.load(options.robot)
+    rows, spent = slider(robot, options.repeats)
+    rows += cost(robot, options.ticks)
+    print(f"{robot.name}, {options.repeats} moves of a slider, {options.ticks} ticks")
+    for row in rows:
+        figures = "   ".join(
+            f"{k} {row[k]:8.2f}" for k in ("p50", "p99", "mean", "max") if k in row
+        )
+        print(f"{row['what']!s:36}{row['unit']!s:4}{figures}")
+    if options.json is not None:
+        told = {"robot": robot.name, "rows": rows, "slider_ms": spent}
+        options.json.write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

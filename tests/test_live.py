@@ -1,0 +1,539 @@
+"""The live page without a browser: what may be asked, who may ask, and what the loop does."""
+
+import json
+import queue
+import threading
+import time
+import urllib.error
+import urllib.request
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+import wbc
+from wbc.live import Live, LiveError, drive
+from wbc.live.errors import BadRequest
+from wbc.live.gauges import SIZE, Gauges, Mode
+from wbc.live.helm import Helm
+from wbc.live.panel import LONGEST, Kind
+from wbc.motions import Motion, Performer
+from wbc.motions.catalogue import CATALOGUE
+from wbc.motions.motion import parameter
+
+BAD = (
+    "",
+    "velocity",
+    "[1, 2]",
+    "null",
+    '{"value": 1}',
+    '{"control": 3, "value": 1}',
+    '{"control": "velocity.up", "value": 0.1}',
+    '{"control": "velocity.forward"}',
+    '{"control": "velocity.forward", "value": "0.1"}',
+    '{"control": "velocity.forward", "value": true}',
+    '{"control": "velocity.forward", "value": NaN}',
+    '{"control": "velocity.forward", "value": -Infinity}',
+    '{"control": "velocity.forward", "value": 100}',
+    '{"control": "velocity.forward", "value": 1' + "0" * 400 + "}",
+    '{"control": "velocity.forward", "value": [0.1]}',
+    '{"control": "gait.swing_height", "value": -0.01}',
+    '{"control": "com.weight", "value": 0}',
+    '{"control": "push", "value": 10}',
+    '{"control": "push", "value": [1]}',
+    '{"control": "push", "value": [1e9, 0]}',
+    '{"control": "push", "value": [NaN, 0]}',
+    '{"control": "motion", "value": "skwat"}',
+    '{"control": "motion", "value": 0}',
+    '{"control": "motion", "value": {"name": "squat"}}',
+    '{"control": "pause", "value": 1}',
+    "[" * 900,
+    json.dumps({"control": "stand", "value": "x" * LONGEST}),
+    b"\x00\x01",
+)
+
+
+@dataclass(frozen=True)
+class Shrug(Motion):
+    """A motion that somebody adds."""
+
+    name: ClassVar[str] = "shrug"
+    summary: ClassVar[str] = "nothing much"
+    duration: float = parameter(0.1, "s")
+
+    def play(self, body):
+        yield from body.wait(self.duration)
+
+
+@dataclass(frozen=True)
+class Fly(Motion):
+    """A motion that no robot can do."""
+
+    name: ClassVar[str] = "fly"
+    summary: ClassVar[str] = "away"
+
+    def check(self, robot):
+        raise wbc.errors.MotionError("fly: it has no wings")
+
+    def play(self, body):
+        yield
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return wbc.load("simple_humanoid")
+
+
+@pytest.fixture
+def performer(robot):
+    return Performer(robot)
+
+
+@pytest.fixture
+def plant(robot):
+    return wbc.sim.Mujoco(robot)
+
+
+@pytest.fixture
+def helm(performer, plant, monkeypatch):
+    monkeypatch.setattr("wbc.live.helm.Clock.wait", lambda clock: None)
+    return Helm(performer, plant, CATALOGUE, lambda: None)
+
+
+def ask(helm, control, value=None):
+    """As the page's process does it."""
+    request = helm.panel.request(json.dumps({"control": control, "value": value}))
+    record = helm.requests.begin()
+    record[:] = (request.kind, request.first, request.second)
+    helm.requests.publish()
+
+
+class Notes:
+    """Keeps what happens in a run, tick by tick."""
+
+    def __init__(self, performer, helm):
+        self.performer, self.helm = performer, helm
+        self.time, self.tau, self.dcm, self.playing = [], [], [], []
+
+    def begin(self, controller, plant):
+        self.helm.begin()
+
+    def record(self, tick, controller):
+        self.time.append(tick.time)
+        self.tau.append(tick.command.tau.copy())
+        self.dcm.append(self.performer.balance.dcm[:2].copy())
+        self.playing.append(self.helm.playing)
+
+    def end(self, report):
+        pass
+
+
+def run(helm, performer, plant, duration, script):
+    """Run, asking (time, control, value) on the way."""
+    notes, script = Notes(performer, helm), list(script)
+
+    def before_tick(now):
+        while script and now >= script[0][0] - 1e-9:
+            ask(helm, *script.pop(0)[1:])
+        helm(now)
+
+    plant.reset()
+    report = wbc.run(performer, plant, duration, log=notes, before_tick=before_tick)
+    return notes, report
+
+
+# What may be asked.
+
+
+@pytest.mark.parametrize("message", BAD, ids=lambda m: repr(m[:40]))
+def test_a_message_that_makes_no_sense_is_refused_with_a_reason(helm, message):
+    with pytest.raises(BadRequest, match=r"\w{3}"):
+        helm.panel.request(message)
+
+
+def test_a_message_within_the_bounds_is_understood(helm):
+    panel = helm.panel
+    for i, knob in enumerate(panel.knobs):
+        for value in (knob.low, knob.high, knob.value):
+            request = panel.request(json.dumps({"control": knob.name, "value": value}))
+            assert (request.kind, request.first, request.second) == (Kind.KNOB, i, value)
+    push = panel.request(json.dumps({"control": "push", "value": [0, -panel.max_impulse]}))
+    assert (push.kind, push.first, push.second) == (Kind.PUSH, 0.0, -panel.max_impulse)
+    assert panel.request('{"control": "reset"}').kind is Kind.RESET
+
+
+def test_there_is_a_knob_for_each_task_and_a_button_for_each_motion(helm, performer):
+    names = {knob.name for knob in helm.panel.knobs}
+    for task in performer.walker.tasks:
+        assert f"{task.name}.weight" in names
+    assert {"velocity.forward", "velocity.left", "velocity.turn", "speed"} <= names
+    assert {"gait.single_support", "gait.swing_height", "gait.step_width"} <= names
+    assert len(names) == len(helm.panel.knobs)
+    buttons = [motion["name"] for motion in helm.panel.describe()["motions"]]
+    assert buttons == [motion.name for motion in CATALOGUE]
+
+
+# What the loop does.
+
+
+def test_a_velocity_changes_the_command_of_the_very_tick_after_it(helm, performer, plant):
+    still, _ = run(helm, performer, plant, 0.2, ())
+    moved, _ = run(helm, performer, plant, 0.2, [(0.1, "velocity.forward", 0.1)])
+    differs = [(a != b).any() for a, b in zip(still.tau, moved.tau, strict=True)]
+    assert differs.index(True) == 50
+
+
+def test_a_push_moves_the_dcm_to_the_robots_left_and_is_counted_when_survived(
+    helm, performer, plant
+):
+    impulse = 0.1 * performer.robot.mass
+    still, _ = run(helm, performer, plant, 0.4, ())
+    pushed, report = run(helm, performer, plant, 2.4, [(0.2, "push", [0.0, impulse])])
+    k = 170  # 0.14 s after the push set in
+    moved = pushed.dcm[k] - still.dcm[k]
+    omega = performer.walker.gait.omega
+    assert moved[1] == pytest.approx(0.1 / omega, rel=0.5)  # Δξ = J / (m ω)
+    assert abs(moved[0]) < 0.3 * moved[1]
+    assert report.survived
+    assert (helm.pushes.survived, helm.pushes.decided) == (1, 1)
+
+
+def test_a_push_that_fells_it_is_not_survived(helm, performer, plant):
+    script = [(0.1, "push", [0.0, helm.panel.max_impulse]), (0.2, "push", [0.0, 5.0])]
+    _, report = run(helm, performer, plant, 3.0, script)
+    helm.pushes.fell()
+    assert not report.survived
+    assert (helm.pushes.survived, helm.pushes.decided) == (0, 2)
+
+
+def test_one_thing_at_a_time_walking_a_motion_and_walking_again(helm, performer, plant):
+    sway = [motion.name for motion in CATALOGUE].index("sway")
+    script = [
+        (0.0, "velocity.forward", 0.1),
+        (0.8, "motion", "sway"),
+        (2.8, "velocity.forward", 0.15),
+    ]
+    notes, report = run(helm, performer, plant, 4.6, script)
+    assert report.survived
+    playing = np.array(notes.playing)
+    begin, end = np.flatnonzero(playing == sway)[[0, -1]]
+    assert 1.2 < notes.time[begin] < 2.7  # first it comes to a stand
+    assert notes.time[end] == pytest.approx(2.8, abs=0.01)  # it is left off at once
+    assert performer.velocity == (0.15, 0.0, 0.0)
+    assert performer.steps >= 3
+
+
+def test_stand_leaves_everything_off(helm, performer, plant):
+    script = [(0.0, "motion", "sway"), (0.5, "motion", "squat"), (0.6, "stand")]
+    notes, _ = run(helm, performer, plant, 2.5, script)
+    assert notes.playing[-1] == -1
+    assert set(notes.playing[400:]) <= {-1, -2}
+
+
+def test_a_motion_that_turns_out_impossible_leaves_it_standing(
+    robot, performer, plant, monkeypatch
+):
+    monkeypatch.setattr("wbc.live.helm.Clock.wait", lambda clock: None)
+
+    @dataclass(frozen=True)
+    class Trip(Shrug):
+        name: ClassVar[str] = "trip"
+
+        def play(self, body):
+            body.com.go(np.array([0.01, 0.0, 0.0]), 0.1)
+            yield
+            raise wbc.errors.MotionError("trip: over its own feet")
+
+    helm = Helm(performer, plant, (Trip,), lambda: None)
+    notes, report = run(helm, performer, plant, 2.0, [(0.0, "motion", "trip")])
+    assert report.survived
+    assert notes.playing[-1] == -1
+    assert performer.body.at_home
+    assert "over its own feet" in performer.body.notes[0]
+
+
+def test_pause_stops_time_and_requests_are_still_taken(helm, performer, plant):
+    seen = []
+
+    def idle():
+        seen.append((plant.time, performer.walker.com.weight[0]))
+        if len(seen) == 3:
+            ask(helm, "com.weight", 1000.0)
+        if len(seen) == 6:
+            ask(helm, "pause", False)
+
+    helm._idle = idle
+    notes, _ = run(helm, performer, plant, 0.1, [(0.04, "pause", True)])
+    assert len(seen) >= 6
+    assert {time for time, _ in seen} == {0.04}
+    assert seen[-1][1] == 1000.0
+    assert len(notes.time) == 50
+
+
+def test_slow_motion_makes_ticks_rarer(performer, plant):
+    helm = Helm(performer, plant, CATALOGUE, lambda: None)
+    ask(helm, "speed", 0.05)
+    start = time.perf_counter()
+    run(helm, performer, plant, 0.02, ())
+    assert time.perf_counter() - start > 9 * 0.002 / 0.05 - 0.01
+
+
+def test_a_reset_ends_the_run_once(helm, performer, plant):
+    script = [(0.05, "reset"), (0.05, "reset")]
+    _, report = run(helm, performer, plant, 0.2, script)
+    assert helm.reset_wanted
+    assert report.duration_s == pytest.approx(0.048, abs=1e-6)
+    _, report = run(helm, performer, plant, 0.1, [(0.0, "reset")])  # it is as good as reset
+    assert report.survived
+
+
+def test_a_gain_keeps_the_ratios_of_its_rows(helm, performer, plant):
+    posture = performer.walker.posture
+    before = posture.weight.copy()
+    top = before.max()
+    _, report = run(helm, performer, plant, 0.1, [(0.02, "posture.weight", 3.0 * top)])
+    assert report.qp_failures == 0
+    np.testing.assert_allclose(posture.weight, 3.0 * before)
+
+
+def test_gait_parameters_may_be_turned_to_their_ends_while_it_walks(helm, performer, plant):
+    knobs = [knob for knob in helm.panel.knobs if knob.group == "gait"]
+    script = [(0.0, "velocity.forward", 0.15)]
+    at = 1.5
+    for knob in knobs:
+        for value in (knob.high, knob.low, knob.value):
+            script.append((at, knob.name, value))
+            at += 0.4
+    _, report = run(helm, performer, plant, at + 0.5, script)
+    assert report.survived, report.fell_why
+    assert performer.walker.gait == wbc.gait.GaitParameters.of(performer.robot)
+
+
+# The page's process.
+
+
+class Client:
+    """A web socket on a thread of its own, for tests that wait in words of one line."""
+
+    def __init__(self, url, path="controls", origin=None):
+        self.heard = queue.Queue()
+        self._url = url.replace("http", "ws").replace("static/", path)
+        self._headers = {} if origin is None else {"Origin": origin}
+        self._ready = threading.Event()
+        self.refused = None
+        threading.Thread(target=self._run, daemon=True).start()
+        assert self._ready.wait(20.0)
+
+    def _run(self):
+        import asyncio
+
+        asyncio.run(self._listen())
+
+    async def _listen(self):
+        import asyncio
+
+        from tornado.httpclient import HTTPError, HTTPRequest
+        from tornado.websocket import websocket_connect
+
+        self._loop = asyncio.get_running_loop()
+        request = HTTPRequest(self._url, headers=self._headers)
+        try:
+            self._socket = await websocket_connect(request, max_message_size=1 << 28)
+        except HTTPError as error:
+            self.refused = error.code
+            self._ready.set()
+            return
+        self._ready.set()
+        while (message := await self._socket.read_message()) is not None:
+            if isinstance(message, str):
+                self.heard.put(json.loads(message))
+        self.heard.put(None)
+
+    def say(self, message):
+        binary = isinstance(message, bytes)
+        self._loop.call_soon_threadsafe(self._socket.write_message, message, binary)
+
+    def ask(self, control, value=None):
+        self.say(json.dumps({"control": control, "value": value}))
+
+    def hear(self, key):
+        """The next news of that kind."""
+        while True:
+            news = self.heard.get(timeout=20.0)
+            if news is None or key in news:
+                return news
+
+    def close(self):
+        self._loop.call_soon_threadsafe(self._socket.close)
+
+
+@pytest.fixture
+def live(performer, plant):
+    motions = (*CATALOGUE, Shrug, Fly)
+    with Live(performer, plant, port=0, motions=motions, announce=False) as live:
+        yield live
+
+
+def taken(live, count):
+    """Take requests as the loop does, until there were so many."""
+    end = time.monotonic() + 20.0
+    while live.helm.taken < count and time.monotonic() < end:
+        live.helm.lie()
+    assert live.helm.taken == count
+
+
+def test_a_bad_message_is_answered_and_ignored_and_the_next_one_counts(live):
+    page = Client(live.url)
+    panel = page.hear("panel")["panel"]
+    assert [motion["name"] for motion in panel["motions"]][-2:] == ["shrug", "fly"]
+    for message in BAD:
+        page.say(message)
+        assert page.hear("error")["error"]
+    page.ask("com.weight", 2000.0)
+    taken(live, 1)
+    assert live._performer.walker.com.weight[0] == 2000.0
+
+
+def test_a_message_of_a_megabyte_costs_its_sender_the_connection_and_nobody_else(live):
+    rude, page = Client(live.url), Client(live.url)
+    rude.say("x" * (1 << 20))
+    while rude.heard.get(timeout=20.0) is not None:
+        pass
+    page.ask("pause", True)
+    taken(live, 1)
+    assert live.helm.paused
+
+
+def test_pages_agree_and_one_that_leaves_or_comes_back_harms_nothing(live):
+    one, two = Client(live.url), Client(live.url)
+    two.hear("values")
+    one.ask("velocity.forward", 0.1)
+    assert two.hear("values")["values"] == {"velocity.forward": 0.1}
+    one.close()
+    taken(live, 1)
+    two.ask("velocity.turn", 0.2)
+    taken(live, 2)
+    again = Client(live.url).hear("values")["values"]
+    assert (again["velocity.forward"], again["velocity.turn"]) == (0.1, 0.2)
+
+
+def test_a_motion_that_the_robot_cannot_do_is_told_and_never_reaches_the_loop(live):
+    page = Client(live.url)
+    page.ask("motion", "fly")
+    assert "no wings" in page.hear("error")["error"]
+    page.ask("motion", "shrug")
+    taken(live, 1)
+    while "fly" not in page.hear("unable")["unable"]:
+        pass  # the checks of all of them take their time
+
+
+def test_a_loop_that_does_not_listen_is_told_of(live):
+    page = Client(live.url)
+    for k in range(60):
+        page.ask("velocity.forward", 0.001 * k)
+    assert "too many" in page.hear("error")["error"]
+
+
+@pytest.mark.parametrize("path", ["controls", "socket"])
+def test_pages_of_other_origins_are_refused(live, path):
+    assert Client(live.url, path, origin="http://elsewhere.example").refused == 403
+    assert Client(live.url, path, origin="null").refused == 403
+    here = live.url.replace("/static/", "")
+    assert Client(live.url, path, origin=here).refused is None
+
+
+@pytest.mark.parametrize(
+    ("method", "headers", "code"),
+    [
+        ("GET", {"Host": "elsewhere.example"}, 404),
+        ("POST", {}, 405),
+        ("PUT", {"Origin": "http://elsewhere.example"}, 405),
+    ],
+)
+def test_requests_by_another_name_or_that_would_change_something_are_refused(
+    live, method, headers, code
+):
+    data = b"{}" if method != "GET" else None
+    request = urllib.request.Request(live.url, data=data, headers=headers, method=method)
+    with pytest.raises(urllib.error.HTTPError) as refusal:
+        urllib.request.urlopen(request, timeout=20.0)
+    assert refusal.value.code == code
+
+
+def test_the_page_needs_nothing_from_elsewhere(live):
+    for name in ("", "panel.js", "panel.css", "stage.js", "live.js"):
+        with urllib.request.urlopen(live.url + name, timeout=20.0) as answer:
+            text = answer.read().decode()
+        assert len(text) > 500
+        assert "http://" not in text.replace("http://www.w3.org/2000/svg", "")
+        assert "https://" not in text
+
+
+def test_a_port_that_is_taken_is_told(live, performer, plant):
+    port = int(live.url.split(":")[2].split("/")[0])
+    with pytest.raises(LiveError, match=f"port {port} is in use"):
+        Live(performer, plant, port=port, announce=False)
+
+
+def test_the_run_goes_on_when_the_pages_process_dies(live, performer, plant, monkeypatch):
+    import os
+    import signal
+
+    monkeypatch.setattr("wbc.live.helm.Clock.wait", lambda clock: None)
+    os.kill(live.pid, signal.SIGKILL)
+    while live.alive:
+        time.sleep(0.01)
+    report = wbc.run(performer, plant, 0.1, log=live, before_tick=live.helm)
+    assert report.survived
+
+
+@contextmanager
+def driven(live, performer, plant, duration):
+    """The run on a thread; its notes on the way."""
+    told = []
+    stop = threading.Event()
+    thread = threading.Thread(
+        target=drive,
+        args=(live, performer, plant, duration),
+        kwargs={"told": told.append, "stop": stop.is_set},
+    )
+    thread.start()
+    yield told
+    stop.set()
+    thread.join(60.0)
+    assert not thread.is_alive()
+
+
+def test_it_falls_lies_and_is_set_on_its_feet_and_gauges_tell(live, performer, plant, monkeypatch):
+    monkeypatch.setattr("wbc.live.helm.Clock.wait", lambda clock: None)
+    page = Client(live.url)
+
+    def until(condition):
+        while not condition(gauges := page.hear("gauges")["gauges"]):
+            pass
+        return gauges
+
+    with driven(live, performer, plant, 1000.0) as told:
+        first = until(lambda g: g["mode"] == "running" and g["time"] > 0.1)
+        assert 0.0 < first["tick_time"] < 1.0
+        page.ask("velocity.forward", 0.1)
+        until(lambda g: g["velocity"] == [0.1, 0.0, 0.0])
+        page.ask("push", [0.0, live.helm.panel.max_impulse])
+        until(lambda g: g["mode"] == "fallen" and g["pushes"] == 1 and g["survived"] == 0)
+        page.ask("reset")
+        until(lambda g: g["mode"] == "running")
+        page.ask("pause", True)
+        until(lambda g: g["mode"] == "paused")
+        page.ask("reset")
+        until(lambda g: g["mode"] == "running")
+    assert [line.split(":")[0] for line in told][1:] == ["fell", "reset", "reset"]
+
+
+def test_gauges_are_what_was_recorded():
+    record = np.arange(SIZE, dtype=float)
+    record[1] = Mode.PAUSED
+    gauges = Gauges.of(record)
+    assert gauges.mode is Mode.PAUSED
+    assert (gauges.time, gauges.turn, gauges.run) == (0.0, 6.0, SIZE - 1)

@@ -1,0 +1,233 @@
+"""The live page in a real browser: `wbc live` runs, and a robot is driven by its controls."""
+
+import base64
+import io
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wbc.motions.catalogue import CATALOGUE
+
+pytestmark = pytest.mark.browser
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
+FLAGS = [
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist",
+    "--no-sandbox",
+    "--disable-dev-shm-usage",
+    "--disable-background-networking",
+    "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1 , EXCLUDE localhost",
+]
+PATIENCE = 60_000  # ms; software rendering on a busy machine is slow
+
+
+def need(condition, what):
+    if not condition:
+        if os.environ.get("CI"):
+            pytest.fail(f"{what}; CI must have it")
+        pytest.skip(what)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    path = next(filter(None, map(shutil.which, BROWSERS)), None)
+    need(path, f"no browser: none of {', '.join(BROWSERS)} on PATH")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        need(False, "playwright is not installed")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def url():
+    """Of a robot that stands at our disposal."""
+    root = Path(__file__).resolve().parent.parent
+    arguments = ["-m", "wbc", "live", "--robot", "simple_humanoid", "--port", "0"]
+    process = subprocess.Popen(
+        [sys.executable, *arguments], stdout=subprocess.PIPE, text=True, cwd=root
+    )
+    try:
+        yield process.stdout.readline().removeprefix("Live: ").strip()
+    finally:
+        process.send_signal(signal.SIGINT)
+        report, _ = process.communicate(timeout=60.0)
+    assert process.returncode == 130
+    assert "tick time" in report
+
+
+@contextmanager
+def new_page(browser, url):
+    """A page on which nothing may go wrong."""
+    context = browser.new_context(viewport={"width": 480, "height": 320})
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE)
+    errors = []
+    page.on("pageerror", lambda error: errors.append(error))
+    page.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
+    page.goto(url)
+    page.wait_for_function("wbc.ready && wbc.live.gauges")
+    yield page
+    complaints = page.evaluate("wbc.live.errors")
+    context.close()
+    assert errors == []
+    assert complaints == []
+
+
+@pytest.fixture(scope="module")
+def shared(browser, url):
+    with new_page(browser, url) as page:
+        yield page
+
+
+@pytest.fixture
+def page(shared):
+    """The page, of a robot that stands."""
+    reset(shared)
+    return shared
+
+
+def reset(page):
+    page.evaluate("wbc.live.gauges = null")
+    page.click("[data-action=reset]")
+    page.wait_for_function(
+        "wbc.live.gauges?.mode === 'running' && wbc.live.gauges.time > 0.1"
+        " && wbc.live.gauges.time < 5 && wbc.live.gauges.velocity.every((x) => x === 0)"
+    )
+
+
+def turn(page, control, share):
+    """Move a slider, 0 to 1, as a hand does."""
+    page.locator(f"[data-control='{control}']").evaluate(
+        "(slider, share) => { slider.value = share;"
+        " slider.dispatchEvent(new Event('input')); slider.dispatchEvent(new Event('change')); }",
+        share,
+    )
+
+
+def silhouette(page):
+    """The robot alone, (h, w, 3), as it is drawn now."""
+    from PIL import Image
+
+    url = page.evaluate(
+        """() => {
+          for (const [name, child] of Object.entries(viewer.scene_tree.find(["wbc"]).children)) {
+            child.object.visible = name === "robot" || name === "stage";
+            if (name === "stage") for (const part of child.object.children) {
+              part.visible = part.isLight === true;
+            }
+          }
+          return viewer.capture_image();
+        }"""
+    )
+    image = Image.open(io.BytesIO(base64.b64decode(url.partition(",")[2])))
+    return np.asarray(image.convert("RGB"), dtype=float)
+
+
+def changed(a, b):
+    """Share of the pixels that clearly differ."""
+    return float((np.abs(a - b).max(axis=2) > 24).mean())
+
+
+def pass_time(page, seconds):
+    """Wait until so much of the robot's time has been drawn."""
+    page.evaluate("wbc.from = wbc.time")
+    page.wait_for_function(f"wbc.time > wbc.from + {seconds}")
+
+
+def most(page, gauge, seconds):
+    """The largest value of a gauge in a time, s of the robot's."""
+    page.evaluate(
+        f"wbc.most = 0; wbc.start = wbc.live.gauges.time; wbc.watch = setInterval(() => "
+        f"{{ wbc.most = Math.max(wbc.most, wbc.live.gauges.{gauge}); }}, 5)"
+    )
+    page.wait_for_function(f"wbc.live.gauges.time > wbc.start + {seconds}")
+    return page.evaluate("clearInterval(wbc.watch), wbc.most")
+
+
+def test_the_robot_moves_when_the_slider_moves(page):
+    pass_time(page, 1.0)
+    still = silhouette(page)
+    pass_time(page, 0.4)
+    quiet = changed(still, silhouette(page))
+    turn(page, "velocity.forward", 0.85)
+    page.wait_for_function("wbc.live.gauges.velocity[0] > 0.05")
+    page.wait_for_function("document.querySelector('[data-action=walk]').className === 'on'")
+    pass_time(page, 1.0)
+    assert changed(still, silhouette(page)) > max(0.005, 4.0 * quiet)
+
+
+def test_a_push_makes_the_dcm_jump_and_is_counted(page):
+    calm = most(page, "dcm_error", 0.4)
+    page.click("[data-action=push]")
+    assert most(page, "dcm_error", 0.8) > 3.0 * calm
+    page.wait_for_function("wbc.live.gauges.pushes === 1")
+    assert page.evaluate("wbc.live.gauges.survived") == 1
+    page.wait_for_function("document.querySelector('#strips').textContent.includes('1 of 1')")
+
+
+def test_every_motion_has_a_button_that_plays_it(page):
+    names = page.locator("[data-action^='motion ']").all_inner_texts()
+    assert names == [motion.name for motion in CATALOGUE]
+    page.click("[data-action='motion sway']")
+    page.wait_for_function(f"wbc.live.gauges.playing === {names.index('sway')}")
+    page.wait_for_function(
+        "document.querySelector('[data-action=\"motion sway\"]').className === 'on'"
+    )
+    page.click("[data-action=stand]")
+    page.wait_for_function("wbc.live.gauges.playing < 0")
+
+
+def test_arrow_keys_drive_and_space_pauses(page):
+    page.click("#panel h2 >> nth=0")
+    for _ in range(3):
+        page.keyboard.press("ArrowUp")
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function("wbc.live.gauges.velocity[0] > 0 && wbc.live.gauges.velocity[2] > 0")
+    page.keyboard.press(" ")
+    page.wait_for_function("wbc.live.gauges.mode === 'paused'")
+    time = page.evaluate("wbc.live.gauges.time")
+    page.wait_for_timeout(300)
+    assert page.evaluate("wbc.live.gauges.time") == time
+    page.keyboard.press(" ")
+    page.wait_for_function("wbc.live.gauges.mode === 'running'")
+
+
+def test_the_tuner_lists_the_tasks_and_a_gain_reaches_every_page(browser, url, page):
+    page.click("text=Tasks: weights and gains")
+    tasks = page.locator("details[open] h3").all_inner_texts()
+    assert {"com", "posture"} <= set(tasks)
+    assert any("orientation" in task for task in tasks)
+    with new_page(browser, url) as other:
+        turn(page, "com.weight", 0.8)
+        there = "wbc.live.values['com.weight']"
+        weight = page.evaluate(there)
+        other.wait_for_function(f"Math.abs({there} - {weight}) < 1e-6 * {weight}")
+        other.reload()
+        other.wait_for_function(f"wbc.ready && Math.abs({there} - {weight}) < 1e-6 * {weight}")
+    pass_time(page, 0.2)  # the one that left has harmed nothing
+    page.click("text=as it was >> visible=true")
+    assert page.evaluate(there) == pytest.approx(3000.0)
+
+
+def test_what_is_drawn_is_chosen_here(page):
+    page.click("text=Drawn here")
+    visible = "viewer.scene_tree.find(['wbc', 'robot']).object.visible"
+    page.locator("[data-drawn=robot]").uncheck()
+    pass_time(page, 0.1)
+    assert page.evaluate(visible) is False
+    page.locator("[data-drawn=robot]").check()
+    assert page.evaluate(visible) is True
