@@ -337,6 +337,21 @@ def test_a_controller_without_telemetry_is_logged(humanoid, tmp_path):
     assert np.isnan(run.state("dcm_error")).all()
 
 
+def test_a_plant_that_has_lost_itself_is_logged_to_the_end(humanoid, tmp_path):
+    rng = np.random.default_rng(2)
+    path = tmp_path / "lost.mcap"
+    with FlightRecorder(path, humanoid) as log:
+        for k in range(4):
+            tick = random_tick(humanoid, rng, 0.002 * k if k < 2 else float("nan"))
+            nowhere = wbc.State(np.full(humanoid.nq, np.nan), np.full(humanoid.nv, np.inf))
+            log.record(tick if k < 2 else replace(tick, state=nowhere), Pretender())
+    run = LoggedRun.read(path)
+    assert len(run) == 4
+    assert np.isnan(run.q[2:]).all()
+    assert np.isfinite(run.q[:2]).all()
+    assert (np.diff(run.time) >= 0.0).all()
+
+
 def test_wrong_sizes_are_named(humanoid, tmp_path):
     rng = np.random.default_rng(2)
     tick = random_tick(humanoid, rng, 0.0)

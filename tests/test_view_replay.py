@@ -175,9 +175,9 @@ def test_a_page_that_talks_nonsense_is_answered_and_goes_on(served):
     assert frame["words"]["time"] == 3.5
 
 
-def browser_page(width=400, height=300):
+def need_browser():
     from wbc.errors import WbcError
-    from wbc.view.browser import check_browser, new_page
+    from wbc.view.browser import check_browser
 
     try:
         check_browser()
@@ -185,13 +185,15 @@ def browser_page(width=400, height=300):
         if os.environ.get("CI"):
             pytest.fail(f"{error}; CI must have it")
         pytest.skip(str(error))
-    return new_page(width, height)
 
 
 @pytest.mark.browser
 def test_the_player_plays_seeks_and_steps(served):
+    from wbc.view.browser import new_page
+
+    need_browser()
     _, url = served
-    with browser_page() as page:
+    with new_page(400, 300) as page:
         page.set_default_timeout(PATIENCE)
         errors = []
         page.on("pageerror", lambda error: errors.append(error))
@@ -219,8 +221,7 @@ def test_the_player_plays_seeks_and_steps(served):
 @pytest.mark.browser
 def test_a_film_has_the_recordings_frames_and_they_move(film, tmp_path):
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
-    with browser_page():
-        pass
+    need_browser()
     recording = Recording(film.robot, rate=5.0)
     for k in range(6):
         recording.show(film.at(2.0 + 0.2 * k))
@@ -255,8 +256,7 @@ def test_a_missing_encoder_is_named_with_its_pip_command(tmp_path, monkeypatch):
 
 
 def test_a_film_that_fails_leaves_no_file(tmp_path):
-    with browser_page():  # it is there, or the test is skipped
-        pass
+    need_browser()
     video = Video(tmp_path / "film.mp4", 320, 240)
 
     def fill(interrupt):

@@ -76,4 +76,5 @@ class Keepsakes:
             print(f"\nrecording: {self.recording.save(self._options.html).resolve()}")
         if self._video is not None:
             with Rendering() as rendering:
-                print(f"\nvideo: {self._video.render(self.recording, rendering.show).resolve()}")
+                path = self._video.render(self.recording, rendering.show)
+            print(f"\nvideo: {path.resolve()}")

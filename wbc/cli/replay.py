@@ -51,7 +51,8 @@ def execute(options: argparse.Namespace) -> int:
             print(f"recording: {recording.save(options.html).resolve()}")
         if video is not None:
             with Rendering() as rendering:
-                print(f"video: {video.render(recording, rendering.show).resolve()}")
+                path = video.render(recording, rendering.show)
+            print(f"video: {path.resolve()}")
         return 0
     replay = Replay(robot, run, port=options.port, boxes=boxes, strips=_strips(run))
 

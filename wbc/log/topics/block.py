@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -85,6 +86,8 @@ class Tracker:
     def _stamps(self, times: np.ndarray) -> np.ndarray:
         stamps = np.empty(len(times), np.int64)
         for k, time in enumerate(times.tolist()):
+            if not math.isfinite(time):  # a plant that has lost itself: the log goes on
+                time = self._last or 0.0
             if self._last is not None and time < self._last:
                 self._offset += self._last + self._step - time
             elif self._last is not None:
