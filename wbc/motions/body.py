@@ -19,7 +19,7 @@ from wbc.motions.hands import Hand
 from wbc.motions.intent import Intent
 from wbc.motions.motion import Script
 from wbc.motions.posing import Pose
-from wbc.motions.reference import SmoothReference
+from wbc.motions.reference import Path, SmoothReference
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.telemetry import Balance, Footstep, Telemetry
@@ -238,9 +238,21 @@ class Body:
             MotionError: there is no such arm.
         """
         hand = self.hands[self.anatomy.arm(side).side]
+        now = self._whereabouts(hand)
+        hand.go(np.asarray(place, dtype=float), now, duration, counts=counts)
+
+    def lead(self, side: str, path: Path) -> None:
+        """Lead a hand along a path: time, s -> (3,) place in the standing frame, m.
+
+        Raises:
+            MotionError: there is no such arm.
+        """
+        hand = self.hands[self.anatomy.arm(side).side]
+        hand.follow(path, self._whereabouts(hand))
+
+    def _whereabouts(self, hand: Hand) -> np.ndarray:
         frame = self.walker.standing_frame
-        now = frame.actInv(self.walker.place(hand.arm.hand))
-        hand.go(np.asarray(place, dtype=float), np.asarray(now), duration, counts=counts)
+        return np.asarray(frame.actInv(self.walker.place(hand.arm.hand)))
 
     def walk(self, velocity: Sequence[float]) -> None:
         """Walk at a velocity: forward, left (m/s), turn left (rad/s). Zeros stop.

@@ -53,7 +53,7 @@ class Bow(Motion):
     def _pose(self, robot: Robot) -> Pose:
         turn = np.array([0.0, math.radians(self.angle), 0.0])
         pelvis = Anatomy.of(robot).hips_share(turn)
-        return Posing(robot).find(Wish(torso=turn, pelvis=pelvis, firm=True))
+        return Posing(robot).find(Wish(torso=turn, pelvis=pelvis, firm=True, firm_com=True))
 
     def play(self, body: Body) -> Script:
         """See `Motion.play`."""

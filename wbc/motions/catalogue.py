@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from wbc.errors import MotionError, did_you_mean
+from wbc.motions.keyframes import Keyframes
 from wbc.motions.motion import Motion
 from wbc.motions.repertoire import REPERTOIRE
 from wbc.motions.show import Show
 
 #: The command line and the live page take them from here.
-CATALOGUE: tuple[type[Motion], ...] = (*REPERTOIRE, Show)
+CATALOGUE: tuple[type[Motion], ...] = (*REPERTOIRE, Keyframes, Show)
 
 
 def find(name: str) -> type[Motion]:

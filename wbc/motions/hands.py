@@ -6,7 +6,7 @@ import numpy as np
 
 from wbc.motions.anatomy import Arm
 from wbc.motions.intent import Target
-from wbc.motions.reference import SmoothReference
+from wbc.motions.reference import Path, SmoothReference
 from wbc.tasks import PositionTask
 from wbc.walking import Walker
 
@@ -66,13 +66,27 @@ class Hand:
             duration: s, at least.
             counts: whether it is a target to be judged by.
         """
+        self._engage(now)
+        self.place.go(place, duration)
+        self._held = counts
+        self._number += counts
+
+    def follow(self, path: Path, now: np.ndarray) -> None:
+        """Lead it along a path.
+
+        Args:
+            path: time, s -> (3,) standing frame, m.
+            now: (3,) where it is, for the case that it has not been led so far.
+        """
+        self._engage(now)
+        self._held = False
+        self.place.follow(path)
+
+    def _engage(self, now: np.ndarray) -> None:
         if not self.engaged:
             self._controller.add(self._task)
             self.place.start_from(now, np.zeros(3))
         self._share.go(1.0, _TAKE)
-        self.place.go(place, duration)
-        self._held = counts
-        self._number += counts
 
     def release(self, duration: float = 0.5) -> None:
         """Let the posture have it again."""

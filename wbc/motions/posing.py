@@ -39,7 +39,9 @@ class Wish:
         torso: (3,) rotation vector of the upper trunk, rad.
         pelvis: (3,) likewise of the root link.
         hands: frame -> (3,) place of its origin, m.
-        firm: whether trunk and CoM are to be as said, instead of helping the hands.
+        firm: whether the trunk is to be as said, instead of helping the hands.
+        firm_com: likewise the CoM.
+        kept: indices into (na,) of joints that stay as they are at the start.
     """
 
     com: np.ndarray = field(default_factory=_zeros)
@@ -47,6 +49,8 @@ class Wish:
     pelvis: np.ndarray = field(default_factory=_zeros)
     hands: Mapping[str, np.ndarray] = field(default_factory=dict)
     firm: bool = False
+    firm_com: bool = False
+    kept: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -129,6 +133,30 @@ class Posing:
         at = pin.updateFramePlacement(self._model, self._data, self.robot.frame_id(frame))
         return np.array(at.translation)
 
+    def attitude(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Offset of the CoM, m, and rotation vectors of torso and pelvis, rad, (3,) each."""
+        self._forward(q)
+        torso, pelvis = (
+            np.asarray(pin.log3(self._data.oMf[f].rotation @ upright.T))
+            for f, upright in zip(self._trunk, self._upright, strict=True)
+        )
+        return np.array(self._data.com[0]) - self._home, torso, pelvis
+
+    def on_soles(self, q: np.ndarray) -> tuple[np.ndarray, float, float]:
+        """A posture with its left sole where it stands, and how far the right one is off.
+
+        Returns:
+            (nq,) the posture, distance in m and angle in rad of the right sole.
+        """
+        self._forward(q)
+        (left, at_left), (right, at_right) = self._soles
+        move = at_left * self._data.oMf[left].inverse()
+        moved = q.copy()
+        moved[:7] = pin.SE3ToXYZQUAT(move * pin.XYZQUATToSE3(q[:7]))
+        off = at_right.inverse() * (move * self._data.oMf[right])
+        miss = float(np.linalg.norm(off.translation))
+        return moved, miss, float(np.linalg.norm(pin.log3(off.rotation)))
+
     def find(self, wish: Wish, start: np.ndarray | None = None, *, elsewhere: bool = True) -> Pose:
         """The posture nearest to a wish.
 
@@ -170,8 +198,8 @@ class Posing:
         return [q for _, q in starts[:_STARTS]]
 
     def _balanced(self, wish: Wish, start: np.ndarray | None, hand: float) -> Pose:
-        pose = self._solve(wish, start, wish.com, _FAR_COM if wish.firm else _COM, hand)
-        if wish.firm:
+        pose = self._solve(wish, start, wish.com, _FAR_COM if wish.firm_com else _COM, hand)
+        if wish.firm_com:
             return pose
         away = np.clip(pose.com[:2], -self._com_box, self._com_box)
         if np.array_equal(away, pose.com[:2]):
@@ -194,7 +222,10 @@ class Posing:
     ) -> Pose:
         robot, model = self.robot, self._model
         q = np.array(robot.q_nominal if start is None else start)
-        q[7:] = np.clip(q[7:], self._low, self._high)
+        still = self._still.copy()
+        still[[6 + joint for joint in wish.kept]] = True
+        free = ~still[6:]
+        q[7:][free] = np.clip(q[7:], self._low, self._high)[free]
         hands = [(robot.frame_id(name), place) for name, place in wish.hands.items()]
         aims = _Aims(
             self._home + com,
@@ -208,9 +239,9 @@ class Posing:
         damping = _DAMPING
         held = np.zeros(robot.nv, dtype=bool)
         for _ in range(_ITERATIONS):
-            step, held = self._step(q, H + damping * np.eye(robot.nv), g)
+            step, held = self._step(q, H + damping * np.eye(robot.nv), g, still)
             trial = pin.integrate(model, q, step)
-            trial[7:] = np.clip(trial[7:], self._low, self._high)
+            trial[7:][free] = np.clip(trial[7:], self._low, self._high)[free]
             new_cost, new_H, new_g = self._normal(trial, aims)
             if new_cost > cost:
                 damping *= 10.0
@@ -222,7 +253,7 @@ class Posing:
             if float(np.abs(step).max()) < 1e-7:
                 break
         self._forward(q)
-        return self._pose(q, wish, hands, held)
+        return self._pose(q, wish, hands, held & ~still)
 
     def _normal(self, q: np.ndarray, aims: _Aims) -> tuple[float, np.ndarray, np.ndarray]:
         """Half the squares' sum at q, and Hessian and gradient of the step of its model."""
@@ -256,10 +287,12 @@ class Posing:
         H = np.diag(self._posture) + (J.T * w) @ J
         return 0.5 * float(e @ (w * e) + off @ pull), H, pull + J.T @ (w * e)
 
-    def _step(self, q: np.ndarray, H: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _step(
+        self, q: np.ndarray, H: np.ndarray, g: np.ndarray, still: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """The step with joints held that would leave their range, and which those are."""
         nv = g.size
-        held = self._still.copy()
+        held = still.copy()
         while True:
             free = ~held
             step = np.zeros(nv)
@@ -276,15 +309,11 @@ class Posing:
     def _pose(
         self, q: np.ndarray, wish: Wish, hands: list[tuple[int, np.ndarray]], fixed: np.ndarray
     ) -> Pose:
+        com, torso, pelvis = self.attitude(q)
         data = self._data
-        com = np.array(data.com[0]) - self._home
-        torso, pelvis = (
-            np.asarray(pin.log3(data.oMf[f].rotation @ upright.T))
-            for f, upright in zip(self._trunk, self._upright, strict=True)
-        )
         misses = {
             name: float(np.linalg.norm(place - data.oMf[frame].translation))
             for name, (frame, place) in zip(wish.hands, hands, strict=True)
         }
-        at_limit = tuple(int(k) - 6 for k in np.flatnonzero(fixed & ~self._still))
+        at_limit = tuple(int(k) - 6 for k in np.flatnonzero(fixed))
         return Pose(q, com, torso, pelvis, misses, float(np.linalg.norm(com - wish.com)), at_limit)

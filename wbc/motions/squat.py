@@ -61,7 +61,7 @@ class Squat(Motion):
 
     def _pose(self, posing: Posing, robot: Robot, depth: float) -> Pose:
         down = np.array([0.0, 0.0, -0.01 * depth * robot.leg_length])
-        return posing.find(Wish(com=down, firm=True))
+        return posing.find(Wish(com=down, firm=True, firm_com=True))
 
     def _hindrance(self, robot: Robot, pose: Pose, depth: float) -> str:
         """What keeps the robot from going so deep; empty when nothing does."""

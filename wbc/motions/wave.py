@@ -51,7 +51,7 @@ class Wave(Motion):
                 shoulder = posing.place(arm.shoulder)
                 outward = 1.0 if arm.side == "left" else -1.0
                 middle[arm.hand] = shoulder + arm.length * place * [1.0, outward, 1.0]
-            pose = posing.find(Wish(hands=middle, firm=True))
+            pose = posing.find(Wish(hands=middle, firm=True, firm_com=True))
             if max(pose.misses.values()) < _NEAR:
                 break
         above = min(
@@ -67,7 +67,11 @@ class Wave(Motion):
                 outward = sign if arm.side == "left" else -sign
                 travel = np.array([0.0, outward * _TRAVEL * arm.length, 0.0])
                 hands[arm.hand] = posing.place(arm.hand, pose.q) + travel
-            ends.append(posing.find(Wish(hands=hands, firm=True), pose.q, elsewhere=False).q[7:])
+            ends.append(
+                posing.find(Wish(hands=hands, firm=True, firm_com=True), pose.q, elsewhere=False).q[
+                    7:
+                ]
+            )
         up, swing = robot.q_nominal[7:].copy(), np.zeros(robot.na)
         up[moving] = 0.5 * (ends[0] + ends[1])[moving]
         swing[moving] = 0.5 * (ends[0] - ends[1])[moving]

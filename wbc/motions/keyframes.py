@@ -1,0 +1,61 @@
+"""Keyframes: a motion from a file of postures and places over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from wbc.errors import MotionError
+from wbc.motions.body import Body
+from wbc.motions.keyframing import read_keyframes
+from wbc.motions.keyframing.limits import check_limits
+from wbc.motions.keyframing.plan import Plan, Planner
+from wbc.motions.motion import Motion, Script, once_per_robot, parameter
+from wbc.robot import Robot
+
+_BLEND = 0.3  # s
+
+
+@dataclass(frozen=True)
+class Keyframes(Motion):
+    """Postures and places from a CSV or YAML file, smoothed, checked, tracked in balance.
+
+    Between keyframes run cubic splines, twice continuously differentiable, from standing at 0 s
+    to rest at the last keyframe. Positions, velocities, torques and the ZMP are checked along
+    the whole way before it starts.
+    """
+
+    name: ClassVar[str] = "keyframes"
+    summary: ClassVar[str] = "postures and places of the hands from a CSV or YAML file"
+
+    file: str = parameter("", "path of the .csv, .yaml or .yml")
+    hold: float = parameter(0.5, "at the last keyframe, s")
+
+    def check(self, robot: Robot) -> None:
+        """See `Motion.check`."""
+        if not self.file:
+            raise MotionError("keyframes: which file? give it by  --file FILE.csv  or  file=…")
+        if not 0.0 <= self.hold < float("inf"):
+            raise MotionError(f"keyframes: hold = {self.hold} s must be finite and not negative")
+        self._plan(robot)
+
+    @once_per_robot
+    def _plan(self, robot: Robot) -> Plan:
+        path = Path(self.file).expanduser()
+        planner = Planner(robot, read_keyframes(path), path.name)
+        plan = planner.plan()
+        check_limits(planner, plan)
+        return plan
+
+    def play(self, body: Body) -> Script:
+        """See `Motion.play`."""
+        plan = self._plan(body.robot)
+        body.posture.follow(plan.posture, _BLEND)
+        body.com.follow(plan.com, _BLEND)
+        body.torso.follow(plan.torso, _BLEND)
+        body.pelvis.follow(plan.pelvis, _BLEND)
+        for side, place in plan.places.items():
+            body.lead(side, place)
+        yield from body.wait(plan.duration + self.hold)
+        yield from body.go_home()

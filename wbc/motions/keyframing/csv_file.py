@@ -1,0 +1,133 @@
+"""Keyframes in CSV.
+
+A head line, then a line per keyframe; an empty cell leaves that column out of a keyframe; lines
+that begin with # are comments. Every column states its unit.
+
+    time [s], left_elbow [deg], left_hand.x [m], left_hand.y [m], left_hand.z [m], com.z [cm]
+    1.0,      60,               0.35,            0.25,            1.1,
+    2.0,      20,               ,                ,                ,                -4
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from wbc.motions.keyframing.keyframe import (
+    COM,
+    Keyframe,
+    KeyframeError,
+    Value,
+    Where,
+    number,
+    scale,
+)
+
+_HEAD = re.compile(r"^(?P<name>[^\[\]]+?)\s*\[(?P<unit>[^\[\]]*)\]$")
+_AXES = "xyz"
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """What a column of a CSV file is: time, a joint, or one axis of a place."""
+
+    name: str
+    axis: str
+    quantity: str
+    scale: float
+    where: Where
+
+
+def from_csv(text: str, source: str) -> list[Keyframe]:
+    """The keyframes of a CSV text.
+
+    Raises:
+        KeyframeError: with line and column.
+    """
+    lines = [
+        (k, line)
+        for k, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if len(lines) < 2:
+        raise KeyframeError(source, Where(1, 1), "a head line and at least one keyframe are needed")
+    columns = [_column(cell, where, source) for cell, where in _cells(*lines[0])]
+    if columns[0].name != "time":
+        raise KeyframeError(source, columns[0].where, "the first column must be  time [s]")
+    _check_columns(columns, source)
+    return [_row(k, line, columns, source) for k, line in lines[1:]]
+
+
+def _cells(number: int, line: str) -> list[tuple[str, Where]]:
+    cells, start = [], 0
+    for piece in line.split(","):
+        indent = len(piece) - len(piece.lstrip())
+        cells.append((piece.strip(), Where(number, start + indent + 1)))
+        start += len(piece) + 1
+    return cells
+
+
+def _column(cell: str, where: Where, source: str) -> _Column:
+    match = _HEAD.match(cell)
+    if match is None:
+        raise KeyframeError(
+            source, where, f"column '{cell}' must be a name and a unit, such as  left_elbow [deg]"
+        )
+    name, unit = match["name"].strip(), match["unit"].strip()
+    place, dot, axis = name.rpartition(".")
+    if name == "time":
+        return _Column(name, "", *scale(unit, ("time",), where, source), where)
+    if dot and axis in _AXES:
+        return _Column(place, axis, *scale(unit, ("length",), where, source), where)
+    return _Column(name, "", *scale(unit, ("angle", "length"), where, source), where)
+
+
+def _check_columns(columns: list[_Column], source: str) -> None:
+    seen: dict[tuple[str, str], _Column] = {}
+    for column in columns:
+        key = (column.name, column.axis)
+        if key in seen:
+            raise KeyframeError(source, column.where, "this column is there already")
+        seen[key] = column
+    for column in columns:
+        missing = [a for a in _AXES if column.axis and (column.name, a) not in seen]
+        if missing and column.name != COM:
+            raise KeyframeError(
+                source, column.where, f"'{column.name}' has no column '{column.name}.{missing[0]}'"
+            )
+
+
+def _row(k: int, line: str, columns: list[_Column], source: str) -> Keyframe:
+    cells = _cells(k, line)
+    if len(cells) != len(columns):
+        at = cells[len(columns)][1] if len(cells) > len(columns) else Where(k, len(line) + 1)
+        raise KeyframeError(source, at, f"{len(cells)} cells where the head has {len(columns)}")
+    joints: dict[str, Value] = {}
+    parts: dict[str, dict[str, Value]] = {}
+    time: Value | None = None
+    for (cell, where), column in zip(cells, columns, strict=True):
+        if not cell:
+            if column.name == "time":
+                raise KeyframeError(source, where, "a keyframe needs its time")
+            continue
+        value = Value(column.scale * number(cell, where, source), column.quantity, where)
+        if column.name == "time":
+            time = value
+        elif column.axis:
+            parts.setdefault(column.name, {})[column.axis] = value
+        else:
+            joints[column.name] = value
+    assert time is not None
+    places = {name: _place(name, part, source) for name, part in parts.items()}
+    return Keyframe(time, joints, places)
+
+
+def _place(name: str, part: dict[str, Value], source: str) -> tuple[Value, Value, Value]:
+    first = next(iter(part.values()))
+    missing = [axis for axis in _AXES if axis not in part]
+    if missing and name != COM:
+        raise KeyframeError(
+            source, first.where, f"'{name}' has no {missing[0]} here: give all three, or none"
+        )
+    x, y, z = (part.get(axis, Value(0.0, "length", first.where)) for axis in _AXES)
+    return x, y, z

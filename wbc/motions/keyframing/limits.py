@@ -1,0 +1,90 @@
+"""Whether a plan keeps the robot's limits, before it starts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.motions.keyframing.keyframe import KeyframeError
+from wbc.motions.keyframing.plan import Plan, Planner
+from wbc.motions.statics import effort
+
+_STEP = 0.01  # s
+_EVERY = 10  # of these for the torques
+_STRENGTH = 0.95  # share of a torque limit that may be planned with
+_GRAVITY = 9.81
+_SUPPORT = 0.8  # share of the soles over which the ZMP may be planned
+
+
+def check_limits(planner: Planner, plan: Plan) -> None:
+    """Positions and velocities of all joints, torques, and the ZMP, along the whole way.
+
+    Torques are those of the motion on a base that is held, and for the legs those at rest. The
+    ZMP is that of the pendulum, `p = c − c̈ / ω²`.
+
+    Raises:
+        KeyframeError: with the line and column that lead there.
+    """
+    robot = planner.robot
+    for k in range(int(plan.duration / _STEP) + 1):
+        time = k * _STEP
+        q, v, a = plan.posture.derivatives(time)
+        over = np.maximum(q - robot.q_max, robot.q_min - q)
+        _refuse(planner, time, over > 1e-6, q, robot.q_min, robot.q_max, "position")
+        _refuse(planner, time, np.abs(v) > robot.v_max, v, -robot.v_max, robot.v_max, "velocity")
+        if k % _EVERY == 0:
+            _check_torques(planner, time, q, v, a)
+        _check_zmp(planner, plan, time)
+
+
+def _refuse(
+    planner: Planner,
+    time: float,
+    bad: np.ndarray,
+    value: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    what: str,
+) -> None:
+    if not bad.any():
+        return
+    joint = int(np.flatnonzero(bad)[0])
+    unit = {"position": "rad", "velocity": "rad/s", "torque": "N·m"}[what]
+    raise KeyframeError(
+        planner.source,
+        planner.cell(joint, time).where,
+        f"{what} of '{planner.robot.joint_names[joint]}' at {time:.2f} s would be "
+        f"{value[joint]:.2f} {unit}, beyond [{low[joint]:.2f}, {high[joint]:.2f}]",
+    )
+
+
+def _check_torques(
+    planner: Planner, time: float, q: np.ndarray, v: np.ndarray, a: np.ndarray
+) -> None:
+    robot = planner.robot
+    whole = robot.q_nominal.copy()
+    whole[7:] = q
+    still = np.zeros(6)
+    model, data = robot.model, robot.model.createData()
+    torque = pin.rnea(model, data, whole, np.concatenate((still, v)), np.concatenate((still, a)))[
+        6:
+    ]
+    legs = [j - 6 for leg in robot.legs for j in leg]
+    torque[legs] = effort(robot, whole).torque[legs]
+    limit = _STRENGTH * robot.tau_max
+    _refuse(planner, time, np.abs(torque) > limit, torque, -limit, limit, "torque")
+
+
+def _check_zmp(planner: Planner, plan: Plan, time: float) -> None:
+    robot = planner.robot
+    c, _, a = plan.com.derivatives(time)
+    zmp = (c - a * robot.com_height / _GRAVITY)[:2]
+    half = planner.support_half()
+    if (np.abs(zmp) > _SUPPORT * half).any():
+        raise KeyframeError(
+            planner.source,
+            planner.cell(0, time).where,
+            f"at {time:.2f} s the CoM would be too far out or too fast to balance: its ZMP "
+            f"({zmp[0]:.3f}, {zmp[1]:.3f}) m lies beyond ±({_SUPPORT * half[0]:.3f}, "
+            f"{_SUPPORT * half[1]:.3f}) m",
+        )

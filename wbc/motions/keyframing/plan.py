@@ -1,0 +1,223 @@
+"""From keyframes to smooth references of the whole body, and what stands in their way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from wbc.errors import did_you_mean
+from wbc.motions.anatomy import Side
+from wbc.motions.keyframing.keyframe import COM, Keyframe, KeyframeError, Value
+from wbc.motions.posing import Posing, Wish
+from wbc.motions.spline import Spline
+from wbc.robot import Robot
+
+_KNOTS = 0.1  # s between the postures that are found for places
+_MISS = 0.003  # m
+#: Posture, CoM, torso and pelvis at one time.
+Row = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+_SOLE_MISS, _SOLE_TILT = 0.005, 0.02  # m, rad: how far posture and ground may disagree
+
+
+@dataclass(frozen=True)
+class Plan:
+    """References over time, at rest at both ends; in the standing frame.
+
+    Attributes:
+        duration: s.
+        posture: time -> (na,) rad.
+        com: time -> (3,) offset of the CoM, m.
+        torso: time -> (3,) rotation vector, rad.
+        pelvis: time -> (3,) rotation vector, rad.
+        places: side -> time -> (3,) place of the hand, m.
+    """
+
+    duration: float
+    posture: Spline
+    com: Spline
+    torso: Spline
+    pelvis: Spline
+    places: Mapping[Side, Spline]
+
+
+class Planner:
+    """Turns the keyframes of one file into a plan for one robot.
+
+    Args:
+        robot: the robot.
+        frames: in the order of time.
+        source: name of the file, for messages.
+
+    Raises:
+        KeyframeError: a name that the robot does not have, or names that contradict.
+    """
+
+    def __init__(self, robot: Robot, frames: Sequence[Keyframe], source: str) -> None:
+        self.robot = robot
+        self.frames = frames
+        self.source = source
+        self._posing = Posing(robot)
+        self._hands = {f"{arm.side}_hand": arm for arm in self._posing.anatomy.arms}
+        self._hands |= {arm.hand: arm for arm in self._posing.anatomy.arms}
+        self._check_names()
+        self.joints = self._joint_splines()
+        self._legs = {j - 6 for leg in robot.legs for j in leg}
+        self.places = self._place_splines()
+        self._check_contradictions()
+        self.duration = frames[-1].time.number
+
+    def plan(self) -> Plan:
+        """The references.
+
+        Raises:
+            KeyframeError: a place out of reach, or a posture that lifts a sole.
+        """
+        times = [0.0]
+        for before, after in pairwise([0.0, *(f.time.number for f in self.frames)]):
+            steps = max(1, round((after - before) / _KNOTS))
+            times += list(np.linspace(before, after, steps + 1)[1:])
+        q = self.robot.q_nominal.copy()
+        rows = []
+        for time in times:
+            q[7:] = self._keyed(time, q[7:])
+            row, q = self._found(time, q) if self.places else self._given(time, q)
+            rows.append(row)
+        knots = np.array(times)
+        posture, com, torso, pelvis = (
+            Spline(knots, np.array(column)) for column in zip(*rows, strict=True)
+        )
+        return Plan(self.duration, posture, com, torso, pelvis, self._led())
+
+    def support_half(self) -> np.ndarray:
+        """(2,) half length and half width of the rectangle around both soles, m."""
+        left, right = (self._posing.place(sole.name) for sole in self.robot.soles)
+        half_length = min(sole.half_length for sole in self.robot.soles)
+        half_width = min(sole.half_width for sole in self.robot.soles)
+        return np.array([half_length, 0.5 * abs(left[1] - right[1]) + half_width])
+
+    def cell(self, joint: int, time: float) -> Value:
+        """What in the file has a joint where it is at a time."""
+        name = self.robot.joint_names[joint]
+        after = [f for f in self.frames if f.time.number >= time - 1e-9] or [self.frames[-1]]
+        for frame in after:
+            if name in frame.joints:
+                return frame.joints[name]
+        for arm in self._hands.values():
+            for key, place in after[0].places.items():
+                if joint in arm.joints and self._hands.get(key) is arm:
+                    return place[0]
+        return after[0].time
+
+    def _check_names(self) -> None:
+        robot = self.robot
+        for frame in self.frames:
+            for name, value in frame.joints.items():
+                if name not in robot.joint_names:
+                    hint = did_you_mean(name, robot.joint_names)
+                    text = f"{robot.name} has no joint '{name}'{hint}"
+                    raise KeyframeError(self.source, value.where, text)
+                slides = robot.model.joints[robot.model.getJointId(name)].shortname()
+                quantity = "length" if slides.startswith("JointModelP") else "angle"
+                if value.quantity != quantity:
+                    text = f"joint '{name}' is stated as a {value.quantity}; it has an {quantity}"
+                    raise KeyframeError(self.source, value.where, text)
+            for name, (x, _, _) in frame.places.items():
+                if name != COM and name not in self._hands:
+                    known = [COM, *self._hands]
+                    text = f"{robot.name} has no hand '{name}'{did_you_mean(name, known)}"
+                    raise KeyframeError(self.source, x.where, text)
+
+    def _check_contradictions(self) -> None:
+        for frame in self.frames:
+            for name, value in frame.joints.items():
+                joint = self.robot.joint_index(name)
+                led = [s for s in self.places if s in self._hands and joint in self._arm(s)]
+                if led:
+                    text = f"joint '{name}' cannot be given while '{led[0]}' is led to places"
+                    raise KeyframeError(self.source, value.where, text)
+                if joint in self._legs and self.places:
+                    text = f"joint '{name}' of a leg cannot be given along with places"
+                    raise KeyframeError(self.source, value.where, text)
+
+    def _arm(self, name: str) -> tuple[int, ...]:
+        return self._hands[name].joints
+
+    def _joint_splines(self) -> dict[int, Spline]:
+        splines = {}
+        home = self.robot.q_nominal[7:]
+        for name in dict.fromkeys(name for frame in self.frames for name in frame.joints):
+            joint = self.robot.joint_index(name)
+            keyed = [frame for frame in self.frames if name in frame.joints]
+            times = [0.0, *(frame.time.number for frame in keyed)]
+            values = [home[joint], *(frame.joints[name].number for frame in keyed)]
+            splines[joint] = Spline(np.array(times), np.array(values)[:, None])
+        return splines
+
+    def _place_splines(self) -> dict[str, Spline]:
+        splines = {}
+        for name in dict.fromkeys(name for frame in self.frames for name in frame.places):
+            home = np.zeros(3) if name == COM else self._posing.place(self._hands[name].hand)
+            keyed = [frame for frame in self.frames if name in frame.places]
+            times = [0.0, *(frame.time.number for frame in keyed)]
+            places = [home, *([v.number for v in frame.places[name]] for frame in keyed)]
+            splines[name] = Spline(np.array(times), np.array(places))
+        return splines
+
+    def _led(self) -> dict[Side, Spline]:
+        return {
+            self._hands[name].side: spline for name, spline in self.places.items() if name != COM
+        }
+
+    def _keyed(self, time: float, posture: np.ndarray) -> np.ndarray:
+        posture = posture.copy()
+        for joint, spline in self.joints.items():
+            posture[joint] = spline(time)[0]
+        return posture
+
+    def _found(self, time: float, q: np.ndarray) -> tuple[Row, np.ndarray]:
+        """The posture that has hands and CoM where they are wanted, the keyed joints as given."""
+        wish = Wish(
+            com=self.places[COM](time) if COM in self.places else np.zeros(3),
+            hands={self._hands[n].hand: s(time) for n, s in self.places.items() if n != COM},
+            kept=tuple(self.joints),
+            firm_com=COM in self.places,
+        )
+        pose = self._posing.find(wish, q, elsewhere=False)
+        for name in self.places:
+            if name == COM:
+                continue
+            miss = pose.misses[self._hands[name].hand]
+            if miss > _MISS:
+                at = " ".join(f"{x:.2f}" for x in self.places[name](time))
+                text = f"'{name}' at {time:.2f} s: ({at}) m is out of reach by {1e3 * miss:.0f} mm"
+                raise self._place_error(name, time, text)
+        if COM in self.places and pose.com_miss > _MISS:
+            stops = ", ".join(f"'{self.robot.joint_names[k]}'" for k in pose.at_limit) or "the legs"
+            text = f"'{COM}' at {time:.2f} s is off by {1e3 * pose.com_miss:.0f} mm: {stops} at end"
+            raise self._place_error(COM, time, text)
+        return (pose.q[7:], pose.com, pose.torso, pose.pelvis), pose.q
+
+    def _place_error(self, name: str, time: float, text: str) -> KeyframeError:
+        keyed = [frame for frame in self.frames if name in frame.places]
+        after = [f for f in keyed if f.time.number >= time - 1e-9] or keyed[-1:]
+        return KeyframeError(self.source, after[0].places[name][0].where, text)
+
+    def _given(self, time: float, q: np.ndarray) -> tuple[Row, np.ndarray]:
+        """CoM and trunk as the keyed joints place them, on the soles."""
+        q, miss, tilt = self._posing.on_soles(q)
+        if miss > _SOLE_MISS or tilt > _SOLE_TILT:
+            leg = min(self._legs & set(self.joints), default=0)
+            where = self.cell(leg, time).where
+            text = (
+                f"the posture at {time:.2f} s lifts or turns a sole by {1e3 * miss:.0f} mm, "
+                f"{np.rad2deg(tilt):.1f}°: both legs must keep the soles on the ground"
+            )
+            raise KeyframeError(self.source, where, text)
+        com, torso, pelvis = self._posing.attitude(q)
+        if not self._legs & set(self.joints):
+            com = np.zeros(3)  # arms move the CoM, balance moves it back
+        return (q[7:].copy(), com, torso, pelvis), q
