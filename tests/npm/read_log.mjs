@@ -2,9 +2,11 @@
 // Usage: node read_log.mjs LOG TOPIC FIELD
 import { open } from "node:fs/promises";
 import { createRequire } from "node:module";
+import { fileURLToPath } from "node:url";
 
 // Packages are looked up from where they are installed, which need not be beside this file.
-const require = createRequire(`${process.env.WBC_NODE_MODULES ?? import.meta.dirname}/`);
+const folder = process.env.WBC_NODE_MODULES ?? fileURLToPath(new URL(".", import.meta.url));
+const require = createRequire(`${folder}/`);
 const { McapIndexedReader } = require("@mcap/core");
 const { FileHandleReadable } = require("@mcap/nodejs");
 const { parse } = require("@foxglove/rosmsg");
