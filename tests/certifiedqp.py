@@ -22,7 +22,7 @@ EPS = float(np.finfo(float).eps)
 _LONG = np.longdouble
 _RANK = 1e-10  # of rows of unit norm
 _HELD = 1e-13  # violation of a row of unit norm that counts as none, relative to its bound
-_SIGN = 1e-13  # multiplier of the wrong sign that counts as zero, of the gradient
+_SIGN = 1e-16  # multiplier of the wrong sign that counts as zero, of the gradient's terms
 _STEPS = 1000
 _EXCHANGES = 20
 _TOGETHER = 8  # exchanges of many rows in one go
@@ -163,7 +163,7 @@ class _Working:
             y = self.C @ x
             gap = np.asarray(np.maximum(rows.low - y, y - rows.high) / self.bound, dtype=float)
             slope = self.G.T @ (self.G @ x - rows.d)
-            size = max(1e-300, float(np.abs(slope).max()))
+            size = self.terms(x)
             wrong = [k for k, s in multipliers.items() if s * active[k] < -_SIGN * size]
             broken = [int(k) for k in np.flatnonzero(gap > _HELD)]
             if not broken and not wrong:
@@ -178,6 +178,11 @@ class _Working:
             active = {k: s for k, s in active.items() if k not in wrong}
             active |= {k: 1 if y[k] > rows.high[k] else -1 for k in broken}
         return None
+
+    def terms(self, x: np.ndarray) -> float:
+        """Size of the terms that the cost's gradient is the sum of."""
+        G, absolute = np.abs(self.rows.G), np.abs(np.asarray(x, dtype=float))
+        return float((G.T @ (G @ absolute + np.abs(self.rows.d))).max()) or 1.0
 
     def _pushing(self, slope: np.ndarray, active: dict[int, int]) -> set[int]:
         """Independent rows among the active ones that balance the slope best, by pushing only."""
@@ -275,7 +280,6 @@ class _Working:
         K, b, Y, R, Z, U, multipliers = point
         gradient = self.G.T @ (self.G @ x - rows.d)
         left = gradient + K.T.astype(_LONG) @ multipliers
-        size = float(np.abs(gradient).max()) or 1.0
         y = self.C @ x
         gap = np.maximum(np.maximum(rows.low - y, y - rows.high) / self.bound, 0.0)
         off = np.abs(rows.E.astype(_LONG) @ x - rows.e) / np.maximum(1.0, np.abs(rows.e))
@@ -290,5 +294,5 @@ class _Working:
         inverse = solve_triangular(U, np.eye(U.shape[0]), trans="T")
         along = np.abs(Z @ (inverse.T @ (inverse @ Z.T))) @ slope_off
         attainable = EPS * (across + along)
-        proof = float(np.abs(left).max()) / size
+        proof = float(np.abs(left).max()) / self.terms(x)
         return Optimum(np.asarray(x, dtype=float), dict(active), attainable, Z, proof, worst)

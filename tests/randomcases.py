@@ -195,7 +195,7 @@ class Drive:
 
     def _tasks(self) -> list[wbc.Task]:
         bot, rng, kind = self.robot, self.rng, self.case.kind
-        decades = (-6.0, 6.0) if kind == "extreme weights" else (-1.0, 3.5)
+        decades = (-5.0, 5.0) if kind == "extreme weights" else (-1.0, 3.5)
 
         def weight(size: int) -> np.ndarray:
             w = 10.0 ** (rng.uniform(*decades) + rng.uniform(-0.5, 0.5, size))

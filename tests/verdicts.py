@@ -16,9 +16,9 @@ import wbc
 from wbc.command import Status
 from wbc.qp import Problem
 
-ACCURACY = 1e-6  # of accelerations and wrenches, relative to max(1, |reference|)
+ACCURACY = 1e-6  # of each acceleration and each contact's wrench, relative to max(1, |it|)
 HELD = 1e-8  # violation of a row, relative to its scale
-COST = 1e-9  # excess of the cost where the optimum itself is not determined
+COST = 1e-8  # excess of the cost, and its slope along the active rows, both relative
 DETERMINED = 1e-6  # where rounding alone may move the optimum further it is "ill-conditioned"
 CLEAR = 1e-6  # least violation of unit rows from which on no tolerance hides a conflict
 
@@ -48,7 +48,8 @@ class Verdict:
     """One tick of one controller against the truth.
 
     Attributes:
-        acceleration, wrench, torque: largest error relative to max(1, |reference|).
+        acceleration, wrench, torque: largest error of an acceleration, of a contact's wrench and
+            of a torque, relative to max(1, |reference|).
         violation: of the worst row of the unreduced problem, relative to its scale.
         excess: of the cost, relative to the least one.
         slope: of the cost along the active rows, relative to its terms (the KKT residual).
@@ -131,11 +132,13 @@ def judge(case: Case, tick: int, known: Reference, command: wbc.Command) -> Verd
         return verdict
     rows, best = known.rows, known.optimum
     x = rows.of(command)
-    off = np.abs(x - best.x) * rows.scale / np.maximum(1.0, np.abs(best.x * rows.scale))
+    want, off = best.x * rows.scale, np.abs(x - best.x) * rows.scale
     nv, nf, _ = rows.sizes
-    verdict.acceleration = float(off[:nv].max())
-    verdict.wrench = float(off[nv : nv + nf].max(initial=0.0))
-    verdict.torque = float(off[nv + nf :].max())
+    verdict.acceleration = float((off / np.maximum(1.0, np.abs(want)))[:nv].max())
+    verdict.torque = float((off / np.maximum(1.0, np.abs(want)))[nv + nf :].max())
+    for _, part in rows.contacts:
+        size = max(1.0, float(np.linalg.norm(want[nv : nv + nf][part])))
+        verdict.wrench = max(verdict.wrench, float(off[nv : nv + nf][part].max()) / size)
     verdict.violation = rows.violation(x)
     least = rows.cost(best.x)
     verdict.excess = abs(rows.cost(x) - least) / max(least, 1e-12)
@@ -144,11 +147,11 @@ def judge(case: Case, tick: int, known: Reference, command: wbc.Command) -> Verd
     verdict.slope = float(
         np.abs(best.free.T @ gradient).max(initial=0.0) / max(terms.max(), 1e-300)
     )
-    allowed = max(ACCURACY, float(np.abs(best.attainable * rows.scale).max()))
+    off_by = max(verdict.acceleration, verdict.wrench)
     if verdict.violation > HELD:
         verdict.fault = f"a row is violated by {verdict.violation:.1e}"
-    elif verdict.excess > COST:
-        verdict.fault = f"cost {verdict.excess:.1e} above the least"
-    elif max(verdict.acceleration, verdict.wrench) > allowed:
+    elif verdict.excess > COST or verdict.slope > COST:
+        verdict.fault = f"cost {verdict.excess:.1e} above the least, slope {verdict.slope:.1e}"
+    elif off_by > ACCURACY and known.truth is not Truth.ILL_CONDITIONED:
         verdict.fault = f"off by {verdict.acceleration:.1e} and {verdict.wrench:.1e} (wrenches)"
     return verdict
