@@ -22,6 +22,7 @@ SAYS = {
     "09_own_robot": "survived",
     "10_jump": "soles cleared",
     "11_log": "the runs part at 0.000 s",
+    "12_live": "survived",
 }
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-_PROBATION = 2.0  # s of plant time without a fall
+_PROBATION = 3.0  # s of plant time without a fall
 
 
 class PushCount:
-    """Counts pushes that are decided: survived after two seconds on its feet, or not.
+    """Counts pushes that are decided: survived after three seconds on its feet, or not.
 
     Attributes:
         decided: pushes so far, those left out that a reset cut short.

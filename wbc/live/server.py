@@ -13,6 +13,7 @@ import os
 import re
 import socket
 import threading
+import time
 from pathlib import Path
 from typing import Any
 
@@ -123,6 +124,7 @@ def _summary(ticks: list[Gauges]) -> dict[str, Any]:
     """The last tick, with the worst of all of them."""
     last = ticks[-1]
     return {
+        "stamp": round(time.monotonic(), 3),
         "time": round(last.time, 4),
         "mode": last.mode.name.lower(),
         "dcm_error": _rounded(max(tick.dcm_error for tick in ticks)),

@@ -8,7 +8,7 @@ const DRAWN = [["robot", "robot"], ["forces", "contact forces"], ["balance", "Co
   ["swing", "swing path"], ["terrain", "terrain"]];
 const knobs = new Map();
 const buttons = new Map();
-let socket = null, panel = null, gauges = null, complaintEnds = 0;
+let socket = null, panel = null, gauges = null, complaintEnds = 0, behind = Infinity;
 // Read by tests.
 wbc.live = {panel: null, gauges: null, values: {}, errors: []};
 
@@ -82,7 +82,7 @@ function makeKnob(knob) {
 }
 
 const inGroup = (group) => panel.knobs.filter((knob) => knob.group === group);
-const back = (group) => make("button", {textContent: "as it was", onclick: () => {
+const back = (group) => make("button", {className: "as-it-was", textContent: "as it was", onclick: () => {
   for (const knob of panel.knobs.filter(group)) knobs.get(knob.name).turn(knob.value);
 }});
 
@@ -103,7 +103,7 @@ function action(name, label, title, act) {
 
 function walkSection() {
   return section("Walk", ...inGroup("velocity").map(makeKnob),
-    make("small", {textContent: "keys: ↑ ↓ speed, ← → turn, shift ← → sideways, S stand" }));
+    make("small", {textContent: "↑ ↓ speed · ← → turn · shift ← → sideways · S stand" }));
 }
 
 function walk() {
@@ -156,7 +156,7 @@ function pushSection() {
   pad.onpointermove = aim;
   size.input.setAttribute("aria-label", "size of the push");
   size.input.oninput = draw;
-  size.set(0.3 * most);
+  size.set(0.2 * most);
   draw();
   return section("Push", make("div", {className: "push"}, pad, make("div", {},
     make("label", {className: "knob"}, size.input, output),
@@ -191,14 +191,14 @@ function gainSection() {
     back((knob) => !own.has(knob.group)));
 }
 
-// Strips: [label, unit, factor, gauge, colour, least top, line that is the limit].
+// `least` is the least that the full height stands for.
 const STRIPS = [
-  {label: "DCM error", unit: "mm", colour: "#7a3fc4", least: 20, of: (g) => 1000 * g.dcm_error,
+  {label: "DCM error", colour: "#7a3fc4", least: 20, of: (g) => 1000 * g.dcm_error,
     word: (g, top) => `${(1000 * g.dcm_error).toFixed(1)} mm, up to ${top.toFixed(0)}`},
-  {label: "tick", unit: "µs", colour: "#2467d6", least: 200, of: (g) => 1e6 * g.tick_time,
+  {label: "tick", colour: "#2467d6", least: 200, of: (g) => 1e6 * g.tick_time,
     word: (g, top) => `${(1e6 * g.tick_time).toFixed(0)} µs, up to ${top.toFixed(0)}`},
-  {label: "pushes survived", unit: "", colour: "#1f9d7a", least: 1, of: (g) => g.survived,
-    behind: (g) => g.pushes, word: (g) => `${g.survived} of ${g.pushes}`},
+  {label: "pushes survived", colour: "#1f9d7a", least: 1, of: (g) => g.survived,
+    grey: (g) => g.pushes, word: (g) => `${g.survived} of ${g.pushes}`},
 ];
 
 function makeStrips() {
@@ -213,16 +213,18 @@ function makeStrips() {
 }
 
 function addToStrips(now) {
-  const stamp = performance.now() / 1000;
+  // By the server's clock: a page that was busy gets several at once.
+  const stamp = now.stamp;
+  behind = Math.min(behind, performance.now() / 1000 - stamp);
   for (const strip of STRIPS) {
-    strip.points.push([stamp, strip.of(now), strip.behind ? strip.behind(now) : null]);
+    strip.points.push([stamp, strip.of(now), strip.grey ? strip.grey(now) : null]);
     while (strip.points[0][0] < stamp - SHOWN - 1) strip.points.shift();
   }
 }
 
 function drawStrips() {
   if (gauges === null) return;
-  const end = performance.now() / 1000;
+  const end = performance.now() / 1000 - behind;
   for (const strip of STRIPS) {
     const canvas = strip.canvas, scale = devicePixelRatio || 1;
     const w = canvas.clientWidth * scale, h = canvas.clientHeight * scale;
@@ -230,7 +232,7 @@ function drawStrips() {
     const pen = canvas.getContext("2d");
     pen.clearRect(0, 0, w, h);
     let peak = 0;
-    for (const [, value, behind] of strip.points) peak = Math.max(peak, value, behind ?? 0);
+    for (const [, value, grey] of strip.points) peak = Math.max(peak, value, grey ?? 0);
     const top = Math.max(peak, strip.least);
     const line = (k, colour) => {
       pen.beginPath();
@@ -241,7 +243,7 @@ function drawStrips() {
       pen.lineWidth = 1.5 * scale;
       pen.stroke();
     };
-    if (strip.behind) line(2, "#c3ccd5");
+    if (strip.grey) line(2, "#c3ccd5");
     line(1, strip.colour);
     strip.text.textContent = strip.word(gauges, peak);
   }

@@ -1,0 +1,15 @@
+"""A robot driven from the browser."""
+
+import wbc
+from wbc.live import Live, drive
+from wbc.motions import Performer
+
+robot = wbc.load("simple_humanoid")
+performer = Performer(robot)
+
+with wbc.sim.Mujoco(robot) as plant, Live(performer, plant) as live:  # prints its address
+    # Sliders, pushes and motions reach the loop through shared memory, before a tick.
+    print("on the page:", *(motion.name for motion in live.helm.panel.motions))
+    report = drive(live, performer, plant, duration=5.0)
+
+print(report.table())
