@@ -1,4 +1,4 @@
-"""Whether a robot can hold a posture at all: joint torques at rest."""
+"""What standing allows: joint torques at rest, and where the ZMP may be."""
 
 from __future__ import annotations
 
@@ -52,3 +52,13 @@ def effort(robot: Robot, q: np.ndarray, lean: float = 0.5) -> Effort:
     ratios = np.abs(torque) / robot.tau_max
     worst = int(np.argmax(ratios))
     return Effort(torque, float(ratios[worst]), robot.joint_names[worst])
+
+
+def support_half(robot: Robot) -> np.ndarray:
+    """(2,) half length and half width of the rectangle around both soles when standing, m."""
+    model, data = robot.model, robot.model.createData()
+    pin.framesForwardKinematics(model, data, robot.q_nominal)
+    left, right = (data.oMf[sole.frame_id].translation for sole in robot.soles)
+    half_length = min(sole.half_length for sole in robot.soles)
+    half_width = min(sole.half_width for sole in robot.soles)
+    return np.array([half_length, 0.5 * abs(float(left[1] - right[1])) + half_width])

@@ -8,9 +8,13 @@ from typing import ClassVar
 
 import numpy as np
 
+from wbc.errors import MotionError
 from wbc.motions.body import Body
 from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.motions.statics import support_half
 from wbc.robot import Robot
+
+_SUPPORT = 0.9  # share of the support that the motion may use
 
 
 @dataclass(frozen=True)
@@ -20,7 +24,7 @@ class Sway(Motion):
     name: ClassVar[str] = "sway"
     summary: ClassVar[str] = "move the centre of mass on a circle or a figure of eight"
 
-    size: float = parameter(0.04, "radius of the circle, half length of the eight, m")
+    size: float = parameter(0.04, "radius of the circle, half the length of the eight, m")
     frequency: float = parameter(0.5, "rounds per second, Hz")
     shape: str = parameter("circle", "of the way", choices=("circle", "eight"))
     rounds: float = parameter(4.0, "how many")
@@ -28,6 +32,24 @@ class Sway(Motion):
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
         positive(self, "size", "frequency", "rounds")
+        support, share = support_half(robot), 0.0
+        for angle in np.linspace(0.0, 2.0 * math.pi, 33):
+            share = max(share, float((np.abs(self._zmp(robot, angle)) / support).max()))
+        if share > _SUPPORT:
+            raise MotionError(
+                f"sway: the {self.shape} of {self.size:g} m at {self.frequency:g} Hz needs "
+                f"{100.0 * share:.0f} % of {robot.name}'s support, where "
+                f"{100.0 * _SUPPORT:.0f} % leave some to balance: size at most "
+                f"{self.size * _SUPPORT / share:.3f} m, or slower"
+            )
+
+    def _zmp(self, robot: Robot, angle: float) -> np.ndarray:
+        """(2,) where the ZMP goes, c − c̈ / ω², from the middle of the soles, m."""
+        rate = 2.0 * math.pi * self.frequency
+        swing = rate * rate * robot.com_height / 9.81
+        c = self.place(angle / rate)[:2]
+        doubled = np.array([1.0, 1.0 if self.shape == "circle" else 4.0])
+        return np.asarray(c * (1.0 + swing * doubled))
 
     def play(self, body: Body) -> Script:
         """See `Motion.play`."""
@@ -41,4 +63,4 @@ class Sway(Motion):
         angle = 2.0 * math.pi * self.frequency * time
         if self.shape == "circle":
             return self.size * np.array([math.sin(angle), math.cos(angle), 0.0])
-        return self.size * np.array([0.5 * math.sin(2.0 * angle), math.sin(angle), 0.0])
+        return self.size * np.array([math.sin(angle), 0.5 * math.sin(2.0 * angle), 0.0])

@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from wbc.motions.keyframing.keyframe import KeyframeError
 from wbc.motions.keyframing.plan import Plan, Planner
-from wbc.motions.statics import effort
+from wbc.motions.statics import effort, support_half
 
 _STEP = 0.01  # s
 _EVERY = 10  # of these for the torques
@@ -26,6 +26,7 @@ def check_limits(planner: Planner, plan: Plan) -> None:
         KeyframeError: with the line and column that lead there.
     """
     robot = planner.robot
+    half = support_half(robot)
     for k in range(int(plan.duration / _STEP) + 1):
         time = k * _STEP
         q, v, a = plan.posture.derivatives(time)
@@ -34,7 +35,7 @@ def check_limits(planner: Planner, plan: Plan) -> None:
         _refuse(planner, time, np.abs(v) > robot.v_max, v, -robot.v_max, robot.v_max, "velocity")
         if k % _EVERY == 0:
             _check_torques(planner, time, q, v, a)
-        _check_zmp(planner, plan, time)
+        _check_zmp(planner, plan, time, half)
 
 
 def _refuse(
@@ -75,11 +76,10 @@ def _check_torques(
     _refuse(planner, time, np.abs(torque) > limit, torque, -limit, limit, "torque")
 
 
-def _check_zmp(planner: Planner, plan: Plan, time: float) -> None:
+def _check_zmp(planner: Planner, plan: Plan, time: float, half: np.ndarray) -> None:
     robot = planner.robot
     c, _, a = plan.com.derivatives(time)
     zmp = (c - a * robot.com_height / _GRAVITY)[:2]
-    half = planner.support_half()
     if (np.abs(zmp) > _SUPPORT * half).any():
         raise KeyframeError(
             planner.source,

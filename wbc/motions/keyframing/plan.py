@@ -92,13 +92,6 @@ class Planner:
         )
         return Plan(self.duration, posture, com, torso, pelvis, self._led())
 
-    def support_half(self) -> np.ndarray:
-        """(2,) half length and half width of the rectangle around both soles, m."""
-        left, right = (self._posing.place(sole.name) for sole in self.robot.soles)
-        half_length = min(sole.half_length for sole in self.robot.soles)
-        half_width = min(sole.half_width for sole in self.robot.soles)
-        return np.array([half_length, 0.5 * abs(left[1] - right[1]) + half_width])
-
     def cell(self, joint: int, time: float) -> Value:
         """What in the file has a joint where it is at a time."""
         name = self.robot.joint_names[joint]

@@ -1,0 +1,264 @@
+"""What each robot does besides walking, in physics: the table of motions of the README.
+
+Every run is in MuJoCo with physics at 1 kHz, friction 0.8, the URDF's torque limits, noisy
+sensors and the estimator in the loop; CoM errors, slips, hands and flights are judged by the
+truth, relative to the soles. A run passes when the robot does not fall, the figure is within
+its bound, no QP fails, no torque and no joint position exceeds its limit (by 1e-3 rad), and no
+sole slips by more than 5 mm (outside the jump).
+
+    python benchmarks/motions.py                     # all robots, 5 seeds
+    python benchmarks/motions.py --robot g1 --seeds 1 --motion squat
+"""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+import argparse
+import json
+import math
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import wbc
+from wbc.errors import MotionError
+from wbc.motions import Motion
+from wbc.motions.jump import Jump
+from wbc.motions.one_leg import OneLeg
+from wbc.motions.reach import Reach
+from wbc.motions.show import Show
+from wbc.motions.squat import Squat
+from wbc.motions.sway import Sway
+from wbc.motions.wave import Wave
+from wbc.report import Report
+from wbc.trials import run_motions
+
+ROBOTS = ("talos", "g1", "simple_humanoid")
+WALK = {"g1": 0.2}  # m/s; 0.3 for the others
+ONE_LEG_BOUND = {"talos": 6.0}  # mm
+CLEARANCE = 30.0  # mm
+REACHES = 40  # pairs of places per seed
+MARKS = ("<!-- motions:begin -->", "<!-- motions:end -->")
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of the table.
+
+    Attributes:
+        name: as in the table.
+        motions: what is played, for a robot's name and a seed.
+        figure: what is measured, None when there is nothing to measure.
+        unit: of the figure.
+        worst: of several seeds' figures.
+        good: whether a robot's figure will do.
+        jumps: whether a sole may slip.
+    """
+
+    name: str
+    motions: Callable[[str, int], list[Motion]]
+    figure: Callable[[Report], float] = lambda report: math.nan
+    unit: str = ""
+    worst: Callable[[list[float]], float] = max
+    good: Callable[[str, float], bool] = lambda robot, figure: True
+    jumps: bool = False
+
+    def passed(self, robot: str, report: Report) -> bool:
+        """Whether a run will do."""
+        slip = report.foot_slip_mm or 0.0
+        return (
+            report.survived
+            and self.good(robot, self.figure(report))
+            and report.qp_failures == 0
+            and report.joint_limit_excess_rad <= 1e-3
+            and report.torque_excess_nm <= 0.0
+            and (self.jumps or slip <= 5.0)
+        )
+
+
+def com_error(report: Report) -> float:
+    """mm rms."""
+    return math.inf if report.com_error_rms_mm is None else report.com_error_rms_mm
+
+
+def clearance(report: Report) -> float:
+    """mm, of the lower sole."""
+    return max((flight.clearance_mm for flight in report.flights), default=0.0)
+
+
+def reached(report: Report) -> float:
+    """% of the hands' places that were reached within 1 cm."""
+    return 100.0 * report.targets_reached / max(report.targets, 1)
+
+
+ROWS = (
+    Row(
+        "sway 4 cm, 0.5 Hz (circle, then eight): CoM error rms ≤ 6 mm",
+        lambda robot, seed: [Sway(), Sway(shape="eight")],
+        com_error,
+        "mm",
+        good=lambda robot, error: error <= 6.0,
+    ),
+    Row(
+        "squat 10 % of leg length, 0.5 Hz: CoM error rms ≤ 5 mm",
+        lambda robot, seed: [Squat()],
+        com_error,
+        "mm",
+        good=lambda robot, error: error <= 5.0,
+    ),
+    Row(
+        "wave while walking 0.3 m/s (g1 0.2), 8 s: no fall",
+        lambda robot, seed: [Wave(walk=WALK.get(robot, 0.3), seconds=8.0)],
+    ),
+    Row(
+        "one leg, each side 5 s, pushed 0.05 N·s/kg: no fall (talos: CoM error rms ≤ 6 mm)",
+        lambda robot, seed: [OneLeg(towards=(90.0, 0.0, 180.0, 270.0, 45.0)[seed % 5])],
+        com_error,
+        "mm",
+        good=lambda robot, error: error <= ONE_LEG_BOUND.get(robot, math.inf),
+    ),
+    Row(
+        f"reach, {REACHES} × 2 random places per seed: ≥ 98 % within 1 cm, no fall",
+        lambda robot, seed: [Reach(random=REACHES, draw=seed)],
+        reached,
+        "%",
+        worst=lambda shares: sum(shares) / len(shares),
+    ),
+    Row(
+        "jump: both soles clear ≥ 3 cm, lands standing",
+        lambda robot, seed: [Jump()],
+        clearance,
+        "mm",
+        worst=min,
+        good=lambda robot, height: height >= CLEARANCE,
+        jumps=True,
+    ),
+    Row("show, everything in a row: no fall", lambda robot, seed: [Show()], jumps=True),
+)
+
+
+def trial(job: tuple[str, int, int]) -> tuple[str, int, int, Report | str]:
+    """One run in a process of its own; a text when the robot's limits rule the motion out."""
+    name, index, seed = job
+    robot = wbc.load(name)
+    try:
+        report = run_motions(robot, ROWS[index].motions(name, seed), seed, at_most=400.0)
+    except MotionError as bound:
+        return name, index, seed, str(bound)
+    return name, index, seed, report
+
+
+def main() -> int:
+    """Run the trials, print the table, write the JSON."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--robot", action="append", choices=ROBOTS, help="only this one")
+    parser.add_argument("--motion", default="", help="only rows whose name contains this")
+    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--jobs", type=int, default=1, help="processes")
+    parser.add_argument("--json", type=Path, help="write all reports here")
+    parser.add_argument("--readme", type=Path, help="put the table between the marks of this file")
+    args = parser.parse_args()
+    robots = args.robot or ROBOTS
+    jobs = [
+        (name, index, seed)
+        for index, row in enumerate(ROWS)
+        if args.motion in row.name
+        for name in robots
+        for seed in range(args.seeds)
+    ]
+    results: dict[tuple[int, str], list[Report | str]] = {}
+    begun = time.perf_counter()
+    with ProcessPoolExecutor(args.jobs) as pool:
+        for name, index, seed, result in pool.map(trial, jobs):
+            results.setdefault((index, name), []).append(result)
+            print(line(ROWS[index], name, seed, result), file=sys.stderr, flush=True)
+    text = table(results, robots)
+    print(text)
+    print(f"\n{len(jobs)} runs in {time.perf_counter() - begun:.0f} s")
+    if args.readme:
+        head, rest = args.readme.read_text(encoding="utf-8").split(MARKS[0])
+        tail = rest.split(MARKS[1])[1]
+        args.readme.write_text(f"{head}{MARKS[0]}\n{text}\n{MARKS[1]}{tail}", encoding="utf-8")
+    if args.json:
+        rows = [
+            {
+                "row": ROWS[i].name,
+                "robot": n,
+                "seed": s,
+                **(asdict(r) if not isinstance(r, str) else {"bound": r}),
+            }
+            for (i, n), reports in results.items()
+            for s, r in enumerate(reports)
+        ]
+        args.json.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+    return 0 if all(cell(ROWS[i], n, r)[1] for (i, n), r in results.items()) else 1
+
+
+def line(row: Row, robot: str, seed: int, result: Report | str) -> str:
+    """What is said while it goes on."""
+    head = f"{robot:16} {row.name.split(':')[0][:44]:44} seed {seed}"
+    if isinstance(result, str):
+        return f"bound {head}  {result}"
+    mark = "ok   " if row.passed(robot, result) else "FAIL "
+    figure = "" if not row.unit else f"{row.figure(result):6.1f} {row.unit}"
+    slip = result.foot_slip_mm or 0.0
+    why = result.fell_why or (result.explanation[:80] if result.qp_failures else "")
+    return (
+        f"{mark} {head}  {figure}  CoM {com_error(result):.1f} mm, slip {slip:.1f} mm, torque "
+        f"{100 * result.torque_peak_ratio:.0f} %, joints {result.joint_limit_excess_rad:.0e}  {why}"
+    )
+
+
+def cell(row: Row, robot: str, results: list[Report | str]) -> tuple[str, bool]:
+    """Text of a cell, and whether all is well in it."""
+    reports = [r for r in results if not isinstance(r, str)]
+    if not reports:
+        return f"refused: {results[0]}", True
+    passed = sum(row.passed(robot, r) for r in reports)
+    well = passed == len(reports)
+    if not row.unit:
+        return f"{passed}/{len(reports)}", well
+    figure = row.worst([row.figure(r) for r in reports])
+    if row.unit == "%":
+        well = well and figure >= 98.0
+    return f"{figure:.1f} {row.unit} ({passed}/{len(reports)})", well
+
+
+def table(results: dict[tuple[int, str], list[Report | str]], robots: tuple[str, ...]) -> str:
+    """A Markdown table, one row per motion, and the extremes of all runs below."""
+    lines = [f"| | {' | '.join(robots)} |", f"| --- |{' --- |' * len(robots)}"]
+    for index, row in enumerate(ROWS):
+        cells = [results.get((index, name)) for name in robots]
+        if any(cells):
+            texts = [cell(row, n, r)[0] if r else "" for n, r in zip(robots, cells, strict=True)]
+            lines.append(f"| {row.name} | {' | '.join(texts)} |")
+    extremes = (
+        ("beyond joint limits, rad", "{:.0e}", lambda r: r.joint_limit_excess_rad),
+        ("beyond torque limits, N·m", "{:.0f}", lambda r: max(r.torque_excess_nm, 0.0)),
+        ("QP failures", "{:.0f}", lambda r: r.qp_failures),
+        ("foot slip outside the jump, mm", "{:.1f}", lambda r: r.foot_slip_mm or 0.0),
+    )
+    for what, form, of in extremes:
+        texts = []
+        for name in robots:
+            reports = [
+                r
+                for (index, robot), some in results.items()
+                for r in some
+                if robot == name and not isinstance(r, str)
+                if not (what.startswith("foot") and ROWS[index].jumps)
+            ]
+            texts.append(form.format(max(of(r) for r in reports)) if reports else "")
+        lines.append(f"| worst of all runs: {what} | {' | '.join(texts)} |")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
