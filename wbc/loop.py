@@ -84,11 +84,11 @@ def run(
     logs = () if log is None else tuple(log) if isinstance(log, Sequence) else (log,)
     for one in logs:
         one.begin(controller, plant)
-    book = Book(plant.robot, start, int(np.ceil(duration / plant.dt)) + 1)
     show_every = max(1, round(1.0 / (30.0 * plant.dt)))
     tell_every = max(1, round(0.1 / plant.dt))
     end = plant.time + duration - 0.5 * plant.dt
     with uncollected(), _conditions(real_time, announce) as conditions:
+        book = Book(plant.robot, start, int(np.ceil(duration / plant.dt)) + 1)
         clock = Clock(plant.dt, book.ticks) if conditions is not None else None
         try:
             tick = 0
