@@ -1,12 +1,12 @@
 """Asks the system for punctual ticks, and gives everything back.
 
-Each request was kept because it measurably helps. Talos walking at 500 Hz on two processors that
-two other processes want as well, overruns of 12 000 ticks: nothing 9 700, nice −20 with a timer
-slack of 1 ns 4 100, SCHED_FIFO 4. Beside a Python thread that computes for 2 ms out of 10, of
-5 000 ticks: SCHED_FIFO with a switch interval of 5 ms 1 430, with 0.2 ms 150. After the kernel had
-taken back the process's pages, two ticks had 66 page faults, 4 of them from the disk; with locked
-pages none. No gain was found in pinning the thread to a processor, nor in keeping processors out of
-their sleep states (the loop spins while they would wake up).
+Each request was kept because it measurably helps. Talos walking at 500 Hz on two processors under
+a load of 7, overruns of 12 000 ticks: nothing asked 9 700, nice −20 with a timer slack of 1 ns
+4 100, SCHED_FIFO 4. Beside a Python thread that computes for 2 ms out of 10, of 5 000 ticks:
+SCHED_FIFO with a switch interval of 5 ms 1 430, with 0.2 ms 150. After the kernel had taken back
+the process's pages, two ticks had 66 page faults, 4 of them from the disk; with locked pages none.
+No gain was found in pinning the thread to a processor, nor in keeping processors out of their sleep
+states (the loop spins while they would wake up).
 """
 
 from __future__ import annotations
