@@ -2,6 +2,7 @@
 
 import json
 import queue
+import re
 import threading
 import time
 import urllib.error
@@ -463,6 +464,25 @@ def test_requests_by_another_name_or_that_would_change_something_are_refused(
     assert refusal.value.code == code
 
 
+@pytest.mark.parametrize(
+    ("listening", "name", "known"),
+    [
+        ("127.0.0.1", "localhost", True),
+        ("127.0.0.1", "192.168.1.5", False),
+        ("192.168.1.5", "192.168.1.5", True),
+        ("192.168.1.5", "192x168.1.5", False),
+        ("0.0.0.0", "10.0.0.7", True),
+        ("0.0.0.0", "10.0.0.7.example", False),
+        ("0.0.0.0", "rebound.example", False),
+        ("::", "[fe80::1]", True),
+    ],
+)
+def test_a_page_open_to_the_network_is_asked_for_by_address_not_by_any_name(listening, name, known):
+    from wbc.live.server import _names
+
+    assert bool(re.fullmatch(_names(listening), name)) is known
+
+
 def test_the_page_needs_nothing_from_elsewhere(live):
     for name in ("", "panel.js", "panel.css", "stage.js", "live.js"):
         with urllib.request.urlopen(live.url + name, timeout=20.0) as answer:
@@ -529,6 +549,8 @@ def test_it_falls_lies_and_is_set_on_its_feet_and_gauges_tell(live, performer, p
         until(lambda g: g["mode"] == "paused")
         page.ask("reset")
         until(lambda g: g["mode"] == "running")
+        page.ask("pause", True)  # and so it ends: what is paused can be stopped
+        until(lambda g: g["mode"] == "paused")
     assert [line.split(":")[0] for line in told][1:] == ["fell", "reset", "reset"]
 
 

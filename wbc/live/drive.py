@@ -50,6 +50,7 @@ def drive(
         if stop():
             raise StopRun("stopped")
 
+    live.helm.stop = stop
     left = duration
     with punctual(RealTime()) as conditions:
         told(conditions.describe())

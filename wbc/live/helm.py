@@ -44,6 +44,7 @@ class Helm:
         paused: it stands still in time.
         taken: how many requests have been taken.
         reset_wanted: a reset was asked for, and the run ended for it.
+        stop: asked while it is paused; ends the run.
     """
 
     def __init__(
@@ -76,6 +77,7 @@ class Helm:
         self._playing = NO_MOTION
         self._clock = Clock(performer.dt, 1)
         self._fresh = True
+        self.stop: Callable[[], bool] = lambda: False
 
     def begin(self) -> None:
         """A run begins: what was asked for before it is forgotten."""
@@ -97,7 +99,10 @@ class Helm:
         """
         self._clock.wait()
         self._take()
-        while self.paused and not self._reset_due():
+        # The first tick of a run is not waited with: it shows where the robot stands.
+        while self.paused and not self._fresh and not self._reset_due():
+            if self.stop():
+                raise StopRun("stopped")
             self._idle()
             time.sleep(_NAP)
             self._take()
