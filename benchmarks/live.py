@@ -167,6 +167,51 @@ def slider(robot: wbc.Robot, repeats: int) -> tuple[list[Row], dict[str, list[fl
     return rows, spent
 
 
+def torques(robot: wbc.Robot, slower: float, faster: float, at: float) -> list[np.ndarray]:
+    """Of a walk whose velocity changes at a time, from there on for a second; not in real time."""
+    performer = Performer(robot)
+    plant = Mujoco(robot, dt=performer.dt)
+    found: list[np.ndarray] = []
+
+    class Keeper:
+        def begin(self, controller: Any, plant: Any) -> None:
+            performer.velocity = (slower, 0.0, 0.0)
+
+        def record(self, tick: Tick, controller: Any) -> None:
+            if tick.time > at - 1e-9:
+                found.append(tick.command.tau)
+
+        def end(self, report: Report) -> None:
+            pass
+
+    def before_tick(now: float) -> None:
+        if abs(now - at) < 1e-9:
+            performer.velocity = (faster, 0.0, 0.0)
+
+    wbc.run(performer, plant, at + 1.0, log=Keeper(), before_tick=before_tick)
+    return found
+
+
+def walking(robot: wbc.Robot, phases: int) -> Row:
+    """From a velocity set while it walks to the command that differs, ms of the robot's time."""
+    gait = Performer(robot).walker.gait
+    slower, faster = 0.3 * gait.max_velocity[0], 0.4 * gait.max_velocity[0]
+    waits = []
+    for k in range(phases):
+        at = 0.002 * round((2.0 + k / phases * gait.step_duration) / 0.002)
+        pairs = zip(
+            torques(robot, slower, slower, at), torques(robot, slower, faster, at), strict=True
+        )
+        differs = [bool(np.abs(a - b).max() > _SAME) for a, b in pairs]
+        waits.append(2.0 * differs.index(True))
+    return {
+        "what": "walking: velocity to other command",
+        "unit": "ms",
+        "p50": float(np.median(waits)),
+        "max": max(waits),
+    }
+
+
 def cost(robot: wbc.Robot, ticks: int) -> list[Row]:
     """CPU time per tick of what the page asks of the loop, µs."""
     performer = Performer(robot)
@@ -210,11 +255,16 @@ def main() -> None:
     parser.add_argument("--robot", default="talos", help="default: talos")
     parser.add_argument("--repeats", type=int, default=30, help="of the slider (default: 30)")
     parser.add_argument("--ticks", type=int, default=2000, help="of the cost (default: 2000)")
+    parser.add_argument(
+        "--phases", type=int, default=4, help="of a step, for a robot that walks (default: 4)"
+    )
     parser.add_argument("--json", type=Path, help="also write the figures there")
     options = parser.parse_args()
     robot = wbc.load(options.robot)
     rows, spent = slider(robot, options.repeats)
     rows += cost(robot, options.ticks)
+    if options.phases:
+        rows.append(walking(robot, options.phases))
     print(f"{robot.name}, {options.repeats} moves of a slider, {options.ticks} ticks")
     for row in rows:
         figures = "   ".join(
