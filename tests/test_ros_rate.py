@@ -7,6 +7,7 @@ from rostools import Hearer, Peer, new_domain, node
 
 from wbc.ros import Qos
 from wbc.ros.due import Due
+from wbc.ros.qos import FAST
 
 pytest.importorskip("cyclonedds")
 
@@ -19,7 +20,8 @@ RATE = 500
 def test_no_message_is_lost_at_500_hz(seconds):
     domain = new_domain()
     number = RATE * seconds
-    with Peer.of(domain, "count", str(RATE), str(number)), node("here", domain) as here:
+    sender = Peer.of(domain, "count", str(RATE), str(number), str(FAST.depth))
+    with sender, node("here", domain) as here:
         heard = Hearer(here, "sensor_msgs/msg/JointState", "joint_states", Qos(depth=10_000))
         # A busy machine may be slower than the clock; but what is sent must come.
         here.spin(lambda: len(heard) >= number, 5.0 * seconds + 20.0)

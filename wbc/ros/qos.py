@@ -68,6 +68,8 @@ class Qos:
 
 DEFAULT = Qos()
 LATCHED = Qos(depth=1, latched=True)
+#: At 500 Hz a fifth of a second: longer than a reader takes to ask for what it missed.
+FAST = Qos(depth=100)
 SENSOR_DATA = Qos(depth=5, reliable=False)
 SERVICES = Qos()
 PARAMETERS = Qos(depth=1000)

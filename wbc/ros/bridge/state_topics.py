@@ -12,6 +12,7 @@ from wbc.ros.bridge.layout import Sample
 from wbc.ros.endpoints import Publisher
 from wbc.ros.names import token
 from wbc.ros.node import Node
+from wbc.ros.qos import FAST
 
 WORLD = "odom"  #: the frame in which the robot's estimator tells where it is
 
@@ -31,7 +32,7 @@ class Filled:
     """
 
     def __init__(self, node: Node, topic: str, message: Message) -> None:
-        self._publisher: Publisher = node.publisher(message.type_name, topic)
+        self._publisher: Publisher = node.publisher(message.type_name, topic, FAST)
         self.template = Template(message)
 
     def view(self, path: str) -> np.ndarray:
