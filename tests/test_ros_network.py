@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import xml.etree.ElementTree as ET
 
 import pytest
 
-from wbc.ros import Network, Reach, RosError
+from wbc.errors import MissingExtra
+from wbc.ros import Network, Node, Reach, RosError
 
 pytest.importorskip("cyclonedds")
 
@@ -115,3 +118,15 @@ def test_a_process_joins_a_domain_in_one_way_only():
     Network(101).join()
     with pytest.raises(RosError, match="another configuration"):
         Network(101, Reach.LOCALHOST).join()
+
+
+def test_without_cyclonedds_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "cyclonedds", None)
+    with pytest.raises(MissingExtra, match=r"pip install 'wbc\[ros2\]'"):
+        Node("lonely")
+
+
+def test_wbc_ros_loads_no_middleware_before_it_is_needed():
+    code = "import sys, wbc; wbc.ros.Network.of(); print('cyclonedds' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pinocchio  # noqa: F401  # everything needs it: paid here, where one expects to wait
 
 if TYPE_CHECKING:
-    from wbc import errors, log, sim, view
+    from wbc import errors, log, ros, sim, view
     from wbc.command import Command, Status
     from wbc.conditions import LoopConditions
     from wbc.contacts import Contact, PointContact, SurfaceContact
@@ -87,6 +87,7 @@ __all__ = [
     "errors",
     "load",
     "log",
+    "ros",
     "run",
     "sim",
     "view",
@@ -127,7 +128,7 @@ _NAMES = {
     "telemetry": ("Footstep", "Telemetry"),
     "walking": ("VelocityClamped", "Walker", "WalkerGains"),
 }
-_MODULES = ("errors", "log", "sim", "view")
+_MODULES = ("errors", "log", "ros", "sim", "view")
 
 if not TYPE_CHECKING:  # a checker is to report a name that is not there
 
