@@ -39,14 +39,15 @@ def transformed_row(
     C: np.ndarray, L: np.ndarray, bounded: int, row: int, sign: float, m: np.ndarray
 ) -> None:
     """m = sign L⁻¹ c."""
-    m[:] = 0.0
+    for k in range(m.size):
+        m[k] = 0.0
     if row < bounded:
         m[row] = sign
         forward(L, m, row)
     else:
         for k in range(m.size):
             m[k] = sign * C[row - bounded, k]
-        forward(L, m, 0)
+        forward(L, m, np.int64(0))  # a literal would be compiled apart
 
 
 @part
@@ -315,17 +316,19 @@ def solve(
     r = line[1, n:]
     if not cholesky(H, L):
         return NOT_CONVEX
-    w[:] = g
-    forward(L, w, 0)
+    for k in range(n):
+        w[k] = g[k]
+    forward(L, w, np.int64(0))
     used = np.zeros(total, np.int8)
-    scale[:] = 0.0
+    for row in range(total):
+        scale[row] = 0.0
     # Equalities first, then what was active before.
     before = counts[0]
     old_rows, old_sides, old_multipliers = rows.copy(), sides.copy(), multipliers.copy()
     size = 0
     for row in range(total):
         if is_equality[row] and size <= n:
-            append(C, L, w, lb, ub, bounded, row, 1, size, rows, sides, M, K, d)
+            append(C, L, w, lb, ub, bounded, row, np.int64(1), size, rows, sides, M, K, d)
             if size < n and factor_row(K, F, size):
                 used[row] = 1
                 multipliers[size] = 0.0

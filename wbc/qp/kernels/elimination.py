@@ -16,10 +16,10 @@ from wbc.qp.kernels.jit import part
 @part
 def invert_action(X: np.ndarray, out: np.ndarray) -> None:
     """`[R, S; 0, R]⁻¹ = [Rᵀ, −Rᵀ S Rᵀ; 0, Rᵀ]`."""
-    out[3:, :3] = 0.0
     for i in range(3):
         for j in range(3):
             out[i, j] = out[3 + i, 3 + j] = X[j, i]
+            out[3 + i, j] = 0.0
     for i in range(3):
         for j in range(3):
             s = 0.0
@@ -79,7 +79,8 @@ def eliminate(
     for i in range(gone):
         for k in range(6):
             weights[k] = X[k, i]
-        W[i, :] = 0.0
+        for c in range(last + 1):
+            W[i, c] = 0.0
         add_product(weights, S, W[i])
 
 
@@ -113,15 +114,17 @@ def solve_base(M: np.ndarray, S: np.ndarray, B: np.ndarray) -> None:
             for k in range(j):
                 s -= L[i, k] * L[j, k]
             L[i, j] = math.sqrt(s) if i == j else s / L[j, j]
-    for i in range(6):
-        B[i] = -S[i]
-        for k in range(i):
-            B[i] -= L[i, k] * B[k]
-        B[i] /= L[i, i]
-    for i in range(5, -1, -1):
-        for k in range(i + 1, 6):
-            B[i] -= L[k, i] * B[k]
-        B[i] /= L[i, i]
+    for c in range(B.shape[1]):
+        for i in range(6):
+            s = -S[i, c]
+            for k in range(i):
+                s -= L[i, k] * B[k, c]
+            B[i, c] = s / L[i, i]
+        for i in range(5, -1, -1):
+            s = B[i, c]
+            for k in range(i + 1, 6):
+                s -= L[k, i] * B[k, c]
+            B[i, c] = s / L[i, i]
 
 
 @part

@@ -14,8 +14,12 @@ import numba
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-# Sums may be reordered, for the vector units; NaN and infinity keep their meaning.
-_FAST = {"reassoc", "contract", "nsz"}
+# Sums may be reordered, for the vector units; NaN and infinity keep their meaning. A division
+# by zero gives infinity, as numpy's does, instead of a branch to an exception.
+_OPTIONS: dict[str, Any] = {
+    "fastmath": {"reassoc", "contract", "nsz"},
+    "error_model": "numpy",
+}
 
 
 def kernel(signature: str) -> Callable[[F], F]:
@@ -27,14 +31,17 @@ def kernel(signature: str) -> Callable[[F], F]:
 
     def compiled(function: F) -> F:
         with _kept_by_content() as kept:
-            return numba.njit(signature, cache=kept, fastmath=_FAST)(function)  # type: ignore[no-any-return]
+            made: F = numba.njit(signature, cache=kept, no_cfunc_wrapper=True, **_OPTIONS)(function)
+        return made
 
     return compiled
 
 
 def part(function: F) -> F:
     """A function that is called by kernels only."""
-    return numba.njit(fastmath=_FAST)(function)  # type: ignore[no-any-return]
+    # What is called from nowhere else needs no wrappers, which take long to compile.
+    made: F = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)
+    return made
 
 
 @contextmanager

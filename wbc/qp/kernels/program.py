@@ -36,9 +36,10 @@ def write_cost(
     for r in range(gone):
         for c in range(n + 1):
             G[count + r, c] = root_force * maps.W[r, c]
-    g[:] = 0.0
     for i in range(n):
-        H[i, : i + 1] = 0.0
+        g[i] = 0.0
+        for c in range(i + 1):
+            H[i, c] = 0.0
         # By threes: most tasks have as many rows, and leave the columns of some limbs empty.
         for r in range(0, G.shape[0], 3):
             s0, s1, s2 = G[r, i], G[r + 1, i], G[r + 2, i]
@@ -109,7 +110,8 @@ def write_constraints(
             lb[na + at], ub[na + at] = least, most
         else:
             for r in range(count):
-                line[:] = 0.0
+                for c in range(n + 1):
+                    line[c] = 0.0
                 add_product(cone[r], W[start:], line)
                 ub[na + at] = -split(line, C[at])
                 at += 1

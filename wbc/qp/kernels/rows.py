@@ -33,7 +33,8 @@ def write_tasks(tasks: Tasks, frames: Frames, rows: Rows) -> None:
                 + tasks.gain[t, c] * error[c]
                 - frames.bias[k, c]
             )
-            rows.A[row + i] = frames.J[k, c]
+            for j in range(rows.A.shape[1]):
+                rows.A[row + i, j] = frames.J[k, c, j]
 
 
 @part
@@ -62,8 +63,9 @@ def write_contacts(contacts: Contacts, frames: Frames, rows: Rows) -> None:
                     a[start + part_of + axis] = s
         if row >= 0:
             for m in range(size):
-                rows.A[row + m] = J[start + m]
                 rows.b[row + m] = a[start + m]
+                for c in range(rows.A.shape[1]):
+                    rows.A[row + m, c] = J[start + m, c]
 
 
 @part

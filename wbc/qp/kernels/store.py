@@ -136,21 +136,21 @@ class Store:
         (self.rows, self.limits, self.maps, self.program) = made[5:]
 
 
+# The entry of the table, not its number: Numba would compile these anew for each number.
 @part
-def _one(flat: np.ndarray, table: np.ndarray, i: int) -> np.ndarray:
-    return flat[table[i, 0] : table[i, 0] + table[i, 1]]
-
-
-@part
-def _two(flat: np.ndarray, table: np.ndarray, i: int) -> np.ndarray:
-    start, rows, columns = table[i, 0], table[i, 1], table[i, 2]
-    return flat[start : start + rows * columns].reshape(rows, columns)
+def _one(flat: np.ndarray, entry: np.ndarray) -> np.ndarray:
+    return flat[entry[0] : entry[0] + entry[1]]
 
 
 @part
-def _three(flat: np.ndarray, table: np.ndarray, i: int) -> np.ndarray:
-    start, size = table[i, 0], table[i, 1] * table[i, 2] * table[i, 3]
-    return flat[start : start + size].reshape(table[i, 1], table[i, 2], table[i, 3])
+def _two(flat: np.ndarray, entry: np.ndarray) -> np.ndarray:
+    return flat[entry[0] : entry[0] + entry[1] * entry[2]].reshape(entry[1], entry[2])
+
+
+@part
+def _three(flat: np.ndarray, entry: np.ndarray) -> np.ndarray:
+    size = entry[1] * entry[2] * entry[3]
+    return flat[entry[0] : entry[0] + size].reshape(entry[1], entry[2], entry[3])
 
 
 @part
@@ -159,11 +159,11 @@ def motion_groups(
 ) -> tuple[Tree, Frames, Tasks, Wishes, Contacts]:
     """The first five groups of a store's arrays."""
     return (
-        Tree(_one(i, t, 0), _one(f, t, 1), _two(f, t, 2), _two(f, t, 3)),
-        Frames(_one(i, t, 4), _three(f, t, 5), _three(f, t, 6), _two(f, t, 7), _two(f, t, 8)),
-        Tasks(_two(i, t, 9), _three(f, t, 10), _two(f, t, 11), _two(f, t, 12)),
-        Wishes(_one(i, t, 13), _one(f, t, 14), _two(f, t, 15), _two(f, t, 16)),
-        Contacts(_two(i, t, 17), _two(f, t, 18), _three(f, t, 19), _two(f, t, 20), _one(f, t, 21)),
+        Tree(_one(i, t[0]), _one(f, t[1]), _two(f, t[2]), _two(f, t[3])),
+        Frames(_one(i, t[4]), _three(f, t[5]), _three(f, t[6]), _two(f, t[7]), _two(f, t[8])),
+        Tasks(_two(i, t[9]), _three(f, t[10]), _two(f, t[11]), _two(f, t[12])),
+        Wishes(_one(i, t[13]), _one(f, t[14]), _two(f, t[15]), _two(f, t[16])),
+        Contacts(_two(i, t[17]), _two(f, t[18]), _three(f, t[19]), _two(f, t[20]), _one(f, t[21])),
     )
 
 
@@ -173,23 +173,23 @@ def program_groups(
 ) -> tuple[Rows, Limits, Maps, Program]:
     """The other four."""
     return (
-        Rows(_one(i, t, 22), _two(f, t, 23), _one(f, t, 24), _one(f, t, 25)),
-        Limits(_one(i, t, 26), _two(f, t, 27), _three(f, t, 28), _one(f, t, 29)),
+        Rows(_one(i, t[22]), _two(f, t[23]), _one(f, t[24]), _one(f, t[25])),
+        Limits(_one(i, t[26]), _two(f, t[27]), _three(f, t[28]), _one(f, t[29])),
         Maps(
-            _one(i, t, 30),
-            _one(i, t, 31),
-            _two(f, t, 32),
-            _two(f, t, 33),
-            _two(f, t, 34),
-            _two(f, t, 35),
+            _one(i, t[30]),
+            _one(i, t[31]),
+            _two(f, t[32]),
+            _two(f, t[33]),
+            _two(f, t[34]),
+            _two(f, t[35]),
         ),
         Program(
-            _two(f, t, 36),
-            _two(f, t, 37),
-            _one(f, t, 38),
-            _two(f, t, 39),
-            _one(f, t, 40),
-            _one(f, t, 41),
-            _one(f, t, 42),
+            _two(f, t[36]),
+            _two(f, t[37]),
+            _one(f, t[38]),
+            _two(f, t[39]),
+            _one(f, t[40]),
+            _one(f, t[41]),
+            _one(f, t[42]),
         ),
     )
