@@ -8,12 +8,12 @@ from typing import Protocol
 
 import numpy as np
 
+from wbc.balance import ComBias
 from wbc.command import Command
 from wbc.errors import MotionError
 from wbc.gait import LiftedFoot, Phase
 from wbc.gait.footsteps import other
-from wbc.gait.planar import point, turn, wrap
-from wbc.kinematics import Kinematics
+from wbc.gait.planar import point, turn
 from wbc.motions.anatomy import SIDES, Anatomy, Side
 from wbc.motions.hands import Hand
 from wbc.motions.intent import Intent
@@ -24,10 +24,10 @@ from wbc.robot import Robot
 from wbc.state import State
 from wbc.telemetry import Balance, Footstep, Telemetry
 from wbc.walking import BodyOffset, Walker
-from wbc.walking.soles import placements
 
 _SETTLED = 0.005  # m, of the DCM, for
 _SETTLE_TIME = 0.25  # s
+_STANDS = 0.8  # share of the weight on the soles from which on it stands
 _UNLOAD = 0.5  # s in which a foot is relieved of its load, or takes it
 _LOWERING = 0.05  # m/s, of a foot that looks for the ground
 
@@ -96,7 +96,6 @@ class Body:
         self.pushes: list[np.ndarray] = []
         self.pilot: Pilot | None = None
         robot, omega = self.robot, walker.gait.omega
-        self._kin = Kinematics(robot, robot.standing())
         length = robot.leg_length
         self.com = SmoothReference(
             np.zeros(3), speed=0.3 * omega * length, acceleration=0.1 * omega**2
@@ -111,6 +110,7 @@ class Body:
         self._foot = SmoothReference(np.zeros(4), speed=0.4, acceleration=2.0)
         self._load = SmoothReference(1.0, speed=4.0, acceleration=40.0)
         self._offset = BodyOffset()
+        self._bias = ComBias(omega)
         self._calm = 0.0
         self.time = 0.0
         self.state: State | None = None
@@ -127,10 +127,12 @@ class Body:
             reference.reset()
         for hand in self.hands.values():
             hand.reset()
+        self._bias = ComBias(self.walker.gait.omega)
         self._offset = BodyOffset()
         self.walker.body = self._offset
         self.walker.velocity = (0.0, 0.0, 0.0)
         self.pilot = None
+        self._set_out()
 
     def _references(self) -> tuple[SmoothReference, ...]:
         return (self.com, self.lean, self.torso, self.pelvis, self.posture, self._foot, self._load)
@@ -252,7 +254,7 @@ class Body:
 
     def _whereabouts(self, hand: Hand) -> np.ndarray:
         frame = self.walker.standing_frame
-        return np.asarray(frame.actInv(self.walker.place(hand.arm.hand)))
+        return np.asarray(frame.actInv(self.walker.kinematics.frame(hand.arm.hand).translation))
 
     def walk(self, velocity: Sequence[float]) -> None:
         """Walk at a velocity: forward, left (m/s), turn left (rad/s). Zeros stop.
@@ -387,19 +389,20 @@ class Body:
         self.walker.reset(self.state)
         for reference in self._references():
             reference.reset()
-        kin = self._kin
-        kin.update(self.state)
-        feet = placements(kin)
-        back = turn(-(feet.left.yaw + 0.5 * wrap(feet.right.yaw - feet.left.yaw)))
-        off = (point(kin.p_com) - feet.middle) * back
-        speed = point(kin.v_com) * back
+        self._set_out()
+        self.posture.start_from(self.state.q[7:], self.state.v[6:])
+        self.posture.go(self.posture.home, 1.5)
+
+    def _set_out(self) -> None:
+        """Bring the CoM home, from where it is and as fast as it is."""
+        kin, feet = self.walker.kinematics, self.walker.feet
+        back = turn(-self.walker.heading)
+        off, speed = (point(kin.p_com) - feet.middle) * back, point(kin.v_com) * back
         self.com.start_from(
             np.array([off.real, off.imag, 0.0]),
             np.array([speed.real, speed.imag, float(kin.v_com[2])]),
         )
-        self.posture.start_from(self.state.q[7:], self.state.v[6:])
         self.com.go(0.0, 1.0)
-        self.posture.go(self.posture.home, 1.5)
 
     # What the performer calls.
 
@@ -452,7 +455,30 @@ class Body:
         targets = tuple(t for hand in self.hands.values() if (t := hand.target) is not None)
         return Intent(float(self.lean.value[0]), com, targets)
 
+    def _watch_com(self) -> None:
+        """Compare the estimated CoM with the measured centre of pressure."""
+        feet, com = self.walker.feet, point(self.walker.kinematics.p_com)
+        load, moment = 0.0, 0j
+        for sole in self.robot.soles:
+            wrench = self.foot_wrenches.get(sole.name)
+            if wrench is not None and wrench[2] > 0.0:
+                at = complex(-float(wrench[4]), float(wrench[3]))  # times the force
+                placed = feet.of(sole.side)
+                moment += float(wrench[2]) * placed.point + at * turn(placed.yaw)
+                load += float(wrench[2])
+        if load < _STANDS * self.robot.weight:
+            return
+        back = turn(-self.walker.heading)
+        wanted = self.com.acceleration
+        across = (feet.left.point - feet.right.point) * back
+        acceleration = complex(float(wanted[0]), float(wanted[1]))
+        acceleration += float(self.lean.acceleration[0]) * across
+        self._bias.update(self.dt, com * back, acceleration, moment / load * back)
+        self._offset.com_bias = self._bias.value
+
     def observe(self, command: Command) -> None:
         """After the tick."""
         self.last_torque = command.tau
+        if self.pilot is None and (self.standing or self.lifted is not None):
+            self._watch_com()
         self._calm = self._calm + self.dt if self.walker.dcm_error < _SETTLED else 0.0

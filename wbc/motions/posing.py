@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pinocchio as pin
 
+from wbc.gait.reach import LegReach
 from wbc.motions.anatomy import Anatomy
 from wbc.robot import Robot
 
@@ -107,7 +108,9 @@ class Posing:
         q = robot.q_nominal
         self.anatomy = Anatomy.of(robot)
         self._forward(q)
-        self._home = np.array(self._data.com[0])
+        # Balance keeps the CoM over the middle of the soles, which is the origin, and as low as
+        # knees that keep their grip have it.
+        self._home = np.array([0.0, 0.0, LegReach(robot).com_height(0.0)])
         self._soles = [(s.frame_id, self._data.oMf[s.frame_id].copy()) for s in robot.soles]
         self._trunk = [robot.frame_id(name) for name in (robot.torso, robot.base)]
         self._upright = [np.array(self._data.oMf[f].rotation) for f in self._trunk]

@@ -99,7 +99,9 @@ class Goal:
     @classmethod
     def of(cls, posing: Posing, wished: Places) -> Goal:
         """The posture nearest to wished places."""
-        pose = posing.find(Wish(hands=wished))
+        pose = posing.find(Wish(hands=wished, firm_com=True))
+        if max(pose.misses.values()) > _REACHABLE:  # leaning out may help
+            pose = posing.find(Wish(hands=wished))
         places: dict[Side, np.ndarray] = {}
         misses: dict[Side, str] = {}
         for arm in posing.anatomy.arms:

@@ -63,6 +63,8 @@ class BodyOffset:
         lean: where the weight is while standing: 0 over the right sole, 1 over the left.
         lean_rate: 1/s.
         lean_acceleration: 1/s².
+        com_bias: by how much the estimated CoM is off, x + iy in heading axes, m; balance
+            takes it off.
     """
 
     com: np.ndarray = field(default_factory=_zeros)
@@ -73,6 +75,7 @@ class BodyOffset:
     lean: float = 0.5
     lean_rate: float = 0.0
     lean_acceleration: float = 0.0
+    com_bias: complex = 0j
 
     def moved(
         self, plan: DcmReference, omega: float, heading: float, feet: Feet, standing: bool

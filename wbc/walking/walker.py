@@ -210,6 +210,9 @@ class Walker:
         c, v = kin.p_com, kin.v_com
         com = point(c)
         self._dcm = com + point(v) / omega
+        if self.body is not None:
+            # The QP goes on with the CoM as estimated: so it puts the ZMP where it is wanted.
+            self._dcm -= self.body.com_bias * turn(self._heading)
         self._reference = self._plan(feet)
         if self.body is not None:
             standing = schedule.phase is Phase.STAND or schedule.lifted is not None
@@ -311,13 +314,15 @@ class Walker:
             swing_path=path,
         )
 
-    def place(self, frame: str) -> np.ndarray:
-        """(3,) where the origin of a frame of the robot was at the last tick, world, m.
+    @property
+    def kinematics(self) -> Kinematics:
+        """Of the last tick."""
+        return self._kin
 
-        Raises:
-            FrameNotFound: the model has no frame of that name.
-        """
-        return np.array(self._kin.frame(frame).translation)
+    @property
+    def heading(self) -> float:
+        """Mean heading of the soles, rad."""
+        return self._heading
 
     @property
     def feet(self) -> Feet:

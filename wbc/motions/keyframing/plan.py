@@ -83,7 +83,7 @@ class Planner:
         q = self.robot.q_nominal.copy()
         rows = []
         for time in times:
-            q[7:] = self._keyed(time, q[7:])
+            q = np.concatenate((q[:7], self._keyed(time, q[7:])))
             row, q = self._found(time, q) if self.places else self._given(time, q)
             rows.append(row)
         knots = np.array(times)
@@ -177,7 +177,7 @@ class Planner:
             com=self.places[COM](time) if COM in self.places else np.zeros(3),
             hands={self._hands[n].hand: s(time) for n, s in self.places.items() if n != COM},
             kept=tuple(self.joints),
-            firm_com=COM in self.places,
+            firm_com=True,
         )
         pose = self._posing.find(wish, q, elsewhere=False)
         for name in self.places:
@@ -213,4 +213,4 @@ class Planner:
         com, torso, pelvis = self._posing.attitude(q)
         if not self._legs & set(self.joints):
             com = np.zeros(3)  # arms move the CoM, balance moves it back
-        return (q[7:].copy(), com, torso, pelvis), q
+        return (q[7:], com, torso, pelvis), q

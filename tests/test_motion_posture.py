@@ -1,0 +1,157 @@
+"""What motions know of a robot: arms, head, waist, postures, torques, all read off the model."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from coretools import robot
+
+import wbc
+from wbc.errors import MotionError
+from wbc.motions.anatomy import Anatomy
+from wbc.motions.posing import Posing, Wish
+from wbc.motions.sine import joints_of, pattern
+from wbc.motions.statics import effort, support_half
+
+ROBOTS = ("talos", "g1", "simple_humanoid", "romeo", "icub")
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_arms_are_found_on_both_sides_and_end_in_hands(name):
+    anatomy = Anatomy.of(robot(name))
+    kin = wbc.Kinematics(robot(name), robot(name).standing())
+    left, right = anatomy.both_arms()
+    assert len(left.joints) == len(right.joints) >= 3
+    assert not set(left.joints) & set(right.joints)
+    in_legs = {j - 6 for leg in robot(name).legs for j in leg}
+    assert not in_legs & {*left.joints, *right.joints, *anatomy.waist}
+    assert left.length == pytest.approx(right.length, rel=1e-3)
+    places = [kin.frame(arm.hand).translation for arm in (left, right)]
+    assert places[0][1] > 0.1 > -0.1 > places[1][1]
+    for arm, place in zip((left, right), places, strict=True):
+        shoulder = kin.frame(arm.shoulder).translation
+        assert shoulder[2] > place[2]  # it hangs
+        assert np.linalg.norm(place - shoulder) <= arm.length + 1e-9
+
+
+def test_head_and_waist_are_what_the_models_have():
+    talos, g1, own = (Anatomy.of(robot(n)) for n in ("talos", "g1", "simple_humanoid"))
+    assert [robot("talos").joint_names[j] for j in talos.head.joints] == [
+        "head_1_joint",
+        "head_2_joint",
+    ]
+    assert g1.head is None
+    assert [robot("g1").joint_names[j] for j in g1.waist] == [
+        "waist_yaw_joint",
+        "waist_roll_joint",
+        "waist_pitch_joint",
+    ]
+    assert own.waist_range[:2] == pytest.approx(0.0)
+    assert own.waist_range[2] == pytest.approx([-1.2, 1.2])
+    # What the waist cannot do the hips do.
+    assert own.hips_share(np.array([0.0, 0.4, 0.3])) == pytest.approx([0.0, 0.4, 0.0])
+    assert g1.hips_share(np.array([0.0, 0.4, 0.0])) == pytest.approx([0.0, 0.2, 0.0])
+
+
+def test_a_missing_arm_is_said():
+    anatomy = Anatomy.of(robot("talos"))
+    lame = Anatomy(anatomy.robot, anatomy.arms[:1], None, (), np.zeros((3, 2)))
+    with pytest.raises(MotionError, match=r"no right arm \(it has: left\)"):
+        lame.both_arms()
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_hands_are_posed_where_some_posture_of_the_arms_had_them(name):
+    one, random = robot(name), np.random.default_rng(4)
+    posing = Posing(one)
+    arms = posing.anatomy.both_arms()
+    for _ in range(3):
+        q = one.q_nominal.copy()
+        for arm in arms:
+            joints = np.array(arm.joints)
+            low, high = one.q_min[joints], one.q_max[joints]
+            q[7 + joints] = low + random.uniform(0.2, 0.8, joints.size) * (high - low)
+        hands = {arm.hand: posing.place(arm.hand, q) for arm in arms}
+        pose = posing.find(Wish(hands=hands))
+        assert max(pose.misses.values()) < 1e-3
+        for arm in arms:
+            assert posing.place(arm.hand, pose.q) == pytest.approx(hands[arm.hand], abs=1e-3)
+        assert (pose.q[7:] >= one.q_min - 1e-9).all()
+        assert (pose.q[7:] <= one.q_max + 1e-9).all()
+        for sole in one.soles:  # the feet have not moved
+            assert posing.place(sole.name, pose.q) == pytest.approx(
+                posing.place(sole.name), abs=1e-3
+            )
+
+
+def test_a_place_out_of_reach_is_missed_by_what_is_left():
+    posing = Posing(robot("talos"))
+    arm = posing.anatomy.arm("left")
+    far = posing.place(arm.shoulder) + np.array([arm.length + 1.0, 0.0, 0.0])
+    pose = posing.find(Wish(hands={arm.hand: far}))
+    nearest = posing.place(arm.hand, pose.q)
+    assert pose.misses[arm.hand] == pytest.approx(np.linalg.norm(far - nearest), abs=1e-6)
+    assert 0.3 < pose.misses[arm.hand] < 1.0  # it leans forward, but only so far
+
+
+@pytest.mark.parametrize("name", ["talos", "g1", "simple_humanoid"])
+def test_a_squat_lowers_the_com_and_nothing_else(name):
+    posing = Posing(robot(name))
+    down = np.array([0.0, 0.0, -0.1 * robot(name).leg_length])
+    pose = posing.find(Wish(com=down, firm=True, firm_com=True))
+    assert pose.com_miss < 1e-4
+    assert np.abs(pose.torso).max() < 1e-3
+    assert np.abs(pose.pelvis).max() < 1e-3
+    _, miss, tilt = posing.on_soles(pose.q)
+    assert miss < 1e-4
+    assert tilt < 1e-4
+
+
+@pytest.mark.parametrize("name", ["talos", "g1"])
+def test_static_torques_hold_the_robot_still(name):
+    one = robot(name)
+    need = effort(one, one.q_nominal)
+    # With these torques and some forces under the soles nothing accelerates.
+    kin = wbc.Kinematics(one, one.standing())
+    J = np.vstack([kin.jacobian(sole.name) for sole in one.soles])
+    tau = np.concatenate((np.zeros(6), need.torque))
+    force, *_ = np.linalg.lstsq(J.T, kin.bias_forces - tau, rcond=None)
+    assert J.T @ force == pytest.approx(kin.bias_forces - tau, abs=1e-6)
+    assert force[2] + force[8] == pytest.approx(one.weight)
+    assert need.ratio == pytest.approx((np.abs(need.torque) / one.tau_max).max())
+    one_leg = effort(one, one.q_nominal, lean=1.0)
+    assert one_leg.ratio > need.ratio
+
+
+def test_the_support_is_the_rectangle_around_both_soles():
+    half = support_half(robot("simple_humanoid"))
+    assert half == pytest.approx([0.11, 0.15], abs=0.002)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_sine_pattern_finds_its_fifteen_joints(name):
+    one = robot(name)
+    joints, missing = joints_of(one)
+    assert {*joints, *missing} == set(pattern(0.0))
+    assert len({index for index, _ in joints.values()}) == len(joints)
+    if name == "simple_humanoid":
+        assert all(one.joint_names[index] == key for key, (index, _) in joints.items())
+    data = one.model.createData()
+    pin.computeJointJacobians(one.model, data, one.q_nominal)
+    for key, axis in (("left_hip_pitch", 1), ("right_knee", 1), ("left_ankle_roll", 0)):
+        index, sign = joints[key]
+        assert sign * data.J[3 + axis, 6 + index] > 0.6
+
+
+def test_the_sine_pattern_is_the_tutorials():
+    now = pattern(0.5)
+    right, left = np.sin(0.5), np.sin(0.5 + np.pi)
+    assert now["torso_yaw"] == pytest.approx(0.1 * np.sin(1.0))
+    assert now["right_hip_pitch"] == pytest.approx(0.3 * right)
+    assert now["right_knee"] == pytest.approx(0.5 * right)
+    assert now["left_knee"] == 0.0
+    assert now["left_ankle_pitch"] == pytest.approx(-0.3 * left)
+    assert now["left_shoulder_pitch"] == pytest.approx(-0.2 * left)
+    assert now["right_elbow"] == now["left_elbow"] == 0.1
+    assert len(now) == 15
