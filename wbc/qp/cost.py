@@ -13,6 +13,8 @@ from wbc.qp.elimination import Elimination
 from wbc.qp.writing import write_joint_task, write_task
 from wbc.tasks import JointTask, Task
 
+_ROOT_BASE = 1e-2  # of the weight on the base dynamics, 1/N
+
 
 @dataclass(frozen=True, slots=True)
 class Regularisation:
@@ -75,9 +77,13 @@ class Cost:
             if isinstance(t, JointTask)
         ]
         # Residual rows G: those of tasks and soft contacts, then the eliminated forces.
-        self._G = np.zeros((size + m.eliminated, n + 1))
+        # Residual rows of the base dynamics are zero at every feasible point: where the QP holds
+        # them as equalities they make H positive definite without moving the optimum.
+        left = m.E.shape[0]
+        self._G = np.zeros((size + m.eliminated + left, n + 1))
         self._task_rows = self._G[:size]
-        self._force_rows = self._G[size:]
+        self._force_rows = self._G[size : size + m.eliminated]
+        self._base_rows = self._G[size + m.eliminated :]
         self._root_force = float(np.sqrt(regularisation.force))
         self._product = np.zeros((n + 1, n + 1))
         self._small = np.zeros(n)
@@ -101,6 +107,7 @@ class Cost:
         rows[:, -1] -= b
         rows *= self._root
         np.multiply(m.W[: m.eliminated], self._root_force, out=self._force_rows)
+        np.multiply(m.E, _ROOT_BASE, out=self._base_rows)
         product, H, g, diagonal = self._product, self._H, self._g, self._diagonal
         np.dot(G.T, G, out=product)
         H[:] = product[:-1, :-1]

@@ -33,7 +33,8 @@ class ElasticRows:
 
         n, bounded = problem.g.size, problem.bounded
         A = np.vstack((np.eye(bounded, n), problem.C))
-        self.norm = np.maximum(np.linalg.norm(A, axis=1), 1e-12)
+        norm = np.linalg.norm(A, axis=1)
+        self.norm = np.where(norm > 1e-9, norm, 1.0)  # rows of rounding errors stay small
         self.A = A / self.norm[:, None]
         self._lb = np.maximum(problem.lb / self.norm, -_NO_BOUND)
         self._ub = np.minimum(problem.ub / self.norm, _NO_BOUND)

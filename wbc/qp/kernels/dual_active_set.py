@@ -33,6 +33,8 @@ from wbc.qp.kernels.jit import kernel, part
 
 SOLVED, INFEASIBLE, ITERATION_LIMIT, NOT_CONVEX, NOT_EXACT = 0, 1, 2, 3, 4
 
+_NOTHING = 1e-9  # norm of a row that is none
+
 
 @part
 def transformed_row(
@@ -59,7 +61,7 @@ def append(
     ub: np.ndarray,
     bounded: int,
     row: int,
-    side: int,
+    side: int | np.int64,
     k: int,
     rows: np.ndarray,
     sides: np.ndarray,
@@ -158,14 +160,18 @@ def point_of(
 
 @part
 def scale_of(row: int, C: np.ndarray, bounded: int, scale: np.ndarray) -> float:
-    """One over the norm of a row, found when it is first asked for."""
+    """One over the norm of a row, found when it is first asked for.
+
+    Negative for a row of which elimination left nothing but rounding errors: it holds, or does
+    not, whatever x.
+    """
     if scale[row] == 0.0:
         s = 1.0
         if row >= bounded:
             s = 0.0
             for c in C[row - bounded]:
                 s += c * c
-        scale[row] = 1.0 / math.sqrt(s) if s > 1e-24 else 1e12
+        scale[row] = 1.0 / math.sqrt(s) if s > _NOTHING * _NOTHING else -1.0
     known: float = scale[row]
     return known
 
@@ -193,10 +199,10 @@ def most_violated(
             for k in range(x.size):
                 y += C[row - bounded, k] * x[k]
         above, below = y - ub[row], lb[row] - y
-        if above > 0.0 and above * scale_of(row, C, bounded, scale) > worst:
-            worst, at, side = above * scale[row], row, 1
-        if below > 0.0 and below * scale_of(row, C, bounded, scale) > worst:
-            worst, at, side = below * scale[row], row, -1
+        if above > 0.0 and above * abs(scale_of(row, C, bounded, scale)) > worst:
+            worst, at, side = above * abs(scale[row]), row, 1
+        if below > 0.0 and below * abs(scale_of(row, C, bounded, scale)) > worst:
+            worst, at, side = below * abs(scale[row]), row, -1
     return at, side
 
 
@@ -237,10 +243,10 @@ def refine(
     size: int,
     scale: np.ndarray,
     tolerance: float,
-    w: np.ndarray,
     x: np.ndarray,
     multipliers: np.ndarray,
     r: np.ndarray,
+    step: np.ndarray,
 ) -> float:
     """Bring the rows of the working set to their bounds up to rounding errors.
 
@@ -264,9 +270,17 @@ def refine(
         if not worst > 0.05 * tolerance or attempt == 3:
             return worst
         solve_factored(F, r, size)
+        # A correction of x itself: x of the multipliers again would carry the rounding errors
+        # of large multipliers that all but cancel.
+        for i in range(n):
+            step[i] = 0.0
         for k in range(size):
             multipliers[k] += r[k]
-        point_of(L, M, multipliers, size, w, x)
+            for i in range(n):
+                step[i] += r[k] * M[k, i]
+        backward(L, step, n)
+        for i in range(n):
+            x[i] -= step[i]
     return worst
 
 
@@ -327,7 +341,7 @@ def solve(
     old_rows, old_sides, old_multipliers = rows.copy(), sides.copy(), multipliers.copy()
     size = 0
     for row in range(total):
-        if is_equality[row] and size <= n:
+        if is_equality[row] and size <= n and scale_of(row, C, bounded, scale) > 0.0:
             append(C, L, w, lb, ub, bounded, row, np.int64(1), size, rows, sides, M, K, d)
             if size < n and factor_row(K, F, size):
                 used[row] = 1
@@ -364,11 +378,29 @@ def solve(
             multipliers[k] = wanted[k]
         point_of(L, M, multipliers, size, w, x)
         off = refine(
-            C, L, F, M, lb, ub, bounded, rows, sides, size, scale, tolerance, w, x, multipliers, r
+            C,
+            L,
+            F,
+            M,
+            lb,
+            ub,
+            bounded,
+            rows,
+            sides,
+            size,
+            scale,
+            tolerance,
+            x,
+            multipliers,
+            r,
+            wanted,
         )
         row, side = most_violated(C, x, lb, ub, bounded, scale, used, tolerance)
         if row < 0:
             outcome = SOLVED if off <= tolerance else NOT_EXACT
+            break
+        if scale[row] < 0.0:
+            outcome = INFEASIBLE
             break
         append(C, L, w, lb, ub, bounded, row, side, size, rows, sides, M, K, d)
         multipliers[size] = 0.0

@@ -31,7 +31,7 @@ def cholesky(H: np.ndarray, L: np.ndarray) -> bool:
 
 
 @part
-def forward(L: np.ndarray, b: np.ndarray, first: int) -> None:
+def forward(L: np.ndarray, b: np.ndarray, first: int | np.int64) -> None:
     """b ← L⁻¹ b, whose entries before `first` are zero."""
     for i in range(first, b.size):
         s = b[i]

@@ -44,12 +44,19 @@ class CompiledSolver(Solver):
             room = self._rooms[(n, rows)] = _Room(n, rows)
         if self._attempt(problem, room, self._tolerance) == SOLVED:
             return room.solution()
-        for factor in _LOOSER:
+        room.forget()
+        if self._attempt(problem, room, self._tolerance) == SOLVED:
+            return room.solution()
+        second = self._second.solve(problem)
+        if second.outcome is Outcome.SOLVED:
+            room.forget()
+            return second
+        for factor in _LOOSER[1:]:
             room.forget()
             if self._attempt(problem, room, factor * self._tolerance) == SOLVED:
                 return room.solution()
         room.forget()
-        return self._second.solve(problem)
+        return second
 
     def _attempt(self, problem: Problem, room: _Room, tolerance: float) -> int:
         code = solve(

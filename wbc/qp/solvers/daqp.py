@@ -7,6 +7,7 @@ programming using recursive LDLᵀ updates, IEEE TAC 2022.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,9 @@ _INFEASIBLE = -1
 _CYCLING = -2
 _LOOSER = (1.0, 10.0, 100.0)  # factors on primal_tol that are tried when a cold solve cycles
 
+_NOTHING = 1e-9  # norm of a row that is none; share of a row that the others do not span
+_CONTRADICTION = 1e-8  # of a row that follows from the others
+
 _Key = tuple[int, int, bytes]
 
 
@@ -32,8 +36,9 @@ class DaqpSolver(Solver):
 
     A cold solve has the last word on failure: a stale active set can mislead the warm start.
     Where bounds all but coincide, as when a foot is unloaded to nothing, the method may go round
-    in circles over the last digit of `primal_tol`; then it is tried again with 10 and 100 times
-    that.
+    in circles over the last digit of `primal_tol`, or take it for a contradiction; then it is
+    tried again with 10 and 100 times that. Equalities that follow from others are left out, and
+    looked at afterwards.
     """
 
     name = "daqp"
@@ -46,49 +51,110 @@ class DaqpSolver(Solver):
 
         self._new_model = daqp.Model
         self._settings = {**defaults, **settings}
-        self._models: dict[_Key, tuple[Any, np.ndarray, np.ndarray]] = {}
+        self._models: dict[_Key, _Kept] = {}
 
     def solve(self, problem: Problem) -> Solution:
         """See `Solver`."""
-        # DAQP's other tolerances are absolute in the scale of the cost.
-        scale = 1.0 / max(float(problem.H.diagonal().max()), 1e-300)
-        H, g = problem.H * scale, problem.g * scale
-        key = (g.size, problem.ub.size, problem.equality.tobytes())
-        known = self._models.get(key)
-        if known is None:
-            return self._solve_cold(key, problem, H, g)
-        model, ub, lb = known
-        np.minimum(problem.ub, _NO_BOUND, out=ub)
-        np.maximum(problem.lb, -_NO_BOUND, out=lb)
-        # Without `sense`, the update keeps the active set. It cannot take an A without rows.
-        A = problem.C if problem.C.shape[0] else None
-        if model.update(H=H, f=g, A=A, bupper=ub, blower=lb) >= 0:
-            x, _, flag, info = model.solve()
-            if flag in _SOLVED and math.isfinite(x.dot(x)):
-                return Solution(x, Outcome.SOLVED, info["iterations"])
-        return self._solve_cold(key, problem, H, g)
-
-    def _solve_cold(self, key: _Key, problem: Problem, H: np.ndarray, g: np.ndarray) -> Solution:
+        key = (problem.g.size, problem.ub.size, problem.equality.tobytes())
+        kept = self._models.get(key)
+        if kept is not None:
+            scaled = _Scaled(problem, kept.redundant)
+            kept.ub[:], kept.lb[:] = scaled.ub, scaled.lb
+            # Without `sense`, the update keeps the active set. It cannot take an A without rows.
+            A = scaled.C if scaled.C.shape[0] else None
+            if kept.model.update(H=scaled.H, f=scaled.g, A=A, bupper=kept.ub, blower=kept.lb) >= 0:
+                x, _, flag, info = kept.model.solve()
+                if flag in _SOLVED and scaled.holds(x):
+                    return Solution(scaled.unit * x, Outcome.SOLVED, info["iterations"])
         self._models.pop(key, None)
-        ub = np.minimum(problem.ub, _NO_BOUND)
-        lb = np.maximum(problem.lb, -_NO_BOUND)
-        sense = np.where(problem.equality, _EQUALITY, 0).astype(np.int32)
+        return self._solve_cold(key, _Scaled(problem, _redundant(problem)))
+
+    def _solve_cold(self, key: _Key, scaled: _Scaled) -> Solution:
         iterations = 0
         for factor in _LOOSER:
             model = self._new_model()
-            model.settings = {
-                **self._settings,
-                "primal_tol": factor * self._settings["primal_tol"],
-            }
-            flag, _ = model.setup(H, g, problem.C, ub, lb, sense)
+            tolerance = factor * self._settings["primal_tol"]
+            model.settings = {**self._settings, "primal_tol": tolerance}
+            ub, lb = scaled.ub, scaled.lb
+            flag, _ = model.setup(scaled.H, scaled.g, scaled.C, ub, lb, scaled.sense)
             if flag >= 0:
                 x, _, flag, info = model.solve()
                 iterations += info["iterations"]
-                if flag in _SOLVED and math.isfinite(x.dot(x)):
+                if flag in _SOLVED and scaled.holds(x):
                     if factor == 1.0:  # a looser model is not kept for the ticks to come
-                        self._models[key] = (model, ub, lb)
-                    return Solution(x, Outcome.SOLVED, iterations)
-            if flag != _CYCLING:
+                        self._models[key] = _Kept(model, ub, lb, scaled.redundant)
+                    return Solution(scaled.unit * x, Outcome.SOLVED, iterations)
+                if flag in _SOLVED:
+                    flag = _INFEASIBLE
+            if flag not in (_CYCLING, _INFEASIBLE):
                 break
         outcome = Outcome.INFEASIBLE if flag == _INFEASIBLE else Outcome.FAILED
-        return Solution(np.zeros(g.size), outcome, iterations, f"daqp exit flag {flag}")
+        return Solution(np.zeros(key[0]), outcome, iterations, f"daqp exit flag {flag}")
+
+
+class _Scaled:
+    """A problem as DAQP gets it: with unknowns of one curvature, without redundant rows.
+
+    DAQP's tolerances are absolute in the scale of the cost, and what looks singular to it gets
+    proximal steps, which end before the optimum.
+
+    Attributes:
+        unit: (n,) the problem's unknowns are `unit * x`.
+        redundant: rows of C that are left out.
+    """
+
+    def __init__(self, problem: Problem, redundant: np.ndarray) -> None:
+        bounded = problem.bounded
+        diagonal = problem.H.diagonal()
+        largest = max(float(diagonal.max()), 1e-300)
+        unit = np.sqrt(largest / np.where(diagonal > 1e-14 * largest, diagonal, largest))
+        self.unit, self.redundant = unit, redundant
+        self.H = problem.H * unit * (unit / largest)[:, None]
+        self.g = problem.g * unit / largest
+        self.C = problem.C * unit
+        self.ub = np.minimum(problem.ub, _NO_BOUND)
+        self.lb = np.maximum(problem.lb, -_NO_BOUND)
+        self.ub[:bounded] /= unit[:bounded]
+        self.lb[:bounded] /= unit[:bounded]
+        self.sense = np.where(problem.equality, _EQUALITY, 0).astype(np.int32)
+        if redundant.size:
+            rows = bounded + redundant
+            self._left_out, self._b = self.C[redundant], self.ub[rows].copy()
+            self.C[redundant] = 0.0
+            self.lb[rows], self.ub[rows], self.sense[rows] = -_NO_BOUND, _NO_BOUND, 0
+
+    def holds(self, x: np.ndarray) -> bool:
+        """Whether x is finite and holds the rows that were left out."""
+        if not math.isfinite(x.dot(x)):
+            return False
+        if not self.redundant.size:
+            return True
+        off = np.abs(self._left_out @ x - self._b)
+        return bool((off <= _CONTRADICTION * (1.0 + np.abs(self._b))).all())
+
+
+@dataclass(slots=True)
+class _Kept:
+    """A model, the arrays that it looks at, and the rows of C that it does without."""
+
+    model: Any
+    ub: np.ndarray
+    lb: np.ndarray
+    redundant: np.ndarray
+
+
+def _redundant(problem: Problem) -> np.ndarray:
+    """Rows of C that are equalities and follow from those before them, or say nothing."""
+    basis = np.zeros((0, problem.g.size))
+    found = []
+    for row in np.flatnonzero(problem.equality[problem.bounded :]):
+        left = problem.C[row]
+        norm = math.sqrt(left.dot(left))
+        for _ in range(2):  # twice is enough
+            left = left - basis.T @ (basis @ left)
+        rest = math.sqrt(left.dot(left))
+        if norm < _NOTHING or rest < _NOTHING * norm:
+            found.append(row)
+        else:
+            basis = np.vstack((basis, left / rest))
+    return np.array(found, dtype=int)
