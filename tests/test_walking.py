@@ -89,6 +89,24 @@ def test_robot_survives_a_push_while_standing() -> None:
     assert report.dcm_error_rms_mm > 5.0  # it was pushed
 
 
+@pytest.mark.parametrize("again", [1.95, 2.1, 2.25])
+def test_a_wish_to_go_on_in_the_last_step_waits_until_the_robot_stands(again: float) -> None:
+    robot = wbc.load("simple_humanoid")
+    walker = wbc.Walker(robot)
+    forward = (0.4 * walker.gait.max_velocity[0], 0.0, 0.0)
+
+    def on_and_off(time: float) -> None:
+        wanted = (0.0, 0.0, 0.0) if time < 0.2 or 1.3 <= time < again else forward
+        if walker.velocity != wanted:
+            walker.velocity = wanted
+
+    with Mujoco(robot, seed=1) as plant:
+        report = wbc.run(walker, plant, 5.0, before_tick=on_and_off)
+    assert report.survived
+    assert report.steps >= 3
+    assert report.dcm_error_rms_mm < 20.0
+
+
 def test_robot_that_is_pushed_over_is_reported_as_fallen() -> None:
     robot = wbc.load("g1")
     with Mujoco(robot, seed=0) as plant:

@@ -248,10 +248,14 @@ class Schedule:
 
     def _touch_down(self, velocity: Velocity) -> None:
         self.steps += 1
+        stance = self._feet.of(self.support)
+        # A step that was planned as the last one is: the DCM is on its way to rest, and a wish
+        # to go on that came too late for it waits until the robot stands.
+        last = self._preview.ends(stance, self.swing_side, self.target, self.velocity)
         self.swing = None
         square = are_square(self._feet.left, self._feet.right, self.gait)
         ended = not self.queue and velocity.still
-        self.stopping = ended and (square or self.velocity.still)
+        self.stopping = last or (ended and (square or self.velocity.still))
         self.velocity = velocity
         if self.stopping:
             self._enter(Phase.TRANSFER, self.gait.first_transfer)

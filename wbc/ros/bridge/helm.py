@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from wbc.gait import Phase
 from wbc.loop import StopRun
 from wbc.ros.bridge.mailbox import Mailbox, Orders
 from wbc.walking import Walker
@@ -53,7 +52,7 @@ class Helm:
         orders = self._mailbox.look()
         now = time.monotonic()
         velocity = orders.velocity if now < orders.velocity_until else STANDING
-        if velocity != self._velocity and self._may_change():
+        if velocity != self._velocity:
             self._velocity = self._walker.velocity = velocity
         if orders is not self._orders:
             self._orders = orders
@@ -61,10 +60,6 @@ class Helm:
             self._take(orders)
         if self._moving:
             self._move_joints(orders, now)
-
-    def _may_change(self) -> bool:
-        """A gait that has begun to stop cannot go on in mid-step: it comes to a stand first."""
-        return self._velocity != STANDING or self._walker.schedule.phase is Phase.STAND
 
     def begin(self) -> None:
         """A run begins: what was asked for before it is forgotten."""
