@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pinocchio  # noqa: F401  # everything needs it: paid here, where one expects to wait
 
 if TYPE_CHECKING:
-    from wbc import errors, log, ros, sim, view
+    from wbc import errors, log, motions, ros, sim, trials, view
     from wbc.command import Command, Status
     from wbc.conditions import LoopConditions
     from wbc.contacts import Contact, PointContact, SurfaceContact
@@ -87,9 +87,11 @@ __all__ = [
     "errors",
     "load",
     "log",
+    "motions",
     "ros",
     "run",
     "sim",
+    "trials",
     "view",
 ]
 
@@ -128,7 +130,7 @@ _NAMES = {
     "telemetry": ("Footstep", "Telemetry"),
     "walking": ("VelocityClamped", "Walker", "WalkerGains"),
 }
-_MODULES = ("errors", "log", "ros", "sim", "view")
+_MODULES = ("errors", "log", "ros", "sim", "view", "motions", "trials")
 
 if not TYPE_CHECKING:  # a checker is to report a name that is not there
 

@@ -29,6 +29,10 @@ _SETTLED = 0.005  # m, of the DCM, for
 _SETTLE_TIME = 0.25  # s
 _STANDS = 0.8  # share of the weight on the soles from which on it stands
 _UNLOAD = 0.5  # s in which a foot is relieved of its load, or takes it
+_REST = 1.0  # s of standing after steps until the CoM has come to rest
+_BIAS_TIME = 0.3  # s within which a bias comes into force, and out of it for steps
+# Share of the posture's weight that is left to joints which are led otherwise.
+_LED_ARM, _LED_WAIST = 0.1, 0.03
 _LOWERING = 0.05  # m/s, of a foot that looks for the ground
 
 
@@ -107,10 +111,16 @@ class Body:
             robot.q_nominal[7:], speed=0.6 * np.minimum(robot.v_max, 5.0), acceleration=12.0
         )
         self.hands = {arm.side: Hand(walker, arm) for arm in self.anatomy.arms}
+        # What trunk and hands are led to must not fight with the posture: the CoM would pay.
+        self._weights = walker.posture.weight.copy()
+        self._weights[list(self.anatomy.waist)] *= _LED_WAIST
+        walker.posture.weight = self._weights
+        self._shares: tuple[float, ...] = ()
         self._foot = SmoothReference(np.zeros(4), speed=0.4, acceleration=2.0)
         self._load = SmoothReference(1.0, speed=4.0, acceleration=40.0)
         self._offset = BodyOffset()
         self._bias = ComBias(omega)
+        self._rest = 0.0
         self._calm = 0.0
         self.time = 0.0
         self.state: State | None = None
@@ -128,6 +138,7 @@ class Body:
         for hand in self.hands.values():
             hand.reset()
         self._bias = ComBias(self.walker.gait.omega)
+        self._rest = _REST
         self._offset = BodyOffset()
         self.walker.body = self._offset
         self.walker.velocity = (0.0, 0.0, 0.0)
@@ -441,11 +452,17 @@ class Body:
         foot.push = self._foot.acceleration
 
     def _place_hands(self) -> None:
-        if not any(hand.engaged for hand in self.hands.values()):
-            return
-        frame = self.walker.standing_frame
-        for hand in self.hands.values():
-            hand.advance(self.dt, frame.translation, frame.rotation)
+        if any(hand.engaged for hand in self.hands.values()):
+            frame = self.walker.standing_frame
+            for hand in self.hands.values():
+                hand.advance(self.dt, frame.translation, frame.rotation)
+        shares = tuple(hand.share for hand in self.hands.values())
+        if shares != self._shares:
+            self._shares = shares
+            weights = self._weights.copy()
+            for hand in self.hands.values():
+                weights[list(hand.arm.joints)] *= 1.0 - (1.0 - _LED_ARM) * hand.share
+            self.walker.posture.weight = weights
 
     def intent(self) -> Intent:
         """What is promised at this tick."""
@@ -474,11 +491,15 @@ class Body:
         acceleration = complex(float(wanted[0]), float(wanted[1]))
         acceleration += float(self.lean.acceleration[0]) * across
         self._bias.update(self.dt, com * back, acceleration, moment / load * back)
-        self._offset.com_bias = self._bias.value
 
     def observe(self, command: Command) -> None:
         """After the tick."""
         self.last_torque = command.tau
-        if self.pilot is None and (self.standing or self.lifted is not None):
+        at_rest = self.pilot is None and (self.standing or self.lifted is not None)
+        self._rest = self._rest + self.dt if at_rest else 0.0
+        wanted = 0j
+        if self._rest >= _REST:
             self._watch_com()
+            wanted = self._bias.value
+        self._offset.com_bias += (wanted - self._offset.com_bias) * (self.dt / _BIAS_TIME)
         self._calm = self._calm + self.dt if self.walker.dcm_error < _SETTLED else 0.0

@@ -46,6 +46,11 @@ class Hand:
         self._drop()
 
     @property
+    def share(self) -> float:
+        """How much it is led: 0 not at all, 1 fully."""
+        return float(self._share.value[0]) if self.engaged else 0.0
+
+    @property
     def engaged(self) -> bool:
         """It is led, or still being let go."""
         return self._task in self._controller.tasks

@@ -13,6 +13,7 @@ from wbc.motions.anatomy import Anatomy
 from wbc.robot import Robot
 
 _SOLE, _HAND, _HEIGHT = 1e4, 1e2, 1e2
+_EXACT_HAND = 2e3  # once it is near
 _COM, _FAR_COM = 1.0, 1e3
 _TURN = 0.3  # of torso and base
 _LEGS, _REST = 1e-3, 1e-2  # of the posture
@@ -42,6 +43,7 @@ class Wish:
         hands: frame -> (3,) place of its origin, m.
         firm: whether the trunk is to be as said, instead of helping the hands.
         firm_com: likewise the CoM.
+        upright: how dear it is to turn the trunk for a hand's sake; 1 is cheap.
         kept: indices into (na,) of joints that stay as they are at the start.
     """
 
@@ -51,6 +53,7 @@ class Wish:
     hands: Mapping[str, np.ndarray] = field(default_factory=dict)
     firm: bool = False
     firm_com: bool = False
+    upright: float = 1.0
     kept: tuple[int, ...] = ()
 
 
@@ -177,7 +180,7 @@ class Posing:
     def _from(self, wish: Wish, start: np.ndarray | None) -> Pose:
         pose = self._balanced(wish, start, _HAND)
         if 0.0 < max(pose.misses.values(), default=0.0) < _REACHABLE:
-            pose = self._balanced(wish, pose.q, _SOLE)
+            pose = self._balanced(wish, pose.q, _EXACT_HAND)
         return pose
 
     def _starts(self, wish: Wish) -> list[np.ndarray]:
@@ -234,7 +237,7 @@ class Posing:
             self._home + com,
             np.array([com_weight, com_weight, max(com_weight, _HEIGHT)]),
             (wish.torso, wish.pelvis),
-            _FAR_COM if wish.firm else _TURN,
+            _FAR_COM if wish.firm else _TURN * wish.upright,
             tuple(hands),
             hand,
         )

@@ -23,6 +23,7 @@ _ASIDE = 0.05
 _CLEAR = 0.45  # from the trunk's vertical axis and from the other hand,
 _BEHIND = 0.1  # and how far behind the shoulder it may be
 _LEAST, _MOST = 0.15, 0.85  # share of each joint's range that samples are drawn from
+_LAST = 0.4  # s
 _XYZ = ("X", "Y", "Z")
 
 Places = Mapping[str, np.ndarray]  # hand frame -> (3,) in the standing frame, m
@@ -44,7 +45,7 @@ class Reach(Motion):
     random: int = parameter(4, "how many random places when none is given")
     draw: int = parameter(0, "of the random places")
     seconds: float = parameter(1.5, "of each way, s, at least")
-    hold: float = parameter(0.7, "at each place, s")
+    hold: float = parameter(0.5, "at each place, s")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
@@ -72,13 +73,17 @@ class Reach(Motion):
     def play(self, body: Body) -> Script:
         """See `Motion.play`."""
         for goal in self._goals(body.robot):
-            body.take(goal.pose, self.seconds)
-            for side, place in goal.places.items():
-                body.reach(side, place, self.seconds, counts=side not in goal.misses)
             for side, text in goal.misses.items():
                 body.note(f"{side} hand: {text}")
-            yield from body.arrive(body.posture, *(hand.place for hand in body.hands.values()))
-            yield from body.wait(self.hold)
+            # The joints lead the hands there, without singularities on the way; then the hands
+            # are led the last millimetres.
+            for hand in body.hands.values():
+                hand.release(_LAST)
+            body.take(goal.pose, self.seconds)
+            yield from body.arrive(body.posture)
+            for side, place in goal.places.items():
+                body.reach(side, place, _LAST, counts=side not in goal.misses)
+            yield from body.wait(_LAST + self.hold)
         yield from body.go_home(self.seconds)
 
 
@@ -99,9 +104,7 @@ class Goal:
     @classmethod
     def of(cls, posing: Posing, wished: Places) -> Goal:
         """The posture nearest to wished places."""
-        pose = posing.find(Wish(hands=wished, firm_com=True))
-        if max(pose.misses.values()) > _REACHABLE:  # leaning out may help
-            pose = posing.find(Wish(hands=wished))
+        pose = _posture(posing, wished)
         places: dict[Side, np.ndarray] = {}
         misses: dict[Side, str] = {}
         for arm in posing.anatomy.arms:
@@ -114,6 +117,25 @@ class Goal:
                 place = posing.place(arm.hand, pose.q)
             places[arm.side] = place
         return cls(pose, places, misses)
+
+
+def _posture(posing: Posing, wished: Places) -> Pose:
+    """The posture that comes nearest to the places, of those that the joints can hold.
+
+    First with the CoM in the middle; leaning out may help, and an upright trunk where one that
+    leans is too heavy.
+    """
+    best: tuple[float, float, Pose] | None = None
+    for firm_com, upright in ((True, 1.0), (False, 1.0), (True, 30.0), (True, 1000.0)):
+        pose = posing.find(Wish(hands=wished, firm_com=firm_com, upright=upright))
+        too_heavy = max(effort(posing.robot, pose.q).ratio - _STRENGTH, 0.0)
+        miss = max(pose.misses.values())
+        if too_heavy == 0.0 and miss <= _REACHABLE:
+            return pose
+        if best is None or (too_heavy, miss) < best[:2]:
+            best = (too_heavy, miss, pose)
+    assert best is not None
+    return best[2]
 
 
 def sample(posing: Posing, count: int, seed: int) -> list[Places]:

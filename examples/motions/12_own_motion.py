@@ -1,0 +1,46 @@
+"""Write a motion of your own: a dataclass whose `play` gives orders and waits.
+
+Each `yield from` lets time pass; in between the references go where they were sent, smoothly
+enough that no torque jumps. It can be interrupted at any tick without a line of yours.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+import wbc
+from wbc.motions import Body, Motion, Script, parameter
+from wbc.trials import run_motions
+
+
+@dataclass(frozen=True)
+class KickTheAir(Motion):
+    """Stands on one leg and swings the other to and fro, arms held up."""
+
+    name: ClassVar[str] = "kick"
+    summary: ClassVar[str] = "kick the air"
+
+    kicks: int = parameter(3, "how many")
+    reach: float = parameter(0.12, "of the foot to the front and to the back, m")
+
+    def play(self, body: Body) -> Script:
+        """The script."""
+        for arm in body.anatomy.arms:
+            side = 1.0 if arm.side == "left" else -1.0
+            body.reach(arm.side, (0.3, side * 0.4, 1.2), duration=1.5, counts=False)
+        yield from body.lift("right", height=0.08)
+        for _ in range(self.kicks):
+            body.turn_trunk((0.0, -0.08, 0.0), duration=0.6)
+            yield from body.move_foot(forward=self.reach, up=0.1, duration=0.6)
+            body.turn_trunk((0.0, 0.08, 0.0), duration=0.6)
+            yield from body.move_foot(forward=-self.reach, up=0.1, duration=0.6)
+        yield from body.put_down()
+        body.com.follow(lambda t: np.array([0.0, 0.02 * np.sin(6.0 * t), 0.0]))  # a small sway
+        yield from body.wait(1.5)
+        body.note(f"{self.kicks} kicks")
+
+
+if __name__ == "__main__":
+    robot = wbc.load("simple_humanoid")
+    print(run_motions(robot, [KickTheAir(kicks=2)], seed=1).table())
