@@ -2,67 +2,30 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Protocol
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from wbc.balance import ComBias
 from wbc.command import Command
-from wbc.errors import MotionError
-from wbc.gait import LiftedFoot, Phase
-from wbc.gait.footsteps import other
 from wbc.gait.planar import point, turn
-from wbc.motions.anatomy import SIDES, Anatomy, Side
+from wbc.motions.anatomy import Anatomy
+from wbc.motions.com_watch import ComWatch
+from wbc.motions.footwork import Footwork
 from wbc.motions.hands import Hand
 from wbc.motions.intent import Intent
 from wbc.motions.motion import Script
+from wbc.motions.pilot import Pilot
 from wbc.motions.posing import Pose
 from wbc.motions.reference import Path, SmoothReference
 from wbc.robot import Robot
 from wbc.state import State
-from wbc.telemetry import Balance, Footstep, Telemetry
 from wbc.walking import BodyOffset, Walker
 
-_SETTLED = 0.005  # m, of the DCM, for
-_SETTLE_TIME = 0.25  # s
-_STANDS = 0.8  # share of the weight on the soles from which on it stands
-_UNLOAD = 0.5  # s in which a foot is relieved of its load, or takes it
-_REST = 1.0  # s of standing after steps until the CoM has come to rest
-_BIAS_TIME = 0.3  # s within which a bias comes into force, and out of it for steps
 # Share of the posture's weight that is left to joints which are led otherwise.
 _LED_ARM, _LED_WAIST = 0.1, 0.03
-_LOWERING = 0.05  # m/s, of a foot that looks for the ground
 
 
-class Pilot(Protocol):
-    """Steps in the walker's place, for a motion that leaves the ground."""
-
-    def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
-        """One tick."""
-
-    def abandon(self) -> None:
-        """Return to standing as soon as that is safe."""
-
-    @property
-    def done(self) -> bool:
-        """It stands, and may be relieved."""
-
-    @property
-    def balance(self) -> Balance:
-        """How the balance is."""
-
-    @property
-    def telemetry(self) -> Telemetry:
-        """What it sees and intends, for observers."""
-
-    @property
-    def dcm_error(self) -> float:
-        """Distance of the DCM from its reference after the last tick, m."""
-
-
-class Body:
+class Body(Footwork):
     """References of the whole body, each of which goes smoothly where it is told.
 
     Places are in the *standing frame*: origin on the ground midway between the soles, x
@@ -75,13 +38,10 @@ class Body:
     Attributes:
         robot: the robot.
         anatomy: its arms, head and waist.
-        dt: control period, s.
-        time: since the reset, s.
         state: as estimated at this tick; None before the first.
         foot_wrenches: sole name -> (6,) measured wrench, sole axes; empty without sensors.
         last_torque: (na,) commanded at the last tick, N·m; None before the first.
         com: (3,) offset of the CoM from where it is when standing, m.
-        lean: (1,) where the weight is: 0 over the right sole, 0.5 in the middle, 1 over the left.
         torso: (3,) rotation vector of the upper trunk from upright, standing frame, rad.
         pelvis: (3,) likewise of the root link; `turn_trunk` shares a turn among both.
         posture: (na,) joint positions, rad. The legs follow it only as far as balance lets them.
@@ -92,10 +52,9 @@ class Body:
     """
 
     def __init__(self, walker: Walker) -> None:
-        self.walker = walker
+        super().__init__(walker)
         self.robot: Robot = walker.robot
         self.anatomy = Anatomy.of(walker.robot)
-        self.dt = walker.dt
         self.notes: list[str] = []
         self.pushes: list[np.ndarray] = []
         self.pilot: Pilot | None = None
@@ -104,7 +63,6 @@ class Body:
         self.com = SmoothReference(
             np.zeros(3), speed=0.3 * omega * length, acceleration=0.1 * omega**2
         )
-        self.lean = SmoothReference(0.5, speed=1.0, acceleration=2.5)
         self.torso = SmoothReference(np.zeros(3), speed=1.2, acceleration=4.0)
         self.pelvis = SmoothReference(np.zeros(3), speed=1.2, acceleration=4.0)
         self.posture = SmoothReference(
@@ -116,13 +74,8 @@ class Body:
         self._weights[list(self.anatomy.waist)] *= _LED_WAIST
         walker.posture.weight = self._weights
         self._shares: tuple[float, ...] = ()
-        self._foot = SmoothReference(np.zeros(4), speed=0.4, acceleration=2.0)
-        self._load = SmoothReference(1.0, speed=4.0, acceleration=40.0)
         self._offset = BodyOffset()
-        self._bias = ComBias(omega)
-        self._rest = 0.0
-        self._calm = 0.0
-        self.time = 0.0
+        self._watch = ComWatch(walker)
         self.state: State | None = None
         self.foot_wrenches: Mapping[str, np.ndarray] = {}
         self.last_torque: np.ndarray | None = None
@@ -137,8 +90,7 @@ class Body:
             reference.reset()
         for hand in self.hands.values():
             hand.reset()
-        self._bias = ComBias(self.walker.gait.omega)
-        self._rest = _REST
+        self._watch.reset()
         self._offset = BodyOffset()
         self.walker.body = self._offset
         self.walker.velocity = (0.0, 0.0, 0.0)
@@ -149,24 +101,6 @@ class Body:
         return (self.com, self.lean, self.torso, self.pelvis, self.posture, self._foot, self._load)
 
     # What a motion may ask.
-
-    @property
-    def standing(self) -> bool:
-        """Both feet on the ground, and not about to walk."""
-        return self.walker.schedule.phase is Phase.STAND
-
-    @property
-    def lifted(self) -> Side | None:
-        """The foot that is held up."""
-        schedule = self.walker.schedule
-        if schedule.lifted is None:
-            return None
-        return "left" if schedule.swing_side == "left" else "right"
-
-    @property
-    def settled(self) -> bool:
-        """The DCM has stayed within 5 mm of its plan for a quarter of a second."""
-        return self._calm >= _SETTLE_TIME
 
     @property
     def at_home(self) -> bool:
@@ -188,28 +122,6 @@ class Body:
             impulse: (3,) per kg of the robot, standing frame, N·s/kg.
         """
         self.pushes.append(np.array(impulse, dtype=float))
-
-    # Waiting.
-
-    def wait(self, seconds: float) -> Script:
-        """Let time pass."""
-        end = self.time + seconds - 0.5 * self.dt
-        while self.time < end:
-            yield
-
-    def until(self, condition: Callable[[], bool], at_most: float = math.inf) -> Script:
-        """Wait for a condition, or until a time is over, s."""
-        end = self.time + at_most
-        while not condition() and self.time < end:
-            yield
-
-    def settle(self, at_most: float = 3.0) -> Script:
-        """Wait until the body is `settled`."""
-        yield from self.until(lambda: self.settled, at_most)
-
-    def arrive(self, *references: SmoothReference) -> Script:
-        """Wait until these references are where they were sent."""
-        yield from self.until(lambda: all(r.arrived for r in references))
 
     # Orders.
 
@@ -267,92 +179,6 @@ class Body:
         frame = self.walker.standing_frame
         return np.asarray(frame.actInv(self.walker.kinematics.frame(hand.arm.hand).translation))
 
-    def walk(self, velocity: Sequence[float]) -> None:
-        """Walk at a velocity: forward, left (m/s), turn left (rad/s). Zeros stop.
-
-        Raises:
-            MotionError: a foot is lifted, or the weight is not in the middle.
-        """
-        if self.lifted is not None or self.lean.value[0] != 0.5:
-            raise MotionError("walk: only from standing on both feet, the weight in the middle")
-        self.walker.velocity = (float(velocity[0]), float(velocity[1]), float(velocity[2]))
-
-    def step_in_place(self, steps: int) -> None:
-        """Step on the spot, the left foot first."""
-        feet = self.walker.feet
-        placed = {
-            side: Footstep(side, np.array([at.point.real, at.point.imag, at.height]), at.yaw)
-            for side in SIDES
-            for at in (feet.of(side),)
-        }
-        self.walker.follow([placed[SIDES[k % 2]] for k in range(steps)])
-
-    # Orders that take several ticks.
-
-    def shift_weight(self, towards: Side | None, duration: float = 1.2) -> Script:
-        """Bring the weight over one sole, or between them (None).
-
-        Raises:
-            MotionError: a foot is in the air, or the robot walks.
-        """
-        if not self.standing:
-            raise MotionError("shift_weight: only with both feet on the ground")
-        self.lean.go({"left": 1.0, "right": 0.0, None: 0.5}[towards], duration)
-        yield from self.arrive(self.lean)
-
-    def lift(self, side: Side, height: float, duration: float = 1.0) -> Script:
-        """Stand on the other foot, and lift this one by a height, m.
-
-        Raises:
-            MotionError: a foot is in the air already, or the robot walks.
-        """
-        if not self.standing:
-            raise MotionError(f"lift: the {side} foot, only with both feet on the ground")
-        carries: Side = "left" if other(side) == "left" else "right"
-        yield from self.shift_weight(carries)
-        yield from self.settle(2.0)
-        self.walker.schedule.stand_on(carries)
-        self._load.go(0.0, _UNLOAD)
-        yield from self.arrive(self._load)
-        self._foot.reset()
-        self.walker.schedule.lift()
-        self._foot.go(np.array([0.0, 0.0, height, 0.0]), duration)
-        yield from self.arrive(self._foot)
-
-    def move_foot(
-        self, forward: float = 0.0, left: float = 0.0, up: float = 0.05, duration: float = 1.0
-    ) -> Script:
-        """Move the lifted foot to a place relative to where it left the ground, m.
-
-        Raises:
-            MotionError: no foot is in the air.
-        """
-        if self.lifted is None:
-            raise MotionError("move_foot: no foot is lifted; lift one first")
-        self._foot.go(np.array([forward, left, up, 0.0]), duration)
-        yield from self.arrive(self._foot)
-
-    def put_down(self, duration: float = 1.0) -> Script:
-        """Lower the lifted foot until it feels the ground, and stand on both feet again."""
-        schedule = self.walker.schedule
-        foot = schedule.lifted
-        if foot is None:
-            return
-        above = self._foot.value * np.array([1.0, 1.0, 0.0, 1.0])
-        above[2] = 0.01
-        if self._foot.value[2] > 0.015:
-            self._foot.go(above, duration)
-            yield from self.arrive(self._foot)
-        foot.landing = True
-        start = self._foot.value.copy()
-        down = np.array([0.0, 0.0, -_LOWERING, 0.0])
-        self._foot.follow(lambda t: start + t * down, blend=0.3)
-        yield from self.until(lambda: self.standing)
-        self._foot.reset()
-        self._load.go(1.0, _UNLOAD)
-        yield from self.arrive(self._load)
-        yield from self.shift_weight(None)
-
     def relax(self, duration: float = 1.0) -> None:
         """Order everything home, without waiting: posture, trunk, CoM, hands; walking ends."""
         self.walker.halt()
@@ -367,15 +193,6 @@ class Body:
         self.relax(duration)
         yield from self.stand(duration)
         yield from self.until(lambda: self.at_home)
-
-    def stand(self, duration: float = 1.0) -> Script:
-        """Bring both feet to the ground, the weight between them."""
-        yield from self.put_down()
-        yield from self.until(lambda: self.standing)
-        if self._load.value[0] < 1.0 or self.lean.value[0] != 0.5:
-            self._load.go(1.0, _UNLOAD)
-            self.lean.go(0.5, duration)
-            yield from self.arrive(self._load, self.lean)
 
     def relieve(self) -> Script:
         """Have a pilot come to an end, and hand back."""
@@ -440,16 +257,7 @@ class Body:
         posture.target = self.posture.value
         posture.velocity = self.posture.velocity
         posture.acceleration = self.posture.acceleration
-        schedule = self.walker.schedule
-        load = float(self._load.value[0])
-        schedule.swing_load = load if load < 1.0 else math.inf
-        foot = schedule.lifted
-        if foot is not None:
-            self._move(foot)
-
-    def _move(self, foot: LiftedFoot) -> None:
-        foot.offset, foot.rate = self._foot.value, self._foot.velocity
-        foot.push = self._foot.acceleration
+        self._place_feet()
 
     def _place_hands(self) -> None:
         if any(hand.engaged for hand in self.hands.values()):
@@ -472,34 +280,11 @@ class Body:
         targets = tuple(t for hand in self.hands.values() if (t := hand.target) is not None)
         return Intent(float(self.lean.value[0]), com, targets)
 
-    def _watch_com(self) -> None:
-        """Compare the estimated CoM with the measured centre of pressure."""
-        feet, com = self.walker.feet, point(self.walker.kinematics.p_com)
-        load, moment = 0.0, 0j
-        for sole in self.robot.soles:
-            wrench = self.foot_wrenches.get(sole.name)
-            if wrench is not None and wrench[2] > 0.0:
-                at = complex(-float(wrench[4]), float(wrench[3]))  # times the force
-                placed = feet.of(sole.side)
-                moment += float(wrench[2]) * placed.point + at * turn(placed.yaw)
-                load += float(wrench[2])
-        if load < _STANDS * self.robot.weight:
-            return
-        back = turn(-self.walker.heading)
-        wanted = self.com.acceleration
-        across = (feet.left.point - feet.right.point) * back
-        acceleration = complex(float(wanted[0]), float(wanted[1]))
-        acceleration += float(self.lean.acceleration[0]) * across
-        self._bias.update(self.dt, com * back, acceleration, moment / load * back)
-
     def observe(self, command: Command) -> None:
         """After the tick."""
         self.last_torque = command.tau
         at_rest = self.pilot is None and (self.standing or self.lifted is not None)
-        self._rest = self._rest + self.dt if at_rest else 0.0
-        wanted = 0j
-        if self._rest >= _REST:
-            self._watch_com()
-            wanted = self._bias.value
-        self._offset.com_bias += (wanted - self._offset.com_bias) * (self.dt / _BIAS_TIME)
-        self._calm = self._calm + self.dt if self.walker.dcm_error < _SETTLED else 0.0
+        lean = float(self.lean.acceleration[0])
+        self._watch.update(at_rest, self.foot_wrenches, self.com.acceleration, lean)
+        self._offset.com_bias = self._watch.offset
+        self._feel()

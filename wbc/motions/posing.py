@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
@@ -162,6 +163,11 @@ class Posing:
         off = at_right.inverse() * (move * self._data.oMf[right])
         miss = float(np.linalg.norm(off.translation))
         return moved, miss, float(np.linalg.norm(pin.log3(off.rotation)))
+
+    @cached_property
+    def home(self) -> Pose:
+        """Standing as balance has it: trunk upright, CoM over the middle of the soles."""
+        return self.find(Wish(firm=True, firm_com=True))
 
     def find(self, wish: Wish, start: np.ndarray | None = None, *, elsewhere: bool = True) -> Pose:
         """The posture nearest to a wish.

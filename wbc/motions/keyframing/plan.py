@@ -80,7 +80,7 @@ class Planner:
         for before, after in pairwise([0.0, *(f.time.number for f in self.frames)]):
             steps = max(1, round((after - before) / _KNOTS))
             times += list(np.linspace(before, after, steps + 1)[1:])
-        q = self.robot.q_nominal.copy()
+        q = self._posing.home.q
         rows = []
         for time in times:
             q = np.concatenate((q[:7], self._keyed(time, q[7:])))
@@ -153,12 +153,15 @@ class Planner:
     def _place_splines(self) -> dict[str, Spline]:
         splines = {}
         for name in dict.fromkeys(name for frame in self.frames for name in frame.places):
-            home = np.zeros(3) if name == COM else self._posing.place(self._hands[name].hand)
+            home = np.zeros(3) if name == COM else self._home(name)
             keyed = [frame for frame in self.frames if name in frame.places]
             times = [0.0, *(frame.time.number for frame in keyed)]
             places = [home, *([v.number for v in frame.places[name]] for frame in keyed)]
             splines[name] = Spline(np.array(times), np.array(places))
         return splines
+
+    def _home(self, name: str) -> np.ndarray:
+        return self._posing.place(self._hands[name].hand, self._posing.home.q)
 
     def _led(self) -> dict[Side, Spline]:
         return {

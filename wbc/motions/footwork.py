@@ -1,0 +1,172 @@
+"""Footwork of motions: where the weight is, a foot in the air, steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from wbc.errors import MotionError
+from wbc.gait import Phase
+from wbc.gait.footsteps import other
+from wbc.motions.anatomy import SIDES, Side
+from wbc.motions.motion import Script
+from wbc.motions.reference import SmoothReference
+from wbc.motions.waiting import Waiting
+from wbc.telemetry import Footstep
+from wbc.walking import Walker
+
+_SETTLED = 0.005  # m, of the DCM, for
+_SETTLE_TIME = 0.25  # s
+_UNLOAD = 0.5  # s in which a foot is relieved of its load, or takes it
+_LOWERING = 0.05  # m/s, of a foot that looks for the ground
+
+
+class Footwork(Waiting):
+    """Shifts the weight, lifts a foot and puts it down where it feels the ground, steps.
+
+    Args:
+        walker: that balances and steps.
+
+    Attributes:
+        walker: that balances and steps.
+        lean: (1,) where the weight is: 0 over the right sole, 0.5 in the middle, 1 over the left.
+    """
+
+    def __init__(self, walker: Walker) -> None:
+        super().__init__(walker.dt)
+        self.walker = walker
+        self.lean = SmoothReference(0.5, speed=1.0, acceleration=2.5)
+        self._foot = SmoothReference(np.zeros(4), speed=0.4, acceleration=2.0)
+        self._load = SmoothReference(1.0, speed=4.0, acceleration=40.0)
+        self._calm = 0.0
+
+    @property
+    def standing(self) -> bool:
+        """Both feet on the ground, and not about to walk."""
+        return self.walker.schedule.phase is Phase.STAND
+
+    @property
+    def lifted(self) -> Side | None:
+        """The foot that is held up."""
+        schedule = self.walker.schedule
+        if schedule.lifted is None:
+            return None
+        return "left" if schedule.swing_side == "left" else "right"
+
+    @property
+    def settled(self) -> bool:
+        """The DCM has stayed within 5 mm of its plan for a quarter of a second."""
+        return self._calm >= _SETTLE_TIME
+
+    def walk(self, velocity: Sequence[float]) -> None:
+        """Walk at a velocity: forward, left (m/s), turn left (rad/s). Zeros stop.
+
+        Raises:
+            MotionError: a foot is lifted, or the weight is not in the middle.
+        """
+        if self.lifted is not None or self.lean.value[0] != 0.5:
+            raise MotionError("walk: only from standing on both feet, the weight in the middle")
+        self.walker.velocity = (float(velocity[0]), float(velocity[1]), float(velocity[2]))
+
+    def step_in_place(self, steps: int) -> None:
+        """Step on the spot, the left foot first."""
+        feet = self.walker.feet
+        placed = {
+            side: Footstep(side, np.array([at.point.real, at.point.imag, at.height]), at.yaw)
+            for side in SIDES
+            for at in (feet.of(side),)
+        }
+        self.walker.follow([placed[SIDES[k % 2]] for k in range(steps)])
+
+    def settle(self, at_most: float = 3.0) -> Script:
+        """Wait until the body is `settled`."""
+        yield from self.until(lambda: self.settled, at_most)
+
+    def shift_weight(self, towards: Side | None, duration: float = 1.2) -> Script:
+        """Bring the weight over one sole, or between them (None).
+
+        Raises:
+            MotionError: a foot is in the air, or the robot walks.
+        """
+        if not self.standing:
+            raise MotionError("shift_weight: only with both feet on the ground")
+        self.lean.go({"left": 1.0, "right": 0.0, None: 0.5}[towards], duration)
+        yield from self.arrive(self.lean)
+
+    def lift(self, side: Side, height: float, duration: float = 1.0) -> Script:
+        """Stand on the other foot, and lift this one by a height, m.
+
+        Raises:
+            MotionError: a foot is in the air already, or the robot walks.
+        """
+        if not self.standing:
+            raise MotionError(f"lift: the {side} foot, only with both feet on the ground")
+        carries: Side = "left" if other(side) == "left" else "right"
+        yield from self.shift_weight(carries)
+        yield from self.settle(2.0)
+        self.walker.schedule.stand_on(carries)
+        self._load.go(0.0, _UNLOAD)
+        yield from self.arrive(self._load)
+        self._foot.reset()
+        self.walker.schedule.lift()
+        self._foot.go(np.array([0.0, 0.0, height, 0.0]), duration)
+        yield from self.arrive(self._foot)
+
+    def move_foot(
+        self, forward: float = 0.0, left: float = 0.0, up: float = 0.05, duration: float = 1.0
+    ) -> Script:
+        """Move the lifted foot to a place relative to where it left the ground, m.
+
+        Raises:
+            MotionError: no foot is in the air.
+        """
+        if self.lifted is None:
+            raise MotionError("move_foot: no foot is lifted; lift one first")
+        self._foot.go(np.array([forward, left, up, 0.0]), duration)
+        yield from self.arrive(self._foot)
+
+    def put_down(self, duration: float = 1.0) -> Script:
+        """Lower the lifted foot until it feels the ground, and stand on both feet again."""
+        schedule = self.walker.schedule
+        foot = schedule.lifted
+        if foot is None:
+            return
+        above = self._foot.value * np.array([1.0, 1.0, 0.0, 1.0])
+        above[2] = 0.01
+        if self._foot.value[2] > 0.015:
+            self._foot.go(above, duration)
+            yield from self.arrive(self._foot)
+        foot.landing = True
+        start = self._foot.value.copy()
+        down = np.array([0.0, 0.0, -_LOWERING, 0.0])
+        self._foot.follow(lambda t: start + t * down, blend=0.3)
+        yield from self.until(lambda: self.standing)
+        self._foot.reset()
+        self._load.go(1.0, _UNLOAD)
+        yield from self.arrive(self._load)
+        yield from self.shift_weight(None)
+
+    def stand(self, duration: float = 1.0) -> Script:
+        """Bring both feet to the ground, the weight between them."""
+        yield from self.put_down()
+        yield from self.until(lambda: self.standing)
+        if self._load.value[0] < 1.0 or self.lean.value[0] != 0.5:
+            self._load.go(1.0, _UNLOAD)
+            self.lean.go(0.5, duration)
+            yield from self.arrive(self._load, self.lean)
+
+    def _place_feet(self) -> None:
+        """Hand the references of load and lifted foot to the gait."""
+        schedule = self.walker.schedule
+        load = float(self._load.value[0])
+        schedule.swing_load = load if load < 1.0 else math.inf
+        foot = schedule.lifted
+        if foot is not None:
+            foot.offset, foot.rate = self._foot.value, self._foot.velocity
+            foot.push = self._foot.acceleration
+
+    def _feel(self) -> None:
+        """After a tick: how long the DCM has been where it should be."""
+        self._calm = self._calm + self.dt if self.walker.dcm_error < _SETTLED else 0.0
