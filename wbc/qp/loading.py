@@ -18,7 +18,7 @@ class KernelsMissing(UserWarning):
 def kernels_load() -> bool:
     """Import the kernels; False when that is impossible, with a `KernelsMissing` warning.
 
-    The first import on a machine compiles them (about ten seconds), later ones read the machine
+    The first import on a machine compiles them (about fifteen seconds), later ones read the machine
     code from the disk (about half a second, most of it Numba's own import).
     """
     if "wbc.qp.compiled" in sys.modules and "wbc.qp.kernels.dual_active_set" in sys.modules:
@@ -53,7 +53,7 @@ def _tell_when_slow(done: threading.Event) -> None:
         if done.wait(0.1):
             return
     print(
-        "wbc: compiling the controller's kernels, once for this machine: about 10 s",
+        "wbc: compiling the controller's kernels, once for this machine: about 15 s",
         file=sys.stderr,
         flush=True,
     )
