@@ -37,14 +37,14 @@ from wbc.kinematics import Kinematics
 from wbc.qp.compiled import CompiledAssembly
 from wbc.sim import Mujoco
 
-#: What each stage does; what is left of the tick is "rest".
+#: What each stage does; "diagnostics" is what the others leave of the tick.
 STAGES = {
     "kinematics": "mass matrix, bias forces and Jacobian by Pinocchio; the state is checked",
     "references": "what tasks, contacts and limits want; placements of their frames",
     "assembly": "rows of tasks and contacts, elimination, cost and constraints",
     "solve": "the quadratic program",
     "recovery": "accelerations, torques, wrenches and targets from the solution",
-    "rest": "bookkeeping: choice of the assembly, checks that all is finite, status",
+    "diagnostics": "bookkeeping: choice of the assembly, checks that all is finite, status",
 }
 Tick = tuple[wbc.State, dict[str, np.ndarray] | None]
 
@@ -132,7 +132,8 @@ def replay(
     stages = [*STAGES, "controller"]
     times = {s: np.array([row.get(s, 0.0) for row in rows]) for s in stages}
     times["tick"] = times["kinematics"] + times.pop("controller")
-    times["rest"] = times["tick"] - sum(times[s] for s in STAGES if s != "rest")
+    others = sum(times[s] for s in STAGES if s != "diagnostics")
+    times["diagnostics"] = times["tick"] - others
     return times, np.array(contacts)
 
 
