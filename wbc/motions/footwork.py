@@ -19,6 +19,8 @@ from wbc.walking import Walker
 
 _SETTLED = 0.005  # m, of the DCM, for
 _SETTLE_TIME = 0.25  # s
+_PATIENCE = 4.0  # s
+_BRAKING = 0.3  # share of the sole's half width in which a shift of the weight is braked
 _UNLOAD = 0.5  # s in which a foot is relieved of its load, or takes it
 _LOWERING = 0.05  # m/s, of a foot that looks for the ground
 
@@ -87,25 +89,49 @@ class Footwork(Waiting):
     def shift_weight(self, towards: Side | None, duration: float = 1.2) -> Script:
         """Bring the weight over one sole, or between them (None).
 
+        Args:
+            towards: "left", "right" or None.
+            duration: s; longer when the sole is too narrow to brake the CoM on it.
+
         Raises:
             MotionError: a foot is in the air, or the robot walks.
         """
         if not self.standing:
             raise MotionError("shift_weight: only with both feet on the ground")
-        self.lean.go({"left": 1.0, "right": 0.0, None: 0.5}[towards], duration)
+        lean = {"left": 1.0, "right": 0.0, None: 0.5}[towards]
+        if towards is not None:
+            duration = max(duration, self._braking_time(lean))
+        self.lean.go(lean, duration)
         yield from self.arrive(self.lean)
+
+    def _braking_time(self, lean: float) -> float:
+        """Least duration of a shift onto one sole, s.
+
+        Where a minimum-jerk way of length D brakes most, 6 % before its end, the ZMP is ahead of
+        the CoM by 5.77 D / (ω T)²: it has to stay within some of the sole's half width.
+        """
+        feet, omega = self.walker.feet, self.walker.gait.omega
+        way = abs(lean - float(self.lean.value[0])) * abs(feet.left.point - feet.right.point)
+        room = 0.06 * way + _BRAKING * min(s.half_width for s in self.walker.robot.soles)
+        return math.sqrt(5.77 * way / room) / omega
 
     def lift(self, side: Side, height: float, duration: float = 1.0) -> Script:
         """Stand on the other foot, and lift this one by a height, m.
 
         Raises:
-            MotionError: a foot is in the air already, or the robot walks.
+            MotionError: a foot is in the air already, the robot walks, or it does not come to
+                rest on the other foot.
         """
         if not self.standing:
             raise MotionError(f"lift: the {side} foot, only with both feet on the ground")
         carries: Side = "left" if other(side) == "left" else "right"
         yield from self.shift_weight(carries)
-        yield from self.settle(2.0)
+        yield from self.settle(_PATIENCE)
+        if not self.settled:
+            raise MotionError(
+                f"the {side} foot stays: {self.walker.robot.name} did not come to rest on the "
+                f"{carries} one (DCM {1e3 * self.walker.dcm_error:.0f} mm off)"
+            )
         self.walker.schedule.stand_on(carries)
         self._load.go(0.0, _UNLOAD)
         yield from self.arrive(self._load)

@@ -51,7 +51,11 @@ class Motion(ABC):
 
     @abstractmethod
     def play(self, body: Body) -> Script:
-        """The script."""
+        """The script.
+
+        Raises:
+            MotionError: it gives up; the performer notes why and brings the body home.
+        """
 
     @classmethod
     def shown(cls) -> Motion:

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from wbc.command import Command
+from wbc.errors import MotionError
 from wbc.motions.body import Body
 from wbc.motions.intent import Intent
 from wbc.motions.motion import Motion, Script
@@ -134,8 +135,15 @@ class Performer:
         if self._script is None and self._queue:
             self._playing = self._queue.popleft()
             self._script = self._whole(self._playing)
-        if self._script is not None and next(self._script, "over") == "over":
+        if self._script is None:
+            return
+        try:
+            next(self._script)
+        except StopIteration:
             self._playing = self._script = None
+        except MotionError as error:  # it gives up
+            self.body.note(str(error))
+            self._playing, self._script = None, self.body.go_home()
 
     def _over_to(self, motion: Motion) -> Script:
         yield from self.body.relieve()
