@@ -107,7 +107,7 @@ class Body(Footwork):
         """Standing, with every reference where it is when standing."""
         return (
             self.standing
-            and all(r.arrived and not (r.value != r.home).any() for r in self._references())
+            and all(reference.at_home for reference in self._references())
             and all(not hand.engaged for hand in self.hands.values())
         )
 
@@ -250,6 +250,7 @@ class Body(Footwork):
         offset.lean_rate = float(self.lean.velocity[0])
         offset.lean_acceleration = float(self.lean.acceleration[0])
         for attitude, reference in ((offset.torso, self.torso), (offset.base, self.pelvis)):
+            attitude.upright = reference.at_home
             attitude.vector, attitude.rate = reference.value, reference.velocity
             attitude.acceleration = reference.acceleration
         self._place_hands()

@@ -115,8 +115,7 @@ class Gaze:
         anatomy = Anatomy.of(robot)
         head = anatomy.head
         self._frame = robot.torso if head is None else head.frame
-        self._kin = kin = Kinematics(robot, robot.standing())
-        here = kin.motion(self._frame)
+        here = Kinematics(robot, robot.standing()).motion(self._frame)
         self._forward = here.rotation.T @ np.array([1.0, 0.0, 0.0])
         self.eye = np.array(here.position)
         self._yaw = self._pitch = (-1, 0.0, 0.0, 0.0)  # joint, its sign, least and largest angle
@@ -159,9 +158,7 @@ class Gaze:
 
     def error(self, body: Body, point: np.ndarray) -> float:
         """Angle between the gaze and the way to a point, as estimated, rad."""
-        assert body.state is not None
-        self._kin.update(body.state)
-        at = self._kin.frame(self._frame)
+        at = body.walker.kinematics.frame(self._frame)
         frame = body.walker.standing_frame
         way = frame.act(point) - at.translation
         gaze = at.rotation @ self._forward

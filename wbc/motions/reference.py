@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 
 import numpy as np
@@ -11,7 +12,8 @@ from wbc.errors import MotionError
 #: Position of a reference over time since it was begun, s -> (n,).
 Path = Callable[[float], np.ndarray]
 
-_H = 4e-3  # s, of the central differences along a path
+_DT = 0.002  # s, until the first tick tells
+_REACH = 2  # ticks to either side, of the central differences along a path
 _CORNER = 5.0  # times the limit of acceleration
 _SAMPLES = np.linspace(0.0, 1.0, 15)[:, None]
 _LONGER = 1.15  # by how much a duration grows until it suits the limits
@@ -40,6 +42,7 @@ class SmoothReference:
         velocity: (n,) per s.
         acceleration: (n,) per s².
         arrived: the last order is carried out; a path is followed for good and never arrives.
+        at_home: at home, at rest, and not about to leave.
     """
 
     def __init__(
@@ -54,6 +57,7 @@ class SmoothReference:
         self._speed = np.broadcast_to(np.asarray(speed, dtype=float), (n,))
         self._limit = np.broadcast_to(np.asarray(acceleration, dtype=float), (n,))
         self._still = np.zeros(n)
+        self._dt = _DT
         self.reset()
 
     def reset(self) -> None:
@@ -62,17 +66,18 @@ class SmoothReference:
         self.value = self.home.copy()
         self.velocity = np.zeros(n)
         self.acceleration = np.zeros(n)
-        self.arrived = True
+        self.arrived = self.at_home = True
         self._goal = self.home.copy()
         self._path: Path | None = None
         self._since = self._blend = 0.0
         self._left = np.zeros((6, n))
+        self._points: deque[np.ndarray] = deque()
 
     def start_from(self, value: np.ndarray, velocity: np.ndarray) -> None:
         """Be somewhere at once, moving: only where nothing has been commanded before."""
         self.reset()
         self.value, self.velocity = self._vector(value), self._vector(velocity)
-        self._goal, self.arrived = self.value.copy(), False
+        self._goal, self.arrived, self.at_home = self.value.copy(), False, False
 
     @property
     def goal(self) -> np.ndarray:
@@ -92,7 +97,8 @@ class SmoothReference:
         goal = self._vector(target)
         e = self.value - goal
         if not (e.any() or self.velocity.any() or self.acceleration.any()):
-            self._goal, self._path, self.arrived = goal, None, True
+            self._goal, self._path = goal, None
+            self._arrive()
             return 0.0
         time = self._suited(e, max(duration, 0.02))
         self._start(None, goal, e, self.velocity, self.acceleration, time)
@@ -110,7 +116,9 @@ class SmoothReference:
             MotionError: the path gives a wrong shape, or a value that is not finite.
         """
         self._vector(path(0.0))
-        p, v, a = self._along(path, 0.0)
+        self._since = 0.0
+        self._points.clear()
+        p, v, a = self._along(path)
         self._start(
             path, self.home, self.value - p, self.velocity - v, self.acceleration - a, blend
         )
@@ -119,6 +127,9 @@ class SmoothReference:
         """Move on by dt, s."""
         if self.arrived:
             return
+        if dt != self._dt:
+            self._dt = dt
+            self._points.clear()
         self._since += dt
         time = self._since
         if self._path is None:
@@ -126,11 +137,11 @@ class SmoothReference:
                 self.value = self._goal.copy()
                 self.velocity = np.zeros(self.value.size)
                 self.acceleration = np.zeros(self.value.size)
-                self.arrived = True
+                self._arrive()
                 return
             x, v, a = self._goal, self._still, self._still
         else:
-            x, v, a = self._along(self._path, time)
+            x, v, a = self._along(self._path)
             if time >= self._blend:
                 self.value, self.velocity, self.acceleration = x, v, a
                 return
@@ -139,11 +150,25 @@ class SmoothReference:
         self.velocity = v + dr / self._blend
         self.acceleration = a + ddr / self._blend**2
 
-    def _along(self, path: Path, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        before, now, after = (np.asarray(path(time + h), dtype=float) for h in (-_H, 0.0, _H))
+    def _along(self, path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Position, velocity and acceleration of a path now, by central differences.
+
+        Ticks follow one another at the same distance: each needs one more point of the path.
+        """
+        points = self._points
+        if not points:
+            points.extend(self._point(path, k) for k in range(-_REACH, _REACH + 1))
+        else:
+            points.popleft()
+            points.append(self._point(path, _REACH))
+        before, now, after = points[0], points[_REACH], points[-1]
+        h = _REACH * self._dt
         most = _CORNER * self._limit  # a path with a corner has no acceleration there
-        bend = (after - 2.0 * now + before) / (_H * _H)
-        return now, (after - before) / (2.0 * _H), np.minimum(np.maximum(bend, -most), most)
+        bend = (after - 2.0 * now + before) / (h * h)
+        return now, (after - before) / (2.0 * h), np.minimum(np.maximum(bend, -most), most)
+
+    def _point(self, path: Path, ticks: int) -> np.ndarray:
+        return np.asarray(path(self._since + ticks * self._dt), dtype=float)
 
     def _start(
         self,
@@ -156,7 +181,10 @@ class SmoothReference:
     ) -> None:
         self._path, self._goal = path, goal
         self._left = _fading(e, v * blend, a * blend**2)
-        self._since, self._blend, self.arrived = 0.0, blend, False
+        self._since, self._blend, self.arrived, self.at_home = 0.0, blend, False, False
+
+    def _arrive(self) -> None:
+        self.arrived, self.at_home = True, np.array_equal(self._goal, self.home)
 
     def _suited(self, e: np.ndarray, time: float) -> float:
         """The least duration from `time` on that keeps the limits, or comes nearest to it.

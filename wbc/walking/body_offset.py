@@ -22,19 +22,19 @@ class Attitude:
     """A rotation that a reference adds to standing upright.
 
     Attributes:
+        upright: there is nothing to add; the others are not looked at.
         vector: (3,) rotation vector φ in heading axes, rad.
         rate: (3,) φ̇, rad/s.
         acceleration: (3,) φ̈, rad/s².
     """
 
+    upright: bool = True
     vector: np.ndarray = field(default_factory=_zeros)
     rate: np.ndarray = field(default_factory=_zeros)
     acceleration: np.ndarray = field(default_factory=_zeros)
 
     def motion(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(3, 3) rotation, (3,) angular velocity and acceleration, heading axes."""
-        if not (self.vector.any() or self.rate.any() or self.acceleration.any()):
-            return np.eye(3), np.zeros(3), np.zeros(3)
         bend = 0.5 * _H * _H * self.acceleration
         before, now, after = (
             np.asarray(pin.exp3(self.vector + h * self.rate + bend * (h != 0.0)))

@@ -272,6 +272,10 @@ class Walker:
     def _lean_trunk(self, body: BodyOffset, heading: np.ndarray, rate: float) -> None:
         attitudes = (body.torso, body.base)[-len(self._trunk) :]
         for (task, upright), attitude in zip(self._trunk, attitudes, strict=True):
+            if attitude.upright:
+                task.velocity[:2] = 0.0
+                task.acceleration[:] = 0.0
+                continue
             rotation, velocity, acceleration = attitude.motion()
             task.target = heading @ rotation @ upright
             task.velocity = heading @ velocity
