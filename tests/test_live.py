@@ -249,7 +249,7 @@ def test_a_motion_that_turns_out_impossible_leaves_it_standing(
             raise wbc.errors.MotionError("trip: over its own feet")
 
     helm = Helm(performer, plant, (Trip,), lambda: None)
-    notes, report = run(helm, performer, plant, 2.0, [(0.0, "motion", "trip")])
+    notes, report = run(helm, performer, plant, 3.0, [(0.0, "motion", "trip")])
     assert report.survived
     assert notes.playing[-1] == -1
     assert performer.body.at_home
