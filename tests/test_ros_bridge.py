@@ -14,7 +14,6 @@ import pytest
 from rostools import PATIENCE, SHORT_LIVED, Hearer, Peer, new_domain, node, start_example
 
 import wbc
-from wbc.gait import Phase
 from wbc.loop import StopRun
 from wbc.messages import message_type
 from wbc.ros import Network, Qos
@@ -463,8 +462,7 @@ class StandIn:
     def __init__(self, robot):
         self.robot, self.dt = robot, 0.002
         self.velocity = (0.0, 0.0, 0.0)
-        self.posture = self.schedule = self
-        self.phase = Phase.STAND
+        self.posture = self
         self.target = robot.q_nominal[7:].copy()
         self.pushes = []
 
@@ -491,26 +489,6 @@ def test_a_velocity_lasts_as_long_as_it_says(helm, robot):
     time.sleep(0.06)
     steer(0.0)
     assert walker.velocity == (0.0, 0.0, 0.0)
-
-
-def test_a_gait_that_has_begun_to_stop_stands_before_it_walks_again(helm, robot):
-    steer, mailbox, walker = helm
-    orders = Orders.none(robot.na)
-    orders.velocity, orders.velocity_until = (0.1, 0.0, 0.0), time.monotonic() + 100.0
-    mailbox.post(orders)
-    steer(0.0)
-    walker.phase = Phase.SWING
-    orders.velocity = (0.0, 0.0, 0.0)
-    mailbox.post(orders)
-    steer(0.0)
-    assert walker.velocity == (0.0, 0.0, 0.0)
-    orders.velocity = (0.2, 0.0, 0.0)
-    mailbox.post(orders)
-    steer(0.0)
-    assert walker.velocity == (0.0, 0.0, 0.0)
-    walker.phase = Phase.STAND
-    steer(0.0)
-    assert walker.velocity == (0.2, 0.0, 0.0)
 
 
 def test_a_stick_that_is_pushed_and_let_go_at_random_makes_nobody_fall(robot):
