@@ -8,6 +8,7 @@ import numpy as np
 
 from wbc.command import Command
 from wbc.gait.planar import point, turn
+from wbc.limits.limit import moderate_braking
 from wbc.motions.anatomy import Anatomy
 from wbc.motions.com_watch import ComWatch
 from wbc.motions.footwork import Footwork
@@ -21,6 +22,7 @@ from wbc.robot import Robot
 from wbc.state import State
 from wbc.walking import BodyOffset, Walker
 
+_FAR = 0.3  # rad
 # Share of the posture's weight that is left to joints which are led otherwise.
 _LED_ARM, _LED_WAIST = 0.1, 0.03
 
@@ -66,8 +68,12 @@ class Body(Footwork):
         self.torso = SmoothReference(np.zeros(3), speed=1.2, acceleration=4.0)
         self.pelvis = SmoothReference(np.zeros(3), speed=1.2, acceleration=4.0)
         self.posture = SmoothReference(
-            robot.q_nominal[7:], speed=0.6 * np.minimum(robot.v_max, 5.0), acceleration=12.0
+            robot.q_nominal[7:],
+            speed=0.6 * np.minimum(robot.v_max, 5.0),
+            acceleration=0.5 * moderate_braking(robot),
         )
+        self._upper = np.ones(robot.na, dtype=bool)
+        self._upper[[index - 6 for leg in robot.legs for index in leg]] = False
         self.hands = {arm.side: Hand(walker, arm) for arm in self.anatomy.arms}
         # What trunk and hands are led to must not fight with the posture: the CoM would pay.
         self._weights = walker.posture.weight.copy()
@@ -255,16 +261,31 @@ class Body(Footwork):
             attitude.acceleration = reference.acceleration
         self._place_hands()
         posture = self.walker.posture
-        posture.target = self.posture.value
+        posture.target = self._near(self.posture.value)
         posture.velocity = self.posture.velocity
         posture.acceleration = self.posture.acceleration
         self._place_feet()
 
+    def _near(self, posture: np.ndarray) -> np.ndarray:
+        """The posture, but for arms and trunk not so far off that the CoM would pay for it.
+
+        A joint whose torque does not suffice stays behind; what it asks for must stay bounded.
+        """
+        if self.state is None:
+            return posture
+        off = posture - self.state.q[7:]
+        far = self._upper & (np.abs(off) > _FAR)
+        if not far.any():
+            return posture
+        return np.where(far, self.state.q[7:] + np.clip(off, -_FAR, _FAR), posture)
+
     def _place_hands(self) -> None:
         if any(hand.engaged for hand in self.hands.values()):
             frame = self.walker.standing_frame
+            kin = self.walker.kinematics
             for hand in self.hands.values():
-                hand.advance(self.dt, frame.translation, frame.rotation)
+                now = kin.frame(hand.arm.hand).translation
+                hand.advance(self.dt, frame.translation, frame.rotation, now)
         shares = tuple(hand.share for hand in self.hands.values())
         if shares != self._shares:
             self._shares = shares

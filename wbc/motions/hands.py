@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from wbc.motions.anatomy import Arm
@@ -10,7 +12,8 @@ from wbc.motions.reference import Path, SmoothReference
 from wbc.tasks import PositionTask
 from wbc.walking import Walker
 
-_WEIGHT, _KP = 60.0, 150.0
+_WEIGHT, _KP = 20.0, 120.0
+_FAR = 0.05  # m: a hand that is farther off asks for no more, or the CoM would pay for it
 _TAKE = 0.4  # s within which a hand comes under control
 
 
@@ -99,8 +102,15 @@ class Hand:
         if self.engaged:
             self._share.go(0.0, duration)
 
-    def advance(self, dt: float, origin: np.ndarray, axes: np.ndarray) -> None:
-        """One tick; origin (3,) and axes (3, 3) of the standing frame in the world."""
+    def advance(self, dt: float, origin: np.ndarray, axes: np.ndarray, now: np.ndarray) -> None:
+        """One tick.
+
+        Args:
+            dt: s.
+            origin: (3,) of the standing frame in the world, m.
+            axes: (3, 3) of the standing frame in the world.
+            now: (3,) where the hand is in the world, m.
+        """
         if not self.engaged:
             return
         self._share.advance(dt)
@@ -111,7 +121,10 @@ class Hand:
             return
         task = self._task
         task.weight = _WEIGHT * max(share, 0.0)
-        task.target = origin + axes @ self.place.value
+        place = origin + axes @ self.place.value
+        off = place - now
+        distance = math.sqrt(float(off @ off))
+        task.target = place if distance < _FAR else now + (_FAR / distance) * off
         task.velocity = axes @ self.place.velocity
         task.acceleration = axes @ self.place.acceleration
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -13,11 +13,11 @@ from wbc.motions.anatomy import Anatomy, Arm, Side
 from wbc.motions.body import Body
 from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
 from wbc.motions.posing import Pose, Posing, Wish
-from wbc.motions.statics import effort
+from wbc.motions.statics import effort, hardest
 from wbc.robot import Robot
 
 _REACHABLE = 0.003  # m: nearer than this the posture is on the place
-_STRENGTH = 0.9  # share of any torque limit, at rest
+_STRENGTH = 0.75  # share of any torque limit, at rest: the rest moves and balances
 # Shares of the arm's length: how far a hand stays on its side of the body's middle,
 _ASIDE = 0.05
 _CLEAR = 0.45  # from the trunk's vertical axis and from the other hand,
@@ -68,7 +68,11 @@ class Reach(Motion):
         posing = Posing(robot)
         given = {posing.anatomy.arm(s).hand: np.array(p) for s, p in self._given()}
         wishes = [given] if given else sample(posing, self.random, self.draw)
-        return [Goal.of(posing, places) for places in wishes]
+        goals: list[Goal] = []
+        for places in wishes:
+            before = goals[-1].pose if goals else posing.home
+            goals.append(Goal.of(posing, places, before))
+        return goals
 
     def play(self, body: Body) -> Script:
         """See `Motion.play`."""
@@ -79,8 +83,9 @@ class Reach(Motion):
             # are led the last millimetres.
             for hand in body.hands.values():
                 hand.release(_LAST)
-            body.take(goal.pose, self.seconds)
-            yield from body.arrive(body.posture)
+            for pose in goal.way:
+                body.take(pose, self.seconds)
+                yield from body.arrive(body.posture)
             for side, place in goal.places.items():
                 body.reach(side, place, _LAST, counts=side not in goal.misses)
             yield from body.wait(_LAST + self.hold)
@@ -93,17 +98,20 @@ class Goal:
 
     Attributes:
         pose: whole posture.
+        way: postures one after the other, this one last: where the straight way is too heavy for
+            the arms, it goes by standing.
         places: side -> (3,) where the hand goes, standing frame, m.
         misses: side -> what is said of a place that is out of reach.
     """
 
     pose: Pose
+    way: Sequence[Pose]
     places: Mapping[Side, np.ndarray]
     misses: Mapping[Side, str]
 
     @classmethod
-    def of(cls, posing: Posing, wished: Places) -> Goal:
-        """The posture nearest to wished places."""
+    def of(cls, posing: Posing, wished: Places, before: Pose) -> Goal:
+        """The posture nearest to wished places, coming from another posture."""
         pose = _posture(posing, wished)
         places: dict[Side, np.ndarray] = {}
         misses: dict[Side, str] = {}
@@ -116,7 +124,8 @@ class Goal:
                 misses[arm.side] = f"({at}) m is out of reach by {1e3 * miss:.0f} mm"
                 place = posing.place(arm.hand, pose.q)
             places[arm.side] = place
-        return cls(pose, places, misses)
+        heavy = hardest(posing.robot, before.q, pose.q).ratio > _STRENGTH
+        return cls(pose, (posing.home, pose) if heavy else (pose,), places, misses)
 
 
 def _posture(posing: Posing, wished: Places) -> Pose:
@@ -143,7 +152,7 @@ def sample(posing: Posing, count: int, seed: int) -> list[Places]:
 
     Joints of the arms are drawn from the middle of their ranges; what brings a hand behind
     the body, across its middle, into the trunk or to the other hand is drawn again, and so
-    is what the arms are too weak to hold.
+    is what the joints are too weak to hold, there or on the way.
 
     Raises:
         MotionError: hardly anything is within reach.
@@ -161,7 +170,10 @@ def sample(posing: Posing, count: int, seed: int) -> list[Places]:
             q[7 + joints] = low + share * (high - low)
         places = {arm.hand: posing.place(arm.hand, q) for arm in arms}
         if _is_clear(posing, arms, places) and effort(robot, q).ratio < _STRENGTH:
-            found.append(places)
+            pose = posing.find(Wish(hands=places, firm_com=True), elsewhere=False)
+            near = max(pose.misses.values()) <= _REACHABLE
+            if near and hardest(robot, posing.home.q, pose.q).ratio < _STRENGTH:
+                found.append(places)
             if len(found) == count:
                 return found
     raise MotionError(f"reach: {robot.name}'s hands reach hardly anything in front of it")

@@ -10,6 +10,7 @@ import pinocchio as pin
 from wbc.robot import Robot
 
 _LEVER = 0.1  # m: makes moments comparable to forces
+_ON_THE_WAY = 9  # postures that are looked at between two
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +53,13 @@ def effort(robot: Robot, q: np.ndarray, lean: float = 0.5) -> Effort:
     ratios = np.abs(torque) / robot.tau_max
     worst = int(np.argmax(ratios))
     return Effort(torque, float(ratios[worst]), robot.joint_names[worst])
+
+
+def hardest(robot: Robot, start: np.ndarray, end: np.ndarray) -> Effort:
+    """The largest effort, at rest, on the straight way between two postures (nq,) each."""
+    ways = np.linspace(0.0, 1.0, _ON_THE_WAY)
+    efforts = [effort(robot, pin.interpolate(robot.model, start, end, s)) for s in ways]
+    return max(efforts, key=lambda one: one.ratio)
 
 
 def support_half(robot: Robot) -> np.ndarray:
