@@ -4,7 +4,8 @@ A page without a picture moves a slider of a robot that stands in a real-time ru
 Measured from the message: until the loop begins the tick that takes it, until that tick's command
 is there, and until the first frame of that tick or later reaches a page. That the command is
 another one is checked against the same run without the message: physics repeat.
-Then what the loop pays per tick: looking for requests, and showing itself.
+Then what the loop pays per tick: looking for requests, and showing itself; and the worst tick
+from the moment on in which each motion is asked for.
 """
 
 from __future__ import annotations
@@ -24,8 +25,11 @@ from typing import Any
 import numpy as np
 
 import wbc
+from wbc.errors import MotionError
 from wbc.live import Live
-from wbc.motions import Performer
+from wbc.live.helm import Helm
+from wbc.live.panel import Kind
+from wbc.motions import CATALOGUE, Performer, pack
 from wbc.realtime import RealTime, punctual
 from wbc.report import Report
 from wbc.sim import Mujoco
@@ -249,6 +253,62 @@ def cost(robot: wbc.Robot, ticks: int) -> list[Row]:
     return rows
 
 
+def starts(robot: wbc.Robot, seconds: float) -> list[Row]:
+    """CPU time of the worst tick after each motion was asked for, ms: helm and controller."""
+    rows: list[Row] = []
+    for kind in CATALOGUE:
+        try:
+            packed = pack(kind(), robot)  # as the page's process does it
+        except MotionError as error:
+            print(f"left out: {error}")
+            continue
+        performer = Performer(robot)
+        plant = Mujoco(robot, dt=performer.dt)
+        helm = Helm(performer, plant, CATALOGUE, lambda: None)
+        spent: list[float] = []
+        asked = performer.dt * round(1.0 / performer.dt)
+        step = performer.step
+
+        def timed_step(*arguments: Any, step: Any = step, spent: list[float] = spent) -> Any:
+            start = time.thread_time_ns()
+            command = step(*arguments)
+            spent[-1] += 1e-6 * (time.thread_time_ns() - start)
+            return command
+
+        def before_tick(
+            now: float,
+            helm: Helm = helm,
+            spent: list[float] = spent,
+            packed: bytes = packed,
+            asked: float = asked,
+        ) -> None:
+            if abs(now - asked) < 1e-9:
+                helm.requests.begin()[:] = (Kind.MOTION, helm.shelf.put(packed), len(packed))
+                helm.requests.publish()
+            helm._clock.wait()
+            start = time.thread_time_ns()
+            helm._take()
+            helm._steer()
+            spent.append(1e-6 * (time.thread_time_ns() - start))
+
+        performer.step = timed_step  # type: ignore[method-assign]
+        wbc.run(performer, plant, asked + seconds, before_tick=before_tick)
+        first = round(asked / performer.dt)
+        standing, playing = spent[100:first], spent[first:]
+        rows.append(
+            {
+                "what": f"{kind.name}: worst of {seconds:g} s",
+                "unit": "ms",
+                "p50": float(np.median(playing)),
+                "p99": float(np.percentile(playing, 99)),
+                "max": max(playing),
+                "first": playing[0],
+                "standing": max(standing),
+            }
+        )
+    return rows
+
+
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
@@ -258,17 +318,25 @@ def main() -> None:
     parser.add_argument(
         "--phases", type=int, default=4, help="of a step, for a robot that walks (default: 4)"
     )
+    parser.add_argument(
+        "--seconds", type=float, default=5.0, help="of each motion; 0 leaves them out (default: 5)"
+    )
     parser.add_argument("--json", type=Path, help="also write the figures there")
     options = parser.parse_args()
     robot = wbc.load(options.robot)
-    rows, spent = slider(robot, options.repeats)
-    rows += cost(robot, options.ticks)
+    rows, spent = slider(robot, options.repeats) if options.repeats else ([], {})
+    if options.ticks:
+        rows += cost(robot, options.ticks)
+    if options.seconds:
+        rows += starts(robot, options.seconds)
     if options.phases:
         rows.append(walking(robot, options.phases))
     print(f"{robot.name}, {options.repeats} moves of a slider, {options.ticks} ticks")
     for row in rows:
         figures = "   ".join(
-            f"{k} {row[k]:8.2f}" for k in ("p50", "p99", "mean", "max") if k in row
+            f"{k} {row[k]:8.2f}"
+            for k in ("p50", "p99", "mean", "max", "first", "standing")
+            if k in row
         )
         print(f"{row['what']!s:36}{row['unit']!s:4}{figures}")
     if options.json is not None:

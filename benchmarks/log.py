@@ -8,6 +8,9 @@ its processor time, its longest write, the size of the file. A write takes milli
 call takes as long shows that it happens elsewhere.
 
 Runs with and without a log take turns, so that a machine's other work falls on both.
+
+Then what fills the file, topic by topic, and what it would cost to write the same messages with the
+package `mcap`, in chunks of the same length and with the same compression.
 """
 
 from __future__ import annotations
@@ -26,6 +29,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from logfile import Messages, compared
 from replay import Replay, record, walker
 
 import wbc
@@ -90,6 +94,8 @@ def measure(name: str, seconds: float, rounds: int, speed: float) -> dict[str, A
             log = Log(path)
             with_plan = np.isin(LoggedRun(log).stamps, log.stamps("/footsteps"))
             planned.append(with_plan[: len(timed.spent)])
+            written = compared(path)
+            topics = Messages.of(path).share()
             facts.append(
                 {
                     "megabytes": path.stat().st_size / 1e6,
@@ -125,6 +131,8 @@ def measure(name: str, seconds: float, rounds: int, speed: float) -> dict[str, A
         "writer_cpu_percent": 100.0
         * float(np.median([f["cpu_s"] for f in facts]))
         / (len(walk) * DT),
+        "written": written,
+        "topics": topics,
     }
 
 
@@ -158,6 +166,17 @@ def show(row: dict[str, Any]) -> None:
         f"{row['longest_write_ms']:.1f} ms, {row['dropped']:.0f} ticks dropped"
     )
     print(f"  on the disk          {row['megabytes_per_minute']:.1f} MB per minute")
+    for topic, size in row["topics"].items():
+        print(f"    {topic:<34}{size:6.2f}")
+    for name in ("here", "package"):
+        us, percent, size = (
+            row["written"][f"{name}_{what}"]
+            for what in ("us_per_message", "cpu_percent", "megabytes")
+        )
+        print(
+            f"  written by {name:<10}{us:5.1f} µs of CPU per message, {percent:.1f} % of a core, "
+            f"{size:.1f} MB"
+        )
 
 
 def main() -> None:

@@ -30,14 +30,14 @@ import platform
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from replay import Idle, Replay, lateness, record, walker
+from watched import Loop, watched
 
 import wbc
 
@@ -93,18 +93,6 @@ class Times:
         self.stolen += other.stolen
 
 
-AUDIENCE = """
-import asyncio, sys
-from tornado.websocket import websocket_connect
-async def listen(address):
-    socket = await websocket_connect(address, max_message_size=1 << 28)
-    while (message := await socket.read_message()) is not None:
-        if isinstance(message, str) and ("paths" in message or "words" in message):
-            await socket.write_message("frame")
-asyncio.run(listen(sys.argv[1].replace("http", "ws").replace("static/", "socket")))
-"""
-
-
 @contextlib.contextmanager
 def child(*arguments: str) -> Iterator[None]:
     """Another Python, at ordinary priority, while the context lasts."""
@@ -114,28 +102,6 @@ def child(*arguments: str) -> Iterator[None]:
     finally:
         process.kill()
         process.wait()
-
-
-@contextlib.contextmanager
-def viewer(robot: wbc.Robot, folder: Path) -> Iterator[dict[str, Any]]:
-    """The live view, with a page that takes every frame, in processes of their own."""
-    with wbc.view.Meshcat(robot, port=0, announce=False) as meshcat, child(AUDIENCE, meshcat.url):
-        time.sleep(3.0)  # it reads meshes; a run would not begin before the page is there
-        yield {"viewer": meshcat}
-
-
-@contextlib.contextmanager
-def log(robot: wbc.Robot, folder: Path) -> Iterator[dict[str, Any]]:
-    """The flight recorder."""
-    from wbc.log import FlightRecorder
-
-    with FlightRecorder(folder / f"{time.monotonic_ns()}.mcap", robot) as recorder:
-        yield {"log": recorder}
-
-
-Observer = Callable[[wbc.Robot, Path], contextlib.AbstractContextManager[dict[str, Any]]]
-#: Name in a setting -> what `wbc.run` is given with it.
-OBSERVERS: Mapping[str, Observer] = {"viewer": viewer, "log": log}
 
 
 def stolen() -> float:
@@ -153,34 +119,27 @@ def measure(
     """One round of a cell."""
     plant = Replay(robot, dt, walk)
     idle, ordinary = Idle(robot), wbc.RealTime(0, False, sys.getswitchinterval())
-    told: list[wbc.LoopConditions] = []
+    controller = walker(robot, dt, speed) if setting.walker else idle
 
     def collect(_: float) -> None:
         if plant.ticks == 0 and setting.collector:
             gc.unfreeze()
             gc.enable()
 
-    with contextlib.ExitStack() as stack:
-        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="wbc-loop-")))
-        given: dict[str, Any] = {}
-        for name in setting.observers:
-            given |= stack.enter_context(OBSERVERS[name](robot, folder))
-        before = stolen()
-        report = wbc.run(
-            walker(robot, dt, speed) if setting.walker else idle,
-            plant,
-            len(walk) * dt,
-            estimator=None if setting.walker else idle,
-            real_time=wbc.RealTime() if setting.priority else ordinary,
-            announce=told.append,
-            before_tick=collect,
-            **given,
-        )
-        after = stolen()
+    with tempfile.TemporaryDirectory(prefix="wbc-loop-") as folder:
+        loop = Loop(controller, plant, Path(folder), before_tick=[collect])
+        with watched(loop, setting.observers):
+            before = stolen()
+            report, conditions = loop.run(
+                len(walk) * dt,
+                wbc.RealTime() if setting.priority else ordinary,
+                None if setting.walker else idle,
+            )
+            after = stolen()
     if not report.survived:
         raise SystemExit(f"'{setting.name}' is not what was recorded: {report.fell_why}")
     work = plant.commanded - plant.asked
-    return Times([lateness(plant.asked, dt)], [work], told[0].describe(), after - before)
+    return Times([lateness(plant.asked, dt)], [work], conditions, after - before)
 
 
 def summary(setting: Setting, rate: float, times: Times) -> dict[str, Any]:

@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 
 import wbc
+from wbc.motions import Performer
 
+Walking = wbc.Walker | Performer
 MORE = 10.0  # periods: after a longer hold-up the loop does not catch up
 
 
@@ -81,11 +83,19 @@ def walker(robot: wbc.Robot, dt: float, speed: float) -> wbc.Walker:
     return made
 
 
-def record(robot: wbc.Robot, dt: float, speed: float, length: float) -> list[wbc.Measurement]:
-    """Measurements of a walk from standing, one per tick."""
+def record(
+    robot: wbc.Robot,
+    dt: float,
+    speed: float,
+    length: float,
+    controller: Walking | None = None,
+) -> list[wbc.Measurement]:
+    """Measurements of a walk from standing, one per tick; of `walker` when left out."""
+    controller = controller or walker(robot, dt, speed)
+    controller.velocity = (speed, 0.0, 0.0)
     with wbc.sim.Mujoco(robot, dt=dt) as plant:
         keeper = Keeper(plant)
-        report = wbc.run(walker(robot, dt, speed), keeper, length)
+        report = wbc.run(controller, keeper, length)
     if not report.survived:
         raise SystemExit(f"{robot.name} fell at {report.fell_at_s} s: {report.fell_why}")
     return keeper.measurements

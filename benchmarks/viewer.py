@@ -12,7 +12,6 @@ import argparse
 import asyncio
 import gc
 import json
-import shutil
 import tempfile
 import threading
 import time
@@ -24,16 +23,9 @@ import numpy as np
 import wbc
 from wbc.telemetry import Footstep, Telemetry
 from wbc.view import Meshcat, Recording, Snapshot
+from wbc.view.browser import SOFTWARE, new_browser
 
 Row = dict[str, float | str]
-FLAGS = [
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-    "--no-sandbox",
-    "--disable-dev-shm-usage",
-]
 
 
 def full_snapshot(robot: wbc.Robot, tick: int, dt: float) -> Snapshot:
@@ -122,12 +114,7 @@ def frames(robot: wbc.Robot, rate: float, seconds: float) -> Row:
 
 def browser_frames(robot: wbc.Robot, seconds: float) -> Row:
     """Frames per second that a headless Chromium draws."""
-    from playwright.sync_api import sync_playwright
-
-    names = ("chromium", "chromium-browser", "google-chrome")
-    path = next(filter(None, map(shutil.which, names)))
-    with sync_playwright() as playwright, Meshcat(robot, port=0, announce=False) as viewer:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+    with new_browser(SOFTWARE) as browser, Meshcat(robot, port=0, announce=False) as viewer:
         page = browser.new_page(viewport={"width": 640, "height": 480})
         viewer.show(full_snapshot(robot, 0, 1 / 30))
         start = time.perf_counter()
@@ -140,7 +127,6 @@ def browser_frames(robot: wbc.Robot, seconds: float) -> Row:
             time.sleep(1 / 30)
         count = page.evaluate("wbc.frames") - before
         passed = time.perf_counter() - start
-        browser.close()
     row: Row = {"what": "headless Chromium, 640 x 480", "fps": count / passed}
     return {**row, "complete_after_s": complete}
 

@@ -1,7 +1,8 @@
 """A robot driven from the browser."""
 
 import wbc
-from wbc.live import Live, drive
+from wbc.driving import drive
+from wbc.live import Live
 from wbc.motions import Performer
 
 robot = wbc.load("simple_humanoid")

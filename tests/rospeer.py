@@ -99,6 +99,14 @@ def pursue(node: Node, x: str, action: str) -> None:
     node.spin(over)
 
 
+def play(node: Node, text: str) -> None:
+    """Has a motion played, and waits for it."""
+    client = ActionClient(node, "play_motion2_msgs/action/PlayMotion2", "play_motion2")
+    goal = client.send(client.goal_type(motion_name=text), timeout=20.0)
+    print("accepted" if goal.accepted else "rejected", flush=True)
+    node.spin(over)
+
+
 def count(node: Node, rate: str, number: str, depth: str = "10") -> None:
     """Publishes numbered joint states of 32 joints at a rate, when somebody listens."""
     kind = message_type("sensor_msgs/msg/JointState")
@@ -151,7 +159,7 @@ def main() -> None:
     # A background process of a shell may start with SIGINT ignored.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     kind, domain, *arguments = sys.argv[1:]
-    kinds = {f.__name__: f for f in (echo, serve, pursue, count, rogue, latch)}
+    kinds = {f.__name__: f for f in (echo, serve, pursue, play, count, rogue, latch)}
     network = Network(int(domain), configuration=os.environ.get("PEER_CONFIGURATION", ""))
     with Node(f"peer_{kind}", network=network) as node, contextlib.suppress(KeyboardInterrupt):
         kinds[kind](node, *arguments)

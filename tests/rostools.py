@@ -38,6 +38,11 @@ def environment(domain: int) -> dict[str, str]:
     return {**kept, "PYTHONPATH": paths, "ROS_DOMAIN_ID": str(domain)}
 
 
+def hear_interrupts() -> None:
+    """In a child before it begins: tests that run in the background have SIGINT ignored."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 class Peer:
     """Another process in the same domain, which has said that it is ready."""
 
@@ -45,6 +50,7 @@ class Peer:
         self.process = subprocess.Popen(
             [sys.executable, *command],
             env={**environment(domain), "PEER_CONFIGURATION": configuration},
+            preexec_fn=hear_interrupts,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

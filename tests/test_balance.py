@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import wbc
@@ -177,6 +178,63 @@ def test_planned_dcm_moves_with_its_own_velocity_from_phase_to_phase() -> None:
     assert before.dcm == pytest.approx(ground.feet.middle, abs=1e-6)
 
 
+@given(
+    st.floats(0.1, 2.5),
+    st.builds(Velocity, st.floats(-0.3, 0.5), st.floats(-0.1, 0.1), st.floats(-0.3, 0.3)),
+)
+@settings(max_examples=25, deadline=None)
+def test_another_velocity_takes_effect_within_the_step_and_without_a_jump(
+    when: float, wanted: Velocity
+) -> None:
+    ground = Ground()
+    ground.run(when, WALK, None)
+    schedule = ground.schedule
+    for tick in range(round(0.6 / DT)):
+        before, steps, landing = schedule.reference(), schedule.steps, schedule.target.point
+        swings = schedule.phase is Phase.SWING
+        ground.run(DT, wanted, None)
+        if tick == 3 and wanted != WALK:
+            assert schedule.velocity != WALK
+        if schedule.steps > steps:  # what is left of the change is for the next step
+            break
+        now = schedule.reference()
+        assert abs(now.dcm - before.dcm - DT * before.dcm_velocity) < 1e-3
+        if swings:
+            assert abs(schedule.target.point - landing) < 1.5 * DT  # 1.5 m/s
+
+
+def test_a_wish_that_jumps_about_from_tick_to_tick_does_not_shake_the_plan() -> None:
+    ground, rng, asked = Ground(), np.random.default_rng(0), []
+    ground.run(1.0, WALK, None)
+    for _ in range(round(2.0 / DT)):
+        ground.run(DT, Velocity(*(WALK.forward + 0.1 * rng.normal(size=3)).tolist()), None)
+        now = ground.schedule.reference()
+        asked.append(now.dcm - now.dcm_velocity / GAIT.omega - now.zmp)  # beyond the plan's ZMP
+    assert np.abs(asked).max() > 2e-3
+    assert np.percentile(np.abs(np.diff(asked)), 99) < 6e-3
+
+
+def test_a_wish_to_stop_shortens_the_present_step_and_the_next_one_is_the_last() -> None:
+    stopped, went_on = Ground(), Ground()
+    for ground, wanted in ((stopped, Velocity()), (went_on, WALK)):
+        ground.run(GAIT.first_transfer + 0.1 * GAIT.single_support, WALK, None)
+        ground.run(0.4 * GAIT.single_support, wanted, None)
+    assert stopped.schedule.target.point.real < went_on.schedule.target.point.real - 0.02
+    assert len(stopped.schedule.preview()) > 1
+    stopped.run(0.6 * GAIT.single_support, Velocity(), None)
+    stopped.run(GAIT.step_duration + GAIT.first_transfer, Velocity(), None)
+    assert stopped.schedule.steps == 2
+    assert stopped.schedule.phase is Phase.STAND
+
+
+def test_a_higher_swing_counts_for_a_foot_on_its_way_up() -> None:
+    ground = Ground()
+    ground.run(GAIT.first_transfer + 0.2 * GAIT.single_support, WALK, None)
+    ground.schedule.change_gait(replace(GAIT, swing_height=2.0 * GAIT.swing_height))
+    ground.run(0.3 * GAIT.single_support, WALK, None)
+    assert ground.feet.right.height == pytest.approx(2.0 * GAIT.swing_height, rel=0.02)
+
+
 velocities = st.builds(
     Velocity,
     st.sampled_from([0.0, -0.2, 0.4]),
@@ -211,11 +269,11 @@ def test_shift_moves_the_landing_but_not_the_plan_without_it() -> None:
     ground = Ground()
     ground.run(GAIT.first_transfer + 0.3 * GAIT.single_support, WALK, None)
     schedule = ground.schedule
-    planned = schedule.planned_target
-    schedule.shift = complex(0.05, -0.03)
-    assert schedule.planned_target == planned
+    planned = schedule.landing.planned
+    schedule.landing.shift = complex(0.05, -0.03)
+    assert schedule.landing.planned == planned
     assert schedule.target.point - planned.point == pytest.approx(complex(0.05, -0.03))
-    schedule.shift = complex(0.0, 1.0)  # through the other leg
+    schedule.landing.shift = complex(0.0, 1.0)  # through the other leg
     apart = SQUARE.left.to_local(schedule.target.point)
     assert -apart.imag == pytest.approx(GAIT.least_width)
 

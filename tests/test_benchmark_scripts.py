@@ -66,3 +66,21 @@ def test_the_correctness_benchmark_counts_every_problem(tmp_path):
     assert "0 faults" in run("correctness.py", *flags)
     tally = json.loads(out.read_text())["default"][kind]
     assert tally["ticks"] == 12 == tally["solvable"] + tally["ill_conditioned"]
+
+
+def test_the_observers_benchmark_measures_ticks_calls_and_rates(tmp_path):
+    for package in ("mujoco", "cyclonedds", "zstandard"):
+        pytest.importorskip(package)
+    out = tmp_path / "observers.json"
+    flags = ["--robot", "simple_humanoid", "--rounds", "1", "--seconds", "0.6"]
+    flags += ["--only", "all of them", "--messages", "0", "--repeats", "0"]
+    assert "all of them" in run("observers.py", *flags, "--json", str(out))
+    nothing, everyone = json.loads(out.read_text())["cells"].values()
+    assert nothing["calls"] == {} == nothing["figures"]
+    assert nothing["ticks"] == 300 == everyone["ticks"]
+    assert all(nothing[f"{kind} p99 ratio"] == 1.0 for kind in ("command", "whole", "CPU", "own"))
+    assert everyone["own p50 ratio"] > 1.0
+    assert len(everyone["calls"]) == 6
+    assert all(call["per tick"] > 0.0 for call in everyone["calls"].values())
+    for rate in ("viewer: frames at a page", "ROS 2: /tf at a node", "log: MB per minute"):
+        assert any(name.startswith(rate) for name in everyone["figures"]), rate

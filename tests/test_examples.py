@@ -20,7 +20,7 @@ SAYS = {
     "07_infeasible": "pulled down: infeasible",
     "08_footsteps": "survived",
     "09_own_robot": "survived",
-    "10_jump": "soles cleared",
+    "10_motions": "it stands as before: True",
     "11_log": "the runs part at 0.000 s",
     "12_live": "survived",
 }

@@ -11,6 +11,7 @@ from wbc.motions.jumping import Jumper, JumpPhase
 from wbc.report import Report
 from wbc.sim import Mujoco
 from wbc.trials import run_motions
+from wbc.walking import Walker
 
 CLEARANCE = 0.05
 JUMP = Jump(CLEARANCE)  # keeps the plans of its robots
@@ -104,3 +105,14 @@ def test_pilot_is_shown_while_it_flies():
     jumper.step(body.robot.standing())
     assert performer.telemetry.com == pytest.approx(jumper.telemetry.com)
     assert performer.dcm_error == jumper.dcm_error
+
+
+def test_it_is_solved_by_the_walkers_solver():
+    body_of = robot("simple_humanoid")
+    performer = Performer(body_of, walker=Walker(body_of, solver="daqp"))
+    performer.play(JUMP)
+    for _ in range(1000):
+        performer.step(body_of.standing())
+        if performer.body.pilot is not None:
+            break
+    assert performer.body.pilot._limbs.controller.solver.name == "daqp"

@@ -1,28 +1,39 @@
 """The live page without a browser: what may be asked, who may ask, and what the loop does."""
 
 import json
+import os
 import queue
 import re
+import signal
 import threading
 import time
 import urllib.error
 import urllib.request
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 import pytest
 
 import wbc
-from wbc.live import Live, LiveError, drive
+from wbc.driving import drive
+from wbc.errors import MotionError
+from wbc.live import Live, LiveError
 from wbc.live.errors import BadRequest
 from wbc.live.gauges import SIZE, Gauges, Mode
 from wbc.live.helm import Helm
 from wbc.live.panel import LONGEST, Kind
-from wbc.motions import Motion, Performer
+from wbc.motions import Motion, Performer, Reach, Squat, pack
 from wbc.motions.catalogue import CATALOGUE
 from wbc.motions.motion import parameter
+
+
+def motion(name, **parameters):
+    value = {"name": name, "parameters": parameters}
+    return json.dumps({"control": "motion", "value": value})
+
 
 BAD = (
     "",
@@ -49,6 +60,26 @@ BAD = (
     '{"control": "motion", "value": "skwat"}',
     '{"control": "motion", "value": 0}',
     '{"control": "motion", "value": {"name": "squat"}}',
+    motion("skwat"),
+    motion(7),
+    motion("squat", depht=5.0),
+    motion("squat", depth="deep"),
+    motion("squat", depth=float("nan")),
+    motion("squat", depth=float("inf")),
+    motion("squat", depth=True),
+    motion("squat", frequency=1e-300),
+    motion("squat", times=1.5),
+    motion("squat", times=10**9),
+    motion("sway", shape="square"),
+    motion("sway", shape=["circle"]),
+    motion("reach", left=[0.3, 0.2]),
+    motion("reach", left=[0.3, None, 1.0]),
+    motion("reach", left="here"),
+    motion("sine", balanced=1),
+    motion("keyframes", file=3),
+    motion("keyframes", file="a\0b"),
+    '{"control": "motion", "value": {"name": "squat", "parameters": [1]}}',
+    '{"control": "motion", "value": {"name": ["squat"], "parameters": {}}}',
     '{"control": "pause", "value": 1}',
     "[" * 900,
     json.dumps({"control": "stand", "value": "x" * LONGEST}),
@@ -66,6 +97,29 @@ class Shrug(Motion):
 
     def play(self, body):
         yield from body.wait(self.duration)
+
+
+@dataclass(frozen=True)
+class Doze(Shrug):
+    """A motion that is slow to plan."""
+
+    name: ClassVar[str] = "doze"
+    seconds: float = parameter(0.0, "s")
+
+    def check(self, robot):
+        time.sleep(self.seconds)
+
+
+@dataclass(frozen=True)
+class Trip(Shrug):
+    """A motion that gives up on the way."""
+
+    name: ClassVar[str] = "trip"
+
+    def play(self, body):
+        body.com.go(np.array([0.01, 0.0, 0.0]), 0.1)
+        yield
+        raise wbc.errors.MotionError("trip: over its own feet")
 
 
 @dataclass(frozen=True)
@@ -106,8 +160,11 @@ def helm(performer, plant, monkeypatch):
 def ask(helm, control, value=None):
     """As the page's process does it."""
     request = helm.panel.request(json.dumps({"control": control, "value": value}))
-    record = helm.requests.begin()
-    record[:] = (request.kind, request.first, request.second)
+    numbers = request.first, request.second
+    if request.motion is not None:
+        packed = pack(request.motion, helm._performer.robot)
+        numbers = helm.shelf.put(packed), len(packed)
+    helm.requests.begin()[:] = (request.kind, *numbers)
     helm.requests.publish()
 
 
@@ -117,6 +174,11 @@ class Notes:
     def __init__(self, performer, helm):
         self.performer, self.helm = performer, helm
         self.time, self.tau, self.dcm, self.playing, self.steps = [], [], [], [], []
+        self._joints = []
+
+    @property
+    def joints(self):
+        return np.array(self._joints)
 
     def begin(self, controller, plant):
         self.helm.begin()
@@ -127,6 +189,7 @@ class Notes:
         self.dcm.append(self.performer.balance.dcm[:2].copy())
         self.playing.append(self.helm.playing)
         self.steps.append(self.performer.steps)
+        self._joints.append(tick.state.q[7:].copy())
 
     def end(self, report):
         pass
@@ -164,6 +227,18 @@ def test_a_message_within_the_bounds_is_understood(helm):
     push = panel.request(json.dumps({"control": "push", "value": [0, -panel.max_impulse]}))
     assert (push.kind, push.first, push.second) == (Kind.PUSH, 0.0, -panel.max_impulse)
     assert panel.request('{"control": "reset"}').kind is Kind.RESET
+    assert panel.request('{"control": "motion", "value": "squat"}').motion == Squat()
+    chosen = panel.request(motion("squat", depth=5, times=2)).motion
+    assert chosen == Squat(depth=5.0, times=2)
+    chosen = panel.request(motion("reach", left=[0.3, 0.2, 1.0], right=None)).motion
+    assert chosen == Reach(left=(0.3, 0.2, 1.0))
+
+
+def test_every_motion_can_be_asked_for_with_all_that_it_offers(helm):
+    for told, kind in zip(helm.panel.describe()["motions"], CATALOGUE, strict=True):
+        values = {p["name"]: p["default"] for p in json.loads(json.dumps(told["parameters"]))}
+        assert list(values) == [p.name for p in kind.parameters()]
+        assert helm.panel.request(motion(kind.name, **values)).motion == kind()
 
 
 def test_there_is_a_knob_for_each_task_and_a_button_for_each_motion(helm, performer):
@@ -227,6 +302,63 @@ def test_one_thing_at_a_time_walking_a_motion_and_walking_again(helm, performer,
     assert notes.steps[-1] > notes.steps[end]
 
 
+def test_arms_wave_while_it_walks_and_the_slider_goes_on_counting(helm, performer, plant):
+    wave = [motion.name for motion in CATALOGUE].index("wave")
+    script = [
+        (0.0, "velocity.forward", 0.1),
+        (1.0, "motion", {"name": "wave", "parameters": {"seconds": 0.5}}),
+        (2.5, "velocity.forward", 0.15),
+    ]
+    notes, report = run(helm, performer, plant, 5.5, script)
+    assert report.survived
+    playing = np.array(notes.playing) == wave
+    begin, end = np.flatnonzero(playing)[[0, -1]]
+    assert begin == 500
+    assert notes.time[end] > 2.6
+    assert not playing[-1]
+    assert performer.velocity == (0.15, 0.0, 0.0)
+    assert notes.steps[begin] < notes.steps[end] < notes.steps[-1]
+    arms = performer.body.anatomy.both_arms()
+    home = performer.body.posture.home
+    raised = max(abs(notes.joints - home)[begin:end][:, list(arm.joints)].max() for arm in arms)
+    assert raised > 0.5
+
+
+def test_the_push_that_a_motion_asks_for_is_granted_and_counted(helm, performer, plant):
+    pushed = []
+    plant_push = plant.push
+    helm._push_torso = lambda impulse: (pushed.append(impulse), plant_push(impulse))
+    parameters = {"leg": "left", "hold": 0.4, "impulse": 0.02}
+    script = [(0.0, "motion", {"name": "one-leg", "parameters": parameters})]
+    _, report = run(helm, performer, plant, 8.0, script)
+    assert report.survived
+    assert len(pushed) == 1
+    assert np.linalg.norm(pushed[0]) == pytest.approx(0.02 * performer.robot.mass)
+    assert (helm.pushes.survived, helm.pushes.decided) == (1, 1)
+
+
+def test_nothing_is_checked_or_planned_in_the_loop(helm, performer, plant, monkeypatch):
+    script = [(0.0, "motion", "squat"), (0.1, "motion", "reach"), (0.3, "motion", "wave")]
+    requests = [
+        (at, control, helm.panel.request(motion(name)).motion) for at, control, name in script
+    ]
+    packed = [pack(m, performer.robot) for _, _, m in requests]
+    for kind in CATALOGUE:
+        monkeypatch.setattr(kind, "check", None)
+    monkeypatch.setattr("wbc.motions.posing.Posing.find", None)
+    helm.begin()
+    state = performer.robot.standing()
+    for data in packed:
+        helm.requests.begin()[:] = (Kind.MOTION, helm.shelf.put(data), len(data))
+        helm.requests.publish()
+        for _ in range(1500):
+            helm(0.0)
+            performer.step(state)
+            if helm.playing >= 0:
+                break
+        assert helm.playing >= 0
+
+
 def test_stand_leaves_everything_off(helm, performer, plant):
     script = [(0.0, "motion", "sway"), (0.5, "motion", "squat"), (0.6, "stand")]
     notes, _ = run(helm, performer, plant, 2.5, script)
@@ -238,15 +370,6 @@ def test_a_motion_that_turns_out_impossible_leaves_it_standing(
     robot, performer, plant, monkeypatch
 ):
     monkeypatch.setattr("wbc.live.helm.Clock.wait", lambda clock: None)
-
-    @dataclass(frozen=True)
-    class Trip(Shrug):
-        name: ClassVar[str] = "trip"
-
-        def play(self, body):
-            body.com.go(np.array([0.01, 0.0, 0.0]), 0.1)
-            yield
-            raise wbc.errors.MotionError("trip: over its own feet")
 
     helm = Helm(performer, plant, (Trip,), lambda: None)
     notes, report = run(helm, performer, plant, 3.0, [(0.0, "motion", "trip")])
@@ -373,7 +496,7 @@ class Client:
 
 @pytest.fixture
 def live(performer, plant):
-    motions = (*CATALOGUE, Shrug, Fly)
+    motions = (Squat, Shrug, Doze, Fly)
     with Live(performer, plant, port=0, motions=motions, announce=False) as live:
         yield live
 
@@ -389,7 +512,7 @@ def taken(live, count):
 def test_a_bad_message_is_answered_and_ignored_and_the_next_one_counts(live):
     page = Client(live.url)
     panel = page.hear("panel")["panel"]
-    assert [motion["name"] for motion in panel["motions"]][-2:] == ["shrug", "fly"]
+    assert [motion["name"] for motion in panel["motions"]][-2:] == ["doze", "fly"]
     for message in BAD:
         page.say(message)
         assert page.hear("error")["error"]
@@ -427,8 +550,38 @@ def test_a_motion_that_the_robot_cannot_do_is_told_and_never_reaches_the_loop(li
     assert "no wings" in page.hear("error")["error"]
     page.ask("motion", "shrug")
     taken(live, 1)
-    while "fly" not in page.hear("unable")["unable"]:
+    later = Client(live.url)
+    while "fly" not in later.hear("unable")["unable"]:
         pass  # the checks of all of them take their time
+
+
+def test_a_motion_is_planned_with_its_parameters_before_the_loop_hears_of_it(live):
+    page = Client(live.url)
+    page.say(motion("squat", depth=90.0))
+    assert "cannot go down by 90 %" in page.hear("error")["error"]
+    page.say(motion("shrug", duration=0.2))
+    taken(live, 1)
+    assert live.helm.conductor.waiting == Shrug(0.2)
+
+
+def test_a_motion_that_is_still_being_planned_is_forgotten_for_something_else(live):
+    page = Client(live.url)
+    page.say(motion("doze", seconds=0.3))
+    assert page.hear("planning")["planning"] == "doze"
+    page.ask("stand")
+    assert page.hear("planning")["planning"] is None
+    taken(live, 1)
+    page.say(motion("shrug", duration=0.3))  # is planned after the other one
+    taken(live, 2)
+    assert live.helm.conductor.waiting == Shrug(0.3)
+
+
+def test_a_motion_whose_planning_breaks_is_told_and_the_page_goes_on(live):
+    page = Client(live.url)
+    page.say(motion("doze", seconds=-1.0))
+    assert "ValueError" in page.hear("error")["error"]
+    page.say(motion("shrug", duration=0.3))
+    taken(live, 1)
 
 
 def test_a_loop_that_does_not_listen_is_told_of(live):
@@ -483,8 +636,18 @@ def test_a_page_open_to_the_network_is_asked_for_by_address_not_by_any_name(list
     assert bool(re.fullmatch(_names(listening), name)) is known
 
 
+def test_a_motion_that_another_process_could_not_find_is_refused_with_the_cure(performer, plant):
+    class Hidden(Shrug):
+        name = "hidden"
+
+    with pytest.raises(MotionError, match=r"'hidden' is defined where .* module of its own"):
+        Live(performer, plant, port=0, motions=(Hidden,), announce=False)
+
+
 def test_the_page_needs_nothing_from_elsewhere(live):
-    for name in ("", "panel.js", "panel.css", "stage.js", "live.js"):
+    from wbc.live.server import _OWN
+
+    for name in ("", *_OWN, "stage.js", "live.js"):
         with urllib.request.urlopen(live.url + name, timeout=20.0) as answer:
             text = answer.read().decode()
         assert len(text) > 500
@@ -498,16 +661,42 @@ def test_a_port_that_is_taken_is_told(live, performer, plant):
         Live(performer, plant, port=port, announce=False)
 
 
-def test_the_run_goes_on_when_the_pages_process_dies(live, performer, plant, monkeypatch):
-    import os
-    import signal
-
+def test_the_run_goes_on_when_the_pages_process_dies_and_says_so_once(
+    live, performer, plant, monkeypatch, caplog
+):
     monkeypatch.setattr("wbc.live.helm.Clock.wait", lambda clock: None)
-    os.kill(live.pid, signal.SIGKILL)
-    while live.alive:
-        time.sleep(0.01)
-    report = wbc.run(performer, plant, 0.1, log=live, before_tick=live.helm)
+    monkeypatch.setattr("wbc.process.child._LOOK", 0.0)
+
+    def die(now):
+        if abs(now - 0.1) < 1e-9:
+            os.kill(live.pid, signal.SIGKILL)
+            while live.alive:
+                time.sleep(0.01)
+        live.helm(now)
+
+    report = wbc.run(performer, plant, 0.2, log=live, before_tick=die)
     assert report.survived
+    assert report.duration_s == pytest.approx(0.198)
+    assert [record.message.count("the live page") for record in caplog.records] == [1]
+
+
+def test_pages_that_come_and_go_leave_nothing_behind(live):
+    files = Path(f"/proc/{live.pid}/fd")
+    if not files.is_dir():
+        pytest.skip("no /proc here")
+    staying = Client(live.url)
+    staying.hear("unable")
+    before = len(list(files.iterdir()))
+    for k in range(50):
+        Client(live.url, ("controls", "socket")[k % 2]).close()
+    end = time.monotonic() + 20.0
+    while len(list(files.iterdir())) > before and time.monotonic() < end:
+        time.sleep(0.05)
+    assert len(list(files.iterdir())) <= before
+    staying.ask("pause", True)
+    taken(live, 1)
+    live.close()
+    assert not Path(f"/proc/{live.pid}").exists()
 
 
 @contextmanager
@@ -519,6 +708,7 @@ def driven(live, performer, plant, duration):
         target=drive,
         args=(live, performer, plant, duration),
         kwargs={"told": told.append, "stop": stop.is_set},
+        daemon=True,
     )
     thread.start()
     yield told

@@ -2,8 +2,6 @@
 
 import base64
 import io
-import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -13,50 +11,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from wbc.log import Log, LoggedRun
 from wbc.motions.catalogue import CATALOGUE
 
 pytestmark = pytest.mark.browser
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-FLAGS = [
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-    "--no-sandbox",
-    "--disable-dev-shm-usage",
-    "--disable-background-networking",
-    "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1 , EXCLUDE localhost",
-]
 PATIENCE = 60_000  # ms; software rendering on a busy machine is slow
 
 
-def need(condition, what):
-    if not condition:
-        if os.environ.get("CI"):
-            pytest.fail(f"{what}; CI must have it")
-        pytest.skip(what)
-
-
 @pytest.fixture(scope="module")
-def browser():
-    path = next(filter(None, map(shutil.which, BROWSERS)), None)
-    need(path, f"no browser: none of {', '.join(BROWSERS)} on PATH")
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        need(False, "playwright is not installed")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
-        yield browser
-        browser.close()
-
-
-@pytest.fixture(scope="module")
-def url():
-    """Of a robot that stands at our disposal."""
+def url(tmp_path_factory):
+    """Of a robot that stands at our disposal; what is to stay of the session does."""
     root = Path(__file__).resolve().parent.parent
+    log, html = (tmp_path_factory.mktemp("kept") / name for name in ("live.mcap", "live.html"))
     arguments = ["-m", "wbc", "live", "--robot", "simple_humanoid", "--port", "0"]
+    arguments += ["--log", str(log), "--html", str(html)]
     process = subprocess.Popen(
         [sys.executable, *arguments], stdout=subprocess.PIPE, text=True, cwd=root
     )
@@ -67,6 +36,10 @@ def url():
         report, _ = process.communicate(timeout=60.0)
     assert process.returncode == 130
     assert "tick time" in report
+    kept = LoggedRun(Log(log))
+    assert len(kept) > 1000
+    assert (np.diff(kept.stamps) > 0).all()  # resets and all
+    assert html.stat().st_size > 100_000
 
 
 @contextmanager
@@ -107,6 +80,10 @@ def reset(page):
         "wbc.live.gauges?.mode === 'running' && wbc.live.gauges.time > 0.1"
         " && wbc.live.gauges.time < 5 && wbc.live.gauges.velocity.every((x) => x === 0)"
     )
+
+
+def names_of(motions):
+    return [motion.name for motion in motions]
 
 
 def turn(page, control, share):
@@ -181,7 +158,7 @@ def test_a_push_makes_the_dcm_jump_and_is_counted(page):
 
 def test_every_motion_has_a_button_that_plays_it(page):
     names = page.locator("[data-action^='motion ']").all_inner_texts()
-    assert names == [motion.name for motion in CATALOGUE]
+    assert names == names_of(CATALOGUE)
     page.click("[data-action='motion sway']")
     page.wait_for_function(f"wbc.live.gauges.playing === {names.index('sway')}")
     page.wait_for_function(
@@ -189,6 +166,54 @@ def test_every_motion_has_a_button_that_plays_it(page):
     )
     page.click("[data-action=stand]")
     page.wait_for_function("wbc.live.gauges.playing < 0")
+
+
+def test_parameters_unfold_below_their_button_and_what_cannot_be_is_answered_there(page):
+    page.click("[data-more=squat]")
+    assert page.locator("form:visible").count() == 1
+    offered = page.locator("[data-form=squat] [data-parameter]")
+    names = offered.evaluate_all("(inputs) => inputs.map((i) => i.dataset.parameter)")
+    assert names == ["squat.depth", "squat.frequency", "squat.times"]
+    page.fill("[data-parameter='squat.depth']", "95")
+    page.click("[data-form=squat] >> text=play")
+    page.wait_for_function("wbc.live.errors.length === 1")
+    assert "cannot go down by 95 %" in page.inner_text("#complaint")
+    page.evaluate("wbc.live.errors.length = 0")
+    page.fill("[data-parameter='squat.depth']", "4")
+    page.press("[data-parameter='squat.depth']", "Enter")
+    page.wait_for_function(f"wbc.live.gauges.playing === {names_of(CATALOGUE).index('squat')}")
+    page.click("[data-form=squat] >> text=as it was")
+    page.wait_for_function("document.querySelectorAll('.moved').length === 0")
+    page.click("[data-more=reach]")
+    assert page.locator("form:visible").get_attribute("data-form") == "reach"
+    page.click("[data-more=reach]")
+    assert page.locator("form:visible").count() == 0
+
+
+def test_letters_typed_into_a_field_drive_nothing(page):
+    pushes = page.evaluate("wbc.live.gauges.pushes")
+    page.click("[data-more=keyframes]")
+    page.locator("[data-parameter='keyframes.file']").press_sequentially("pr up.csv")
+    pass_time(page, 0.2)
+    assert page.evaluate("wbc.live.gauges.mode") == "running"
+    assert page.evaluate("wbc.live.gauges.pushes") == pushes
+    assert page.evaluate("wbc.live.gauges.time") > 0.3
+    page.press("[data-parameter='keyframes.file']", "Enter")
+    page.wait_for_function("wbc.live.errors.length === 1")
+    assert "pr up.csv" in page.evaluate("wbc.live.errors.pop()")
+    page.click("[data-form=keyframes] >> text=as it was")
+    page.click("[data-more=keyframes]")
+
+
+def test_it_waves_while_it_walks(page):
+    turn(page, "velocity.forward", 0.7)
+    page.wait_for_function("wbc.live.gauges.velocity[0] > 0.05")
+    page.click("[data-action='motion wave']")
+    page.wait_for_function(f"wbc.live.gauges.playing === {names_of(CATALOGUE).index('wave')}")
+    pass_time(page, 0.5)
+    assert page.evaluate("wbc.live.gauges.velocity[0]") > 0.05
+    page.click("[data-action=stand]")
+    page.wait_for_function("wbc.live.gauges.velocity[0] === 0")
 
 
 def test_arrow_keys_drive_and_space_pauses(page):
@@ -219,7 +244,7 @@ def test_the_tuner_lists_the_tasks_and_a_gain_reaches_every_page(url, page):
         turn(other, "com.weight", 0.6)
         page.wait_for_function(f"wbc.live.values['com.weight'] < 0.9 * {weight}")
     pass_time(page, 0.2)
-    page.click("text=as it was >> visible=true")
+    page.click("details[open] >> text=as it was")
     assert page.evaluate("wbc.live.values['com.weight']") == pytest.approx(3000.0)
 
 

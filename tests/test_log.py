@@ -15,6 +15,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from logtools import Nowhere, Pretender, random_tick, robot, telemetry
+from needs import need
 
 import wbc
 from wbc.command import Status
@@ -28,13 +29,6 @@ from wbc.sim import Mujoco
 
 ROOT = Path(wbc.__file__).parent.parent
 TICKS = 60
-
-
-def need(condition, what):
-    if not condition:
-        if os.environ.get("CI"):
-            pytest.fail(f"{what}; CI must have it")
-        pytest.skip(what)
 
 
 @pytest.fixture(scope="module")

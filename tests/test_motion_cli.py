@@ -10,13 +10,13 @@ from wbc.cli import main
 from wbc.motions import CATALOGUE
 
 
-def test_list_names_every_motion_with_its_options(capsys):
+def test_list_names_every_motion_and_fits_a_terminal(capsys):
     assert main(["motion", "--list"]) == 0
     said = capsys.readouterr().out
     for motion in CATALOGUE:
         assert f"\n{motion.name} " in said
         assert motion.summary in said
-    assert "--depth --frequency --times" in said
+    assert max(map(len, said.splitlines())) <= 100
 
 
 @pytest.mark.parametrize("motion", CATALOGUE, ids=lambda motion: motion.name)

@@ -16,7 +16,8 @@ from wbc.motions.keyframes import Keyframes
 from wbc.motions.keyframing import KeyframeError, read_keyframes
 from wbc.motions.keyframing.limits import check_limits
 from wbc.motions.keyframing.plan import Planner
-from wbc.motions.posing import Posing, Wish
+from wbc.motions.posing import Posing
+from wbc.motions.wish import Wish
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -75,6 +76,12 @@ def test_csv_and_yaml_say_the_same(tmp_path):
         ("time [s], a [deg]\n0, 3\n", (2, 1), "stands at 0 s"),
         ("time [s], a [deg]\n2, 3\n2, 4\n", (3, 1), "after 2 s"),
         ("time [s], h.x [m], h.y [m], h.z [m]\n1, 2, , 3\n", (2, 4), "'h' has no y"),
+        ("time [s]; a [deg]\n1; 2\n", (1, 1), "parted from the next by a comma"),
+        ("time, a [deg]\n1, 2\n", (1, 1), r"must be  time \[s\]"),
+        ("time [s]\n1\n", (1, 1), "no column besides the time"),
+        ("time [s], a [deg],\n1, 2,\n", (1, 19), "without a name"),
+        ("time [s], a [deg]\n1_0, 2\n", (2, 1), "'1_0' is not a number"),
+        ("time [s], a [deg]\r\n1, 2\r\n1e9, 3\r\n", (3, 1), "600 s at most"),
     ],
 )
 def test_bad_csv_is_refused_with_line_and_column(tmp_path, text, where, what):
@@ -94,6 +101,13 @@ def test_bad_csv_is_refused_with_line_and_column(tmp_path, text, where, what):
         ("keyframes:\n  - time: soon\n", (2, 11), "'soon' is not a number"),
         ("keyframes:\n  - {time: 1, joints: {a: 1}}\n", (2, 27), r"units\.angle is not stated"),
         ("units: {angle: turns}\nkeyframes: [{time: 1}]\n", (1, 16), "unit 'turns'"),
+        ("units: {angle: [deg]}\nkeyframes: [{time: 1}]\n", (1, 16), "one of rad, deg is wanted"),
+        ("units: {angle: deg}\x01\n", (1, 20), "character 0x01 is not allowed"),
+        ("keyframes:\n  - {time: 1, time: 2}\n", (2, 15), "'time' is there already"),
+        ("keyframes:\n  - {[1]: 2}\n", (2, 6), "table of names and values"),
+        ("keyframes:\n\t- time: 1\n", (2, 1), "cannot start any token"),
+        ("keyframes:\n  - {time: .nan}\n", (2, 12), "'.nan' is not a number"),
+        ("keyframes:\n  - {time: 2}\n  - {time: 1}\n", (3, 12), "after 2 s"),
         (
             "units: {length: m}\nkeyframes:\n  - {time: 1, places: {left_hand: [1, 2]}}\n",
             (3, 35),
@@ -105,6 +119,17 @@ def test_bad_yaml_is_refused_with_line_and_column(tmp_path, text, where, what):
     with pytest.raises(KeyframeError, match=what) as refused:
         read_keyframes(written(tmp_path, text, "frames.yaml"))
     assert str(refused.value).startswith(f"frames.yaml:{where[0]}:{where[1]}: ")
+
+
+def test_what_spreadsheets_add_does_no_harm(tmp_path):
+    path = tmp_path / "frames.csv"
+    path.write_bytes(b'\xef\xbb\xbf"time [s]","a [deg]"\r\n"1","90"\r\n')
+    (frame,) = read_keyframes(path)
+    assert frame.time.number == 1.0
+    assert frame.joints["a"].number == pytest.approx(math.pi / 2)
+    path.write_bytes("time [s], a [deg]\n1, 2 °\n".encode("latin-1"))
+    with pytest.raises(KeyframeError, match=r"frames\.csv:2:6: byte 0xb0 is not UTF-8"):
+        read_keyframes(path)
 
 
 def test_files_that_cannot_be_read_are_refused(tmp_path, monkeypatch):

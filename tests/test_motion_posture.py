@@ -10,9 +10,10 @@ from coretools import robot
 import wbc
 from wbc.errors import MotionError
 from wbc.motions.anatomy import Anatomy
-from wbc.motions.posing import Posing, Wish
+from wbc.motions.posing import Posing
 from wbc.motions.sine import joints_of, pattern
 from wbc.motions.statics import effort, support_half
+from wbc.motions.wish import Wish
 
 ROBOTS = ("talos", "g1", "simple_humanoid", "romeo", "icub")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -15,6 +17,7 @@ from wbc.errors import MotionError
 from wbc.motions import Body, Intent, Motion, Performer, Script
 from wbc.motions.bow import Bow
 from wbc.motions.catalogue import CATALOGUE, find
+from wbc.motions.jump import Jump
 from wbc.motions.keyframes import Keyframes
 from wbc.motions.look import Look
 from wbc.motions.one_leg import OneLeg
@@ -138,6 +141,33 @@ def test_hands_reach_places_and_what_is_out_of_reach_is_said():
     assert "left hand: (0.9 0.2 1.2) m is out of reach by" in far.notes[0]
 
 
+@dataclass(frozen=True)
+class TwoSteps(Motion):
+    name: ClassVar[str] = "two-steps"
+    summary: ClassVar[str] = "walk until two feet have landed"
+
+    def play(self, body: Body) -> Script:
+        body.walk((0.2, 0.0, 0.0))
+        for step in (1, 2):
+            yield from body.touchdown()
+            body.note(f"{step}: {body.walker.steps} after {body.time:.2f} s")
+        body.walk((0.0, 0.0, 0.0))
+        yield from body.until(lambda: body.standing)
+        began = body.time
+        yield from body.touchdown(at_most=0.5)  # none comes
+        body.note(f"waited {body.time - began:.2f} s")
+
+
+def test_a_motion_waits_for_touchdowns():
+    report = run_motions(robot("simple_humanoid"), [TwoSteps()], seed=1)
+    assert_clean(report)
+    first, second, waited = report.notes
+    assert first.startswith("1: 1 after")
+    assert second.startswith("2: 2 after")
+    assert 3 <= report.steps <= 4
+    assert waited == "waited 0.50 s"
+
+
 def test_steps_in_place_stay_in_place():
     report = run_motions(robot("simple_humanoid"), [StepInPlace(steps=3)])
     assert_clean(report)
@@ -170,46 +200,74 @@ class Mixture(Motion):
         yield from body.wait(1.0)
 
 
-def played(one: wbc.Robot, motion: Motion, duration: float):
-    """Torques, and what was sensed, tick by tick; noisy sensors, the estimator in the loop."""
-    performer, heard, torques = Performer(one, motions=[motion]), [], []
+#: Every motion, shortened; the open-loop one comes last, for it may fall.
+PROGRAMME = (
+    Sway(rounds=1.0),
+    Squat(times=1),
+    Wave(seconds=1.5, walk=0.2),
+    Reach(random=1),
+    Look(seconds=2.0),
+    OneLeg(leg="left", hold=0.6),
+    Bow(hold=0.1),
+    StepInPlace(steps=2),
+    Sine(balanced=True, seconds=1.5),
+    Jump(),
+    Sine(seconds=0.5),
+)
+OTHERS = (Squat(), Bow(), Look(), Wave(), Reach(random=1), Sway(), Sine(balanced=True))
+
+
+def answer(
+    performer: Performer, order: Callable[[], None], state: wbc.State, wrenches: dict
+) -> np.ndarray:
+    """Torques of this tick if an order were given; in a process of its own, so none is."""
+    end, begin = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            order()
+            os.write(begin, performer.step(state, wrenches).tau.tobytes())
+        finally:
+            os._exit(0)
+    os.close(begin)
+    with open(end, "rb") as pipe:
+        torque = np.frombuffer(pipe.read())
+    os.waitpid(child, 0)
+    return torque
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="a tick is tried out in a forked process")
+def test_at_no_tick_of_any_motion_does_an_order_change_a_torque_by_more_than_the_bound():
+    one, random, asked = robot("simple_humanoid"), np.random.default_rng(7), {}
+    for motion in OTHERS:
+        motion.prepare(one)
+    performer = Performer(one, motions=PROGRAMME)
+
+    def blend(motion: Motion) -> Callable[[], None]:
+        return lambda: performer.blend(motion)
+
+    orders = (*[performer.interrupt] * len(OTHERS), *map(blend, OTHERS))
     with Mujoco(one, seed=4) as plant:
-        start = plant.ground_truth()
         estimator = wbc.Estimator(one, plant.dt)
-        estimator.reset(start)
-        performer.reset(start)
+        estimator.reset(plant.ground_truth())
+        performer.reset(plant.ground_truth())
         expected = None
-        while plant.time < duration and not performer.idle:
+        while not performer.idle and not fall_reason(one, plant.ground_truth()):
             measurement = plant.measure()
             state = estimator.update(measurement, acceleration=expected)
-            # A copy: the estimator goes on with its own arrays.
-            state = wbc.State(state.q.copy(), state.v.copy())
-            heard.append((state, measurement.foot_wrenches))
-            command = performer.step(state, measurement.foot_wrenches)
+            wrenches = measurement.foot_wrenches
+            playing, tried = performer.playing, None
+            if playing is not None and random.random() < 0.012:
+                tried = answer(performer, random.choice(orders), state, wrenches)
+            command = performer.step(state, wrenches)
             expected = command.acceleration
-            torques.append(command.tau)
             plant.step(command)
-        assert not fall_reason(one, plant.ground_truth())
-    return start, heard, np.array(torques)
-
-
-@pytest.mark.parametrize("over", ["interrupt", "blend"])
-def test_breaking_off_or_blending_over_changes_no_torque_by_more_than_the_bound(over):
-    one = robot("simple_humanoid")
-    start, heard, torques = played(one, Mixture(), 6.0)
-    moments = np.random.default_rng(7).integers(5, len(heard) - 5, 4)
-    for moment in moments:
-        # The same tick, once with the motion going on and once with another order.
-        performer = Performer(one, motions=[Mixture()])
-        performer.reset(start)
-        for k in range(moment + 1):
-            if k == moment:
-                performer.interrupt() if over == "interrupt" else performer.blend(Squat())
-            command = performer.step(*heard[k])
-            if k < moment:
-                assert np.array_equal(command.tau, torques[k])
-        change = np.abs(command.tau - torques[moment]) / one.tau_max
-        assert change.max() < JUMP, (moment, one.joint_names[int(np.argmax(change))])
+            if tried is not None:
+                change = np.abs(tried - command.tau) / one.tau_max
+                assert change.max() < JUMP, (plant.time, playing, change.argmax())
+                asked[playing] = asked.get(playing, 0) + 1
+    assert set(asked) == set(PROGRAMME)
+    assert sum(asked.values()) > 150
 
 
 def test_changing_contacts_keeps_forces_and_torques_where_they_are():
@@ -316,6 +374,12 @@ def test_motions_that_a_robot_cannot_do_are_refused_with_the_bound():
         Reach(left=(np.nan, 0.0, 0.0)).check(robot("talos"))
     with pytest.raises(MotionError, match=r"frequency = -1\.0 must be positive"):
         Sway(frequency=-1.0).check(robot("talos"))
+    with pytest.raises(MotionError, match=r"bow: simple_humanoid .* pelvis would tilt by 60°"):
+        Bow(angle=60.0).check(robot("simple_humanoid"))
+    with pytest.raises(MotionError, match="sway: no shape 'cycle'; did you mean 'circle'"):
+        Sway(shape="cycle").prepare(robot("talos"))
+    with pytest.raises(MotionError, match="wave: walk = nan must be finite"):
+        Wave(walk=np.nan).prepare(robot("talos"))
 
 
 def test_orders_at_the_wrong_moment_are_refused():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from rospeer import ACTION
-from rostools import PATIENCE, SHORT_LIVED, Hearer, Peer, new_domain, node
+from rostools import PATIENCE, SHORT_LIVED, Hearer, Peer, node
 
 from wbc.messages import message_type
 from wbc.ros import NoAnswer
@@ -15,11 +15,6 @@ pytest.importorskip("cyclonedds")
 
 CANCEL = "action_msgs/srv/CancelGoal"
 FAR = 1e6
-
-
-@pytest.fixture(scope="module")
-def domain():
-    return new_domain()
 
 
 @pytest.fixture(scope="module")

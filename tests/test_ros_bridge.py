@@ -16,16 +16,17 @@ from rostools import PATIENCE, SHORT_LIVED, Hearer, Peer, new_domain, node, star
 import wbc
 from wbc.loop import StopRun
 from wbc.messages import message_type
+from wbc.motions import Performer
+from wbc.process import RecordRing
 from wbc.ros import Network, Qos
 from wbc.ros.actions import ActionClient, GoalState
 from wbc.ros.bridge import Bridge
 from wbc.ros.bridge.helm import Helm
-from wbc.ros.bridge.layout import Layout
+from wbc.ros.bridge.layout import Layout, Sample
 from wbc.ros.bridge.mailbox import Mailbox, Orders
-from wbc.ros.bridge.ring import SLOTS, StateRing
 from wbc.ros.bridge.walk_to import TYPE
 from wbc.ros.parameters import Kind
-from wbc.ros.qos import LATCHED, TF
+from wbc.ros.qos import LATCHED, ROSOUT, TF
 
 pytest.importorskip("cyclonedds")
 pytest.importorskip("mujoco")
@@ -37,26 +38,8 @@ JointState = message_type("sensor_msgs/msg/JointState")
 
 
 @pytest.fixture(scope="module")
-def domain():
-    return new_domain()
-
-
-@pytest.fixture(scope="module")
 def robot():
     return wbc.load(ROBOT)
-
-
-@pytest.fixture(scope="module")
-def walking(domain):
-    arguments = ("--robot", ROBOT, "--duration", "3000", "--as-fast-as-possible")
-    with Peer.wbc(domain, "ros2", "walk", *arguments) as peer:
-        yield peer
-
-
-@pytest.fixture(scope="module")
-def driver(walking, domain):
-    with node("driver", domain) as made:
-        yield made
 
 
 @pytest.fixture
@@ -81,11 +64,6 @@ def odom(driver):
 
 
 @pytest.fixture(scope="module")
-def diagnostics(driver):
-    return Hearer(driver, "diagnostic_msgs/msg/DiagnosticArray", "/diagnostics")
-
-
-@pytest.fixture(scope="module")
 def velocity(driver):
     publisher = driver.publisher(Twist.type_name, "cmd_vel")
     assert driver.spin(lambda: publisher.subscriptions > 0, PATIENCE)
@@ -96,6 +74,26 @@ def velocity(driver):
 def ask(driver):
     clients = {name: driver.client(TRIGGER, name) for name in ("push", "reset_robot")}
     return lambda name: clients[name].call(clients[name].request_type(), PATIENCE)
+
+
+@pytest.fixture(scope="module")
+def set_parameter(driver):
+    client = driver.client("rcl_interfaces/srv/SetParameters", "/wbc/set_parameters")
+    parameter = message_type("rcl_interfaces/msg/Parameter")
+    value = message_type("rcl_interfaces/msg/ParameterValue")
+
+    def set_one(name, **fields):
+        request = client.request_type(parameters=[parameter(name=name, value=value(**fields))])
+        result = client.call(request, PATIENCE).results[0]
+        assert result.successful, result.reason
+
+    return set_one
+
+
+@pytest.fixture(scope="module")
+def diagnostics(driver, set_parameter):
+    set_parameter("diagnostic_updater.period", type=Kind.DOUBLE, double_value=0.1)
+    return Hearer(driver, "diagnostic_msgs/msg/DiagnosticArray", "/diagnostics")
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +128,7 @@ def comes_to_rest(odom, diagnostics):
 
     diagnostics.wait(phase)
     there = place(odom.wait(lambda m: speed(m) < 0.05))
-    odom.node.spin(timeout=0.5)
+    odom.node.spin(timeout=0.2)
     assert np.linalg.norm(place(odom.wait()) - there) < 0.03
 
 
@@ -384,17 +382,55 @@ def test_a_reset_ends_the_goal_and_sets_it_back(anew, walk_to, ask, odom):
     assert place(odom.wait(lambda m: place(m)[0] < 0.05))[0] < 0.05
 
 
-def test_a_robot_that_fell_lies_there_until_it_is_reset(anew, driver, ask, odom, diagnostics):
-    set_parameters = driver.client("rcl_interfaces/srv/SetParameters", "/wbc/set_parameters")
-    parameter = message_type("rcl_interfaces/msg/Parameter")
-    value = message_type("rcl_interfaces/msg/ParameterValue")
-    kind = Kind.DOUBLE_ARRAY
-    hard = value(type=kind, double_array_value=[0.0, 100.0, 0.0])
-    request = set_parameters.request_type(parameters=[parameter(name="push_impulse", value=hard)])
-    assert set_parameters.call(request, PATIENCE).results[0].successful
+def seconds(stamp):
+    return stamp.sec + 1e-9 * stamp.nanosec
+
+
+def test_the_clock_is_the_plants_and_goes_on_over_a_reset(hear, anew, ask):
+    clock = hear("rosgraph_msgs/msg/Clock", "/clock")
+    before = seconds(clock.wait().clock)
+    assert 0.0 < before < 3000.0
+    clock.wait(lambda m: seconds(m.clock) > before + 0.5)
+    assert ask("reset_robot").success
+    clock.wait(lambda m: seconds(m.clock) > before + 1.0)
+    times = [seconds(m.clock) for m in clock.messages]
+    assert times == sorted(times)
+
+
+def test_with_sim_time_messages_carry_the_time_of_the_clock(hear, set_parameter, diagnostics):
+    clock = hear("rosgraph_msgs/msg/Clock", "/clock")
+    joints = hear("sensor_msgs/msg/JointState", "joint_states")
+    set_parameter("use_sim_time", type=Kind.BOOL, bool_value=True)
+    now = seconds(clock.wait().clock)
+    stamp = seconds(joints.wait(lambda m: m.header.stamp.sec < 1_000_000).header.stamp)
+    assert stamp == pytest.approx(now, abs=1.0)
+    diagnostics.wait(lambda m: m.header.stamp.sec < 1_000_000)
+    set_parameter("use_sim_time", type=Kind.BOOL, bool_value=False)
+    joints.wait(lambda m: m.header.stamp.sec > 1_000_000)
+
+
+def test_what_it_says_is_on_rosout_for_who_comes_late_too(hear, velocity):
+    bad = Twist()
+    bad.linear.x = math.inf
+    early = hear("rcl_interfaces/msg/Log", "/rosout", ROSOUT)
+    velocity.publish(bad)
+    for come in (lambda: early, lambda: hear("rcl_interfaces/msg/Log", "/rosout", ROSOUT)):
+        said = come().wait(lambda m: "cmd_vel" in m.msg and "inf" in m.msg)
+        assert (said.level, said.name, said.file) == (30, "wbc", "steering.py")
+        assert said.function
+        assert said.line > 0
+        assert seconds(said.stamp) == pytest.approx(time.time(), abs=60.0)
+
+
+def test_a_robot_that_fell_lies_there_until_it_is_reset(
+    anew, hear, set_parameter, ask, odom, diagnostics
+):
+    rosout = hear("rcl_interfaces/msg/Log", "/rosout", ROSOUT)
+    set_parameter("push_impulse", type=Kind.DOUBLE_ARRAY, double_array_value=[0.0, 100.0, 0.0])
     ask("push")
     message = diagnostics.wait(lambda m: m.status[0].message == "fallen")
     assert message.status[0].level == 2  # ERROR
+    assert any((m.msg, m.level) == ("the robot fell", 40) for m in rosout.messages)
     odom.wait()  # its sensors do not die
     assert ask("reset_robot").success
     diagnostics.wait(lambda m: m.status[0].message != "fallen")
@@ -408,30 +444,38 @@ def test_the_node_goes_when_its_loop_is_killed(walking, driver, odom):
 
 
 def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
-    walker = wbc.Walker(robot)
+    performer = Performer(robot)
     plant = wbc.sim.Mujoco(robot)
     domain = new_domain()
-    with Bridge(walker, plant, network=Network(domain)) as bridge, node("d", domain) as driver:
+    with Bridge(performer, plant, network=Network(domain)) as bridge, node("d", domain) as driver:
         velocity = driver.publisher(Twist.type_name, "cmd_vel")
         assert driver.spin(lambda: velocity.subscriptions > 0, PATIENCE)
         command = Twist()
         command.linear.x = 0.2
-        wanted = []
+        wanted, ticks, layout = [], [], Layout.of(robot)
+        reader = RecordRing(layout.size, os.dup(bridge._ring.descriptor))
 
         def before_tick(now):
             if now < 0.7:
                 velocity.publish(command)
-            if 0.7 <= now < 0.7 + 1.5 * walker.dt and bridge.alive:
+            if 0.7 <= now < 0.7 + 1.5 * performer.dt and bridge.alive:
                 os.kill(bridge.pid, signal.SIGKILL)
             bridge.helm(now)
-            wanted.append(walker.velocity[0])
+            wanted.append(performer.velocity[0])
+            ticks.extend(Sample.of(layout, record) for record in reader.read())
 
         # In real time: a velocity lasts half a second of the wall clock.
-        report = wbc.run(walker, plant, 1.8, log=bridge, before_tick=before_tick, real_time=True)
+        report = wbc.run(performer, plant, 1.8, log=bridge, before_tick=before_tick, real_time=True)
         assert max(wanted) == pytest.approx(0.2)
         assert wanted[-1] == 0.0
         assert not bridge.alive
     assert report.survived
+    # At 50 Hz it needs 100 whole ticks per second; of the others no more than their time.
+    times = np.array([tick.time for tick in ticks if tick.whole])
+    assert np.median(np.diff(times)) == pytest.approx(0.01)
+    assert np.diff([tick.time for tick in ticks]).max() == pytest.approx(performer.dt)
+    for tick in ticks:
+        assert not tick.whole or abs(np.linalg.norm(tick.q[3:7]) - 1.0) < 1e-6
 
 
 def test_orders_reach_the_loop_whole():
@@ -456,14 +500,10 @@ def test_orders_reach_the_loop_whole():
     assert mailbox.look() is seen
 
 
-class StandIn:
-    """A walker, its posture and its plant, without any of them."""
+class Pushed:
+    """A plant that only counts pushes."""
 
-    def __init__(self, robot):
-        self.robot, self.dt = robot, 0.002
-        self.velocity = (0.0, 0.0, 0.0)
-        self.posture = self
-        self.target = robot.q_nominal[7:].copy()
+    def __init__(self):
         self.pushes = []
 
     def push(self, impulse, *, duration):
@@ -472,29 +512,30 @@ class StandIn:
 
 @pytest.fixture
 def helm(robot):
-    mailbox, stand_in = Mailbox(robot.na), StandIn(robot)
-    made = Helm(mailbox, stand_in, stand_in)
+    mailbox, performer, plant = Mailbox(robot.na), Performer(robot), Pushed()
+    made = Helm(mailbox, performer, plant)
     made.begin()
     made(0.0)
-    return made, mailbox, stand_in
+    yield made, mailbox, performer, plant
+    made.close()
 
 
 def test_a_velocity_lasts_as_long_as_it_says(helm, robot):
-    steer, mailbox, walker = helm
+    steer, mailbox, performer, _ = helm
     orders = Orders.none(robot.na)
     orders.velocity, orders.velocity_until = (0.1, 0.0, 0.0), time.monotonic() + 0.05
     mailbox.post(orders)
     steer(0.0)
-    assert walker.velocity == (0.1, 0.0, 0.0)
+    assert performer.velocity == (0.1, 0.0, 0.0)
     time.sleep(0.06)
     steer(0.0)
-    assert walker.velocity == (0.0, 0.0, 0.0)
+    assert performer.velocity == (0.0, 0.0, 0.0)
 
 
 def test_a_stick_that_is_pushed_and_let_go_at_random_makes_nobody_fall(robot):
-    walker, plant = wbc.Walker(robot), wbc.sim.Mujoco(robot)
+    performer, plant = Performer(robot), wbc.sim.Mujoco(robot)
     mailbox = Mailbox(robot.na)
-    steer = Helm(mailbox, walker, plant)
+    steer = Helm(mailbox, performer, plant)
     steer.begin()
     orders, rng, due = Orders.none(robot.na), np.random.default_rng(2), 0.3
 
@@ -507,52 +548,52 @@ def test_a_stick_that_is_pushed_and_let_go_at_random_makes_nobody_fall(robot):
             due = now + rng.uniform(0.02, 0.5)
         steer(now)
 
-    report = wbc.run(walker, plant, 7.0, before_tick=before_tick)
+    report = wbc.run(performer, plant, 7.0, before_tick=before_tick)
     assert report.survived, report.fell_why
     assert report.steps > 2
 
 
 def test_joints_move_no_faster_than_they_may_and_arrive(helm, robot):
-    steer, mailbox, walker = helm
-    elbow = robot.joint_index("left_elbow")
-    start = walker.target.copy()
+    steer, mailbox, performer, _ = helm
+    elbow, posture = robot.joint_index("left_elbow"), performer.body.posture
+    start = posture.value.copy()
     orders = Orders.none(robot.na)
     orders.joints[elbow] = start[elbow] + 0.01
     orders.joint_speed = 0.5
     mailbox.post(orders)
     steer(0.0)
-    assert walker.target[elbow] - start[elbow] == pytest.approx(0.5 * walker.dt)
+    assert posture.value[elbow] - start[elbow] == pytest.approx(0.5 * performer.dt)
     for _ in range(20):
         steer(0.0)
-    assert walker.target[elbow] == pytest.approx(start[elbow] + 0.01)
+    assert posture.value[elbow] == pytest.approx(start[elbow] + 0.01)
     others = np.arange(robot.na) != elbow
-    assert np.array_equal(walker.target[others], start[others])
+    assert np.array_equal(posture.value[others], start[others])
 
 
 def test_joints_take_their_time_when_they_have_it(helm, robot):
-    steer, mailbox, walker = helm
-    elbow = robot.joint_index("left_elbow")
-    start = walker.target[elbow]
+    steer, mailbox, performer, _ = helm
+    elbow, posture = robot.joint_index("left_elbow"), performer.body.posture
+    start = posture.value[elbow]
     orders = Orders.none(robot.na)
     orders.joints[elbow] = start + 0.1
     orders.arrival = time.monotonic() + 100.0
     mailbox.post(orders)
     steer(0.0)
-    assert 0.0 < walker.target[elbow] - start < 1e-5
+    assert 0.0 < posture.value[elbow] - start < 1e-5
 
 
 def test_a_push_is_given_once(helm, robot):
-    steer, mailbox, walker = helm
+    steer, mailbox, _, plant = helm
     orders = Orders.none(robot.na)
     orders.pushes, orders.impulse, orders.push_duration = 1, (0.0, 5.0, 0.0), 0.2
     mailbox.post(orders)
     for _ in range(3):
         steer(0.0)
-    assert walker.pushes == [([0.0, 5.0, 0.0], 0.2)]
+    assert plant.pushes == [([0.0, 5.0, 0.0], 0.2)]
 
 
 def test_a_reset_ends_the_run_but_not_before_its_first_tick(helm, robot):
-    steer, mailbox, _ = helm
+    steer, mailbox, _, _ = helm
     orders = Orders.none(robot.na)
     orders.resets = 1
     steer.begin()
@@ -575,28 +616,6 @@ def test_orders_that_are_being_written_are_not_read():
     assert mailbox.look() is before
 
 
-def test_the_ring_gives_ticks_in_order_and_never_half_of_one():
-    ring = StateRing(2)
-    reader = StateRing(2, os.dup(ring.descriptor))
-    for i in range(5):
-        ring.begin()[:] = i
-        ring.publish()
-    assert [r.tolist() for r in reader.read()] == [[i, i] for i in range(5)]
-    ring.begin()[:] = 5  # not published
-    assert list(reader.read()) == []
-
-
-def test_the_ring_drops_the_oldest_for_a_slow_reader():
-    ring = StateRing(1)
-    reader = StateRing(1, os.dup(ring.descriptor))
-    for i in range(3 * SLOTS):
-        ring.begin()[:] = i
-        ring.publish()
-    got = [int(r[0]) for r in reader.read()]
-    assert got == list(range(3 * SLOTS - len(got), 3 * SLOTS))
-    assert len(got) >= SLOTS // 2
-
-
 def test_a_record_has_room_for_what_a_tick_has(robot):
     layout = Layout.of(robot)
-    assert layout.size == 10 + robot.nq + robot.nv + robot.na + 12 + 12
+    assert layout.size == 13 + robot.nq + robot.nv + robot.na + 12 + 12

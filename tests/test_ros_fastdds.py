@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rostools import PATIENCE, ROOT, Hearer, environment, new_domain, node
+from rostools import PATIENCE, ROOT, Hearer, environment, node
 
 import wbc
 from wbc.messages import message_type
@@ -41,11 +41,6 @@ def program(tmp_path_factory):
     libraries = ("-lfastrtps", "-lfastcdr")
     subprocess.run([compiler, "-std=c++17", "-o", made, source, *libraries], check=True)
     return made
-
-
-@pytest.fixture(scope="module")
-def domain():
-    return new_domain()
 
 
 @pytest.fixture(scope="module")
@@ -78,9 +73,16 @@ def peer(program, domain, description):
     assert process.returncode == 0
 
 
-def both_ways(here, publisher, heard):
+def both_ways(here, publisher, heard, probe):
+    """Wait until a message comes back: then either side has found the other's reader and writer."""
     connected = lambda: publisher.subscriptions and heard.subscription.publishers  # noqa: E731
     assert here.spin(connected, PATIENCE)
+    for _ in range(round(PATIENCE / 0.25)):
+        publisher.publish(probe)
+        if here.spin(lambda: len(heard) > 0, 0.25):
+            break
+    assert len(heard) > 0
+    here.spin(timeout=0.5)  # what is still on its way of the others
 
 
 def test_joint_states_go_there_and_come_back_the_same(peer, here):
@@ -88,7 +90,8 @@ def test_joint_states_go_there_and_come_back_the_same(peer, here):
     back = []
     here.listen(JointState.dds_name(), "joint_states_echo", lambda data, _: back.append(data))
     heard = Hearer(here, JointState.type_name, "joint_states_echo", Qos(depth=100))
-    both_ways(here, publisher, heard)
+    both_ways(here, publisher, heard, JointState())
+    back.clear()
     rng = np.random.default_rng(0)
     sent = []
     for count in (0, 1, 15, 32):
@@ -110,7 +113,7 @@ def test_joint_states_go_there_and_come_back_the_same(peer, here):
 def test_a_velocity_goes_there_and_comes_back_the_same(peer, here):
     publisher = here.publisher(Twist.type_name, "cmd_vel")
     heard = Hearer(here, Twist.type_name, "cmd_vel_echo")
-    both_ways(here, publisher, heard)
+    both_ways(here, publisher, heard, Twist())
     command = Twist()
     command.linear.x, command.linear.y, command.angular.z = 0.3, -0.1, 0.2
     publisher.publish(command)
@@ -127,7 +130,7 @@ def test_a_latched_description_reaches_who_comes_late_both_ways(peer, here, desc
 def test_a_megabyte_goes_there_and_comes_back(peer, here):
     publisher = here.publisher(JointState.type_name, "joint_states")
     heard = Hearer(here, JointState.type_name, "joint_states_echo")
-    both_ways(here, publisher, heard)
+    both_ways(here, publisher, heard, JointState())
     numbers = np.arange(100_000.0)
     publisher.publish(JointState(position=numbers))
     message = heard.wait(lambda m: m.position.size == numbers.size)

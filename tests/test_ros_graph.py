@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 import time
@@ -25,11 +26,6 @@ JOINT_STATE_HASH = "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c588
 
 
 @pytest.fixture(scope="module")
-def domain():
-    return new_domain()
-
-
-@pytest.fixture(scope="module")
 def publisher(domain):
     with Peer.wbc(domain, "ros2", "joint-publisher", "--rate", "100") as peer:
         assert "started at 100.0 Hz" in peer.first
@@ -48,7 +44,7 @@ def graph(publisher, looker):
 
     def complete(seen):
         owners = {e.node for both in seen.endpoints for e in both}
-        return len(seen.services()) >= 6 and len(seen.topics()) >= 3 and "" not in owners
+        return len(seen.services()) >= 6 and len(seen.topics()) >= 4 and "" not in owners
 
     assert made.wait_for(complete, PATIENCE)
     return made
@@ -122,6 +118,10 @@ def test_the_quality_of_service_is_that_of_rmw_cyclonedds(graph, looker):
     assert latched[Policy.Durability] == Policy.Durability.TransientLocal
     assert latched[Policy.History] == Policy.History.KeepLast(1)
     assert latched[Policy.DurabilityService].history == Policy.History.KeepLast(1)
+    rosout = publications["rt/rosout"].qos
+    assert rosout[Policy.Durability] == Policy.Durability.TransientLocal
+    assert rosout[Policy.History] == Policy.History.KeepLast(1000)
+    assert rosout[Policy.Lifespan] == Policy.Lifespan(10_000_000_000)
     service = publications["rr/joint_publisher/get_parametersReply"].qos
     assert service[Policy.History] == Policy.History.KeepLast(1000)
 
@@ -246,6 +246,21 @@ def test_a_node_that_leaves_is_gone_at_once(looker, graph, domain):
     # Well before the 5 s after which a silent one is taken for dead.
     start = time.monotonic()
     assert graph.wait_for(lambda g: "/guest" not in g.nodes, 4.0), time.monotonic() - start
+
+
+def test_all_nodes_that_were_there_before_are_known_to_one_who_looks_late():
+    domain = new_domain()
+    with contextlib.ExitStack() as stack:
+        looker = stack.enter_context(node("looker", domain))
+        others = [stack.enter_context(node(f"other_{i}", domain)) for i in range(4)]
+        for other in others:
+            other.publisher("std_msgs/msg/String", "chatter")
+        graph = Graph(looker)
+        time.sleep(0.5)  # all of them have told about themselves by then, and nobody has read it
+        names = [other.full_name for other in others]
+        assert graph.wait_for(lambda g: g.nodes == names, PATIENCE), graph.nodes
+        owners = sorted(e.node for e in graph.topics()["/chatter"].publishers)
+        assert owners == names
 
 
 @pytest.mark.parametrize(("distribution", "size"), [("humble", 24), ("jazzy", 16), ("", 16)])

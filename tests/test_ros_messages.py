@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import socket
+import sys
 
 import numpy as np
 import pytest
@@ -25,6 +27,32 @@ pytest.importorskip("cyclonedds")
 
 #: As `ros2 topic info --verbose` and `ros2 service type` tell them in Jazzy.
 KNOWN_HASHES = {
+    "action_msgs/msg/GoalStatusArray": (
+        "6c1684b00f177d37438febe6e709fc4e2b0d4248dca4854946f9ed8b30cda83e"
+    ),
+    "diagnostic_msgs/msg/DiagnosticArray": (
+        "5a8a36efb05fb25070fa0fb3810290c0e6cd4862b54a8fb975a1ee8dc55a333e"
+    ),
+    "geometry_msgs/msg/PointStamped": (
+        "4c0296af86e01e562e9e0405d138a01537247580076c58ea38d7923ac1045897"
+    ),
+    "geometry_msgs/msg/Twist": "9c45bf16fe0983d80e3cfe750d6835843d265a9a6c46bd2e609fcddde6fb8d2a",
+    "geometry_msgs/msg/WrenchStamped": (
+        "8dc3deaf06b2ab281f9f9a742a8961c328ca7cec16e3fd6586d3a5c83fa78f77"
+    ),
+    "nav_msgs/msg/Odometry": "3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0",
+    "rcl_interfaces/msg/Log": "e28ce254ca8abc06abf92773b74602cdbf116ed34fbaf294fb9f81da9f318eac",
+    "rcl_interfaces/msg/ParameterEvent": (
+        "043e627780fcad87a22d225bc2a037361dba713fca6a6b9f4b869a5aa0393204"
+    ),
+    "rmw_dds_common/msg/ParticipantEntitiesInfo": (
+        "91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e"
+    ),
+    "rosgraph_msgs/msg/Clock": "692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564",
+    "tf2_msgs/msg/TFMessage": "e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087",
+    "trajectory_msgs/msg/JointTrajectory": (
+        "179b33eba59d676f6d967ac71fe35e7ca2f64b2f3928f4a018cec115e213796e"
+    ),
     "std_msgs/msg/String": "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
     "sensor_msgs/msg/JointState": (
         "a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"
@@ -169,6 +197,35 @@ def test_what_a_network_loses_is_sent_again():
         assert receiver.spin(lambda: len(heard) >= 100, PATIENCE), len(heard)
         receiver.spin(timeout=0.2)
         assert [m.position[0] for m in heard.messages] == list(range(100))
+
+
+def packets(capture):
+    """Where each captured packet went (address, port), and its bytes: pcap of IPv4 and UDP."""
+    at = 24
+    while at + 16 <= len(capture):
+        size = int.from_bytes(capture[at + 8 : at + 12], sys.byteorder)
+        packet = capture[at + 16 : at + 16 + size]
+        head = 4 * (packet[0] & 15)
+        port = int.from_bytes(packet[head + 2 : head + 4], "big")
+        yield (socket.inet_ntoa(packet[16:20]), port), packet[head + 8 :]
+        at += 16 + size
+
+
+def test_what_a_network_delivers_twice_comes_once(tmp_path):
+    """Every packet that the sender has sent is sent again, some time later."""
+    domain, capture = new_domain(), tmp_path / "sent.pcap"
+    kept = configuration("Tracing/PacketCaptureFile", str(capture))
+    sender = Peer.of(domain, "count", "400", "50", "1000", configuration=kept)
+    with sender, node("receiver", domain) as receiver:
+        heard = Hearer(receiver, KIND, "joint_states", Qos(depth=1000))
+        assert receiver.spin(lambda: len(heard) >= 50, PATIENCE), len(heard)
+        again = list(packets(capture.read_bytes()))
+        assert sum(b"joint_31" in data for _, data in again) > 25  # the last ones may be buffered
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as network:
+            for where, data in again:
+                network.sendto(data, where)
+        receiver.spin(timeout=0.3)
+        assert [m.position[0] for m in heard.messages] == list(range(50))
 
 
 def test_without_reliability_what_is_lost_stays_lost_and_the_rest_comes_in_order():

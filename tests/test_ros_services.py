@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from rostools import PATIENCE, Hearer, Peer, new_domain, node
+from rostools import PATIENCE, Hearer, Peer, node
 
 from wbc.messages import message_type
 from wbc.ros import NoAnswer, Parameters, Qos, RosError
@@ -18,11 +18,6 @@ pytest.importorskip("cyclonedds")
 SET_BOOL = "std_srvs/srv/SetBool"
 Parameter = message_type("rcl_interfaces/msg/Parameter")
 Value = message_type("rcl_interfaces/msg/ParameterValue")
-
-
-@pytest.fixture(scope="module")
-def domain():
-    return new_domain()
 
 
 @pytest.fixture(scope="module")

@@ -3,9 +3,7 @@
 import base64
 import io
 import itertools
-import os
 import re
-import shutil
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -20,40 +18,8 @@ from wbc.view import Meshcat, Recording, Snapshot
 
 pytestmark = pytest.mark.browser
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-FLAGS = [
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist",
-    "--no-sandbox",
-    "--disable-dev-shm-usage",
-    "--disable-background-networking",
-    "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1 , EXCLUDE localhost",
-]
 clock = itertools.count(1)  # every snapshot has a time of its own, to be told by
 PATIENCE = 60_000  # ms; software rendering on a busy machine is slow, completeness is what counts
-
-
-def need(condition, what):
-    if not condition:
-        if os.environ.get("CI"):
-            pytest.fail(f"{what}; CI must have it")
-        pytest.skip(what)
-
-
-@pytest.fixture(scope="module")
-def browser():
-    path = next(filter(None, map(shutil.which, BROWSERS)), None)
-    need(path, f"no browser: none of {', '.join(BROWSERS)} on PATH")
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        need(False, "playwright is not installed")
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
-        yield browser
-        browser.close()
 
 
 @contextmanager

@@ -16,10 +16,12 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from needs import need_browser
 
 import wbc
 from wbc.telemetry import Telemetry
 from wbc.view import Recording, Replay, Snapshot, Strip, Video, ViewerError
+from wbc.view.browser import new_page
 from wbc.view.film import record, thinned, up_to
 from wbc.view.replay import _peaks
 
@@ -175,22 +177,8 @@ def test_a_page_that_talks_nonsense_is_answered_and_goes_on(served):
     assert frame["words"]["time"] == 3.5
 
 
-def need_browser():
-    from wbc.errors import WbcError
-    from wbc.view.browser import check_browser
-
-    try:
-        check_browser()
-    except WbcError as error:
-        if os.environ.get("CI"):
-            pytest.fail(f"{error}; CI must have it")
-        pytest.skip(str(error))
-
-
 @pytest.mark.browser
 def test_the_player_plays_seeks_and_steps(served):
-    from wbc.view.browser import new_page
-
     need_browser()
     _, url = served
     with new_page(400, 300) as page:

@@ -128,7 +128,8 @@ def test_a_slot_that_is_being_written_is_not_read(robot):
     writer = Ring(layout)
     reader = Ring(layout, writer.descriptor)
     writer.write(full_snapshot(robot))
-    writer._before[1][0] += SLOTS  # as if the next round had begun to overwrite it
+    writer._records._sequence += SLOTS - 1
+    writer._records.begin()  # the next round has begun to overwrite it
     assert reader.read() is None
     writer.close()
 

@@ -157,7 +157,7 @@ class Book:
             turned_rad=self._turned,
             mean_speed_m_s=mean,
             cruise_speed_m_s=cruise,
-            dcm_error_rms_mm=1e3 * float(np.sqrt(np.mean(errors**2))) if errors.size else 0.0,
+            dcm_error_rms_mm=1e3 * float(np.sqrt(np.mean(errors**2))) if errors.size else None,
             torque_peak_ratio=float((self._effort / robot.tau_max).max()),
             torque_excess_nm=max(float((self._effort - robot.tau_max).max()), 0.0),
             joint_limit_excess_rad=max(

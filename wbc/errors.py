@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from typing import Any
 
 
 class WbcError(Exception):
@@ -102,3 +103,14 @@ def did_you_mean(name: str, names: Iterable[str], most: int = 3) -> str:
         return ""
     shown = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
     return f"; there are: {shown}"
+
+
+def shown(value: Any) -> str:
+    """Anything, in a few letters."""
+    if value is None:
+        return "missing"
+    try:
+        text = repr(value)
+    except ValueError:  # a whole number of thousands of digits
+        text = "a number of very many digits"
+    return text if len(text) <= 60 else text[:57] + "…"

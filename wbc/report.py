@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
+
+_WIDTH = 100  # letters of the table
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +60,7 @@ class Report:
         turned_rad: heading change, counted over full turns, rad.
         mean_speed_m_s: distance over time spent walking, starts and stops included, m/s.
         cruise_speed_m_s: median speed while walking, m/s.
-        dcm_error_rms_mm: of the measured DCM against its plan.
+        dcm_error_rms_mm: of the measured DCM against its plan; None: the controller has none.
         torque_peak_ratio: largest |τ| / τ_max of any joint.
         torque_excess_nm: by how much any commanded torque exceeded its limit, N·m.
         joint_limit_excess_rad: by how much any joint went beyond its position limit, rad.
@@ -77,6 +80,7 @@ class Report:
         targets_reached: how many of them within 1 cm, in truth.
         target_error_max_mm: the worst of them.
         notes: what a motion has to say.
+        given_up: names of motions that were broken off; the notes say why.
         flights: when both soles were off the ground.
     """
 
@@ -91,7 +95,7 @@ class Report:
     turned_rad: float
     mean_speed_m_s: float
     cruise_speed_m_s: float
-    dcm_error_rms_mm: float
+    dcm_error_rms_mm: float | None
     torque_peak_ratio: float
     torque_excess_nm: float
     joint_limit_excess_rad: float
@@ -111,6 +115,7 @@ class Report:
     targets_reached: int = 0
     target_error_max_mm: float | None = None
     notes: tuple[str, ...] = ()
+    given_up: tuple[str, ...] = ()
     flights: tuple[Flight, ...] = ()
 
     def to_json(self) -> str:
@@ -125,6 +130,8 @@ class Report:
         """The result for human eyes."""
         if self.survived:
             fate = f"survived {self.duration_s:.1f} s"
+            if self.given_up:
+                fate += f", but GAVE UP: {', '.join(self.given_up)}"
         elif self.fell_at_s is not None:
             fate = f"FELL at {self.fell_at_s:.2f} s: {self.fell_why}"
         else:
@@ -143,7 +150,7 @@ class Report:
                 "speed",
                 f"{self.mean_speed_m_s:.2f} m/s mean, {self.cruise_speed_m_s:.2f} m/s cruise",
             ),
-            ("DCM tracking error", f"{self.dcm_error_rms_mm:.1f} mm rms"),
+            *_rms("DCM tracking error", self.dcm_error_rms_mm, "rms"),
             ("peak torque", f"{100.0 * self.torque_peak_ratio:.0f} % of the limit"),
             ("beyond joint limits", f"{self.joint_limit_excess_rad:.1e} rad"),
             ("QP failures", f"{self.qp_failures}{why}"),
@@ -161,12 +168,10 @@ class Report:
         rows += self._judged()
         width = max(len(name) for name, _ in rows)
         head = f"{self.robot}\n" + "─" * (width + 40)
-        return "\n".join([head, *(f"{name:<{width}}  {value}" for name, value in rows)])
+        return "\n".join([head, *(_row(name, value, width) for name, value in rows)])
 
     def _judged(self) -> list[tuple[str, str]]:
-        rows = []
-        if self.com_error_rms_mm is not None:
-            rows.append(("CoM tracking error", f"{self.com_error_rms_mm:.1f} mm rms (true)"))
+        rows = _rms("CoM tracking error", self.com_error_rms_mm, "rms (true)")
         if self.foot_slip_mm is not None:
             rows.append(("foot slip", f"{self.foot_slip_mm:.1f} mm"))
         if self.targets:
@@ -180,3 +185,15 @@ class Report:
     def keys() -> tuple[str, ...]:
         """Names of the fields, in the order of the JSON."""
         return tuple(f.name for f in fields(Report))
+
+
+def _rms(name: str, error: float | None, what: str) -> list[tuple[str, str]]:
+    return [] if error is None else [(name, f"{error:.1f} mm {what}")]
+
+
+def _row(name: str, value: str, width: int) -> str:
+    """A line of the table; a long text goes on below itself."""
+    blank = " " * (width + 2)
+    return textwrap.fill(
+        value, _WIDTH, initial_indent=f"{name:<{width}}  ", subsequent_indent=blank
+    )

@@ -6,6 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+#: What `Balance.phase` may be.
+PHASES = ("stand", "double", "left", "right", "flight")
+
 _NOWHERE = np.full(3, np.nan)
 
 
@@ -33,7 +36,7 @@ class Balance:
         dcm: (3,) divergent component of motion c + ċ/ω, on the ground, m.
         dcm_reference: (3,) where the plan wants it, on the ground, m.
         zmp: (3,) commanded zero-moment point, on the ground, m.
-        phase: "stand", "double", "left" or "right" (which foot carries).
+        phase: one of `PHASES`; "left" and "right" name the foot that carries.
     """
 
     com: np.ndarray = field(default_factory=lambda: _NOWHERE)
@@ -52,7 +55,7 @@ class Telemetry(Balance):
         dcm: (3,) divergent component of motion c + ċ/ω, on the ground, m.
         dcm_reference: (3,) where the plan wants it, on the ground, m.
         zmp: (3,) commanded zero-moment point, on the ground, m.
-        phase: "stand", "double", "left" or "right" (which foot carries).
+        phase: one of `PHASES`; "left" and "right" name the foot that carries.
         support: (k, 3) vertices of the support polygon, counter-clockwise, m.
         footsteps: planned steps, the next one first.
         swing_path: (m, 3) way of the swing sole's centre still to go, m.

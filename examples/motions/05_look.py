@@ -6,4 +6,4 @@ from wbc.trials import run_motions
 
 for name in ("talos", "g1"):  # with a head that turns and without
     report = run_motions(wbc.load(name), [Look(radius=0.3, seconds=4.0)])
-    print(f"{name}: survived {report.duration_s:.1f} s; {report.notes[0]}")
+    print(f"{name}: survived {report.duration_s:.1f} s; {' '.join(report.notes)}")

@@ -1,11 +1,12 @@
 """A robot in physics as a node of a ROS 2 system: what `wbc ros2 walk` does, by hand.
 
-`/cmd_vel` drives it. Here nobody does, unless you run `03_drive.py` beside it.
+`/cmd_vel` drives it. Here nobody does, unless you run `03_drive.py` or `04_motion.py` beside it.
 """
 
 import argparse
 
 import wbc
+from wbc.motions import Performer
 from wbc.ros.bridge import Bridge
 
 parser = argparse.ArgumentParser(description=__doc__)
@@ -14,11 +15,11 @@ parser.add_argument("--duration", type=float, default=3.0, help="s (default: 3)"
 options = parser.parse_args()
 
 robot = wbc.load(options.robot)
-walker = wbc.Walker(robot)
+performer = Performer(robot)
 
-with wbc.sim.Mujoco(robot) as plant, Bridge(walker, plant) as bridge:
+with wbc.sim.Mujoco(robot) as plant, Bridge(performer, plant) as bridge:
     report = wbc.run(
-        walker, plant, options.duration, log=bridge, before_tick=bridge.helm, real_time=True
+        performer, plant, options.duration, log=bridge, before_tick=bridge.helm, real_time=True
     )
 
 print(report.table())

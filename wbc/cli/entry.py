@@ -38,6 +38,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         The exit code: 0 survived, 1 fell or errors found, 2 bad usage or bad input, 130 Ctrl-C.
     """
+    # Nothing is drawn by MuJoCo: without this, its import starts a process and takes twice as long.
+    os.environ.setdefault("MUJOCO_GL", "disable")
     parser = Parser(
         prog="wbc", description="Whole-body control of humanoids on Pinocchio.", epilog=_EPILOG
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+from typing import Any
 
 import numpy as np
 
@@ -14,8 +15,8 @@ from wbc.robot import Robot
 from wbc.view import Recording, Video
 
 
-def add_keepsake_options(parser: argparse.ArgumentParser) -> None:
-    """The options for files that a run leaves."""
+def add_keepsake_options(parser: Any) -> None:
+    """The options for files that a run leaves, to a parser or a group of its options."""
     parser.add_argument(
         "--log",
         type=output,

@@ -8,9 +8,11 @@ from typing import Any
 
 import wbc
 from wbc.cli.interrupt import interruptible
+from wbc.cli.keepsakes import Keepsakes, add_keepsake_options
 from wbc.cli.parser import FELL, INTERRUPTED, seconds, seed
 from wbc.cli.progress import ProgressLine
 from wbc.cli.robot_options import add_robot_options, stated
+from wbc.driving import drive
 from wbc.motions import Performer
 from wbc.sim import Flat, Mujoco, Tiles
 
@@ -24,7 +26,8 @@ def add_to(subcommands: Any) -> None:
         "live",
         help="drive a robot in MuJoCo from the browser",
         description="A robot in MuJoCo under torque control, and a page that shows and drives it: "
-        "velocity, motions, pushes, gait, gains, slow motion. It runs until Ctrl-C.",
+        "velocity, motions, pushes, gait, gains, slow motion. It runs until Ctrl-C. A log keeps "
+        "all of it, --html and --video the time since the last reset.",
     )
     parser.add_argument(
         "--robot",
@@ -48,19 +51,22 @@ def add_to(subcommands: Any) -> None:
         help="to listen on; whoever reaches it can drive the robot (default: this machine only)",
     )
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
+    add_keepsake_options(parser)
     add_robot_options(parser)
     parser.set_defaults(execute=execute)
 
 
 def execute(options: argparse.Namespace) -> int:
     """Drive; returns the exit code."""
-    from wbc.live import Live, drive
+    from wbc.live import Live
 
     robot = wbc.load(options.robot, **stated(options))
     performer = Performer(robot, walker=wbc.Walker(robot, solver=options.solver))
     terrain = Flat() if options.terrain == "flat" else Tiles(seed=options.seed, extent=_TILES)
     plant = Mujoco(robot, dt=performer.dt, terrain=terrain, seed=options.seed)
+    keepsakes = Keepsakes(options, robot, terrain.boxes())
     with contextlib.ExitStack() as stack:
+        logs = keepsakes.logs(stack)
         live = stack.enter_context(
             Live(performer, plant, host=options.host, port=options.port, boxes=terrain.boxes())
         )
@@ -76,12 +82,15 @@ def execute(options: argparse.Namespace) -> int:
             performer,
             plant,
             options.duration,
+            log=logs,
+            recording=keepsakes.recording,
             stop=lambda: bool(interrupted),
             progress=line.show,
             told=line.note,
         )
     if report is not None:
         print(report.table())
+    keepsakes.finish()
     if interrupted:
         return INTERRUPTED
     return 0 if report is not None and report.survived else FELL

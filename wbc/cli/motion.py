@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import inspect
+import math
 from typing import Any
 
 from wbc.cli import simulation
@@ -24,11 +26,11 @@ def add_to(subcommands: Any) -> None:
         description="A robot plays a motion in MuJoCo under torque control, from standing to "
         "standing, and a report says how.  wbc motion NAME --help  tells a motion's options.",
     )
-    parser.add_argument("--list", action="store_true", help="list the motions and their options")
+    parser.add_argument("--list", action="store_true", help="list the motions")
     parser.set_defaults(execute=execute, motion=None)
     names = parser.add_subparsers(title="motions", metavar="NAME")
     for motion in CATALOGUE:
-        one = names.add_parser(motion.name, help=motion.summary, description=motion.__doc__)
+        one = names.add_parser(motion.name, help=motion.summary, description=inspect.getdoc(motion))
         group = one.add_argument_group("the motion")
         for parameter in motion.parameters():
             _add_option(group, parameter)
@@ -45,7 +47,14 @@ def execute(options: argparse.Namespace) -> int:
     chosen = {p.name: getattr(options, _destination(p)) for p in motion.parameters()}
     run = simulation.Simulation(options)
     performer = Performer(run.robot, motions=[motion(**chosen)], walker=run.walker)
-    return run.perform(performer, options.duration or _AT_MOST, Stage(performer), Judge())
+    stage = Stage(performer, options.duration or _AT_MOST)
+    return run.perform(
+        performer,
+        options.duration or _AT_MOST + 1.0,
+        stage,
+        Judge(),
+        expected=options.duration or math.inf,  # it is over when it is over
+    )
 
 
 def _destination(parameter: Parameter) -> str:
@@ -86,8 +95,10 @@ def _text(value: object) -> str:
 
 
 def _catalogue() -> str:
-    rows = [
-        (motion.name, motion.summary, " ".join(_option(p) for p in motion.parameters()))
-        for motion in CATALOGUE
-    ]
-    return table(("motion", "what it does", "options"), rows)
+    rows = [(motion.name, motion.summary) for motion in CATALOGUE]
+    return (
+        f"{table(('motion', 'what it does'), rows)}\n\n"
+        "wbc motion NAME --robot ROBOT      plays it:  wbc motion squat --robot g1 --depth 15\n"
+        "wbc motion NAME --help             tells its options\n"
+        "wbc robots                         lists the robots"
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from types import TracebackType
@@ -31,9 +32,12 @@ class ProgressLine:
         if not self._rewrite and progress.time < self._next:
             return
         self._next = progress.time + _SPARSE - 1e-6
+        whole = f" / {progress.duration:.1f}" if math.isfinite(progress.duration) else ""
+        told = math.isfinite(progress.dcm_error)  # not by a controller without a DCM
+        error = f"DCM error {1e3 * progress.dcm_error:4.1f} mm   " if told else ""
         text = (
-            f"{progress.time:5.1f} / {progress.duration:.1f} s   {progress.speed:.2f} m/s   "
-            f"DCM error {1e3 * progress.dcm_error:4.1f} mm   tick {progress.tick_us:4.0f} µs"
+            f"{progress.time:5.1f}{whole} s   {progress.speed:.2f} m/s   "
+            f"{error}tick {progress.tick_us:4.0f} µs"
         )
         self._stream.write(f"\r{text}\x1b[K" if self._rewrite else f"{text}\n")
         self._stream.flush()

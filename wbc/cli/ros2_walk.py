@@ -7,14 +7,13 @@ import contextlib
 from typing import Any
 
 import wbc
-from wbc.book import Progress
 from wbc.cli.interrupt import interruptible
 from wbc.cli.keepsakes import Keepsakes, add_keepsake_options
 from wbc.cli.parser import FELL, INTERRUPTED, number, seconds, seed
 from wbc.cli.progress import ProgressLine
 from wbc.cli.robot_options import add_robot_options, stated
 from wbc.cli.ros2_options import add_verb, network
-from wbc.loop import StopRun
+from wbc.driving import drive
 from wbc.sim import Flat, Mujoco, Tiles
 
 _DURATION = 3600.0
@@ -46,51 +45,59 @@ def add_to(verbs: Any) -> None:
     parser.add_argument(
         "--as-fast-as-possible", action="store_true", help="do not wait for the wall clock"
     )
+    parser.add_argument(
+        "--sim-time",
+        action="store_true",
+        help="stamp messages with the time of /clock, for nodes with use_sim_time; "
+        "the node's parameter of that name",
+    )
     add_keepsake_options(parser)
     add_robot_options(parser)
 
 
 def _walk(options: argparse.Namespace) -> int:
-    from wbc.ros.bridge import Bridge, drive
+    from wbc.motions import Performer
+    from wbc.ros.bridge import Bridge
 
     robot = wbc.load(options.robot, **stated(options))
-    walker = wbc.Walker(robot)
+    performer = Performer(robot)
     terrain = Flat() if options.terrain == "flat" else Tiles(seed=options.seed, extent=_TILES)
-    plant = Mujoco(robot, dt=walker.dt, terrain=terrain, seed=options.seed)
+    plant = Mujoco(robot, dt=performer.dt, terrain=terrain, seed=options.seed)
     keepsakes = Keepsakes(options, robot, terrain.boxes())
     with contextlib.ExitStack() as stack:
         viewer = None
         if options.view:
             viewer = stack.enter_context(wbc.view.Meshcat(robot, boxes=terrain.boxes()))
         bridge = stack.enter_context(
-            Bridge(walker, plant, network=network(options), update_rate=options.rate)
+            Bridge(
+                performer,
+                plant,
+                network=network(options),
+                update_rate=options.rate,
+                use_sim_time=options.sim_time,
+            )
         )
         logs = keepsakes.logs(stack)
         print(f"[INFO] [wbc]: {robot.name} stands at your /cmd_vel; Ctrl-C ends", flush=True)
         line = ProgressLine()
         stack.callback(line.close)
         interrupted = stack.enter_context(interruptible())
-
-        def progress(now: Progress) -> None:
-            line.show(now)
-            if interrupted:
-                raise StopRun("interrupted")
-
         report = drive(
             bridge,
-            walker,
+            performer,
             plant,
             options.duration,
             viewer=viewer,
             recording=keepsakes.recording,
-            logs=logs,
+            log=logs,
             real_time=not options.as_fast_as_possible,
-            progress=progress,
+            stop=lambda: bool(interrupted),
+            progress=line.show,
             told=line.note,
-            interrupted=lambda: bool(interrupted),
         )
-    print(report.table())
+    if report is not None:
+        print(report.table())
     keepsakes.finish()
     if interrupted:
         return INTERRUPTED
-    return 0 if report.survived else FELL
+    return 0 if report is not None and report.survived else FELL

@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import warnings
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import wbc
 from wbc.book import Progress
@@ -28,14 +29,15 @@ _FARTHEST = 12.0  # m
 
 def add_options(parser: argparse.ArgumentParser, duration: str) -> None:
     """The options that every simulated run has."""
-    parser.add_argument(
+    run = parser.add_argument_group("the run")
+    run.add_argument(
         "--robot",
         default="talos",
         metavar="NAME|FILE",
         help="a robot's name, or a URDF or robot data file (default: talos)",
     )
-    parser.add_argument("--duration", type=seconds, metavar="S", help=f"s (default: {duration})")
-    parser.add_argument(
+    run.add_argument("--duration", type=seconds, metavar="S", help=f"s (default: {duration})")
+    run.add_argument(
         "--push",
         type=push,
         action="append",
@@ -44,29 +46,25 @@ def add_options(parser: argparse.ArgumentParser, duration: str) -> None:
         help="push the torso from T s on, for 0.1 s, with an impulse in N·s, world axes "
         "(the robot starts heading along x); may be given again",
     )
-    parser.add_argument(
+    run.add_argument(
         "--terrain",
         choices=("flat", "tiles"),
         default="flat",
         help="flat, or square tiles of random height up to 30 mm",
     )
-    parser.add_argument(
+    run.add_argument(
         "--seed", type=seed, default=0, metavar="N", help="of sensor noise and tiles (default: 0)"
     )
-    parser.add_argument(
+    run.add_argument(
         "--ground-truth",
         action="store_true",
         help="give the controller the simulator's exact state instead of an estimate",
     )
-    parser.add_argument(
-        "--solver", metavar="NAME", help="QP solver (default: wbc, the library's own)"
-    )
-    parser.add_argument(
-        "--real-time", action="store_true", help="a second takes a second, not less"
-    )
-    parser.add_argument("--no-view", action="store_true", help="no view in the browser")
-    parser.add_argument("--json", type=output, metavar="FILE", help="also write the report as JSON")
-    add_keepsake_options(parser)
+    run.add_argument("--solver", metavar="NAME", help="QP solver (default: wbc, the library's own)")
+    run.add_argument("--real-time", action="store_true", help="a second takes a second, not less")
+    run.add_argument("--no-view", action="store_true", help="no view in the browser")
+    run.add_argument("--json", type=output, metavar="FILE", help="also write the report as JSON")
+    add_keepsake_options(run)
     add_robot_options(parser)
 
 
@@ -103,6 +101,7 @@ class Simulation:
         duration: float,
         before_tick: Callable[[float, Mujoco], None],
         judge: Judge | None = None,
+        expected: float | None = None,
     ) -> int:
         """Run a controller, show, report; returns the exit code.
 
@@ -111,6 +110,7 @@ class Simulation:
             duration: s, at most.
             before_tick: called with time and plant before each tick, see `wbc.run`.
             judge: adds its figures to the report.
+            expected: how long it will take as far as is known, s; the duration if left out.
 
         Raises:
             WbcError: bad input.
@@ -132,7 +132,7 @@ class Simulation:
             stack.enter_context(_clamping_told(line))
 
             def progress(now: Progress) -> None:
-                line.show(now)
+                line.show(now if expected is None else replace(now, duration=expected))
                 if interrupted:
                     raise StopRun("interrupted")
 
@@ -161,7 +161,7 @@ class Simulation:
         keepsakes.finish()
         if interrupted:
             return INTERRUPTED
-        return 0 if report.survived else FELL
+        return 0 if report.survived and not report.given_up else FELL
 
     def _terrain(self, duration: float) -> Terrain:
         if self._options.terrain == "flat":

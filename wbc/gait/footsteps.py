@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from wbc.errors import GaitError
 from wbc.gait.parameters import GaitParameters
-from wbc.gait.planar import Placement, turn, wrap
+from wbc.gait.planar import Feet, Placement, turn, wrap
 
 SIDES = ("left", "right")
 
@@ -47,6 +47,17 @@ class Velocity:
                 f"velocity {wanted} must be finite: (forward m/s, left m/s, turn rad/s)"
             )
         return Velocity(*(max(-m, min(m, w)) for w, m in zip(wanted, limits, strict=True)))
+
+
+def first_swing(feet: Feet, velocity: Velocity) -> str:
+    """The side that takes the first step out of standing."""
+    way = velocity.left or velocity.turn
+    for side in SIDES:
+        if lateral_sign(side) * way > 0.0:
+            return side
+    # Forward: the foot that is behind, in the direction of travel.
+    ahead = feet.left.to_local(feet.right.point).real * velocity.forward
+    return "left" if ahead > 0.01 else "right"
 
 
 def next_placement(

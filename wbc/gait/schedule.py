@@ -7,10 +7,12 @@ from enum import Enum
 
 from wbc.errors import GaitError
 from wbc.gait.dcm_plan import DcmReference, ZmpSegment, dcm_now
-from wbc.gait.footsteps import Velocity, are_square, clamp_to_reach, lateral_sign, other
+from wbc.gait.footsteps import Velocity, first_swing, other
+from wbc.gait.glide import Glide
+from wbc.gait.landing import Landing
 from wbc.gait.lifted import LiftedFoot
 from wbc.gait.parameters import GaitParameters
-from wbc.gait.planar import Feet, Placement, turn, wrap
+from wbc.gait.planar import Feet, Placement
 from wbc.gait.preview import Preview
 from wbc.gait.swing import SwingFoot
 
@@ -45,10 +47,7 @@ class Schedule:
         steps: touchdowns so far.
         velocity: what the current step was planned with.
         queue: footsteps given as a list, the next first; they go before the velocity.
-        shift: by how much balance moves the present swing's landing place, in the support
-            sole's axes, m.
-        planned_target: where the gait wants the present swing to land: fixed in the support
-            sole's axes.
+        landing: where the present swing is to land.
     """
 
     def __init__(
@@ -73,9 +72,9 @@ class Schedule:
         self._feet = feet
         self.stopping = False
         self._from_middle = True
-        self._target_local: tuple[complex, float, float] = (0j, 0.0, 0.0)
-        self.planned_target = feet.right
-        self.shift = 0j
+        self.landing = Landing()
+        self._glide = Glide()
+        self._drift = 0j  # of the planned DCM, as the velocity changes, m/s
 
     @property
     def swing_side(self) -> str:
@@ -95,19 +94,10 @@ class Schedule:
 
     @property
     def target(self) -> Placement:
-        """Landing place of the present swing: the planned one, moved by `shift` within reach.
-
-        Once the swing is committed, the place it is committed to.
-        """
+        """Landing place of the present swing; once it is committed, the one it is committed to."""
         if self.swing is not None and self.swing.committed:
             return self.swing.target
-        planned = self.planned_target
-        if self.shift == 0j:
-            return planned
-        stance = self._feet.of(self.support)
-        point = planned.point + self.shift * turn(stance.yaw)
-        moved = Placement(point, planned.yaw, planned.height)
-        return clamp_to_reach(stance, self.swing_side, moved, self.gait)
+        return self.landing.moved(self._feet.of(self.support), self.swing_side, self.gait)
 
     def update(
         self, dt: float, feet: Feet, velocity: Velocity, loads: dict[str, float] | None
@@ -132,6 +122,8 @@ class Schedule:
                     self._enter(Phase.STAND, 0.0)
                 else:
                     self._begin_swing()
+            elif not self.stopping:
+                self._follow(velocity, dt)
         elif isinstance(self.swing, LiftedFoot):
             self.swing.advance(feet.of(self.support))
             if self._is_set_down(self.swing, loads):
@@ -141,12 +133,15 @@ class Schedule:
             if self._has_landed(loads):
                 self._touch_down(velocity)
             else:
-                self._place_target()
+                self.landing.carry(feet.of(self.support))
+                self._follow(velocity, dt)
                 self.swing.advance(dt, self.target)
 
     def change_gait(self, gait: GaitParameters) -> None:
         """Go on with other parameters; the present phase keeps its duration."""
         self.gait = gait
+        if isinstance(self.swing, SwingFoot):
+            self.swing.rise(gait.swing_height)
         self._preview = Preview(gait, self.queue)
 
     def stand_on(self, side: str) -> None:
@@ -194,35 +189,41 @@ class Schedule:
         return right + self.lean * (left - right)
 
     def _enter(self, phase: Phase, duration: float) -> None:
+        self._drift = 0j
         self.phase, self.time, self.duration = phase, 0.0, duration
         self._hold = 0.0
 
     def _begin_walking(self) -> None:
-        side = self.queue[0][0] if self.queue else self._first_swing()
+        side = self.queue[0][0] if self.queue else first_swing(self._feet, self.velocity)
         self.support = other(side)
         self._from_middle = True
         self.stopping = False
         self._enter(Phase.TRANSFER, self.gait.first_transfer)
 
-    def _first_swing(self) -> str:
-        way = self.velocity.left or self.velocity.turn
-        for side in ("left", "right"):
-            if lateral_sign(side) * way > 0.0:
-                return side
-        # Forward: the foot that is behind, in the direction of travel.
-        ahead = self._feet.left.to_local(self._feet.right.point).real * self.velocity.forward
-        return "left" if ahead > 0.01 else "right"
+    def _follow(self, wanted: Velocity, dt: float) -> None:
+        """Go over to another velocity within the step; landing place and DCM move along.
+
+        Slower the less time is left until the foot lands, for the sole's own ZMP has to move the
+        DCM. Not in the last step, which is planned to come to rest; and none becomes the last
+        one: that is for the next.
+        """
+        self._drift = 0j
+        if self.queue or self.landing.given or self.velocity.still or self.velocity == wanted:
+            return
+        share = self.remaining / self.duration if self.phase is Phase.SWING else 1.0
+        velocity = self._glide.advance(self.velocity, wanted, share, dt, self.gait)
+        if velocity.still or velocity == self.velocity:
+            return
+        before = self._steady_reference().dcm
+        self.velocity = velocity
+        if self.swing is not None and not self.swing.committed:
+            self._aim()
+        self._drift = (self._steady_reference().dcm - before) / dt
 
     def _begin_swing(self) -> None:
-        stance = self._feet.of(self.support)
-        target = self._preview.next(stance, self.swing_side, self.velocity)
-        self._target_local = (
-            stance.to_local(target.point),
-            wrap(target.yaw - stance.yaw),
-            target.height - stance.height,
-        )
-        self._place_target()
-        self.shift = 0j
+        self._aim()
+        self.landing.shift = 0j
+        self.landing.given = bool(self.queue)
         if self.queue:
             self.queue.pop(0)
         start = self._feet.of(self.swing_side)
@@ -232,13 +233,9 @@ class Schedule:
             start, self.target, gait.single_support, gait.swing_height, gait.touchdown_speed
         )
 
-    def _place_target(self) -> None:
-        """Carry the planned target along with the measured support sole."""
+    def _aim(self) -> None:
         stance = self._feet.of(self.support)
-        local, yaw, height = self._target_local
-        self.planned_target = Placement(
-            stance.to_world(local), wrap(stance.yaw + yaw), stance.height + height
-        )
+        self.landing.aim(stance, self._preview.next(stance, self.swing_side, self.velocity))
 
     def _has_landed(self, loads: dict[str, float] | None) -> bool:
         if loads is None:
@@ -253,10 +250,11 @@ class Schedule:
         # to go on that came too late for it waits until the robot stands.
         last = self._preview.ends(stance, self.swing_side, self.target, self.velocity)
         self.swing = None
-        square = are_square(self._feet.left, self._feet.right, self.gait)
+        self.landing.given = False
         ended = not self.queue and velocity.still
-        self.stopping = last or (ended and (square or self.velocity.still))
+        self.stopping = last or (ended and self.velocity.still)
         self.velocity = velocity
+        self._glide.rest()
         if self.stopping:
             self._enter(Phase.TRANSFER, self.gait.first_transfer)
         else:
@@ -284,6 +282,9 @@ class Schedule:
 
     def reference(self) -> DcmReference:
         """Where DCM and ZMP should be now, for the weight to go on over the footsteps."""
+        return self._drifting(self._steady_reference())
+
+    def _steady_reference(self) -> DcmReference:
         if self.phase is Phase.STAND or self.lifted is not None:
             at = self._standing_point
             return DcmReference(at, 0j, at)
@@ -304,7 +305,10 @@ class Schedule:
 
     def planned_reference(self) -> DcmReference:
         """During a swing: the same as if balance had not moved its landing place."""
-        return self._landing_reference(self.planned_target)
+        return self._drifting(self._landing_reference(self.landing.planned))
+
+    def _drifting(self, reference: DcmReference) -> DcmReference:
+        return reference._replace(dcm_velocity=reference.dcm_velocity + self._drift)
 
     def _landing_reference(self, landing: Placement) -> DcmReference:
         gait, preview, side = self.gait, self._preview, self.swing_side

@@ -89,10 +89,15 @@ class SwingFoot:
         self.duration = duration
         self.time = 0.0
         self._touchdown_speed = touchdown_speed
-        self._apex = max(start.height, target.height) + height
+        self._higher = max(start.height, target.height)
+        self.rise(height)
         self._plane = _Axis(start.point)
         self._yaw = _Axis(start.yaw)
         self._height = _Axis(start.height)
+
+    def rise(self, height: float) -> None:
+        """Have the apex so far above the higher end, m; what is over already stays."""
+        self._apex = self._higher + height
 
     def advance(self, dt: float, target: Placement) -> None:
         """Move on by dt towards `target`, which counts until the last part of the swing.

@@ -9,17 +9,16 @@ from typing import Any
 import numpy as np
 
 from wbc.clock import Clock
-from wbc.gait import Velocity
-from wbc.live.cleared import Cleared
 from wbc.live.knobs import Setting, gain_knobs, gait_knobs, speed_knob, velocity_knobs
 from wbc.live.panel import Kind, Panel
 from wbc.live.pushes import PushCount
 from wbc.loop import StopRun
-from wbc.motions import Motion, Performer
+from wbc.motions import Motion, Performer, unpack
+from wbc.motions.conductor import Conductor
+from wbc.motions.shelf import Shelf
 from wbc.process import RecordRing
 
 RECORD = 3  # numbers of a request: kind and two arguments
-STANDING = (0.0, 0.0, 0.0)
 _NAP = 0.005  # s between two looks while nothing moves
 _HARDEST = 0.6  # m/s: the largest push changes the robot's velocity by that
 NO_MOTION, RETURNING = -1, -2
@@ -28,8 +27,8 @@ NO_MOTION, RETURNING = -1, -2
 class Helm:
     """Steers a performer by requests, and paces its ticks; `before_tick` of `wbc.run`.
 
-    One thing at a time: a motion that is asked for while the robot walks, or plays another,
-    begins when it is back to standing; so does walking.
+    One thing at a time, see `Conductor`. Motions come packed with their plans: none is checked or
+    planned here.
 
     Args:
         performer: whom to steer.
@@ -38,8 +37,10 @@ class Helm:
         idle: called while it is paused or lies, every few milliseconds.
 
     Attributes:
+        conductor: through which.
         panel: what may be asked for.
         requests: where it is asked.
+        shelf: where motions lie that are asked for.
         pushes: and what became of them.
         paused: it stands still in time.
         taken: how many requests have been taken.
@@ -69,12 +70,12 @@ class Helm:
             float(f"{hardest:.2g}"),
         )
         self.requests = RecordRing(RECORD)
+        self.shelf = Shelf()
         self.pushes = PushCount()
         self.paused = self.reset_wanted = False
         self.taken = 0
-        self._wanted = self._given = STANDING
-        self._next: int | None = None
-        self._playing = NO_MOTION
+        self.conductor = Conductor(performer)
+        self._push_torso = getattr(plant, "push", None)
         self._clock = Clock(performer.dt, 1)
         self._fresh = True
         self.stop: Callable[[], bool] = lambda: False
@@ -86,8 +87,7 @@ class Helm:
             if kind == Kind.KNOB:
                 self._settings[int(first)].turn(float(second))
         self.pushes.restart()
-        self._wanted = self._given = STANDING
-        self._next, self._playing = None, NO_MOTION
+        self.conductor.begin()
         self.paused = self.reset_wanted = False
         self._fresh = True
 
@@ -109,7 +109,9 @@ class Helm:
         if self._reset_due():
             raise StopRun("reset")
         self._fresh = False
-        self._steer()
+        self.conductor.steer()
+        for impulse in self._performer.pushes_due():
+            self._push(impulse)
         self.pushes.tick(self._plant.time)
 
     def lie(self) -> None:
@@ -121,8 +123,9 @@ class Helm:
     @property
     def playing(self) -> int:
         """Index of the motion that is going on, `NO_MOTION` or `RETURNING`."""
-        if self._performer.playing is not None:
-            return self._playing
+        playing = self._performer.playing
+        if playing is not None:
+            return self.panel.motions.index(type(playing))
         return NO_MOTION if self._performer.idle else RETURNING
 
     def _reset_due(self) -> bool:
@@ -136,54 +139,27 @@ class Helm:
             if kind == Kind.KNOB:
                 self._settings[int(first)].turn(float(second))
             elif kind == Kind.PUSH:
-                self._push(first, second)
+                heading = self._performer.walker.standing_frame.rotation
+                self._push(heading @ np.array([first, second, 0.0]))
             elif kind == Kind.MOTION:
-                self._play(int(first))
+                data = self.shelf.take(int(first), int(second))
+                self.conductor.play(unpack(data, self._performer.robot))
             elif kind == Kind.STAND:
-                self._stand()
+                self.conductor.stand()
             elif kind == Kind.PAUSE:
                 self.paused = bool(first)
             else:
                 self.reset_wanted = True
 
     def _turn_velocity(self, i: int, value: float) -> None:
-        wanted = list(self._wanted)
+        wanted = list(self.conductor.velocity)
         wanted[i] = value
-        self._wanted = (wanted[0], wanted[1], wanted[2])
-        self._next = None
-        if self._performer.playing is not None and self._wanted != STANDING:
-            self._performer.interrupt()
+        self.conductor.velocity = wanted
 
     def _turn_speed(self, value: float) -> None:
         self._clock = Clock(self._performer.dt / value, 1)
 
-    def _push(self, forward: float, left: float) -> None:
-        heading = self._performer.walker.standing_frame.rotation
-        self._plant.push(heading @ np.array([forward, left, 0.0]))
-        self.pushes.pushed(self._plant.time)
-
-    def _play(self, index: int) -> None:
-        self._stand()
-        self._next = index
-
-    def _stand(self) -> None:
-        performer = self._performer
-        self._wanted = STANDING
-        self._next = None
-        # On its way back to standing it goes on, and standing there is nothing to leave off.
-        if performer.playing is not None or (performer.idle and not performer.body.at_home):
-            performer.interrupt()
-            self._given = STANDING
-
-    def _steer(self) -> None:
-        performer = self._performer
-        if not performer.idle:
-            self._given = STANDING
-        elif self._next is not None:
-            self._playing, self._next = self._next, None
-            performer.play(Cleared(self.panel.motions[self._playing]()))
-        elif self._wanted != self._given:
-            # Clamped here, since the walker's own way of saying so takes a warning per tick.
-            self._given = self._wanted
-            wanted = Velocity(*self._wanted).clamped(performer.walker.gait)
-            performer.velocity = (wanted.forward, wanted.left, wanted.turn)
+    def _push(self, impulse: np.ndarray) -> None:
+        if self._push_torso is not None:
+            self._push_torso(impulse)
+            self.pushes.pushed(self._plant.time)

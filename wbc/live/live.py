@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wbc.closing import Closing
 from wbc.live.errors import LiveError
 from wbc.live.gauges import SIZE, Mode
-from wbc.live.helm import NO_MOTION, RETURNING, Helm
+from wbc.live.helm import RETURNING, Helm
 from wbc.live.order import Order
 from wbc.motions import Motion, Performer
 from wbc.motions.catalogue import CATALOGUE
+from wbc.motions.packing import check_importable
 from wbc.process import Child, ChildError, RecordRing
 from wbc.snapshot import Snapshot
 from wbc.view.due import next_due
@@ -30,13 +30,11 @@ if TYPE_CHECKING:
     from wbc.report import Report
     from wbc.tick import Tick
 
-logger = logging.getLogger(__name__)
-
-_LOOK = 0.5  # s, between two looks whether the process is still there
 _RATE = 40.0  # Hz of snapshots
+_NOTED = 8.0  # s of plant time: how long a motion's note is shown
 
 
-class Live:
+class Live(Closing):
     """Serves a page that shows a robot and drives it.
 
     The page and everything about it live in another process. The loop's process copies each
@@ -58,11 +56,17 @@ class Live:
 
     Attributes:
         helm: takes requests; `before_tick` of `wbc.run`.
+        paces: the helm does: the loop's own clock would not know slow motion.
+        rescue: how a robot that fell is set on its feet.
         url: address of the page.
 
     Raises:
         LiveError: the page cannot be served.
+        MotionError: a motion is not at the top of a module.
     """
+
+    paces = True
+    rescue = "Reset on the page sets it on its feet"
 
     def __init__(
         self,
@@ -75,6 +79,8 @@ class Live:
         motions: Sequence[type[Motion]] = CATALOGUE,
         announce: bool = True,
     ) -> None:
+        for motion in motions:
+            check_importable(motion)
         robot = performer.robot
         self._performer, self._plant = performer, plant
         self._snapshots = Ring(Layout.of(robot.model))
@@ -82,10 +88,12 @@ class Live:
         self.helm = Helm(performer, plant, motions, self._idle)
         self._mode = Mode.RUNNING
         self._run = 0
-        self._due = self._look = 0.0
+        self._due = self._noted_until = 0.0
+        self._notes = 0
         self._last = np.zeros(SIZE)
-        rings = (self._snapshots, self._gauges, self.helm.requests)
-        self._process = Child("wbc.live.server", [ring.descriptor for ring in rings])
+        self._shared = (self._snapshots, self._gauges, self.helm.requests, self.helm.shelf)
+        descriptors = [memory.descriptor for memory in self._shared]
+        self._process = Child("wbc.live.server", descriptors, title="the live page")
         order = Order(
             # A fresh copy: meshes that somebody has looked at stay at home.
             robot=replace(robot),
@@ -97,6 +105,7 @@ class Live:
             snapshots=self._snapshots.descriptor,
             gauges=self._gauges.descriptor,
             requests=self.helm.requests.descriptor,
+            shelf=self.helm.shelf.descriptor,
             parent=os.getpid(),
         )
         try:
@@ -123,6 +132,7 @@ class Live:
         """A run begins, see `wbc.protocols.Recorder`."""
         self._run += 1
         self._mode = Mode.RUNNING
+        self._notes = 0
         self.helm.begin()
 
     def record(self, tick: Tick, controller: Controller) -> None:
@@ -147,31 +157,45 @@ class Live:
         if now >= self._due:
             self._due = next_due(self._due, now, 1.0 / _RATE)
             self._show(tick)
-        if now >= self._look:
-            self._look_after(now)
+        self._process.look_after(now)
 
     def _show(self, tick: Tick) -> None:
         command = tick.command
         wrenches = tick.measurement.foot_wrenches or command.wrenches
         telemetry = self._performer.telemetry
-        text = command.explanation or self._doing()
+        text = command.explanation or self._doing(tick.time)
         snapshot = Snapshot(tick.time, tick.state.q, wrenches, telemetry, command.status, text)
         self._snapshots.write(snapshot)
 
-    def _doing(self) -> str:
+    def _doing(self, now: float) -> str:
         playing = self.helm.playing
         if playing >= 0:
             return self.helm.panel.motions[playing].name
-        return {NO_MOTION: "", RETURNING: "back to standing"}[playing]
+        notes = self._performer.body.notes
+        if len(notes) != self._notes:
+            self._notes, self._noted_until = len(notes), now + _NOTED
+        if notes and now < self._noted_until:
+            return notes[-1]
+        return "back to standing" if playing == RETURNING else ""
 
     def end(self, report: Report) -> None:
         """The run is over, see `wbc.protocols.Recorder`."""
 
-    def fell(self) -> None:
-        """It lies: say so to the page, again at every call of `helm.lie`."""
-        self._mode = Mode.FALLEN
-        self.helm.pushes.fell()
-        self._idle()
+    @property
+    def reset_wanted(self) -> bool:
+        """Whether a reset has been asked for since the run began."""
+        return self.helm.reset_wanted
+
+    def heed(self, stop: Callable[[], bool]) -> None:
+        """Ask this while it is paused: whether to end the run."""
+        self.helm.stop = stop
+
+    def lie(self) -> None:
+        """It fell: say so to the page, and look whether a reset is wanted."""
+        if self._mode is not Mode.FALLEN:
+            self._mode = Mode.FALLEN
+            self.helm.pushes.fell()
+        self.helm.lie()
 
     def _idle(self) -> None:
         """While nothing moves, the page is told so, and that requests are taken."""
@@ -184,30 +208,8 @@ class Live:
         self._gauges.publish()
         self._last = record
 
-    def _look_after(self, now: float) -> None:
-        """Report the end of the process, once."""
-        self._look = now + _LOOK
-        if not self._process.alive:
-            self._look = float("inf")
-            logger.warning(
-                "the live page's process has ended (exit code %s); the run goes on without it",
-                self._process.exit_code,
-            )
-
     def close(self) -> None:
         """End the page."""
-        self._look = float("inf")
         self._process.close()
-        for ring in (self._snapshots, self._gauges, self.helm.requests):
-            ring.close()
-
-    def __enter__(self) -> Live:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
+        for memory in self._shared:
+            memory.close()

@@ -27,6 +27,7 @@ class Order:
         snapshots: descriptor of the ring of snapshots.
         gauges: descriptor of the ring of gauges.
         requests: descriptor of the ring of requests.
+        shelf: descriptor of the shelf of motions.
         parent: process whose end is the page's end.
     """
 
@@ -39,4 +40,5 @@ class Order:
     snapshots: int
     gauges: int
     requests: int
+    shelf: int
     parent: int

@@ -9,9 +9,11 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
-from wbc.errors import did_you_mean
+from wbc.errors import MotionError, did_you_mean, shown
 from wbc.live.errors import BadRequest
+from wbc.live.words import checked_number
 from wbc.motions import Motion
+from wbc.motions.choice import choose, describe
 
 LONGEST = 1000  # characters of a message
 
@@ -21,7 +23,7 @@ class Kind(IntEnum):
 
     KNOB = 0  #: index, value
     PUSH = 1  #: forward, left; N·s
-    MOTION = 2  #: index
+    MOTION = 2  #: slot on the shelf, size
     STAND = 3
     PAUSE = 4  #: 1 to pause, 0 to go on
     RESET = 5
@@ -60,11 +62,13 @@ class Request:
         kind: what is wanted.
         first: see `Kind`.
         second: see `Kind`.
+        motion: that is wanted; the loop gets it planned and packed.
     """
 
     kind: Kind
     first: float = 0.0
     second: float = 0.0
+    motion: Motion | None = None
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,7 @@ class Panel:
         """For the page."""
         return {
             "knobs": [dataclasses.asdict(knob) for knob in self.knobs],
-            "motions": [{"name": m.name, "summary": m.summary} for m in self.motions],
+            "motions": [describe(motion) for motion in self.motions],
             "max_impulse": self.max_impulse,
         }
 
@@ -98,36 +102,43 @@ class Panel:
         name, value = _opened(message)
         for i, knob in enumerate(self.knobs):
             if knob.name == name:
-                return Request(Kind.KNOB, i, _number(name, value, knob.low, knob.high))
+                return Request(Kind.KNOB, i, checked_number(name, value, knob.low, knob.high))
         if name == "push":
             return self._push(value)
         if name == "motion":
             return self._motion(value)
         if name == "pause":
             if not isinstance(value, bool):
-                raise BadRequest(f"pause is {_shown(value)}; it is true or false")
+                raise BadRequest(f"pause is {shown(value)}; it is true or false")
             return Request(Kind.PAUSE, float(value))
         if name in ("stand", "reset"):
             return Request(Kind[name.upper()])
         names = [knob.name for knob in self.knobs]
         names += ["push", "motion", "pause", "stand", "reset"]
-        raise BadRequest(f"no control {_shown(name)}{did_you_mean(name, names)}")
+        raise BadRequest(f"no control {shown(name)}{did_you_mean(name, names)}")
 
     def _push(self, value: Any) -> Request:
         if not (isinstance(value, list) and len(value) == 2):
-            raise BadRequest(f"push is {_shown(value)}; it is [forward, left] in N·s")
+            raise BadRequest(f"push is {shown(value)}; it is [forward, left] in N·s")
         most = self.max_impulse
-        forward, left = (_number("push", part, -most, most) for part in value)
+        forward, left = (checked_number("push", part, -most, most) for part in value)
         if math.hypot(forward, left) > 1.0001 * most:
             raise BadRequest(f"push: {math.hypot(forward, left):.4g} N·s; at most {most:g} N·s")
         return Request(Kind.PUSH, forward, left)
 
     def _motion(self, value: Any) -> Request:
+        name, parameters = value, {}
+        if isinstance(value, dict) and value.keys() == {"name", "parameters"}:
+            name, parameters = value["name"], value["parameters"]
+        for motion in self.motions:
+            if motion.name == name:
+                try:
+                    return Request(Kind.MOTION, motion=choose(motion, parameters))
+                except MotionError as error:
+                    raise BadRequest(str(error)) from error
         names = [motion.name for motion in self.motions]
-        if value not in names:
-            near = did_you_mean(value, names) if isinstance(value, str) else ""
-            raise BadRequest(f"no motion {_shown(value)}{near}")
-        return Request(Kind.MOTION, names.index(value))
+        near = did_you_mean(name, names) if isinstance(name, str) else ""
+        raise BadRequest(f"no motion {shown(name)}{near}")
 
 
 def _opened(message: str | bytes) -> tuple[str, Any]:
@@ -138,24 +149,7 @@ def _opened(message: str | bytes) -> tuple[str, Any]:
     try:
         said = json.loads(message)
     except (ValueError, RecursionError):
-        raise BadRequest(f"{_shown(message)} is not JSON") from None
+        raise BadRequest(f"{shown(message)} is not JSON") from None
     if not isinstance(said, dict) or not isinstance(said.get("control"), str):
-        raise BadRequest(f'{_shown(said)}: a message is {{"control": NAME, "value": …}}')
+        raise BadRequest(f'{shown(said)}: a message is {{"control": NAME, "value": …}}')
     return said["control"], said.get("value")
-
-
-def _number(name: str, value: Any, low: float, high: float) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise BadRequest(f"{name} is {_shown(value)}; it is a number")
-    # Compared as it is: a whole number may be too large for a float.
-    if not low <= value <= high:
-        raise BadRequest(f"{name} = {_shown(value)} is out of range: {low:g} to {high:g}")
-    return float(value)
-
-
-def _shown(value: Any) -> str:
-    try:
-        text = repr(value)
-    except ValueError:  # a whole number of thousands of digits
-        text = "a number of very many digits"
-    return text if len(text) <= 60 else text[:57] + "…"

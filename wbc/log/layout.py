@@ -17,7 +17,6 @@ FOOTSTEPS = 8
 SWING = 16  # points of the swing foot's path
 TEXT = 240  # bytes of explanation
 
-PHASES = ("stand", "double", "left", "right")
 STATUSES = tuple(Status)
 
 #: Numbers that stand first, in the order in which they are written.

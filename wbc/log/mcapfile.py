@@ -1,5 +1,15 @@
 """The MCAP file that a log is written to. Only the log's process uses this.
 
+The package `mcap` writes the same messages into a file of the same size, in 4.5 µs of CPU per
+message instead of 1.9, 3.6 % of a core instead of 1.5 (`benchmarks/log.py`). The time is not why
+it is not used: it can end a chunk by its size alone, and it cannot complete a file in place, when
+its writer was killed or the disk is full (`wbc.log.recovery`). For that the records are needed
+here in any case, and with them a writer is the 100 lines below.
+
+Of 70 MB per minute (Talos at 500 Hz, same source) 23 are `/joint_states`, whose numbers are kept
+bit by bit, 22 are sensors, targets and accelerations in single precision, and 8 are the indices of
+messages. Those are random bits to a compressor: its highest levels save 2 % at ten times the time.
+
 Source: MCAP format specification, version 0; profile and channel metadata as rosbag2 writes
 them (`rosbag2_storage_mcap`).
 """

@@ -7,11 +7,11 @@ import logging
 import os
 import time
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wbc.closing import Closing
 from wbc.command import Status
 from wbc.errors import MissingExtra
 from wbc.log.describe import Facts, run_facts
@@ -19,7 +19,6 @@ from wbc.log.errors import LogError
 from wbc.log.layout import (
     CONTACTS,
     FOOTSTEPS,
-    PHASES,
     STATUSES,
     SUPPORT,
     SWING,
@@ -30,7 +29,7 @@ from wbc.log.order import Order
 from wbc.log.recovery import repair
 from wbc.log.ring import TickRing
 from wbc.process import Child, ChildError
-from wbc.telemetry import Balance, Telemetry
+from wbc.telemetry import PHASES, Balance, Telemetry
 
 if TYPE_CHECKING:
     from wbc.protocols import Controller, Plant
@@ -51,7 +50,7 @@ _NO_WRENCH = np.full(6, np.nan)
 _PHASE = {phase: i for i, phase in enumerate(PHASES)}
 
 
-class FlightRecorder:
+class FlightRecorder(Closing):
     """Keeps every tick of a run in an MCAP file of ROS 2 messages.
 
     A tick is copied into shared memory, some microseconds; another process makes messages of
@@ -280,17 +279,6 @@ class FlightRecorder:
                 self.dropped + self.ticks,
                 self.path,
             )
-
-    def __enter__(self) -> FlightRecorder:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def _balance(controller: Controller) -> Balance:

@@ -10,12 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from wbc.log.errors import LogError
-from wbc.log.layout import PHASES, STATUSES
+from wbc.log.layout import STATUSES
 from wbc.log.reader import Log
 from wbc.log.sheet import RobotSheet
 from wbc.messages import Message
 from wbc.snapshot import Snapshot
-from wbc.telemetry import Footstep, Telemetry
+from wbc.telemetry import PHASES, Footstep, Telemetry
 
 _STATE = "/controller_state"
 _LATE = 1.5  # s: a plan that is older than this is not shown any more

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import os
 import queue
-import threading
+import sys
 import time
 
 from wbc.log.describe import Facts
@@ -109,14 +109,13 @@ def serve(order: Order) -> int:
         return _DISK
     parent.answer({"pid": os.getpid()})
     facts: queue.SimpleQueue[Facts] = queue.SimpleQueue()
-    over = threading.Event()
-    threading.Thread(target=_listen, args=(facts, over), daemon=True).start()
+    lifeline = parent.Lifeline(order.parent, facts.put)
     try:
-        while not over.is_set() and os.getppid() == order.parent:
+        while not lifeline.cut:
             _write_facts(writer, facts)
             if not writer.advance():
-                over.wait(_PAUSE)
-        over.wait(_PAUSE)  # what the parent said last
+                lifeline.wait(_PAUSE)
+        lifeline.wait(_PAUSE)  # what the parent said last
         _write_facts(writer, facts)
         writer.finish()
     except OSError as error:
@@ -132,12 +131,6 @@ def _write_facts(writer: LogWriter, facts: queue.SimpleQueue[Facts]) -> None:
         writer.add(facts.get())
 
 
-def _listen(facts: queue.SimpleQueue[Facts], over: threading.Event) -> None:
-    while (message := parent.hear()) is not None:
-        facts.put(message)
-    over.set()
-
-
 def main() -> int:
     """Read the order and carry it out."""
     with contextlib.suppress(OSError):
@@ -146,5 +139,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    # Not by way of the interpreter's end, which would wait for the thread that listens.
-    os._exit(main())
+    sys.exit(main())

@@ -9,6 +9,7 @@ from wbc.motions.keyframes import Keyframes
 from wbc.motions.look import Look
 from wbc.motions.motion import Motion, Parameter, Script, once_per_robot, parameter
 from wbc.motions.one_leg import OneLeg
+from wbc.motions.packing import pack, unpack
 from wbc.motions.performer import Performer
 from wbc.motions.reach import Reach
 from wbc.motions.reference import SmoothReference
@@ -43,5 +44,7 @@ __all__ = [
     "Wave",
     "find",
     "once_per_robot",
+    "pack",
     "parameter",
+    "unpack",
 ]

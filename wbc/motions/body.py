@@ -7,27 +7,26 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from wbc.command import Command
+from wbc.errors import MotionError
 from wbc.gait.planar import point, turn
 from wbc.limits.limit import moderate_braking
-from wbc.motions.anatomy import Anatomy
+from wbc.motions.com_reference import ComReference
 from wbc.motions.com_watch import ComWatch
-from wbc.motions.footwork import Footwork
-from wbc.motions.hands import Hand
+from wbc.motions.handwork import Handwork
 from wbc.motions.intent import Intent
 from wbc.motions.motion import Script
 from wbc.motions.pilot import Pilot
-from wbc.motions.posing import Pose
-from wbc.motions.reference import Path, SmoothReference
-from wbc.robot import Robot
+from wbc.motions.reference import SmoothReference
+from wbc.motions.statics import MOST_TILT
+from wbc.motions.wish import Pose
 from wbc.state import State
 from wbc.walking import BodyOffset, Walker
 
 _FAR = 0.3  # rad
-# Share of the posture's weight that is left to joints which are led otherwise.
-_LED_ARM, _LED_WAIST = 0.1, 0.03
+_LOWEST = 0.62  # share of the pelvis' height when standing; 0.6 count as a fall
 
 
-class Body(Footwork):
+class Body(Handwork):
     """References of the whole body, each of which goes smoothly where it is told.
 
     Places are in the *standing frame*: origin on the ground midway between the soles, x
@@ -43,7 +42,7 @@ class Body(Footwork):
         state: as estimated at this tick; None before the first.
         foot_wrenches: sole name -> (6,) measured wrench, sole axes; empty without sensors.
         last_torque: (na,) commanded at the last tick, N·m; None before the first.
-        com: (3,) offset of the CoM from where it is when standing, m.
+        com: (3,) offset of the CoM from where it is when standing, m; see `ComReference`.
         torso: (3,) rotation vector of the upper trunk from upright, standing frame, rad.
         pelvis: (3,) likewise of the root link; `turn_trunk` shares a turn among both.
         posture: (na,) joint positions, rad. The legs follow it only as far as balance lets them.
@@ -55,15 +54,17 @@ class Body(Footwork):
 
     def __init__(self, walker: Walker) -> None:
         super().__init__(walker)
-        self.robot: Robot = walker.robot
-        self.anatomy = Anatomy.of(walker.robot)
         self.notes: list[str] = []
         self.pushes: list[np.ndarray] = []
         self.pilot: Pilot | None = None
         robot, omega = self.robot, walker.gait.omega
         length = robot.leg_length
-        self.com = SmoothReference(
-            np.zeros(3), speed=0.3 * omega * length, acceleration=0.1 * omega**2
+        self.com = ComReference(
+            speed=0.3 * omega * length,
+            acceleration=0.1 * omega**2,
+            omega=omega,
+            sinking=self._sinking,
+            support=self._support,
         )
         self.torso = SmoothReference(np.zeros(3), speed=1.2, acceleration=4.0)
         self.pelvis = SmoothReference(np.zeros(3), speed=1.2, acceleration=4.0)
@@ -74,12 +75,6 @@ class Body(Footwork):
         )
         self._upper = np.ones(robot.na, dtype=bool)
         self._upper[[index - 6 for leg in robot.legs for index in leg]] = False
-        self.hands = {arm.side: Hand(walker, arm) for arm in self.anatomy.arms}
-        # What trunk and hands are led to must not fight with the posture: the CoM would pay.
-        self._weights = walker.posture.weight.copy()
-        self._weights[list(self.anatomy.waist)] *= _LED_WAIST
-        walker.posture.weight = self._weights
-        self._shares: tuple[float, ...] = ()
         self._offset = BodyOffset()
         self._watch = ComWatch(walker)
         self.state: State | None = None
@@ -103,19 +98,29 @@ class Body(Footwork):
         self.pilot = None
         self._set_out()
 
+    def _sinking(self) -> float:
+        """By how much the pelvis may sink until it nearly counts as a fall, m."""
+        if self.state is None:
+            return (1.0 - _LOWEST) * float(self.robot.q_nominal[2])
+        height = float(self.state.q[2]) - self.walker.feet.left.height
+        return height - _LOWEST * float(self.robot.q_nominal[2])
+
     def _references(self) -> tuple[SmoothReference, ...]:
-        return (self.com, self.lean, self.torso, self.pelvis, self.posture, self._foot, self._load)
+        return (*self._upper_references(), *self._lower_references())
+
+    def _upper_references(self) -> tuple[SmoothReference, ...]:
+        return (self.com, self.torso, self.pelvis, self.posture)
+
+    def _lower_references(self) -> tuple[SmoothReference, ...]:
+        return (self.lean, self._foot, self._load)
 
     # What a motion may ask.
 
     @property
     def at_home(self) -> bool:
         """Standing, with every reference where it is when standing."""
-        return (
-            self.standing
-            and all(reference.at_home for reference in self._references())
-            and all(not hand.engaged for hand in self.hands.values())
-        )
+        lower = all(reference.at_home for reference in self._lower_references())
+        return self.standing and lower and self._composed()
 
     def note(self, text: str) -> None:
         """Say something in the report."""
@@ -137,10 +142,20 @@ class Body(Footwork):
         Args:
             turn: (3,) rotation vector, standing frame: roll, pitch, yaw for small ones, rad.
             duration: s, at least.
+
+        Raises:
+            MotionError: the hips' share would tilt the pelvis so far that it counts as a fall.
         """
         turn = np.asarray(turn, dtype=float)
+        hips = self.anatomy.hips_share(turn)
+        tilt = float(np.hypot(hips[0], hips[1]))
+        if tilt > MOST_TILT:
+            raise MotionError(
+                f"the trunk is to turn so far that the pelvis tilts by {np.degrees(tilt):.0f}°: at "
+                f"most {np.degrees(MOST_TILT):.0f}°, more nearly counts as a fall"
+            )
         time = self.torso.go(turn, duration)
-        self.pelvis.go(self.anatomy.hips_share(turn), time)
+        self.pelvis.go(hips, time)
 
     def take(self, pose: Pose, duration: float = 1.0) -> None:
         """Go to a whole posture: CoM, trunk and joints together.
@@ -154,44 +169,28 @@ class Body(Footwork):
         self.torso.go(pose.torso, time)
         self.pelvis.go(pose.pelvis, time)
 
-    def reach(
-        self, side: str, place: Sequence[float] | np.ndarray, duration: float = 1.0, *, counts: bool
-    ) -> None:
-        """Lead a hand to a place in the standing frame, m; `hands[side].release()` lets go.
-
-        Args:
-            side: "left" or "right".
-            place: (3,) of the hand's frame, m.
-            duration: s, at least.
-            counts: whether it is a target to be judged by once it has arrived.
-
-        Raises:
-            MotionError: there is no such arm.
-        """
-        hand = self.hands[self.anatomy.arm(side).side]
-        now = self._whereabouts(hand)
-        hand.go(np.asarray(place, dtype=float), now, duration, counts=counts)
-
-    def lead(self, side: str, path: Path) -> None:
-        """Lead a hand along a path: time, s -> (3,) place in the standing frame, m.
-
-        Raises:
-            MotionError: there is no such arm.
-        """
-        hand = self.hands[self.anatomy.arm(side).side]
-        hand.follow(path, self._whereabouts(hand))
-
-    def _whereabouts(self, hand: Hand) -> np.ndarray:
-        frame = self.walker.standing_frame
-        return np.asarray(frame.actInv(self.walker.kinematics.frame(hand.arm.hand).translation))
-
-    def relax(self, duration: float = 1.0) -> None:
-        """Order everything home, without waiting: posture, trunk, CoM, hands; walking ends."""
-        self.walker.halt()
-        for reference in (self.com, self.torso, self.pelvis, self.posture):
+    def rest(self, duration: float = 1.0) -> None:
+        """Order posture, trunk, CoM and hands home, without waiting; the feet go on."""
+        for reference in self._upper_references():
             reference.go(reference.home, duration)
         for hand in self.hands.values():
             hand.release(0.5 * duration)
+
+    def relax(self, duration: float = 1.0) -> None:
+        """Order everything home, without waiting: `rest`, and walking ends."""
+        self.walker.halt()
+        self.rest(duration)
+
+    def compose(self, duration: float = 1.0) -> Script:
+        """Bring posture, trunk, CoM and hands home, if they are not; the feet go on."""
+        if not self._composed():
+            self.rest(duration)
+            yield from self.until(self._composed)
+
+    def _composed(self) -> bool:
+        return all(reference.at_home for reference in self._upper_references()) and all(
+            not hand.engaged for hand in self.hands.values()
+        )
 
     def go_home(self, duration: float = 1.0) -> Script:
         """Bring everything back to standing, from wherever it is."""
@@ -278,21 +277,6 @@ class Body(Footwork):
         if not far.any():
             return posture
         return np.where(far, self.state.q[7:] + np.clip(off, -_FAR, _FAR), posture)
-
-    def _place_hands(self) -> None:
-        if any(hand.engaged for hand in self.hands.values()):
-            frame = self.walker.standing_frame
-            kin = self.walker.kinematics
-            for hand in self.hands.values():
-                now = kin.frame(hand.arm.hand).translation
-                hand.advance(self.dt, frame.translation, frame.rotation, now)
-        shares = tuple(hand.share for hand in self.hands.values())
-        if shares != self._shares:
-            self._shares = shares
-            weights = self._weights.copy()
-            for hand in self.hands.values():
-                weights[list(hand.arm.joints)] *= 1.0 - (1.0 - _LED_ARM) * hand.share
-            self.walker.posture.weight = weights
 
     def intent(self) -> Intent:
         """What is promised at this tick."""

@@ -12,8 +12,9 @@ from wbc.errors import MotionError
 from wbc.motions.anatomy import Anatomy
 from wbc.motions.body import Body
 from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
-from wbc.motions.posing import Pose, Posing, Wish
-from wbc.motions.statics import effort
+from wbc.motions.posing import Posing
+from wbc.motions.statics import effort, stoop
+from wbc.motions.wish import Pose, Wish
 from wbc.robot import Robot
 
 _STRENGTH = 0.9
@@ -35,13 +36,12 @@ class Bow(Motion):
         """See `Motion.check`."""
         positive(self, "angle", "seconds")
         pose = self._pose(robot)
-        bowed = math.degrees(pose.torso[1])
-        if pose.com_miss > _MISS or abs(bowed - self.angle) > math.degrees(_MISS):
-            stops = " and ".join(f"'{robot.joint_names[k]}'" for k in pose.at_limit)
-            raise MotionError(
-                f"bow: {robot.name} cannot bow by {self.angle:g}°, {bowed:.0f}° at the most: "
-                f"{stops or 'its legs'} at the limit"
-            )
+        short = abs(math.degrees(pose.torso[1]) - self.angle) > math.degrees(_MISS)
+        why = stoop(robot, pose.q)
+        if not why and (short or pose.com_miss > _MISS):
+            why = Posing(robot).stops(pose)
+        if why:
+            raise MotionError(f"bow: {robot.name} cannot bow by {self.angle:g}°: {why}")
         need = effort(robot, pose.q)
         if need.ratio > _STRENGTH:
             raise MotionError(

@@ -7,10 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from wbc.balance import convex_hull, corners
 from wbc.errors import MotionError
 from wbc.gait import Phase
 from wbc.gait.footsteps import other
+from wbc.gait.planar import turn
 from wbc.motions.anatomy import SIDES, Side
+from wbc.motions.com_reference import ComReference
 from wbc.motions.motion import Script
 from wbc.motions.reference import SmoothReference
 from wbc.motions.waiting import Waiting
@@ -22,6 +25,8 @@ _SETTLE_TIME = 0.25  # s
 _PATIENCE = 4.0  # s
 _BRAKING = 0.3  # share of the sole's half width in which a shift of the weight is braked
 _UNLOAD = 0.5  # s in which a foot is relieved of its load, or takes it
+_AWAY = 0.01  # m, rad: from there on a foot is brought back before it is put down
+_CLEAR = 0.03  # m over the ground, on its way
 _LOWERING = 0.05  # m/s, of a foot that looks for the ground
 
 
@@ -34,7 +39,10 @@ class Footwork(Waiting):
     Attributes:
         walker: that balances and steps.
         lean: (1,) where the weight is: 0 over the right sole, 0.5 in the middle, 1 over the left.
+        com: (3,) offset of the CoM, which `Body` leads.
     """
+
+    com: ComReference
 
     def __init__(self, walker: Walker) -> None:
         super().__init__(walker.dt)
@@ -58,22 +66,50 @@ class Footwork(Waiting):
         return "left" if schedule.swing_side == "left" else "right"
 
     @property
+    def may_walk(self) -> bool:
+        """No foot is lifted, and the weight is in the middle; it may be walking."""
+        return self.lifted is None and self.lean.value[0] == 0.5
+
+    @property
     def settled(self) -> bool:
         """The DCM has stayed within 5 mm of its plan for a quarter of a second."""
         return self._calm >= _SETTLE_TIME
+
+    def _support(self) -> list[complex]:
+        """Corners of what carries, about where the CoM is at rest, standing axes; none on its way.
+
+        Where the CoM is at rest is between the soles' centres by the share of `lean`.
+        """
+        lifted = self.lifted
+        if not (self.standing or lifted):
+            return []
+        feet, back = self.walker.feet, turn(-self.walker.heading)
+        right, left = feet.right.point, feet.left.point
+        middle = right + float(self.lean.value[0]) * (left - right)
+        points = [
+            (corner - middle) * back
+            for sole in self.walker.robot.soles
+            if sole.side != lifted
+            for corner in corners(feet.of(sole.side), sole.half_length, sole.half_width)
+        ]
+        return convex_hull(points)
 
     def walk(self, velocity: Sequence[float]) -> None:
         """Walk at a velocity: forward, left (m/s), turn left (rad/s). Zeros stop.
 
         Raises:
-            MotionError: a foot is lifted, or the weight is not in the middle.
+            MotionError: a foot is lifted, the weight is not in the middle, or the CoM is led.
         """
-        if self.lifted is not None or self.lean.value[0] != 0.5:
-            raise MotionError("walk: only from standing on both feet, the weight in the middle")
+        self._may_step("walk")
         self.walker.velocity = (float(velocity[0]), float(velocity[1]), float(velocity[2]))
 
     def step_in_place(self, steps: int) -> None:
-        """Step on the spot, the left foot first."""
+        """Step on the spot, the left foot first.
+
+        Raises:
+            MotionError: see `walk`.
+        """
+        self._may_step("step_in_place")
         feet = self.walker.feet
         placed = {
             side: Footstep(side, np.array([at.point.real, at.point.imag, at.height]), at.yaw)
@@ -81,6 +117,20 @@ class Footwork(Waiting):
             for at in (feet.of(side),)
         }
         self.walker.follow([placed[SIDES[k % 2]] for k in range(steps)])
+
+    def _may_step(self, what: str) -> None:
+        if not self.may_walk:
+            raise MotionError(f"{what}: only from standing on both feet, the weight in the middle")
+        self._must_not_lead_com(what)
+
+    def _must_not_lead_com(self, what: str) -> None:
+        if self.com.led:
+            raise MotionError(f"{what}: only with the centre of mass at home; bring it there first")
+
+    def touchdown(self, at_most: float = math.inf) -> Script:
+        """Wait until the next swinging foot has landed, or a time is over, s."""
+        steps = self.walker.steps
+        yield from self.until(lambda: self.walker.steps > steps, at_most)
 
     def settle(self, at_most: float = 3.0) -> Script:
         """Wait until the body is `settled`."""
@@ -119,9 +169,10 @@ class Footwork(Waiting):
         """Stand on the other foot, and lift this one by a height, m.
 
         Raises:
-            MotionError: a foot is in the air already, the robot walks, or it does not come to
-                rest on the other foot.
+            MotionError: a foot is in the air already, the robot walks, the CoM is led, or it does
+                not come to rest on the other foot.
         """
+        self._must_not_lead_com("lift")
         if not self.standing:
             raise MotionError(f"lift: the {side} foot, only with both feet on the ground")
         carries: Side = "left" if other(side) == "left" else "right"
@@ -146,10 +197,12 @@ class Footwork(Waiting):
         """Move the lifted foot to a place relative to where it left the ground, m.
 
         Raises:
-            MotionError: no foot is in the air.
+            MotionError: no foot is in the air, or the place is below the ground.
         """
         if self.lifted is None:
             raise MotionError("move_foot: no foot is lifted; lift one first")
+        if up < 0.0:
+            raise MotionError(f"move_foot: up = {up:g} m is below the ground; see put_down")
         self._foot.go(np.array([forward, left, up, 0.0]), duration)
         yield from self.arrive(self._foot)
 
@@ -175,7 +228,10 @@ class Footwork(Waiting):
         yield from self.shift_weight(None)
 
     def stand(self, duration: float = 1.0) -> Script:
-        """Bring both feet to the ground, the weight between them."""
+        """Bring both feet to the ground where they stood, the weight between them."""
+        away = float(np.abs(self._foot.value[[0, 1, 3]]).max())
+        if self.lifted is not None and away > _AWAY:
+            yield from self.move_foot(up=max(float(self._foot.value[2]), _CLEAR))
         yield from self.put_down()
         yield from self.until(lambda: self.standing)
         if self._load.value[0] < 1.0 or self.lean.value[0] != 0.5:

@@ -96,6 +96,10 @@ class Hand:
             self.place.start_from(now, np.zeros(3))
         self._share.go(1.0, _TAKE)
 
+    def stay(self) -> None:
+        """Come to rest where it is led now."""
+        self.place.go(self.place.value, 0.3)
+
     def release(self, duration: float = 0.5) -> None:
         """Let the posture have it again."""
         self._held = False

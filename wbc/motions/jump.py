@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar
 
 from wbc.motions.body import Body
 from wbc.motions.jumping import Jumper, JumpPlan, plan_jump
-from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
 from wbc.robot import Robot
 
 
@@ -25,10 +24,7 @@ class Jump(Motion):
 
     clearance: float = parameter(0.05, "of both soles over the ground, m")
 
-    @cached_property
-    def _plans(self) -> dict[Robot, JumpPlan]:
-        return {}
-
+    @once_per_robot
     def plan(self, robot: Robot) -> JumpPlan:
         """The jump of a robot; found once, in about a second.
 
@@ -36,9 +32,7 @@ class Jump(Motion):
             JumpTooHigh: it is beyond the robot's limits; with the bound.
             MotionError: the clearance is not positive, or the legs cannot jump at all.
         """
-        if robot not in self._plans:
-            self._plans[robot] = plan_jump(robot, self.clearance)
-        return self._plans[robot]
+        return plan_jump(robot, self.clearance)
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
@@ -48,9 +42,10 @@ class Jump(Motion):
     def play(self, body: Body) -> Script:
         """See `Motion.play`."""
         plan = self.plan(body.robot)
+        jumper = Jumper(body.robot, plan, body.dt, solver=body.walker.controller.solver.name)
+        yield  # making it takes a tick, and so does its first step
         yield from body.until(lambda: body.standing)
         yield from body.settle()
-        jumper = Jumper(body.robot, plan, body.dt)
         assert body.state is not None
         jumper.reset(body.state)
         body.take_over(jumper)

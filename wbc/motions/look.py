@@ -40,6 +40,11 @@ class Look(Motion):
     frequency: float = parameter(0.2, "rounds per second, Hz")
     seconds: float = parameter(6.0, "s")
 
+    @property
+    def while_walking(self) -> bool:
+        """See `Motion.while_walking`."""
+        return True
+
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
         positive(self, "frequency", "seconds")
@@ -92,7 +97,7 @@ class Look(Motion):
                 error = gaze.error(body, self._point(gaze, body.time - start))
                 squares, ticks = squares + error * error, ticks + 1
         body.note(f"gaze off by {math.degrees(math.sqrt(squares / max(ticks, 1))):.1f}° rms")
-        yield from body.go_home(1.0)
+        yield from body.compose(1.0)
 
 
 class Gaze:

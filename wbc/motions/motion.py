@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 from weakref import WeakKeyDictionary
 
-from wbc.errors import MotionError
+from wbc.errors import MotionError, did_you_mean
 from wbc.robot import Robot
 
 if TYPE_CHECKING:
@@ -42,12 +43,31 @@ class Motion(ABC):
     name: ClassVar[str]
     summary: ClassVar[str]
 
+    @property
+    def while_walking(self) -> bool:
+        """Whether the robot may walk meanwhile: legs and CoM are none of this motion's business.
+
+        Such a motion neither starts nor ends walking; others begin when the robot stands.
+        """
+        return False
+
     def check(self, robot: Robot) -> None:  # noqa: B027 - most have nothing to check
-        """Refuse what this robot cannot do, before it starts.
+        """Refuse what this robot cannot do, before it starts; plan what is `once_per_robot`.
 
         Raises:
             MotionError: with the bound, and what sets it.
         """
+
+    def prepare(self, robot: Robot) -> None:
+        """Check, and plan, once per robot. It may take a second: never in a running loop.
+
+        What has been prepared starts without delay: prepare it before the loop, or in another
+        process, and hand it over (`wbc.motions.pack`).
+
+        Raises:
+            MotionError: the robot cannot do it.
+        """
+        _checked(self, robot)
 
     @abstractmethod
     def play(self, body: Body) -> Script:
@@ -117,6 +137,13 @@ def parameter(
     return dataclasses.field(default=default, metadata=metadata)
 
 
+class _PerRobot(WeakKeyDictionary[Robot, P]):
+    """Plans by robot; they go with a motion that is pickled."""
+
+    def __reduce__(self) -> tuple[type, tuple[dict[Robot, P]]]:
+        return _PerRobot, (dict(self),)
+
+
 def once_per_robot(plan: Callable[[M, Robot], P]) -> Callable[[M, Robot], P]:
     """A method of a motion that plans for a robot: computed once, in `check`, before it starts.
 
@@ -126,12 +153,30 @@ def once_per_robot(plan: Callable[[M, Robot], P]) -> Callable[[M, Robot], P]:
 
     @functools.wraps(plan)
     def remembered(motion: M, robot: Robot) -> P:
-        found: WeakKeyDictionary[Robot, P] = motion.__dict__.setdefault(key, WeakKeyDictionary())
+        found: _PerRobot[P] = motion.__dict__.setdefault(key, _PerRobot())
         if robot not in found:
             found[robot] = plan(motion, robot)
         return found[robot]
 
     return remembered
+
+
+@once_per_robot
+def _checked(motion: Motion, robot: Robot) -> None:
+    _check_values(motion)
+    motion.check(robot)
+
+
+def _check_values(motion: Motion) -> None:
+    """Texts are of those that may be chosen, numbers are finite."""
+    for parameter in motion.parameters():
+        value = getattr(motion, parameter.name)
+        if parameter.choices and value not in parameter.choices:
+            near = did_you_mean(str(value), parameter.choices)
+            raise MotionError(f"{motion.name}: no {parameter.name} '{value}'{near}")
+        numbers = value if isinstance(value, tuple) else (value,)
+        if not all(math.isfinite(x) for x in numbers if isinstance(x, float)):
+            raise MotionError(f"{motion.name}: {parameter.name} = {value} must be finite")
 
 
 def positive(motion: Motion, *names: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections import deque
 from collections.abc import Mapping, Sequence
 
@@ -17,9 +18,14 @@ from wbc.state import State
 from wbc.telemetry import Balance, Telemetry
 from wbc.walking import Walker
 
+logger = logging.getLogger(__name__)
+
 
 class Performer:
     """Plays motions one after the other; stands, balanced, when there is none.
+
+    A motion that raises an error, or leads the CoM where the feet do not support it, is given
+    up: the robot goes back to standing, and `given_up` and the body's notes tell.
 
     Args:
         robot: the robot.
@@ -48,20 +54,25 @@ class Performer:
         self.body = Body(self.walker)
         self._program = tuple(motions)
         for motion in motions:
-            motion.check(robot)
+            motion.prepare(robot)
         self._queue: deque[Motion] = deque()
         self._playing: Motion | None = None
         self._script: Script | None = None
+        self._given_up: list[str] = []
         self.reset(robot.standing())
 
     def play(self, *motions: Motion) -> None:
         """Play these after what is going on and what waits.
 
+        A motion that has not been prepared is checked and planned here, which may take a second.
+        In a running loop play what has been prepared: `Motion.prepare` before the loop, or
+        `wbc.motions.pack` in another process and `unpack` here. `interrupt` and `blend` likewise.
+
         Raises:
             MotionError: the robot cannot do one of them.
         """
         for motion in motions:
-            motion.check(self.robot)
+            motion.prepare(self.robot)
         self._queue.extend(motions)
 
     def interrupt(self, *motions: Motion) -> None:
@@ -71,7 +82,7 @@ class Performer:
             MotionError: the robot cannot do one of them.
         """
         for motion in motions:
-            motion.check(self.robot)
+            motion.prepare(self.robot)
         self._queue.clear()
         self._queue.extend(motions)
         if self._script is not None:
@@ -82,12 +93,12 @@ class Performer:
         """Go over to a motion at once, and forget what waits.
 
         What the new motion does not order goes home meanwhile; but feet come first: a lifted
-        one is put down and walking ends before it begins.
+        one is put down before it begins, and walking ends unless it is one for `while_walking`.
 
         Raises:
             MotionError: the robot cannot do it.
         """
-        motion.check(self.robot)
+        motion.prepare(self.robot)
         self._queue.clear()
         if self._script is not None:
             self._script.close()
@@ -97,6 +108,11 @@ class Performer:
     def playing(self) -> Motion | None:
         """The motion that is going on; None while it stands or returns to standing."""
         return self._playing
+
+    @property
+    def given_up(self) -> tuple[str, ...]:
+        """Names of the motions that gave up since the reset; the notes say why."""
+        return tuple(self._given_up)
 
     @property
     def idle(self) -> bool:
@@ -112,6 +128,7 @@ class Performer:
         if self._script is not None:
             self._script.close()
         self._playing = self._script = None
+        self._given_up.clear()
         self.walker.reset(state)
         self.body.reset()
         self._queue.clear()
@@ -126,7 +143,7 @@ class Performer:
             body.time += self.dt
             command = body.pilot.step(state, foot_wrenches)
         else:
-            body.advance()
+            self._advance()
             command = self.walker.step(state, foot_wrenches)
         body.observe(command)
         return command
@@ -141,20 +158,64 @@ class Performer:
             next(self._script)
         except StopIteration:
             self._playing = self._script = None
-        except MotionError as error:  # it gives up
-            self.body.note(str(error))
-            self._playing, self._script = None, self.body.go_home()
+        except Exception as error:  # whatever a script does, the robot keeps its balance
+            self._give_up(error)
+
+    def _advance(self) -> None:
+        """Move the references on; paths that a motion gave may be wrong from some time on."""
+        try:
+            self.body.advance()
+        except Exception as error:
+            self._give_up(error)
+            self.body.rest()
+            for hand in self.body.hands.values():
+                hand.stay()
+            self.body.advance()
+
+    def _give_up(self, error: Exception) -> None:
+        """The motion ends, and the body goes home; a fault of nobody's motion is raised."""
+        motion, text = self._playing, str(error)
+        if not isinstance(error, MotionError):
+            if motion is None:
+                raise error
+            logger.error("the motion '%s' has a fault", motion.name, exc_info=error)
+            text = f"{motion.name}: {type(error).__name__}: {error}"
+        if motion is not None:
+            self._given_up.append(motion.name)
+        self.body.note(text)
+        self._playing, self._script = None, self.body.go_home()
 
     def _over_to(self, motion: Motion) -> Script:
-        yield from self.body.relieve()
-        self.body.relax()
-        yield from self.body.stand()
+        body = self.body
+        yield from body.relieve()
+        if motion.while_walking and body.may_walk:
+            body.rest()
+        else:
+            body.relax()
+            yield from body.stand()
         yield from self._whole(motion)
 
     def _whole(self, motion: Motion) -> Script:
-        yield from motion.play(self.body)
-        if not self.body.at_home:
-            yield from self.body.go_home()
+        body = self.body
+        yield from motion.play(body)
+        if motion.while_walking and body.may_walk:
+            yield from body.compose()
+        elif not body.at_home:
+            yield from body.go_home()
+
+    def pushes_due(self) -> list[np.ndarray]:
+        """What motions ask a simulation for, see `Body.be_pushed`; each is handed out once.
+
+        Returns:
+            (3,) impulses on the torso, world axes, N·s.
+        """
+        pushes = self.body.pushes
+        if not pushes:  # in nearly every tick; the frame takes some 20 µs
+            return []
+        frame = self.walker.standing_frame
+        due = [self.robot.mass * (frame.rotation @ impulse) for impulse in pushes]
+        pushes.clear()
+        return due
 
     @property
     def velocity(self) -> tuple[float, float, float]:

@@ -12,12 +12,16 @@ from wbc.errors import MotionError
 #: Position of a reference over time since it was begun, s -> (n,).
 Path = Callable[[float], np.ndarray]
 
+#: What is left of the difference to a goal or path, its velocity and its acceleration.
+_Left = tuple[np.ndarray, np.ndarray, np.ndarray]
+
 _DT = 0.002  # s, until the first tick tells
 _REACH = 2  # ticks to either side, of the central differences along a path
 _CORNER = 5.0  # times the limit of acceleration
-_SAMPLES = np.linspace(0.0, 1.0, 15)[:, None]
+SAMPLES = np.linspace(0.0, 1.0, 15)[:, None]
 _LONGER = 1.15  # by how much a duration grows until it suits the limits
 _LONGEST = 60.0  # s
+_TOO_LONG = 30.0  # s
 
 
 class SmoothReference:
@@ -79,6 +83,16 @@ class SmoothReference:
         self.value, self.velocity = self._vector(value), self._vector(velocity)
         self._goal, self.arrived, self.at_home = self.value.copy(), False, False
 
+    def move_home(self, home: np.ndarray) -> None:
+        """Home is there from now on; who is there goes along at once, so it must be near.
+
+        Raises:
+            MotionError: see `go`.
+        """
+        self.home = self._vector(home)
+        if self.at_home:
+            self.reset()
+
     @property
     def goal(self) -> np.ndarray:
         """(n,) where the last `go` leads; where a path is now."""
@@ -92,7 +106,7 @@ class SmoothReference:
             duration: s; longer when the limits of speed and acceleration ask for it.
 
         Raises:
-            MotionError: a wrong shape, or a value that is not finite.
+            MotionError: a wrong shape, a value that is not finite, or one that is too far off.
         """
         goal = self._vector(target)
         e = self.value - goal
@@ -100,8 +114,14 @@ class SmoothReference:
             self._goal, self._path = goal, None
             self._arrive()
             return 0.0
-        time = self._suited(e, max(duration, 0.02))
-        self._start(None, goal, e, self.velocity, self.acceleration, time)
+        left = (e, self.velocity, self.acceleration)
+        time = self._suited(left, max(duration, 0.02))
+        if time > max(duration, _TOO_LONG) and not np.array_equal(goal, self.home):
+            raise MotionError(
+                f"a reference is to go {np.abs(e).max():.4g} far: within its limits of speed and "
+                f"acceleration that takes more than {_TOO_LONG:g} s"
+            )
+        self._start(None, goal, left, time)
         return time
 
     def follow(self, path: Path, blend: float = 0.6) -> None:
@@ -110,7 +130,8 @@ class SmoothReference:
         Args:
             path: time in s -> (n,) position, smooth and defined a little before 0 too;
                 velocity and acceleration are taken by central differences.
-            blend: within which the present difference to the path fades, s.
+            blend: within which the present difference to the path fades, s; longer when the
+                limits of speed and acceleration ask for it.
 
         Raises:
             MotionError: the path gives a wrong shape, or a value that is not finite.
@@ -119,9 +140,8 @@ class SmoothReference:
         self._since = 0.0
         self._points.clear()
         p, v, a = self._along(path)
-        self._start(
-            path, self.home, self.value - p, self.velocity - v, self.acceleration - a, blend
-        )
+        left = (self.value - p, self.velocity - v, self.acceleration - a)
+        self._start(path, self.home, left, self._suited(left, blend))
 
     def advance(self, dt: float) -> None:
         """Move on by dt, s."""
@@ -145,7 +165,7 @@ class SmoothReference:
             if time >= self._blend:
                 self.value, self.velocity, self.acceleration = x, v, a
                 return
-        r, dr, ddr = _quintic(self._left, time / self._blend)
+        r, dr, ddr = quintic(self._left, time / self._blend)
         self.value = x + r
         self.velocity = v + dr / self._blend
         self.acceleration = a + ddr / self._blend**2
@@ -155,30 +175,43 @@ class SmoothReference:
 
         Ticks follow one another at the same distance: each needs one more point of the path.
         """
-        points = self._points
+        points, time = self._points, self._since
         if not points:
-            points.extend(self._point(path, k) for k in range(-_REACH, _REACH + 1))
+            reach = range(-_REACH, _REACH + 1)
+            points.extend(self._point(path, time + k * self._dt) for k in reach)
         else:
+            points.append(self._point(path, time + _REACH * self._dt))
             points.popleft()
-            points.append(self._point(path, _REACH))
         before, now, after = points[0], points[_REACH], points[-1]
         h = _REACH * self._dt
         most = _CORNER * self._limit  # a path with a corner has no acceleration there
         bend = (after - 2.0 * now + before) / (h * h)
         return now, (after - before) / (2.0 * h), np.minimum(np.maximum(bend, -most), most)
 
-    def _point(self, path: Path, ticks: int) -> np.ndarray:
-        return np.asarray(path(self._since + ticks * self._dt), dtype=float)
+    def _point(self, path: Path, time: float) -> np.ndarray:
+        point = np.asarray(path(time), dtype=float)
+        if point.shape != self.home.shape or not np.isfinite(point).all():
+            raise MotionError(
+                f"a path gave {point} at {time:.3f} s: it needs {self.home.size} finite numbers"
+            )
+        return point
+
+    def _way(self, goal: np.ndarray, time: float) -> np.ndarray:
+        """(6, n) coefficients of what is left of the way to a goal, see `quintic`."""
+        return _fading(self.value - goal, self.velocity * time, self.acceleration * time**2)
+
+    def _rest_at(self, time: float) -> np.ndarray:
+        """(n,) what is left then of the difference to the path, see `follow`."""
+        return quintic(self._left, min(max(time / self._blend, 0.0), 1.0))[0]
 
     def _start(
         self,
         path: Path | None,
         goal: np.ndarray,
-        e: np.ndarray,
-        v: np.ndarray,
-        a: np.ndarray,
+        left: _Left,
         blend: float,
     ) -> None:
+        e, v, a = left
         self._path, self._goal = path, goal
         self._left = _fading(e, v * blend, a * blend**2)
         self._since, self._blend, self.arrived, self.at_home = 0.0, blend, False, False
@@ -186,15 +219,16 @@ class SmoothReference:
     def _arrive(self) -> None:
         self.arrived, self.at_home = True, np.array_equal(self._goal, self.home)
 
-    def _suited(self, e: np.ndarray, time: float) -> float:
-        """The least duration from `time` on that keeps the limits, or comes nearest to it.
+    def _suited(self, left: _Left, time: float) -> float:
+        """The least duration from `time` on in which what is left fades within the limits.
 
-        Longer is not always gentler: what moves already goes on farther meanwhile.
+        Or the one that comes nearest to it: longer is not always gentler, what moves already
+        goes on farther meanwhile.
         """
-        v, a = self.velocity, self.acceleration
+        e, v, a = left
         best, least = time, np.inf
         while time < _LONGEST:
-            _, dr, ddr = _quintic(_fading(e, v * time, a * time**2), _SAMPLES)
+            _, dr, ddr = quintic(_fading(e, v * time, a * time**2), SAMPLES)
             speed = float((np.abs(dr) / (self._speed * time)).max())
             excess = max(speed, float((np.abs(ddr) / (self._limit * time**2)).max()))
             if excess < least:
@@ -230,8 +264,8 @@ def _fading(e: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
     )
 
 
-def _quintic(c: np.ndarray, s: float | np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Value and two derivatives by s."""
+def quintic(c: np.ndarray, s: float | np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Value and two derivatives by s, of (6, n) coefficients."""
     x = c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * (c[4] + s * c[5]))))
     v = c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * (4.0 * c[4] + s * 5.0 * c[5])))
     a = 2.0 * c[2] + s * (6.0 * c[3] + s * (12.0 * c[4] + s * 20.0 * c[5]))

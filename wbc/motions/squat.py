@@ -11,8 +11,9 @@ import numpy as np
 from wbc.errors import MotionError
 from wbc.motions.body import Body
 from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
-from wbc.motions.posing import Pose, Posing, Wish
-from wbc.motions.statics import effort
+from wbc.motions.posing import Posing
+from wbc.motions.statics import effort, stoop
+from wbc.motions.wish import Pose, Wish
 from wbc.robot import Robot
 
 _GRAVITY = 9.81
@@ -38,14 +39,14 @@ class Squat(Motion):
         positive(self, "depth", "frequency", "times")
         posing = Posing(robot)
         self._bends(robot)
-        why = self._hindrance(robot, self._pose(posing, robot, self.depth), self.depth)
+        why = self._hindrance(posing, self._pose(posing, robot, self.depth), self.depth)
         if not why:
             return
         low, high = 0.0, self.depth
         while high - low > 0.1:
             middle = 0.5 * (low + high)
             pose = self._pose(posing, robot, middle)
-            low, high = (low, middle) if self._hindrance(robot, pose, middle) else (middle, high)
+            low, high = (low, middle) if self._hindrance(posing, pose, middle) else (middle, high)
         raise MotionError(
             f"squat: {robot.name} cannot go down by {self.depth:g} % of its leg: {why}; "
             f"{max(low, 0.1):.1f} % is the most"
@@ -63,11 +64,13 @@ class Squat(Motion):
         down = np.array([0.0, 0.0, -0.01 * depth * robot.leg_length])
         return posing.find(Wish(com=down, firm=True, firm_com=True))
 
-    def _hindrance(self, robot: Robot, pose: Pose, depth: float) -> str:
+    def _hindrance(self, posing: Posing, pose: Pose, depth: float) -> str:
         """What keeps the robot from going so deep; empty when nothing does."""
+        robot = posing.robot
         if pose.com_miss > _MISS:
-            stops = [f"'{robot.joint_names[k]}'" for k in pose.at_limit]
-            return f"{' and '.join(stops) or 'its legs'} at the limit"
+            return posing.stops(pose)
+        if low := stoop(robot, pose.q):
+            return low
         lowest = effort(robot, pose.q)
         amplitude = 0.005 * depth * robot.leg_length
         swing = 1.0 + amplitude * (2.0 * math.pi * self.frequency) ** 2 / _GRAVITY

@@ -1,7 +1,8 @@
-"""What standing allows: joint torques at rest, and where the ZMP may be."""
+"""What standing allows: joint torques at rest, where the ZMP may be, how low the pelvis may be."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,11 @@ import pinocchio as pin
 
 from wbc.robot import Robot
 
+#: Share of any torque limit that a plan may take at rest; the rest moves and balances.
+STRENGTH = 0.85
 _LEVER = 0.1  # m: makes moments comparable to forces
+MOST_TILT = 0.7  #: rad of the pelvis; 0.9 count as a fall
+_LEAST_HEIGHT = 0.65  # share of the pelvis' height when standing; 0.6 count as a fall
 _ON_THE_WAY = 9  # postures that are looked at between two
 
 
@@ -60,6 +65,30 @@ def hardest(robot: Robot, start: np.ndarray, end: np.ndarray) -> Effort:
     ways = np.linspace(0.0, 1.0, _ON_THE_WAY)
     efforts = [effort(robot, pin.interpolate(robot.model, start, end, s)) for s in ways]
     return max(efforts, key=lambda one: one.ratio)
+
+
+def stoop(robot: Robot, q: np.ndarray) -> str:
+    """What makes a posture one that nearly counts as a fall; empty when nothing does.
+
+    Args:
+        robot: the robot.
+        q: (nq,) with both soles on the ground.
+    """
+    upright = pin.Quaternion(robot.q_nominal[3:7]).toRotationMatrix()
+    up = (pin.Quaternion(q[3:7]).toRotationMatrix() @ upright.T)[2, 2]
+    tilt = math.acos(min(max(float(up), -1.0), 1.0))
+    if tilt > MOST_TILT:
+        return (
+            f"the pelvis would tilt by {math.degrees(tilt):.0f}° (at most "
+            f"{math.degrees(MOST_TILT):.0f}°)"
+        )
+    share = float(q[2] / robot.q_nominal[2])
+    if share < _LEAST_HEIGHT:
+        return (
+            f"the pelvis would be at {100.0 * share:.0f} % of its height when standing (at least "
+            f"{100.0 * _LEAST_HEIGHT:.0f} %)"
+        )
+    return ""
 
 
 def support_half(robot: Robot) -> np.ndarray:

@@ -14,7 +14,7 @@ from wbc.motions.motion import Motion, Script, parameter, positive
 from wbc.motions.statics import support_half
 from wbc.robot import Robot
 
-_SUPPORT = 0.9  # share of the support that the motion may use
+_SUPPORT = 0.86  # share of the support that the motion may use
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from wbc.errors import MotionError
 from wbc.motions.anatomy import Anatomy
 from wbc.motions.body import Body
 from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
-from wbc.motions.posing import Posing, Wish
+from wbc.motions.posing import Posing
+from wbc.motions.wish import Wish
 from wbc.robot import Robot
 
 # Shares of the arm's length: forward, outward and up from the shoulder, and the way to and fro.
@@ -21,6 +22,7 @@ _LOWER = np.array([0.25, 0.4, 0.25])
 _TRAVEL = 0.15
 _NEAR = 0.02  # m
 _RAISE = 1.5  # s
+_SPEED = 0.75  # share of the greatest speed
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,11 @@ class Wave(Motion):
     frequency: float = parameter(1.0, "waves per second, Hz")
     seconds: float = parameter(5.0, "of the waving, s")
     walk: float = parameter(0.0, "forward speed meanwhile, m/s")
+
+    @property
+    def while_walking(self) -> bool:
+        """See `Motion.while_walking`; with a speed of its own it begins and ends standing."""
+        return self.walk == 0.0
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
@@ -67,27 +74,36 @@ class Wave(Motion):
                 outward = sign if arm.side == "left" else -sign
                 travel = np.array([0.0, outward * _TRAVEL * arm.length, 0.0])
                 hands[arm.hand] = posing.place(arm.hand, pose.q) + travel
-            ends.append(
-                posing.find(Wish(hands=hands, firm=True, firm_com=True), pose.q, elsewhere=False).q[
-                    7:
-                ]
-            )
+            wish = Wish(hands=hands, firm=True, firm_com=True)
+            ends.append(posing.find(wish, pose.q, elsewhere=False).q[7:])
         up, swing = robot.q_nominal[7:].copy(), np.zeros(robot.na)
         up[moving] = 0.5 * (ends[0] + ends[1])[moving]
         swing[moving] = 0.5 * (ends[0] - ends[1])[moving]
         return up, swing
 
+    def _speed(self, body: Body) -> float:
+        """Forward, m/s: raised arms make the body slow to turn, which the fastest steps need."""
+        most = _SPEED * body.walker.gait.max_velocity[0]
+        if abs(self.walk) > most:
+            body.note(
+                f"walks at {most:.2f} m/s instead of {self.walk:g} m/s: with raised arms at "
+                f"{100.0 * _SPEED:.0f} % of its fastest"
+            )
+        return max(-most, min(most, self.walk))
+
     def play(self, body: Body) -> Script:
         """See `Motion.play`."""
         up, swing = self._postures(body.robot)
         if self.walk:
-            body.walk((self.walk, 0.0, 0.0))
+            body.walk((self._speed(body), 0.0, 0.0))
         body.posture.go(up, _RAISE)
         yield from body.arrive(body.posture)
         rate = 2.0 * math.pi * self.frequency
         body.posture.follow(lambda t: up + math.sin(rate * t) * swing, blend=0.5 / self.frequency)
         yield from body.wait(self.seconds)
         body.posture.go(body.posture.home, _RAISE)
-        body.walk((0.0, 0.0, 0.0))
+        if self.walk:
+            body.walk((0.0, 0.0, 0.0))
         yield from body.arrive(body.posture)
-        yield from body.until(lambda: body.standing)
+        if self.walk:
+            yield from body.until(lambda: body.standing)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import logging
 import os
 import pickle
 import selectors
@@ -24,8 +25,11 @@ from typing import Any
 import wbc
 from wbc.errors import WbcError
 
+logger = logging.getLogger(__name__)
+
 LENGTH = struct.Struct("<Q")
 _PATIENCE = 30.0  # s, for the process to start
+_LOOK = 0.5  # s, between two looks whether it is still there
 
 
 class ChildError(WbcError):
@@ -39,9 +43,18 @@ class Child:
         module: to be run, e.g. "wbc.view.server".
         descriptors: file descriptors that it inherits.
         grace: s, for it to end by itself when it is asked to; then it is killed.
+        title: whose process it is, for people.
     """
 
-    def __init__(self, module: str, descriptors: Sequence[int] = (), grace: float = 2.0) -> None:
+    def __init__(
+        self,
+        module: str,
+        descriptors: Sequence[int] = (),
+        grace: float = 2.0,
+        title: str = "a child",
+    ) -> None:
+        self._title = title
+        self._look = 0.0
         paths = [str(Path(wbc.__file__).resolve().parent.parent), *(p for p in sys.path if p)]
         self._process = subprocess.Popen(
             [sys.executable, "-m", module],
@@ -67,6 +80,23 @@ class Child:
     def exit_code(self) -> int | None:
         """How it ended; None while it runs. -9 was killed."""
         return self._process.poll()
+
+    def look_after(self, now: float) -> None:
+        """Tell, once, that it has ended; for a loop to call in every tick.
+
+        Args:
+            now: by `time.perf_counter`, s.
+        """
+        if now < self._look:
+            return
+        self._look = now + _LOOK
+        if not self.alive:
+            self._look = float("inf")
+            logger.warning(
+                "%s's process has ended (exit code %s); the run goes on without it",
+                self._title,
+                self.exit_code,
+            )
 
     def introduce(self, order: object) -> dict[str, Any]:
         """Send the first message; its answer comes back.
@@ -98,6 +128,7 @@ class Child:
 
     def close(self) -> None:
         """Ask it to end, and wait until it has."""
+        self._look = float("inf")
         self._end()
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+_BACK = 2.0  # periods
+
 
 class Due:
     """Says at which of many stamps something is due.
@@ -19,9 +21,13 @@ class Due:
         self._next = float("-inf")
 
     def __call__(self, stamp: float) -> bool:
-        """Whether it is due at a stamp, s. What was missed is not made up for."""
-        if stamp < self._next - self._early:
+        """Whether it is due at a stamp, s.
+
+        What was missed is not made up for. A stamp far back is of another clock: it is due.
+        """
+        period, left = 1.0 / self.rate, self._next - stamp
+        if self._early < left <= _BACK * period:
             return False
-        period = 1.0 / self.rate
-        self._next = self._next + period if stamp < self._next + period else stamp + period
+        punctual = -period < left <= self._early
+        self._next = self._next + period if punctual else stamp + period
         return True

@@ -12,7 +12,7 @@ from wbc.ros import names
 from wbc.ros.discovery import TOPIC, NodeEntry
 from wbc.ros.endpoints import Reader
 from wbc.ros.node import Node
-from wbc.ros.qos import DISCOVERY_INFO, Qos
+from wbc.ros.qos import DISCOVERY_INFO_OF_ALL, Qos
 
 _HASH = re.compile(r"typehash=(RIHS\d\d_[0-9a-f]{64})")
 _SETTLED = 0.25  # s without news: then it is taken as complete
@@ -95,7 +95,7 @@ class Graph:
         self._subscriptions = BuiltinDataReader(participant.dds, BuiltinTopicDcpsSubscription)
         dialect = participant.dialect
         self.reader = Reader(
-            participant, TOPIC, dialect.dds_type(), DISCOVERY_INFO, dialect.user_data()
+            participant, TOPIC, dialect.dds_type(), DISCOVERY_INFO_OF_ALL, dialect.user_data()
         )
         self._entries: dict[bytes, tuple[NodeEntry, ...]] = {}
         node.attend(self)

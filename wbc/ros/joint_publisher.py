@@ -6,6 +6,7 @@ which the text never sets, and its joints are those of the description that it p
 
 from __future__ import annotations
 
+import logging
 import math
 import time
 from pathlib import Path
@@ -14,6 +15,8 @@ from wbc.messages import message_type
 from wbc.ros.node import Node
 from wbc.ros.parameters import Parameters
 from wbc.ros.qos import LATCHED
+
+logger = logging.getLogger(__name__)
 
 NAMES = (
     "torso_yaw",
@@ -67,6 +70,7 @@ class JointPublisher:
         self.phase = 0.0
         self._timer = node.timer(1.0 / self._rate.value, self._tick)
         self._rate.changed = self._change_rate
+        logger.info("Joint publisher started at %s Hz", rate)
 
     def _change_rate(self, rate: float) -> None:
         self._timer.period = 1.0 / rate

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from types import TracebackType
 from typing import Any, Protocol
 
+from wbc.closing import Closing
 from wbc.messages import Message
 from wbc.ros import names
 from wbc.ros.endpoints import Info, Listener, Publisher, Reader, Subscription
@@ -56,7 +56,7 @@ class Timer:
         self.callback()
 
 
-class Node:
+class Node(Closing):
     """A node of ROS 2, without ROS 2.
 
     It lives in one thread: messages, requests and timers are served in `spin`.
@@ -277,14 +277,3 @@ class Node:
         self._timers.clear()
         # Children go with their participant; those who look get to know at once.
         self.participant.leave()
-
-    def __enter__(self) -> Node:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

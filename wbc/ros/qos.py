@@ -14,7 +14,7 @@ class Qos:
     """How a topic's messages are delivered.
 
     Attributes:
-        depth: messages that are kept for a reader that is slow.
+        depth: messages that are kept for a reader that is slow, of all writers together; 0: all.
         reliable: lost messages are sent again.
         latched: late readers get what was sent before (transient local).
         lifespan: after which a message is no longer delivered, s; None: never.
@@ -35,8 +35,9 @@ class Qos:
         from cyclonedds.core import Qos as DdsQos
         from cyclonedds.util import duration
 
+        history = Policy.History.KeepLast(self.depth) if self.depth else Policy.History.KeepAll
         policies = [
-            Policy.History.KeepLast(self.depth),
+            history,
             Policy.Reliability.Reliable(duration(infinite=True))
             if self.reliable
             else Policy.Reliability.BestEffort,
@@ -53,7 +54,7 @@ class Qos:
             policies.append(
                 Policy.DurabilityService(
                     cleanup_delay=0,
-                    history=Policy.History.KeepLast(self.depth),
+                    history=history,
                     max_samples=unlimited,
                     max_instances=unlimited,
                     max_samples_per_instance=unlimited,
@@ -74,7 +75,11 @@ SENSOR_DATA = Qos(depth=5, reliable=False)
 SERVICES = Qos()
 PARAMETERS = Qos(depth=1000)
 PARAMETER_EVENTS = Qos(depth=1000)
+#: Reliable, so that it suits both who asks for that and who, as `rclcpp`'s nodes, does not.
+CLOCK = Qos(depth=1)
 ROSOUT = Qos(depth=1000, latched=True, lifespan=10.0)
 TF = Qos(depth=100)
 ACTION_STATUS = LATCHED
 DISCOVERY_INFO = LATCHED
+#: Without keys the last message is the last of anyone: who reads of each, keeps them all.
+DISCOVERY_INFO_OF_ALL = Qos(depth=0, latched=True)

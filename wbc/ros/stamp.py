@@ -17,6 +17,12 @@ def stamp_now() -> Any:
     return _TIME(sec=seconds, nanosec=nanoseconds)
 
 
+def stamp_at(seconds: float) -> Any:
+    """`builtin_interfaces/Time` of some s, since 1970 or the beginning of a simulation."""
+    whole, part = divmod(round(1e9 * seconds), 1_000_000_000)
+    return _TIME(sec=whole, nanosec=part)
+
+
 def seconds_of(stamp: Any) -> float:
     """A `Time` or `Duration` in s."""
     return float(stamp.sec) + 1e-9 * float(stamp.nanosec)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from types import TracebackType
 from typing import Any
 
 import numpy as np
 
 from wbc.balance import heading
+from wbc.closing import Closing
 from wbc.command import Command
 from wbc.errors import PlantError
 from wbc.measurement import Measurement
@@ -24,7 +24,7 @@ from wbc.sim.terrain import Flat, Terrain
 from wbc.state import State
 
 
-class Mujoco:
+class Mujoco(Closing):
     """The simulated robot: motors, sensors, ground and pushes.
 
     A context manager. The same arguments and commands give the same run, bit by bit.
@@ -95,17 +95,6 @@ class Mujoco:
         self._tau_min = -self._tau_max
         self._commands: deque[tuple[int, np.ndarray]] = deque()
         self.reset()
-
-    def __enter__(self) -> Mujoco:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Nothing to release: MuJoCo's memory goes with the object."""

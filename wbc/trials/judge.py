@@ -71,6 +71,7 @@ class Judge:
             targets_reached=sum(e <= 1e3 * _REACHED for e in errors),
             target_error_max_mm=max(errors) if errors else None,
             notes=() if performer is None else tuple(performer.body.notes),
+            given_up=() if performer is None else performer.given_up,
             flights=self._flights.flights,
         )
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
-from wbc.loop import RunComplete, run
+from wbc.loop import RunComplete, StopRun, run
 from wbc.motions import Motion, Performer
 from wbc.report import Report
 from wbc.robot import Robot
@@ -22,10 +23,12 @@ class Stage:
 
     Args:
         performer: the performer.
+        at_most: s until everything has to be done.
     """
 
-    def __init__(self, performer: Performer) -> None:
+    def __init__(self, performer: Performer, at_most: float = math.inf) -> None:
         self._performer = performer
+        self._at_most = at_most
         self._since: float | None = None
 
     def __call__(self, time: float, plant: Mujoco) -> None:
@@ -33,12 +36,14 @@ class Stage:
 
         Raises:
             RunComplete: everything is done.
+            StopRun: it should have been by now.
         """
-        body = self._performer.body
-        for impulse in body.pushes:
-            turned = self._performer.walker.standing_frame.rotation @ impulse
-            plant.push(body.robot.mass * turned)
-        body.pushes.clear()
+        if time >= self._at_most:
+            playing = self._performer.playing
+            what = "it" if playing is None else f"'{playing.name}'"
+            raise StopRun(f"{what} is not over after {self._at_most:g} s")
+        for impulse in self._performer.pushes_due():
+            plant.push(impulse)
         if not self._performer.idle:
             self._since = None
         elif self._since is None:
@@ -52,7 +57,7 @@ def run_motions(
     motions: Sequence[Motion],
     seed: int = 0,
     *,
-    at_most: float = 120.0,
+    at_most: float = 600.0,
     before_tick: Callable[[float, Performer, Mujoco], None] | None = None,
 ) -> Report:
     """Play motions in MuJoCo with noisy sensors and the estimator; judged by the truth.
@@ -61,14 +66,14 @@ def run_motions(
         robot: the robot.
         motions: one after the other.
         seed: of the sensor noise.
-        at_most: s.
+        at_most: s; what is not over by then has not survived.
         before_tick: called with time, performer and plant, e.g. to push.
 
     Raises:
         MotionError: the robot cannot do one of them.
     """
     performer = Performer(robot, motions=motions)
-    judge, stage = Judge(), Stage(performer)
+    judge, stage = Judge(), Stage(performer, at_most)
     with Mujoco(robot, dt=performer.dt, seed=seed) as plant:
 
         def tick(time: float) -> None:
@@ -76,5 +81,5 @@ def run_motions(
                 before_tick(time, performer, plant)
             stage(time, plant)
 
-        report = run(performer, plant, at_most, log=judge, before_tick=tick)
+        report = run(performer, plant, at_most + 1.0, log=judge, before_tick=tick)
     return judge.amend(report)

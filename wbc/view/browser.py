@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from wbc.errors import MissingExtra
@@ -21,6 +21,9 @@ _FLAGS = (
     "--disable-background-networking",
     "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1 , EXCLUDE localhost",
 )
+
+#: Draws in software without looking for a graphics card first, which takes seconds.
+SOFTWARE = ("--use-gl=angle", "--use-angle=swiftshader")
 
 
 def check_browser() -> None:
@@ -40,8 +43,11 @@ def check_browser() -> None:
 
 
 @contextlib.contextmanager
-def new_page(width: int, height: int) -> Iterator[Any]:
-    """A page of a size, in pixels; playwright's `Page`.
+def new_browser(flags: Sequence[str] = ()) -> Iterator[Any]:
+    """A browser; playwright's `Browser`.
+
+    Args:
+        flags: further ones of its command line.
 
     Raises:
         MissingExtra: `playwright` is not installed.
@@ -52,14 +58,28 @@ def new_page(width: int, height: int) -> Iterator[Any]:
 
     with sync_playwright() as playwright:
         try:
-            browser = playwright.chromium.launch(executable_path=_installed(), args=list(_FLAGS))
+            browser = playwright.chromium.launch(
+                executable_path=_installed(), args=[*_FLAGS, *flags]
+            )
         except Error as error:
             reason = str(error).strip().splitlines()[0]
             raise ViewerError(f"the browser does not start: {reason}") from error
         try:
-            yield browser.new_page(viewport={"width": width, "height": height})
+            yield browser
         finally:
             browser.close()
+
+
+@contextlib.contextmanager
+def new_page(width: int, height: int) -> Iterator[Any]:
+    """A page of a size, in pixels, in a browser of its own; playwright's `Page`.
+
+    Raises:
+        MissingExtra: `playwright` is not installed.
+        ViewerError: there is no browser, or it does not start.
+    """
+    with new_browser() as browser:
+        yield browser.new_page(viewport={"width": width, "height": height})
 
 
 def _installed() -> str | None:

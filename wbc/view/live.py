@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import logging
 import os
 import time
 import webbrowser
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wbc.closing import Closing
 from wbc.process import Child, ChildError
 from wbc.snapshot import Snapshot
 from wbc.view.due import next_due
@@ -26,12 +25,8 @@ from wbc.view.terrain import checked_boxes
 if TYPE_CHECKING:
     from wbc.robot import Robot
 
-logger = logging.getLogger(__name__)
 
-_LOOK = 0.5  # s, between two looks whether it is still there
-
-
-class Meshcat:
+class Meshcat(Closing):
     """Shows a robot in a browser while a loop runs.
 
     The loop's process only copies a snapshot into shared memory, some
@@ -73,8 +68,8 @@ class Meshcat:
         self._ring = Ring(Layout.of(robot.model))
         self._record = Path(record) if record is not None else None
         self._recording = Recording(robot, boxes=boxes) if record is not None else None
-        self._due = self._look = 0.0
-        self._process = Child("wbc.view.server", (self._ring.descriptor,))
+        self._due = 0.0
+        self._process = Child("wbc.view.server", (self._ring.descriptor,), title="the viewer")
         order = Order(
             # A fresh copy: meshes that the caller has looked at stay at home.
             replace(robot),
@@ -131,35 +126,12 @@ class Meshcat:
         self._ring.write(snapshot)
         if self._recording is not None:
             self._recording.show(snapshot)
-        if now >= self._look:
-            self._look_after(now)
-
-    def _look_after(self, now: float) -> None:
-        """Report the end of the process, once."""
-        self._look = now + _LOOK
-        if not self._process.alive:
-            self._look = float("inf")
-            logger.warning(
-                "the viewer's process has ended (exit code %s); the run goes on without it",
-                self._process.exit_code,
-            )
+        self._process.look_after(now)
 
     def close(self) -> None:
         """End the viewer's process, and write the recording if there is one."""
-        self._look = float("inf")
         self._process.close()
         self._ring.close()
         recording, self._recording = self._recording, None
         if recording is not None and self._record is not None and len(recording):
             recording.save(self._record)
-
-    def __enter__(self) -> Meshcat:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

@@ -22,6 +22,7 @@ _PHASES = {
     "double": "on both feet",
     "left": "on the left foot",
     "right": "on the right foot",
+    "flight": "in the air",
 }
 _MARKS = {
     "line": '<rect x="1" y="5" width="18" height="4" rx="2" fill="{0}"/>',

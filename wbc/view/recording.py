@@ -7,11 +7,11 @@ import struct
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wbc.closing import Closing
 from wbc.snapshot import Snapshot
 from wbc.view.due import next_due
 from wbc.view.errors import ViewerError
@@ -29,7 +29,7 @@ _GRACE = 1e-9
 _GZIP = 16 + zlib.MAX_WBITS
 
 
-class Recording:
+class Recording(Closing):
     """Collects snapshots cheaply; the file is made after the run.
 
     The file holds meshcat's page, the robot's meshes and an animation: it needs
@@ -118,17 +118,6 @@ class Recording:
         """Save to the path that was given at the beginning, if one was and there is a frame."""
         if self._path is not None and self._frames:
             self.save(self._path)
-
-    def __enter__(self) -> Recording:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _html(self) -> str:
         # Drawing is needed only now: a run that records does not wait for its modules.

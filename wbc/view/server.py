@@ -10,8 +10,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
-import os
-import threading
 from typing import Any
 
 import numpy as np
@@ -101,8 +99,7 @@ class Page(tornado.websocket.WebSocketHandler):
 async def serve(order: Order) -> None:
     """Serve until the parent is gone."""
     loop = asyncio.get_running_loop()
-    done = asyncio.Event()
-    threading.Thread(target=_wait_for_end, args=(loop, done), daemon=True).start()
+    lifeline = parent.Lifeline(order.parent)
     show: asyncio.Future[Show] = loop.create_future()
     try:
         pages = page_handlers(order.robot.name, ("meshcat.js", "stage.js", "live.js"))
@@ -114,17 +111,9 @@ async def serve(order: Order) -> None:
     parent.answer({"url": f"http://{HOST}:{port}/static/"})
     show.set_result(await loop.run_in_executor(None, Show, order))
     period = 0.5 / order.rate  # twice as often as snapshots come: none waits long
-    while not done.is_set() and os.getppid() == order.parent:
+    while not lifeline.cut:
         show.result().advance()
-        with contextlib.suppress(asyncio.TimeoutError):
-            await asyncio.wait_for(done.wait(), period)
-
-
-def _wait_for_end(loop: asyncio.AbstractEventLoop, done: asyncio.Event) -> None:
-    while parent.hear() is not None:
-        pass
-    with contextlib.suppress(RuntimeError):
-        loop.call_soon_threadsafe(done.set)
+        await asyncio.sleep(period)
 
 
 def main() -> None:

@@ -15,7 +15,7 @@ import pinocchio as pin
 from wbc.command import Status
 from wbc.errors import StateError
 from wbc.snapshot import Snapshot
-from wbc.telemetry import Footstep, Telemetry
+from wbc.telemetry import PHASES, Footstep, Telemetry
 from wbc.view.errors import ViewerError
 
 logger = logging.getLogger(__name__)
@@ -26,7 +26,6 @@ FOOTSTEPS = 16
 SWING = 64
 TEXT = 240  # bytes
 
-PHASES = ("stand", "double", "left", "right")
 _STATUSES = tuple(Status)
 _HEAD = 8
 

@@ -14,6 +14,9 @@ from wbc.robot import Robot
 from wbc.tasks import FrameTask
 from wbc.walking.gains import WalkerGains
 
+_HIGH = 0.03  # m
+_LOOSE = 0.1  # of a weight's square root
+
 
 class Footing:
     """Keeps the controller's contacts and swing task in step with the gait.
@@ -84,6 +87,8 @@ class Footing:
             self._tracking = wanted
         if swing is None or wanted is None:
             return
+        if schedule.lifted is not None:
+            wanted.weight = self._held_weight(float(schedule.lifted.offset[2]))
         self._swing_target.rotation = about_z(swing.yaw)
         self._swing_target.translation = np.array(swing.position)
         wanted.target = self._swing_target
@@ -91,6 +96,16 @@ class Footing:
         wanted.velocity[5] = swing.yaw_rate
         wanted.acceleration[:3] = swing.acceleration
         wanted.acceleration[5] = swing.yaw_acceleration
+
+    def _held_weight(self, height: float) -> np.ndarray:
+        """(6,) of a foot that is held up, m: high above the ground it need not be flat.
+
+        An ankle at its end would make the CoM pay for it.
+        """
+        flat = max(1.0 - height / _HIGH, _LOOSE)
+        weight = np.full(6, self._gains.swing_weight)
+        weight[3:5] *= flat * flat
+        return weight
 
 
 def about_z(yaw: float) -> np.ndarray:

@@ -21,13 +21,14 @@ from wbc.gait.schedule import PREVIEW_STEPS
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 from wbc.state import State
-from wbc.tasks import AngularMomentumTask, ComTask, OrientationTask, PostureTask, Task
+from wbc.tasks import AngularMomentumTask, ComTask, PostureTask, Task
 from wbc.telemetry import Balance, Footstep, Telemetry
 from wbc.walking.body_offset import BodyOffset
 from wbc.walking.footing import Footing, about_z
 from wbc.walking.gains import WalkerGains
 from wbc.walking.soles import loads, placements
 from wbc.walking.support import Support
+from wbc.walking.trunk import Trunk
 
 
 class VelocityClamped(UserWarning):
@@ -79,10 +80,7 @@ class Walker:
             )
         )
         self._kin = Kinematics(robot, robot.standing())
-        self._trunk = []
-        for frame in dict.fromkeys((robot.torso, robot.base)):
-            task = OrientationTask(frame, weight=gains.trunk_weight, kp=gains.trunk_kp)
-            self._trunk.append((controller.add(task), self._kin.frame(frame).rotation.copy()))
+        self._trunk = Trunk(controller, self._kin, gains)
         weights = np.full(robot.na, gains.posture_weight)
         for leg in robot.legs:
             weights[np.array(leg) - 6] = gains.leg_posture_weight
@@ -100,8 +98,9 @@ class Walker:
     def velocity(self) -> tuple[float, float, float]:
         """Wanted velocity in the heading frame: forward, left (m/s), turn left (rad/s).
 
-        May be set at any tick; takes effect with the next step. Beyond the gait's limits it
-        is clamped, with a `VelocityClamped` warning that says to what.
+        May be set at any tick. The present step goes over to it smoothly, less the nearer the
+        foot is to the ground; the rest comes with the next step. Beyond the gait's limits it is
+        clamped, with a `VelocityClamped` warning that says to what.
         """
         return (self._wanted.forward, self._wanted.left, self._wanted.turn)
 
@@ -135,8 +134,13 @@ class Walker:
     @property
     def tasks(self) -> tuple[Task, ...]:
         """Its own tasks, the swing feet's included: gains and weights may be set at any tick."""
-        trunk = (task for task, _ in self._trunk)
-        return (self.com, *trunk, self.posture, self.momentum, *self._footing.swing_tasks)
+        return (
+            self.com,
+            *self._trunk.tasks,
+            self.posture,
+            self.momentum,
+            *self._footing.swing_tasks,
+        )
 
     def follow(self, footsteps: Sequence[Footstep]) -> None:
         """Walk over given footsteps, alternating sides, then stop.
@@ -170,6 +174,7 @@ class Walker:
             StateError: see `State.checked`.
         """
         self._kin.update(state)
+        self._balance_told: Balance | None = None
         feet = placements(self._kin)
         self.schedule = Schedule(self.gait, feet, self._queue)
         self._ground = 0.5 * (feet.left.height + feet.right.height)
@@ -194,6 +199,7 @@ class Walker:
         shares = loads(self.robot, foot_wrenches)
         kin = self._kin
         kin.update(state)
+        self._balance_told = None
         feet = placements(kin)
         schedule = self.schedule
         if self.body is not None:
@@ -241,8 +247,8 @@ class Walker:
         planned = schedule.planned_reference()
         error = (self._dcm - planned.dcm) * turn(-feet.of(schedule.support).yaw)
         reach = self._support.reach(schedule, self.gains.ankle_share)
-        schedule.shift = step_shift(error, omega, schedule.remaining, reach)
-        return schedule.reference() if schedule.shift else planned
+        schedule.landing.shift = step_shift(error, omega, schedule.remaining, reach)
+        return schedule.reference() if schedule.landing.shift else planned
 
     def _step_length(self) -> float:
         """Length of the steps of now, m: how far a foot is left behind."""
@@ -262,38 +268,28 @@ class Walker:
             else:
                 right = schedule.swing.yaw
         self._heading = left + 0.5 * wrap(right - left)
-        heading = about_z(self._heading)
-        for task, upright in self._trunk:
-            task.target = heading.dot(upright)
-            task.velocity[2] = rate
-        if self.body is not None:
-            self._lean_trunk(self.body, heading, rate)
-
-    def _lean_trunk(self, body: BodyOffset, heading: np.ndarray, rate: float) -> None:
-        attitudes = (body.torso, body.base)[-len(self._trunk) :]
-        for (task, upright), attitude in zip(self._trunk, attitudes, strict=True):
-            if attitude.upright:
-                task.velocity[:2] = 0.0
-                task.acceleration[:] = 0.0
-                continue
-            rotation, velocity, acceleration = attitude.motion()
-            task.target = heading @ rotation @ upright
-            task.velocity = heading @ velocity
-            task.velocity[2] += rate
-            task.acceleration = heading @ acceleration
+        self._trunk.face(self._heading, rate, self.body)
 
     @property
     def balance(self) -> Balance:
-        """The part of `telemetry` that costs next to nothing, for observers of every tick."""
-        schedule, z = self.schedule, self._ground
-        dcm, reference, zmp = self._dcm, self._reference.dcm, self._zmp
-        return Balance(
-            com=self._kin.p_com.copy(),
-            dcm=np.array([dcm.real, dcm.imag, z]),
-            dcm_reference=np.array([reference.real, reference.imag, z]),
-            zmp=np.array([zmp.real, zmp.imag, z]),
-            phase=schedule.support if schedule.phase is Phase.SWING else schedule.phase.value,
-        )
+        """The part of `telemetry` that costs next to nothing, for observers of every tick.
+
+        They share one: its arrays are not to be written to.
+        """
+        if self._balance_told is None:
+            schedule, z = self.schedule, self._ground
+            dcm, reference, zmp = self._dcm, self._reference.dcm, self._zmp
+            ground = np.array(
+                (
+                    (dcm.real, dcm.imag, z),
+                    (reference.real, reference.imag, z),
+                    (zmp.real, zmp.imag, z),
+                )
+            )
+            phase = schedule.support if schedule.phase is Phase.SWING else schedule.phase.value
+            com = self._kin.p_com.copy()
+            self._balance_told = Balance(com, ground[0], ground[1], ground[2], phase)
+        return self._balance_told
 
     @property
     def telemetry(self) -> Telemetry:

@@ -2,48 +2,18 @@
 // {"control": name, "value": …}; where things stand comes back from the loop, to every page alike.
 "use strict";
 (() => {
-const SHOWN = 20;  // s of a strip
+const {make, text, slider, makeForm, strips} = wbc;
 const DRAWN = [["robot", "robot"], ["forces", "contact forces"], ["balance", "CoM, DCM, ZMP"],
   ["trail", "CoM trail"], ["support", "support polygon"], ["footsteps", "footsteps"],
   ["swing", "swing path"], ["terrain", "terrain"]];
 const knobs = new Map();
 const buttons = new Map();
-let socket = null, panel = null, gauges = null, complaintEnds = 0, behind = Infinity;
+let socket = null, panel = null, gauges = null, complaintEnds = 0;
 // Read by tests.
 wbc.live = {panel: null, gauges: null, values: {}, errors: []};
 
-function make(tag, attributes = {}, ...children) {
-  const node = document.createElement(tag);
-  Object.assign(node, attributes);
-  node.append(...children);
-  return node;
-}
-
 function send(control, value) {
   if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify({control, value}));
-}
-
-function text(value, unit) {
-  const size = Math.abs(value);
-  const digits = size === 0 || size >= 100 ? 0 : Math.max(0, 2 - Math.floor(Math.log10(size)));
-  return `${value.toFixed(Math.min(digits, size < 0.01 && size > 0 ? 6 : 3))} ${unit}`.trim();
-}
-
-// A slider; its own numbers run from 0 to 1, so that it may move by ratios.
-function slider(low, high, logarithmic) {
-  const input = make("input", {type: "range", min: 0, max: 1, step: 0.002});
-  const ratio = Math.log(high / low);
-  return {
-    input,
-    get: () => {
-      const x = +input.value;
-      if (x === 0 || x === 1) return x ? high : low;
-      return logarithmic ? low * Math.exp(x * ratio) : low + x * (high - low);
-    },
-    set: (value) => {
-      input.value = logarithmic ? Math.log(value / low) / ratio : (value - low) / (high - low);
-    },
-  };
 }
 
 function makeKnob(knob) {
@@ -115,9 +85,33 @@ function motionSection() {
   const box = make("div", {className: "buttons"},
     action("stand", "stand", "leave everything off and stand", () => send("stand")),
     action("walk", "walk", "forward, at an easy pace", walk),
-    ...panel.motions.map((motion) => action(`motion ${motion.name}`, motion.name, motion.summary,
-      () => send("motion", motion.name))));
+    ...panel.motions.flatMap(makeMotion));
   return section("Motions", box);
+}
+
+// A button, and what may be chosen for it, which unfolds below.
+function makeMotion(motion) {
+  let chosen = () => ({});
+  const play = () => {
+    const parameters = chosen();
+    send("motion", Object.keys(parameters).length ? {name: motion.name, parameters} : motion.name);
+  };
+  const button = action(`motion ${motion.name}`, motion.name, motion.summary, play);
+  if (!motion.parameters.length) return [button];
+  const made = makeForm(motion, button, play), form = made.form;
+  chosen = made.chosen;
+  const more = make("button", {className: "more", textContent: "⋯",
+    title: `${motion.name}: ${motion.parameters.map((p) => p.name.replaceAll("_", " ")).join(", ")}`});
+  more.dataset.more = motion.name;
+  more.setAttribute("aria-expanded", "false");
+  more.onclick = () => {
+    const opens = form.hidden;
+    for (const other of document.querySelectorAll("#panel form")) other.hidden = true;
+    for (const other of document.querySelectorAll(".more")) other.setAttribute("aria-expanded", "false");
+    form.hidden = !opens;
+    more.setAttribute("aria-expanded", String(opens));
+  };
+  return [make("div", {className: "motion"}, button, more), form];
 }
 
 function pushSection() {
@@ -191,67 +185,9 @@ function gainSection() {
     back((knob) => !own.has(knob.group)));
 }
 
-// `least` is the least that the full height stands for.
-const STRIPS = [
-  {label: "DCM error", colour: "#7a3fc4", least: 20, of: (g) => 1000 * g.dcm_error,
-    word: (g, top) => `${(1000 * g.dcm_error).toFixed(1)} mm, up to ${top.toFixed(0)}`},
-  {label: "tick", colour: "#2467d6", least: 200, of: (g) => 1e6 * g.tick_time,
-    word: (g, top) => `${(1e6 * g.tick_time).toFixed(0)} µs, up to ${top.toFixed(0)}`},
-  {label: "pushes survived", colour: "#1f9d7a", least: 1, of: (g) => g.survived,
-    grey: (g) => g.pushes, word: (g) => `${g.survived} of ${g.pushes}`},
-];
-
-function makeStrips() {
-  const box = make("div", {id: "strips"});
-  for (const strip of STRIPS) {
-    strip.canvas = make("canvas");
-    strip.text = make("span");
-    strip.points = [];
-    box.append(make("div", {}, make("b", {textContent: strip.label}), strip.canvas, strip.text));
-  }
-  document.body.append(box);
-}
-
-function addToStrips(now) {
-  // By the server's clock: a page that was busy gets several at once.
-  const stamp = now.stamp;
-  behind = Math.min(behind, performance.now() / 1000 - stamp);
-  for (const strip of STRIPS) {
-    strip.points.push([stamp, strip.of(now), strip.grey ? strip.grey(now) : null]);
-    while (strip.points[0][0] < stamp - SHOWN - 1) strip.points.shift();
-  }
-}
-
-function drawStrips() {
-  if (gauges === null) return;
-  const end = performance.now() / 1000 - behind;
-  for (const strip of STRIPS) {
-    const canvas = strip.canvas, scale = devicePixelRatio || 1;
-    const w = canvas.clientWidth * scale, h = canvas.clientHeight * scale;
-    if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, {width: w, height: h});
-    const pen = canvas.getContext("2d");
-    pen.clearRect(0, 0, w, h);
-    let peak = 0;
-    for (const [, value, grey] of strip.points) peak = Math.max(peak, value, grey ?? 0);
-    const top = Math.max(peak, strip.least);
-    const line = (k, colour) => {
-      pen.beginPath();
-      for (const point of strip.points) {
-        pen.lineTo(w * (1 - (end - point[0]) / SHOWN), h - 2 * scale - (h - 6 * scale) * point[k] / top);
-      }
-      pen.strokeStyle = colour;
-      pen.lineWidth = 1.5 * scale;
-      pen.stroke();
-    };
-    if (strip.grey) line(2, "#c3ccd5");
-    line(1, strip.colour);
-    strip.text.textContent = strip.word(gauges, peak);
-  }
-}
-
 function showGauges(now) {
   gauges = wbc.live.gauges = now;
-  addToStrips(now);
+  strips.add(now);
   element("banner").firstChild.textContent = {running: "", paused: "paused",
     fallen: "it fell: reset sets it on its feet"}[now.mode];
   buttons.get("pause").textContent = now.mode === "paused" ? "go on" : "pause";
@@ -285,6 +221,10 @@ function wireKeys() {
   addEventListener("keydown", (event) => {
     // A control that has the focus keeps its own keys.
     if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.target.matches("input:not([type=range], [type=checkbox]), select")) {
+      if (event.key === "Escape") event.target.blur();
+      return;
+    }
     if (event.target.matches("input[type=range]") && event.key.startsWith("Arrow")) return;
     if (event.target.matches("button, summary, input") && event.key === " ") return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
@@ -301,13 +241,19 @@ function build(told) {
   box.append(walkSection(), motionSection(), pushSection(), timeSection(), drawnSection(),
     folded("Gait", ...inGroup("gait").map(makeKnob), back((knob) => knob.group === "gait")),
     gainSection());
-  document.body.append(box, make("div", {id: "banner"}, make("span")), make("div", {id: "complaint"}));
-  makeStrips();
+  // What was clicked gives the keys back: space pauses, whatever the mouse did last.
+  box.addEventListener("click", (event) => {
+    const clicked = event.detail && event.target.closest("button, summary, input[type=checkbox]");
+    if (clicked) clicked.blur();
+  });
+  document.body.append(box, make("div", {id: "banner"}, make("span")), make("div", {id: "complaint"}),
+    make("div", {id: "planning"}));
+  strips.build();
   fitScene();
   addEventListener("resize", fitScene);
   wireKeys();
   setInterval(() => {
-    drawStrips();
+    strips.draw();
     if (performance.now() > complaintEnds) element("complaint").textContent = "";
   }, 50);
 }
@@ -325,13 +271,18 @@ function open() {
     if (news.panel) build(news.panel);
     for (const [name, value] of Object.entries(news.values ?? {})) knobs.get(name).put(value);
     for (const [name, why] of Object.entries(news.unable ?? {})) {
-      Object.assign(buttons.get(`motion ${name}`), {disabled: true, title: why});
+      const button = buttons.get(`motion ${name}`);
+      button.classList.add("unable");
+      button.title = why;
     }
     if (news.gauges) showGauges(news.gauges);
     if (news.error) complain(news.error);
+    if ("planning" in news) {
+      element("planning").textContent = news.planning ? `planning: ${news.planning} …` : "";
+    }
   };
   socket.onclose = () => {
-    for (const control of document.querySelectorAll("#panel button, #panel input")) {
+    for (const control of document.querySelectorAll("#panel :is(button, input, select)")) {
       control.disabled = true;
     }
   };

@@ -40,7 +40,7 @@ class TakeOffBound:
             return f"it cannot rise from any crouch for the {self.quantity} of '{self.joint}'"
         return (
             f"its CoM takes off with {self.speed:.2f} m/s at most and rises by "
-            f"{100.0 * self.rise:.1f} cm at most, for the {self.quantity} of '{self.joint}'"
+            f"{1e3 * self.rise:.0f} mm at most, for the {self.quantity} of '{self.joint}'"
         )
 
 

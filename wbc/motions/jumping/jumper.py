@@ -57,6 +57,7 @@ class Jumper:
         plan: of the jump.
         dt: control period, s.
         gains: weights, gains and times.
+        solver: QP solver by name, see `WholeBodyController`.
 
     Attributes:
         plan: of the jump.
@@ -64,15 +65,21 @@ class Jumper:
     """
 
     def __init__(
-        self, robot: Robot, plan: JumpPlan, dt: float = 0.002, gains: JumpGains | None = None
+        self,
+        robot: Robot,
+        plan: JumpPlan,
+        dt: float = 0.002,
+        gains: JumpGains | None = None,
+        *,
+        solver: str | None = None,
     ) -> None:
         self.robot = robot
         self.plan = plan
         self.dt = dt
         self._gains = gains or JumpGains()
         self._gravity = gravity_of(robot)
-        self._limbs = Limbs(robot, dt, self._gains)
         self._kin = Kinematics(robot, robot.standing())
+        self._limbs = Limbs(self._kin, dt, self._gains, solver)
         self.reset(robot.standing())
 
     @property
@@ -265,7 +272,7 @@ class Jumper:
             dcm=at(here + point(kin.v_com) / omega),
             dcm_reference=at(feet.middle),
             zmp=np.full(3, np.nan) if flying else at(self._zmp),
-            phase="stand",
+            phase="flight" if flying else "stand",
             support=np.empty((0, 3))
             if flying
             else np.array([at(p) for p in self._support(feet, 0.0)]),

@@ -13,7 +13,6 @@ from wbc.controller import WholeBodyController
 from wbc.kinematics import Kinematics
 from wbc.limits import JointPositionLimit, JointVelocityLimit, TorqueLimit
 from wbc.motions.jumping.gains import JumpGains
-from wbc.robot import Robot
 from wbc.tasks import AngularMomentumTask, ComTask, FrameTask, OrientationTask, PostureTask
 from wbc.walking.footing import about_z
 
@@ -22,9 +21,10 @@ class Limbs:
     """CoM, trunk, soles and posture of a robot that stands, flies or lands.
 
     Args:
-        robot: the robot.
+        standing: the robot, standing.
         dt: control period, s.
         gains: weights and gains.
+        solver: QP solver by name.
 
     Attributes:
         controller: the whole-body controller.
@@ -33,16 +33,18 @@ class Limbs:
         soles: side -> pose of the sole while it is in the air.
     """
 
-    def __init__(self, robot: Robot, dt: float, gains: JumpGains) -> None:
+    def __init__(
+        self, standing: Kinematics, dt: float, gains: JumpGains, solver: str | None = None
+    ) -> None:
+        robot = standing.robot
         self._gains = gains
         self.controller = controller = WholeBodyController(
-            robot, dt, limits=_limits(robot, gains.braking)
+            robot, dt, solver=solver, limits=_limits(standing, gains.braking)
         )
         kp = np.array([0.0, 0.0, gains.height_kp])
         self.com = controller.add(
             ComTask(np.zeros(3), weight=gains.com_weight, kp=kp, kd=2.0 * np.sqrt(kp))
         )
-        standing = Kinematics(robot, robot.standing())
         self._trunk = []
         for column, frame in enumerate((robot.torso, robot.base)):
             if column and frame == robot.torso:
@@ -101,9 +103,9 @@ class Limbs:
 
 
 def _limits(
-    robot: Robot, most: float
+    standing: Kinematics, most: float
 ) -> tuple[TorqueLimit, JointPositionLimit, JointVelocityLimit]:
-    inertia = np.diag(Kinematics(robot, robot.standing()).mass_matrix)[6:]
+    robot, inertia = standing.robot, np.diag(standing.mass_matrix)[6:]
     braking = np.minimum(most, 0.5 * robot.tau_max / inertia)
     return (
         TorqueLimit(robot),

@@ -155,15 +155,15 @@ def _too_high(robot: Robot, paths: Sequence[JumpPath], clearance: float) -> Jump
     bound = take_off_bound(robot, paths)
     highest = _highest(paths, min(clearance, bound.rise / float(_RISES[0])))
     best = _gentlest(paths, clearance)
-    lines = [f"jump: '{robot.name}' cannot clear {1e3 * clearance:.0f} mm: {bound}"]
+    lines = [f"jump: {robot.name} cannot clear {1e3 * clearance:.0f} mm: {bound}"]
     if best is not None:
         share, joint, quantity = max(
             (best.torque_share, best.torque_joint, "torque"),
             (best.speed_share, best.speed_joint, "velocity"),
         )
         lines.append(
-            f"the gentlest way asks for {100.0 * share:.0f} % of the {quantity} of '{joint}', "
-            f"{100.0 * _MOST_EFFORT:.0f} % is what a plan may"
+            f"this jump would take {100.0 * share:.0f} % of the {quantity} of '{joint}' (at most "
+            f"{100.0 * _MOST_EFFORT:.0f} %)"
         )
     lines.append(
         f"ask for {1e3 * highest:.0f} mm or less"

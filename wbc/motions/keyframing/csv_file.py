@@ -1,7 +1,8 @@
 """Keyframes in CSV.
 
 A head line, then a line per keyframe; an empty cell leaves that column out of a keyframe; lines
-that begin with # are comments. Every column states its unit.
+that begin with # are comments. Commas part the cells, which may be in double quotes. Every
+column states its unit.
 
     time [s], left_elbow [deg], left_hand.x [m], left_hand.y [m], left_hand.z [m], com.z [cm]
     1.0,      60,               0.35,            0.25,            1.1,
@@ -51,9 +52,17 @@ def from_csv(text: str, source: str) -> list[Keyframe]:
     ]
     if len(lines) < 2:
         raise KeyframeError(source, Where(1, 1), "a head line and at least one keyframe are needed")
-    columns = [_column(cell, where, source) for cell, where in _cells(*lines[0])]
-    if columns[0].name != "time":
-        raise KeyframeError(source, columns[0].where, "the first column must be  time [s]")
+    head = _cells(*lines[0])
+    if (first := _HEAD.match(head[0][0])) is None or first["name"].strip() != "time":
+        raise KeyframeError(
+            source,
+            head[0][1],
+            f"the first column must be  time [s],  parted from the next by a comma; it is "
+            f"'{head[0][0]}'",
+        )
+    columns = [_column(cell, where, source) for cell, where in head]
+    if len(columns) < 2:
+        raise KeyframeError(source, head[0][1], "there is no column besides the time")
     _check_columns(columns, source)
     return [_row(k, line, columns, source) for k, line in lines[1:]]
 
@@ -62,12 +71,17 @@ def _cells(number: int, line: str) -> list[tuple[str, Where]]:
     cells, start = [], 0
     for piece in line.split(","):
         indent = len(piece) - len(piece.lstrip())
-        cells.append((piece.strip(), Where(number, start + indent + 1)))
+        cell = piece.strip()
+        if len(cell) > 1 and cell[0] == cell[-1] == '"':
+            cell = cell[1:-1].strip()
+        cells.append((cell, Where(number, start + indent + 1)))
         start += len(piece) + 1
     return cells
 
 
 def _column(cell: str, where: Where, source: str) -> _Column:
+    if not cell:
+        raise KeyframeError(source, where, "a column without a name: a comma too many?")
     match = _HEAD.match(cell)
     if match is None:
         raise KeyframeError(

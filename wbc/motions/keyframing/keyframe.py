@@ -64,7 +64,7 @@ def number(text: str, where: Where, source: str) -> float:
         KeyframeError: it is none.
     """
     try:
-        value = float(text)
+        value = float(text.replace("_", "?"))  # Python's 1_000 is nobody else's number
     except ValueError:
         raise KeyframeError(source, where, f"'{text}' is not a number") from None
     if not math.isfinite(value):

@@ -7,7 +7,7 @@ import pinocchio as pin
 
 from wbc.motions.keyframing.keyframe import KeyframeError
 from wbc.motions.keyframing.plan import Plan, Planner
-from wbc.motions.statics import effort, support_half
+from wbc.motions.statics import effort, stoop, support_half
 
 _STEP = 0.01  # s
 _EVERY = 10  # of these for the torques
@@ -17,7 +17,7 @@ _SUPPORT = 0.8  # share of the soles over which the ZMP may be planned
 
 
 def check_limits(planner: Planner, plan: Plan) -> None:
-    """Positions and velocities of all joints, torques, and the ZMP, along the whole way.
+    """Positions and velocities of all joints, torques, pelvis and ZMP, along the whole way.
 
     Torques are those of the motion on a base that is held, and for the legs those at rest. The
     ZMP is that of the pendulum, `p = c − c̈ / ω²`.
@@ -27,6 +27,7 @@ def check_limits(planner: Planner, plan: Plan) -> None:
     """
     robot = planner.robot
     half = support_half(robot)
+    _check_keyed(planner)
     for k in range(int(plan.duration / _STEP) + 1):
         time = k * _STEP
         q, v, a = plan.posture.derivatives(time)
@@ -35,7 +36,26 @@ def check_limits(planner: Planner, plan: Plan) -> None:
         _refuse(planner, time, np.abs(v) > robot.v_max, v, -robot.v_max, robot.v_max, "velocity")
         if k % _EVERY == 0:
             _check_torques(planner, time, q, v, a)
+            _check_stoop(planner, time, q)
         _check_zmp(planner, plan, time, half)
+
+
+def _check_keyed(planner: Planner) -> None:
+    """The positions as they are written, before those on the way."""
+    robot = planner.robot
+    for frame in planner.frames:
+        for name, value in frame.joints.items():
+            joint, q = robot.joint_index(name), robot.q_nominal[7:].copy()
+            q[joint] = value.number
+            bad = np.zeros(robot.na, dtype=bool)
+            bad[joint] = not robot.q_min[joint] <= value.number <= robot.q_max[joint]
+            _refuse(planner, frame.time.number, bad, q, robot.q_min, robot.q_max, "position")
+
+
+def _check_stoop(planner: Planner, time: float, posture: np.ndarray) -> None:
+    low = stoop(planner.robot, planner.on_soles(posture))
+    if low:
+        raise KeyframeError(planner.source, planner.cell(0, time).where, f"at {time:.2f} s {low}")
 
 
 def _refuse(
@@ -55,7 +75,7 @@ def _refuse(
         planner.source,
         planner.cell(joint, time).where,
         f"{what} of '{planner.robot.joint_names[joint]}' at {time:.2f} s would be "
-        f"{value[joint]:.2f} {unit}, beyond [{low[joint]:.2f}, {high[joint]:.2f}]",
+        f"{value[joint]:.3f} {unit}, beyond [{low[joint]:.2f}, {high[joint]:.2f}]",
     )
 
 

@@ -11,8 +11,9 @@ import numpy as np
 from wbc.errors import did_you_mean
 from wbc.motions.anatomy import Side
 from wbc.motions.keyframing.keyframe import COM, Keyframe, KeyframeError, Value
-from wbc.motions.posing import Posing, Wish
+from wbc.motions.posing import Posing
 from wbc.motions.spline import Spline
+from wbc.motions.wish import Pose, Wish
 from wbc.robot import Robot
 
 _KNOTS = 0.1  # s between the postures that are found for places
@@ -91,6 +92,11 @@ class Planner:
             Spline(knots, np.array(column)) for column in zip(*rows, strict=True)
         )
         return Plan(self.duration, posture, com, torso, pelvis, self._led())
+
+    def on_soles(self, posture: np.ndarray) -> np.ndarray:
+        """(nq,) a posture (na,) with the left sole where it stands."""
+        q = np.concatenate((self._posing.home.q[:7], posture))
+        return self._posing.on_soles(q)[0]
 
     def cell(self, joint: int, time: float) -> Value:
         """What in the file has a joint where it is at a time."""
@@ -186,16 +192,28 @@ class Planner:
         for name in self.places:
             if name == COM:
                 continue
-            miss = pose.misses[self._hands[name].hand]
-            if miss > _MISS:
-                at = " ".join(f"{x:.2f}" for x in self.places[name](time))
-                text = f"'{name}' at {time:.2f} s: ({at}) m is out of reach by {1e3 * miss:.0f} mm"
-                raise self._place_error(name, time, text)
+            if pose.misses[self._hands[name].hand] > _MISS:
+                raise self._out_of_reach(name, time, pose)
         if COM in self.places and pose.com_miss > _MISS:
-            stops = ", ".join(f"'{self.robot.joint_names[k]}'" for k in pose.at_limit) or "the legs"
-            text = f"'{COM}' at {time:.2f} s is off by {1e3 * pose.com_miss:.0f} mm: {stops} at end"
+            stops = self._posing.stops(pose)
+            text = f"'{COM}' at {time:.2f} s is off by {1e3 * pose.com_miss:.0f} mm: {stops}"
             raise self._place_error(COM, time, text)
         return (pose.q[7:], pose.com, pose.torso, pose.pelvis), pose.q
+
+    def _out_of_reach(self, name: str, time: float, pose: Pose) -> KeyframeError:
+        """Rather said of the keyframe's own place than of one on the way there."""
+        hand = self._hands[name].hand
+        place, miss = self.places[name](time), pose.misses[hand]
+        after = next(
+            (f for f in self.frames if name in f.places and f.time.number >= time), self.frames[-1]
+        )
+        goal = np.array([v.number for v in after.places[name]])
+        there = self._posing.find(Wish(hands={hand: goal}, firm_com=True), pose.q)
+        if there.miss > _MISS:
+            time, place, miss = after.time.number, goal, there.miss
+        at = " ".join(f"{x:.2f}" for x in place)
+        text = f"'{name}' at {time:.2f} s: ({at}) m is out of reach by {1e3 * miss:.0f} mm"
+        return self._place_error(name, time, text)
 
     def _place_error(self, name: str, time: float, text: str) -> KeyframeError:
         keyed = [frame for frame in self.frames if name in frame.places]

@@ -6,8 +6,11 @@ from pathlib import Path
 
 from wbc.errors import MotionError
 from wbc.motions.keyframing.csv_file import from_csv
-from wbc.motions.keyframing.keyframe import Keyframe, KeyframeError
+from wbc.motions.keyframing.keyframe import Keyframe, KeyframeError, Where
 from wbc.motions.keyframing.yaml_file import from_yaml
+
+_LONGEST = 600.0  # s
+_READERS = {".csv": from_csv, ".yaml": from_yaml, ".yml": from_yaml}
 
 
 def read_keyframes(path: Path) -> list[Keyframe]:
@@ -18,16 +21,11 @@ def read_keyframes(path: Path) -> list[Keyframe]:
         MotionError: it cannot be read.
         MissingExtra: it is YAML and PyYAML is not installed.
     """
-    try:
-        text = path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise MotionError(f"keyframes: cannot read {path}: {error}") from None
-    if path.suffix.lower() == ".csv":
-        frames = from_csv(text, path.name)
-    elif path.suffix.lower() in (".yaml", ".yml"):
-        frames = from_yaml(text, path.name)
-    else:
-        raise MotionError(f"keyframes: {path.name} must end in .csv, .yaml or .yml")
+    # Before it is read: whoever drives the live page may name any file, or a device without end.
+    read = _READERS.get(path.suffix.lower())
+    if read is None:
+        raise MotionError(f"keyframes: {path.name} must end in {' or '.join(_READERS)}")
+    frames = read(_text(path), path.name)
     before = 0.0
     for frame in frames:
         if frame.time.number <= before:
@@ -38,4 +36,23 @@ def read_keyframes(path: Path) -> list[Keyframe]:
                 "robot stands at 0 s",
             )
         before = frame.time.number
+    if before > _LONGEST:
+        raise KeyframeError(
+            path.name,
+            frames[-1].time.where,
+            f"time {before:g} s: a motion lasts {_LONGEST:g} s at most",
+        )
     return frames
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise MotionError(f"keyframes: cannot read {path}: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        before = error.object[: error.start].decode("utf-8")
+        where = Where(before.count("\n") + 1, len(before) - before.rfind("\n"))
+        wrong = error.object[error.start]
+        text = f"byte 0x{wrong:02x} is not UTF-8: save the file as UTF-8 text"
+        raise KeyframeError(path.name, where, text) from None

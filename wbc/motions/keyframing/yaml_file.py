@@ -40,8 +40,11 @@ def from_yaml(text: str, source: str) -> list[Keyframe]:
         mark = error.problem_mark or error.context_mark
         where = Where(mark.line + 1, mark.column + 1) if mark else Where(1, 1)
         raise KeyframeError(source, where, f"malformed YAML: {error.problem}") from None
-    except yaml.YAMLError as error:
-        raise KeyframeError(source, Where(1, 1), f"malformed YAML: {error}") from None
+    except yaml.reader.ReaderError as error:
+        before = text[: error.position]
+        where = Where(before.count("\n") + 1, len(before) - before.rfind("\n"))
+        wrong = f"character {ord(text[error.position]):#04x} is not allowed"
+        raise KeyframeError(source, where, f"malformed YAML: {wrong}") from None
     return _Tree(source).keyframes(root)
 
 
@@ -55,16 +58,19 @@ class _Tree:
     def keyframes(self, root: Any) -> list[Keyframe]:
         table = self._table(root, "the file", ("units", "keyframes"))
         units = self._table(table.get("units"), "units", ("angle", "length"), at=root)
-        if "angle" in units:
-            node = units["angle"]
-            self._angle = scale(str(node.value), ("angle",), _where(node), self._source)[1]
-        if "length" in units:
-            node = units["length"]
-            self._length = scale(str(node.value), ("length",), _where(node), self._source)[1]
+        self._angle, self._length = (self._unit(units.get(q), q) for q in ("angle", "length"))
         frames = table.get("keyframes")
         if frames is None or frames.id != "sequence" or not frames.value:
             raise self._error(frames or root, "'keyframes' must be a list, one entry per keyframe")
         return [self._keyframe(node) for node in frames.value]
+
+    def _unit(self, node: Any, quantity: str) -> float:
+        """Factor to SI units; 0 when it is not stated."""
+        if node is None:
+            return 0.0
+        if node.id != "scalar":
+            raise self._error(node, f"one of {', '.join(UNITS[quantity])} is wanted here")
+        return scale(str(node.value), (quantity,), _where(node), self._source)[1]
 
     def _keyframe(self, node: Any) -> Keyframe:
         table = self._table(node, "a keyframe", ("time", "joints", "places"))
@@ -91,6 +97,8 @@ class _Tree:
             raise self._error(node, f"{what} must be a table of names and values")
         table: dict[str, Any] = {}
         for key, value in node.value:
+            if key.id != "scalar":
+                raise self._error(key, f"{what} must be a table of names and values")
             if keys and key.value not in keys:
                 raise self._error(key, f"unknown key '{key.value}'{did_you_mean(key.value, keys)}")
             if key.value in table:

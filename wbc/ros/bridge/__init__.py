@@ -1,6 +1,5 @@
 """A robot in a running loop as a node of a ROS 2 system, from a process of its own."""
 
 from wbc.ros.bridge.bridge import Bridge
-from wbc.ros.bridge.drive import drive
 
-__all__ = ["Bridge", "drive"]
+__all__ = ["Bridge"]

@@ -2,42 +2,43 @@
 
 from __future__ import annotations
 
-import logging
 import os
+import struct
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wbc.closing import Closing
 from wbc.command import Status
-from wbc.process import Child, ChildError
+from wbc.motions import CATALOGUE, Motion, Performer
+from wbc.motions.packing import check_importable
+from wbc.process import Child, ChildError, RecordRing
 from wbc.ros.bridge.helm import Helm
-from wbc.ros.bridge.layout import HEAD, PHASES, Layout, Mode
+from wbc.ros.bridge.layout import HEAD, Layout, Mode
 from wbc.ros.bridge.mailbox import Mailbox
 from wbc.ros.bridge.order import Order
-from wbc.ros.bridge.ring import StateRing
 from wbc.ros.errors import RosError
 from wbc.ros.network import Network
 from wbc.ros.wire import import_cyclonedds
-from wbc.telemetry import Balance
+from wbc.telemetry import PHASES, Balance
 
 if TYPE_CHECKING:
     from wbc.protocols import Controller, Plant
     from wbc.report import Report
     from wbc.tick import Tick
-    from wbc.walking import Walker
 
-logger = logging.getLogger(__name__)
-
-_LOOK = 0.5  # s, between two looks whether the process is still there
 _STATUS = {status: i for i, status in enumerate(Status)}
 _PHASE = {phase: i for i, phase in enumerate(PHASES)}
 _UNKNOWN = Balance()
+_HEAD = struct.Struct(f"={len(HEAD)}d")
+_MORE = 2.0
+_LYING = 0.02  # s between two looks at a robot that lies
 
 
-class Bridge:
+class Bridge(Closing):
     """Shows a robot to a ROS 2 system, and lets it be driven from there.
 
     All of DDS happens in another process. The loop's process copies each tick into shared
@@ -45,49 +46,65 @@ class Bridge:
     standing, when the other process has died.
 
     Example:
-        >>> with Bridge(walker, plant) as bridge:
-        ...     wbc.run(walker, plant, 60.0, log=bridge, before_tick=bridge.helm, real_time=True)
+        >>> with Bridge(performer, plant) as bridge:
+        ...     drive(bridge, performer, plant, 3600.0)
 
     Args:
-        walker: whom to drive.
-        plant: what it walks in; it may have `push` and `reset`.
+        performer: whom to drive.
+        plant: what it is in; it may have `push` and `reset`.
         name: of the node.
         namespace: of the node.
         network: domain and interface; from the environment when left out.
         update_rate: of the joint states, Hz; a parameter of the node.
+        use_sim_time: stamp messages with the plant's time, not the system's; likewise.
+        motions: that may be asked for; the whole catalogue when left out.
 
     Attributes:
         helm: takes orders; `before_tick` of `wbc.run`.
+        paces: the helm does not: the loop keeps the time.
+        rescue: how a robot that fell is set on its feet.
 
     Raises:
         MissingExtra: `cyclonedds` is not installed.
         RosError: the node cannot be made.
+        MotionError: a motion is not at the top of a module.
     """
+
+    paces = False
+    rescue = "/reset_robot sets it on its feet"
 
     def __init__(
         self,
-        walker: Walker,
+        performer: Performer,
         plant: Any,
         *,
         name: str = "wbc",
         namespace: str = "/",
         network: Network | None = None,
         update_rate: float = 50.0,
+        use_sim_time: bool = False,
+        motions: Sequence[type[Motion]] = CATALOGUE,
     ) -> None:
         import_cyclonedds()
-        robot = walker.robot
+        for motion in motions:
+            check_importable(motion)
+        robot = performer.robot
         layout = Layout.of(robot)
         self._soles = [sole.name for sole in robot.soles]
         self._no_wrench = np.full(6, np.nan)
-        self._ring = StateRing(layout.size)
+        self._ring = RecordRing(layout.size)
         self._mailbox = Mailbox(robot.na)
-        self.helm = Helm(self._mailbox, walker, plant)
+        self.helm = Helm(self._mailbox, performer, plant)
         self._run = 0
-        self._before = self._look = time.perf_counter()
+        self._before = time.perf_counter()
         self._last: np.ndarray | None = None
+        self._dt, self._to_go = performer.dt, 0  # ticks until one is shown whole
         assert self._mailbox.descriptor is not None
+        shelf, slip = self.helm.shelf.descriptor, self.helm.slip.descriptor
         self._process = Child(
-            "wbc.ros.bridge.server", (self._ring.descriptor, self._mailbox.descriptor)
+            "wbc.ros.bridge.server",
+            (self._ring.descriptor, self._mailbox.descriptor, shelf, slip),
+            title="the ROS 2 node",
         )
         order = Order(
             # A fresh copy: meshes that somebody has looked at stay at home.
@@ -96,12 +113,16 @@ class Bridge:
             space=namespace,
             network=network or Network.of(),
             update_rate=update_rate,
-            dt=walker.dt,
-            max_velocity=walker.gait.max_velocity,
+            use_sim_time=use_sim_time,
+            dt=performer.dt,
+            max_velocity=performer.walker.gait.max_velocity,
+            motions=tuple(motions),
             may_push=hasattr(plant, "push"),
             may_reset=hasattr(plant, "reset"),
             ring=self._ring.descriptor,
             mailbox=self._mailbox.descriptor,
+            shelf=shelf,
+            slip=slip,
             parent=os.getpid(),
         )
         try:
@@ -129,80 +150,81 @@ class Bridge:
         self.helm.begin()
 
     def record(self, tick: Tick, controller: Controller) -> None:
-        """Show a tick. Never waits; whatever happens to the node, returns."""
+        """Show a tick. Never waits; whatever happens to the node, returns.
+
+        Of most ticks the node needs to know no more than how long they took.
+        """
         now = time.perf_counter()
         period, self._before = now - self._before, now
-        if now >= self._look:
-            self._look_after(now)
-        balance: Balance = getattr(controller, "balance", _UNKNOWN)
-        wrenches = tick.measurement.foot_wrenches or tick.command.wrenches
+        self._process.look_after(now)
         record = self._ring.begin()
-        np.concatenate(
-            (
-                tick.state.q,
-                tick.state.v,
-                tick.command.tau,
-                balance.com,
-                balance.dcm,
-                balance.dcm_reference,
-                balance.zmp,
-                *[wrenches.get(name, self._no_wrench) for name in self._soles],
-            ),
-            out=record[len(HEAD) :],
-        )
-        record[: len(HEAD)] = (
+        self._to_go -= 1
+        phase = 0
+        if whole := self._to_go <= 0:
+            # The node's own rates do not go into the loop's: it gets some more than it asks for.
+            self._to_go = int(1.0 / (_MORE * self._mailbox.latest.rate * self._dt))
+            balance: Balance = getattr(controller, "balance", _UNKNOWN)
+            phase = _PHASE.get(balance.phase, 0)
+            wrenches = tick.measurement.foot_wrenches or tick.command.wrenches
+            np.concatenate(
+                (
+                    tick.state.q,
+                    tick.state.v,
+                    tick.command.tau,
+                    balance.com,
+                    balance.dcm,
+                    balance.dcm_reference,
+                    balance.zmp,
+                    *[wrenches.get(name, self._no_wrench) for name in self._soles],
+                ),
+                out=record[len(HEAD) :],
+            )
+            self._last = record
+        self._ring.pack(
+            _HEAD,
             time.time(),
+            whole,
             tick.time,
             self._run,
             Mode.RUNNING,
             _STATUS[tick.command.status],
-            _PHASE.get(balance.phase, 0),
+            phase,
             getattr(controller, "steps", 0),
             tick.estimator_time + tick.controller_time,
             period,
             getattr(controller, "dcm_error", np.nan),
+            self.helm.motions,
+            self.helm.stage,
         )
         self._ring.publish()
-        self._last = record
 
     def end(self, report: Report) -> None:
         """The run is over, see `wbc.protocols.Recorder`."""
 
-    def fallen(self) -> None:
-        """Show where it lies, again: a fallen robot has no ticks, but its sensors do not die."""
+    @property
+    def reset_wanted(self) -> bool:
+        """Whether a reset has been asked for since the run began."""
+        return self.helm.reset_wanted
+
+    def heed(self, stop: Callable[[], bool]) -> None:
+        """Nothing to do: its helm never waits."""
+
+    def lie(self) -> None:
+        """Show where it lies: a fallen robot has no ticks, but its sensors do not die."""
+        time.sleep(_LYING)
         if self._last is None:
             return
         last = self._last.copy()
         record = self._ring.begin()
         record[:] = last
-        record[0], record[3] = time.time(), Mode.FALLEN
+        record[HEAD.index("stamp")] = time.time()
+        record[HEAD.index("mode")] = Mode.FALLEN
         self._ring.publish()
         self._last = record
 
-    def _look_after(self, now: float) -> None:
-        """Report the end of the process, once."""
-        self._look = now + _LOOK
-        if not self._process.alive:
-            self._look = float("inf")
-            logger.warning(
-                "the ROS 2 node's process has ended (exit code %s); the run goes on without it",
-                self._process.exit_code,
-            )
-
     def close(self) -> None:
         """End the node."""
-        self._look = float("inf")
         self._process.close()
         self._ring.close()
         self._mailbox.close()
-
-    def __enter__(self) -> Bridge:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
+        self.helm.close()

@@ -12,28 +12,37 @@ from wbc.ros.bridge.layout import Mode, Sample
 from wbc.ros.bridge.order import Order
 from wbc.ros.due import Due
 from wbc.ros.node import Node
+from wbc.ros.parameters import Parameters
+from wbc.ros.stamp import stamp_at
 
 _ARRAY = message_type("diagnostic_msgs/msg/DiagnosticArray")
 _STATUS = message_type("diagnostic_msgs/msg/DiagnosticStatus")
 _VALUE = message_type("diagnostic_msgs/msg/KeyValue")
 _OK, _WARN, _ERROR = 0, 1, 2
-_RATE = 1.0  # Hz
 _STATUSES = tuple(Status)
 
 
 class Diagnostics:
-    """Gathers ticks, and tells once a second how they went.
+    """Gathers ticks, and tells now and then how they went: once a second at first.
 
     An overrun is a tick that came more than a period late.
     """
 
-    def __init__(self, node: Node, order: Order) -> None:
+    def __init__(self, node: Node, parameters: Parameters, order: Order) -> None:
         self._publisher = node.publisher(_ARRAY.type_name, "/diagnostics")
         self._name, self._robot, self._dt = node.full_name.lstrip("/"), order.robot.name, order.dt
-        self._due = Due(_RATE)
+        # Its name is that of ROS 2's own `diagnostic_updater`.
+        period = parameters.declare(
+            "diagnostic_updater.period", 1.0, "of diagnostics, s", lowest=0.05, highest=60.0
+        )
+        self._due = Due(1.0 / period.value)
+        period.changed = self._change_period
         self._ticks: list[float] = []
         self._periods: list[float] = []
         self._failures = self._overruns = self._all_overruns = 0
+
+    def _change_period(self, period: float) -> None:
+        self._due.rate = 1.0 / period
 
     def take(self, sample: Sample) -> None:
         """One tick more."""
@@ -42,7 +51,7 @@ class Diagnostics:
             self._periods.append(sample.period)
             self._failures += _STATUSES[sample.status] is not Status.OK
             self._overruns += sample.period > 2.0 * self._dt
-        if self._due(sample.stamp):
+        if sample.whole and self._due(sample.stamp):
             self._tell(sample)
 
     def _tell(self, sample: Sample) -> None:
@@ -62,7 +71,7 @@ class Diagnostics:
                 "rate (Hz)": f"{1.0 / periods.mean():.1f}" if periods.mean() > 0.0 else "0",
                 "overruns": str(self._all_overruns),
                 "QP status": _STATUSES[sample.status].value,
-                "QP failures in the last second": str(self._failures),
+                "QP failures lately": str(self._failures),
                 "phase": sample.phase_name,
                 "steps": str(sample.steps),
                 "DCM error (mm)": f"{1e3 * sample.dcm_error:.1f}",
@@ -71,9 +80,7 @@ class Diagnostics:
             }.items()
         ]
         message: Any = _ARRAY(status=[status])
-        seconds = int(sample.stamp)
-        message.header.stamp.sec = seconds
-        message.header.stamp.nanosec = int(1e9 * (sample.stamp - seconds))
+        message.header.stamp = stamp_at(sample.stamp)
         self._publisher.publish(message)
         self._ticks.clear()
         self._periods.clear()

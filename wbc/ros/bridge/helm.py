@@ -8,37 +8,45 @@ from typing import Any
 import numpy as np
 
 from wbc.loop import StopRun
+from wbc.motions import Performer, unpack
+from wbc.motions.conductor import STANDING, Conductor, Stage
+from wbc.motions.shelf import Shelf
 from wbc.ros.bridge.mailbox import Mailbox, Orders
-from wbc.walking import Walker
+from wbc.ros.bridge.slip import Slip
 
-STANDING = (0.0, 0.0, 0.0)
 _SHARE = 0.5  # of the joints' speed limits
 
 
 class Helm:
-    """Steers a walker by the orders in a mailbox; `wbc.run` calls it before each tick.
+    """Steers a performer by the orders in a mailbox; `wbc.run` calls it before each tick.
 
     A velocity ends by itself when nobody renews it, be it that a client went silent or that
-    the node's process died.
+    the node's process died. Joints wait until a motion is over.
 
     Args:
         mailbox: of the orders.
-        walker: whom to steer.
+        performer: whom to steer.
         plant: which may have `push` and `reset`.
 
     Attributes:
-        reset_wanted: a reset was asked for, and the run ended for it.
+        conductor: through which.
+        shelf: where motions lie that are ordered.
+        slip: tells why a motion was given up.
+        motions: how many have been taken from there.
     """
 
-    def __init__(self, mailbox: Mailbox, walker: Walker, plant: Any) -> None:
-        self._mailbox, self._walker, self._plant = mailbox, walker, plant
+    def __init__(self, mailbox: Mailbox, performer: Performer, plant: Any) -> None:
+        self._mailbox, self._performer, self._plant = mailbox, performer, plant
+        self.conductor = Conductor(performer)
+        self.shelf, self.slip = Shelf(), Slip()
+        self._push = getattr(plant, "push", None)
         self._velocity = STANDING
-        self._pushes = self._resets = 0
-        robot = walker.robot
-        self._slowest = _SHARE * np.minimum(robot.v_max, 1e3) * walker.dt
+        self._pushes = self._resets = self._stands = 0
+        self.motions = 0
+        robot = performer.robot
+        self._slowest = _SHARE * np.minimum(robot.v_max, 1e3) * performer.dt
         self._orders: Orders | None = None
         self._moving = self._begun = False
-        self.reset_wanted = False
 
     def __call__(self, _: float) -> None:
         """Take the latest orders.
@@ -53,12 +61,13 @@ class Helm:
         now = time.monotonic()
         velocity = orders.velocity if now < orders.velocity_until else STANDING
         if velocity != self._velocity:
-            self._velocity = self._walker.velocity = velocity
+            self._velocity = self.conductor.velocity = velocity
         if orders is not self._orders:
             self._orders = orders
             self._moving = True
             self._take(orders)
-        if self._moving:
+        self._steer()
+        if self._moving and self._performer.idle:
             self._move_joints(orders, now)
 
     def begin(self) -> None:
@@ -66,29 +75,56 @@ class Helm:
         orders = self._mailbox.look()
         self._orders, self._moving = orders, False
         self._pushes, self._resets = orders.pushes, orders.resets
-        self._velocity = self._walker.velocity = STANDING
-        self.reset_wanted = self._begun = False
+        self.motions, self._stands = orders.motions, orders.stands
+        self._velocity = STANDING
+        self.conductor.begin()
+        self._begun = False
 
     @property
-    def reset_asked(self) -> bool:
+    def reset_wanted(self) -> bool:
         """Whether a reset has been asked for since the run began."""
         return self._mailbox.look().resets != self._resets
+
+    @property
+    def stage(self) -> Stage:
+        """What became of the last of the `motions`."""
+        return self.conductor.stage
+
+    def close(self) -> None:
+        """Give up what is shared with the node."""
+        self.shelf.close()
+        self.slip.close()
 
     def _take(self, orders: Orders) -> None:
         if orders.pushes != self._pushes:
             self._pushes = orders.pushes
             self._plant.push(np.array(orders.impulse), duration=orders.push_duration)
         if orders.resets != self._resets:
-            self.reset_wanted = True
             raise StopRun("reset")
+        if orders.stands != self._stands:
+            self._stands = orders.stands
+            self.conductor.stand()
+        if orders.motions != self.motions:
+            self.motions = orders.motions
+            packed = self.shelf.take(orders.slot, orders.size)
+            self.conductor.play(unpack(packed, self._performer.robot))
+
+    def _steer(self) -> None:
+        conductor, performer = self.conductor, self._performer
+        before = conductor.stage
+        conductor.steer()
+        if conductor.stage is not before and performer.body.notes:
+            self.slip.write(self.motions, performer.body.notes[-1])
+        for impulse in performer.pushes_due():
+            if self._push is not None:
+                self._push(impulse)
 
     def _move_joints(self, orders: Orders, now: float) -> None:
-        """Lead the posture's target to where it is wanted, never faster than it may go."""
-        target = self._walker.posture.target
-        missing = orders.joints - target
+        """Lead the posture to where it is wanted, never faster than it may go."""
+        posture, dt = self._performer.body.posture, self._performer.dt
+        missing = orders.joints - posture.home
         missing[np.isnan(missing)] = 0.0
-        dt = self._walker.dt
         step = missing * (dt / max(orders.arrival - now, dt))
         most = np.minimum(self._slowest, orders.joint_speed * dt)
-        target += np.clip(step, -most, most)
+        posture.move_home(posture.home + np.clip(step, -most, most))
         self._moving = bool(np.abs(missing).max() > 1e-9)

@@ -8,13 +8,14 @@ from functools import cached_property
 
 import numpy as np
 
+from wbc.motions.conductor import Stage
 from wbc.robot import Robot
-
-PHASES = ("stand", "double", "left", "right")
+from wbc.telemetry import PHASES
 
 #: Numbers that stand first, in the order in which they are written.
 HEAD = (
     "stamp",  # s since 1970
+    "whole",  # whether the arrays are of this tick
     "time",  # of the plant, s
     "run",
     "mode",
@@ -24,6 +25,8 @@ HEAD = (
     "tick_time",  # estimator and controller, s
     "period",  # since the tick before, s
     "dcm_error",  # m
+    "motions",  # taken so far
+    "stage",  # of the last of them
 )
 
 
@@ -79,6 +82,7 @@ class Sample:
 
     Attributes:
         stamp: when it ended, s since 1970.
+        whole: whether the arrays are of this tick; otherwise they mean nothing.
         time: of the plant, s.
         run: counts resets.
         mode: whether the loop runs.
@@ -88,6 +92,8 @@ class Sample:
         tick_time: that estimator and controller took, s.
         period: since the tick before, s.
         dcm_error: m.
+        motions: how many the loop has been asked for.
+        stage: what became of the last of them.
         q: (nq,) configuration, Pinocchio's convention.
         v: (nv,) velocity, Pinocchio's convention.
         tau: (na,) joint torques, N·m.
@@ -96,6 +102,7 @@ class Sample:
     """
 
     stamp: float
+    whole: bool
     time: float
     run: int
     mode: Mode
@@ -105,6 +112,8 @@ class Sample:
     tick_time: float
     period: float
     dcm_error: float
+    motions: int
+    stage: Stage
     q: np.ndarray
     v: np.ndarray
     tau: np.ndarray
@@ -117,9 +126,9 @@ class Sample:
     @staticmethod
     def of(layout: Layout, record: np.ndarray) -> Sample:
         """A sample of a record, which it keeps views of."""
-        stamp, time, run, mode, status, phase, steps, tick, period, error = record[
-            : len(HEAD)
-        ].tolist()
+        head = record[: len(HEAD)].tolist()
+        stamp, whole, time, run, mode, status, phase, steps, tick, period, error = head[:-2]
+        motions, stage = head[-2:]
         arrays, start = {}, len(HEAD)
         for name, size in layout.body:
             arrays[name] = record[start : start + size]
@@ -127,6 +136,7 @@ class Sample:
         arrays["wrenches"] = arrays["wrenches"].reshape(-1, 6)
         return Sample(
             stamp,
+            bool(whole),
             time,
             int(run),
             Mode(int(mode)),
@@ -136,6 +146,8 @@ class Sample:
             tick,
             period,
             error,
+            int(motions),
+            Stage(int(stage)),
             **arrays,
         )
 

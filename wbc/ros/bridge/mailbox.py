@@ -8,7 +8,7 @@ import numpy as np
 
 from wbc.process import SharedMemory
 
-_HEAD = 16  # numbers before the joints'
+_HEAD = 20  # numbers before the joints'
 
 
 @dataclass
@@ -27,6 +27,11 @@ class Orders:
         impulse: of the last push, N·s, world axes.
         push_duration: of the last push, s.
         resets: how many resets have been asked for.
+        rate: of whole ticks, Hz, that the node needs at the least.
+        motions: how many motions have been asked for.
+        slot: where on the shelf the last one lies.
+        size: of it there, bytes.
+        stands: how many times it was told to leave off and stand.
     """
 
     joints: np.ndarray
@@ -38,6 +43,11 @@ class Orders:
     impulse: tuple[float, float, float] = (0.0, 0.0, 0.0)
     push_duration: float = 0.1
     resets: int = 0
+    rate: float = float("inf")
+    motions: int = 0
+    slot: int = 0
+    size: int = 0
+    stands: int = 0
 
     @staticmethod
     def none(na: int) -> Orders:
@@ -80,7 +90,12 @@ class Mailbox:
             *orders.impulse,
             orders.push_duration,
             orders.resets,
-            *[0.0] * 4,
+            orders.rate,
+            orders.motions,
+            orders.slot,
+            orders.size,
+            orders.stands,
+            *[0.0] * 3,
         )
         self._numbers[_HEAD:] = orders.joints
         self._sequence[0] = sequence + 2
@@ -93,21 +108,29 @@ class Mailbox:
         numbers = self._numbers.copy()
         if int(self._sequence[0]) != sequence:
             return self._latest
-        x, y, turn, until, arrival, speed, pushes, ix, iy, iz, duration, resets = numbers[
-            :12
-        ].tolist()
+        head = iter(numbers[:_HEAD].tolist())
         self._seen = sequence
         self._latest = Orders(
             joints=numbers[_HEAD:],
-            velocity=(x, y, turn),
-            velocity_until=until,
-            arrival=arrival,
-            joint_speed=speed,
-            pushes=int(pushes),
-            impulse=(ix, iy, iz),
-            push_duration=duration,
-            resets=int(resets),
+            velocity=(next(head), next(head), next(head)),
+            velocity_until=next(head),
+            arrival=next(head),
+            joint_speed=next(head),
+            pushes=int(next(head)),
+            impulse=(next(head), next(head), next(head)),
+            push_duration=next(head),
+            resets=int(next(head)),
+            rate=next(head),
+            motions=int(next(head)),
+            slot=int(next(head)),
+            size=int(next(head)),
+            stands=int(next(head)),
         )
+        return self._latest
+
+    @property
+    def latest(self) -> Orders:
+        """Those that were looked at last."""
         return self._latest
 
     def close(self) -> None:

@@ -1,17 +1,20 @@
-"""The robot's node: its topics, services, parameters and action, put together."""
+"""The robot's node: its topics, services, parameters and actions, put together."""
 
 from __future__ import annotations
 
+import logging
 from typing import Any
 
 from wbc.messages import message_type
+from wbc.process import RecordRing
+from wbc.ros.bridge.clock import PlantClock
 from wbc.ros.bridge.diagnostics import Diagnostics
-from wbc.ros.bridge.layout import Layout, Sample
+from wbc.ros.bridge.layout import Layout, Mode, Sample
 from wbc.ros.bridge.mailbox import Mailbox, Orders
 from wbc.ros.bridge.order import Order
+from wbc.ros.bridge.play_motion import PlayMotion
 from wbc.ros.bridge.posture import PostureCommands
 from wbc.ros.bridge.requests import PlantRequests
-from wbc.ros.bridge.ring import StateRing
 from wbc.ros.bridge.state_topics import BalanceTopics, JointStates, Odometry
 from wbc.ros.bridge.steering import Steering
 from wbc.ros.bridge.transforms import Transforms
@@ -19,10 +22,13 @@ from wbc.ros.bridge.walk_to import WalkTo
 from wbc.ros.due import Due
 from wbc.ros.joint_publisher import FASTEST
 from wbc.ros.node import Node
-from wbc.ros.parameters import Parameter, Parameters
+from wbc.ros.parameters import Parameters
 from wbc.ros.qos import LATCHED
 
+logger = logging.getLogger(__name__)
+
 _LEAST_LOOKS = 200.0  # Hz, at which new ticks are looked for
+_LEAST_TICKS = 50.0  # Hz, of whole ones, for the steering
 
 
 class RobotNode:
@@ -35,7 +41,7 @@ class RobotNode:
         mailbox: where its orders go.
     """
 
-    def __init__(self, node: Node, order: Order, ring: StateRing, mailbox: Mailbox) -> None:
+    def __init__(self, node: Node, order: Order, ring: RecordRing, mailbox: Mailbox) -> None:
         self._ring, self._layout = ring, Layout.of(order.robot)
         self._node = node
         self.parameters = parameters = Parameters(node)
@@ -54,6 +60,8 @@ class RobotNode:
             highest=FASTEST,
         )
         self._rate, self._others = rate, others
+        # What can be reset is a simulation.
+        self._clock = PlantClock(node, parameters, order.use_sim_time) if order.may_reset else None
         self._joint_states = JointStates(node, order.robot)
         self._due = Due(rate.value, 0.5 * order.dt)
         self._at_state_rate = (
@@ -62,7 +70,7 @@ class RobotNode:
             Transforms(node, order.robot),
         )
         self._state_due = Due(others.value, 0.5 * order.dt)
-        self._diagnostics = Diagnostics(node, order)
+        self._diagnostics = Diagnostics(node, parameters, order)
         text = message_type("std_msgs/msg/String")
         description = node.publisher(text.type_name, "robot_description", LATCHED)
         description.publish(text(data=order.robot.urdf_path.read_text("utf-8", "replace")))
@@ -71,18 +79,20 @@ class RobotNode:
         self._posture = PostureCommands(node, parameters, orders, mailbox, order.robot)
         self._requests = PlantRequests(node, parameters, orders, mailbox, order)
         self._walk_to = WalkTo(node, parameters, self._steering, order)
+        self._play = PlayMotion(node, self._steering, self._walk_to, orders, mailbox, order)
+        self._orders, self._mailbox = orders, mailbox
         self._latest: Sample | None = None
-        self._looks = node.timer(self._look_period(), self._look)
+        self._looks = node.timer(1.0 / _LEAST_LOOKS, self._look)
+        self._change_rates(None)
         for parameter in (rate, others):
             parameter.changed = self._change_rates
 
     def _change_rates(self, _: Any) -> None:
         self._due.rate, self._state_due.rate = self._rate.value, self._others.value
-        self._looks.period = self._look_period()
-
-    def _look_period(self) -> float:
-        fastest: Parameter = max(self._rate, self._others, key=lambda p: p.value)
-        return 1.0 / max(2.0 * float(fastest.value), _LEAST_LOOKS)
+        fastest = float(max(self._rate.value, self._others.value))
+        self._looks.period = 1.0 / max(2.0 * fastest, _LEAST_LOOKS)
+        self._orders.rate = max(fastest, _LEAST_TICKS)
+        self._mailbox.post(self._orders)
 
     def _look(self) -> None:
         """Take in new ticks."""
@@ -90,18 +100,31 @@ class RobotNode:
             self._take(Sample.of(self._layout, record))
 
     def _take(self, sample: Sample) -> None:
-        if self._latest is not None and sample.run != self._latest.run:
-            self._posture.forget()
-            self._requests.reset_done()
+        if self._clock is not None:
+            sample = self._clock.stamped(sample)
+        if self._latest is not None:
+            self._note_changes(self._latest, sample)
         self._latest = sample
+        self._diagnostics.take(sample)
+        self._play.take(sample)
+        if not sample.whole:
+            return
         if self._due(sample.stamp):
             self._joint_states.publish(sample)
         if self._state_due(sample.stamp):
             for topics in self._at_state_rate:
                 topics.publish(sample)
-        self._diagnostics.take(sample)
         self._walk_to.take(sample)
+
+    def _note_changes(self, before: Sample, now: Sample) -> None:
+        if now.run != before.run:
+            logger.info("the robot was reset")
+            self._posture.forget()
+            self._requests.reset_done()
+        elif now.mode is Mode.FALLEN and before.mode is not Mode.FALLEN:
+            logger.error("the robot fell")
 
     def stop(self) -> None:
         """The loop ends."""
-        self._walk_to.stop("the robot's loop has ended")
+        for action in (self._walk_to, self._play):
+            action.stop("the robot's loop has ended")

@@ -25,6 +25,7 @@ class Steering:
     Attributes:
         max_velocity: largest |forward|, |left| (m/s) and |turn| (rad/s).
         taken_over: called when somebody steers by hand.
+        sets_out: called when the robot is to walk, whoever wants it.
     """
 
     def __init__(
@@ -40,6 +41,7 @@ class Steering:
             highest=10.0,
         )
         self.taken_over: Callable[[], None] = lambda: None
+        self.sets_out: Callable[[], None] = lambda: None
         node.subscription("geometry_msgs/msg/Twist", "cmd_vel", self._hear)
 
     def _hear(self, message: Any, _: Any) -> None:
@@ -57,6 +59,8 @@ class Steering:
             max(-most, min(most, value))
             for value, most in zip(velocity, self.max_velocity, strict=True)
         )
+        if velocity != STANDING:
+            self.sets_out()
         self._orders.velocity = (x, y, turn)
         self._orders.velocity_until = time.monotonic() + lasting
         self._mailbox.post(self._orders)

@@ -7,6 +7,7 @@ fields, which earlier readers do not mind. `behavior_tree` is not used.
 
 from __future__ import annotations
 
+import logging
 import math
 from typing import Any
 
@@ -22,8 +23,10 @@ from wbc.ros.bridge.steering import Steering
 from wbc.ros.due import Due
 from wbc.ros.node import Node
 from wbc.ros.parameters import Parameters
-from wbc.ros.stamp import duration, stamp_now
+from wbc.ros.stamp import duration, stamp_at
 from wbc.state import State
+
+logger = logging.getLogger(__name__)
 
 TYPE = "nav2_msgs/action/NavigateToPose"
 _WORLDS = ("", WORLD, "map", "world")
@@ -105,6 +108,7 @@ class WalkTo:
         self._nearest = math.inf
         self._standing_since: float | None = None
         self._tries = 0
+        logger.info("walking to (%.2f m, %.2f m, %.2f rad)", pose.x, pose.y, pose.heading)
 
     def _cancel(self, goal: Goal) -> bool:
         if goal is not self._goal:
@@ -139,7 +143,7 @@ class WalkTo:
         error = self._target.seen_from(here)
         now = sample.time  # a simulation may be slower than the clock
         if self._tells(sample.stamp):
-            self._tell(goal, here, error, now)
+            self._tell(goal, here, error, sample)
         if self._ending is None and not goal.client_alive:
             text = "who sent the goal has gone"
             self._end(GoalState.ABORTED, self._failure(_UNKNOWN_ERROR, text))
@@ -198,19 +202,20 @@ class WalkTo:
 
     def _finish(self, goal: Goal, state: GoalState, result: Any) -> None:
         self._goal = self._ending = None
+        logger.info("walking to a pose: %s", result.error_msg or state.name.lower())
         goal.finish(state, result)
 
     def _failure(self, code: int, text: str) -> Any:
         return self._server.result_type(error_code=code, error_msg=text)
 
-    def _tell(self, goal: Goal, here: Pose, error: Pose, now: float) -> None:
+    def _tell(self, goal: Goal, here: Pose, error: Pose, sample: Sample) -> None:
         feedback: Any = self._server.feedback_type()
         pose = feedback.current_pose
-        pose.header.stamp, pose.header.frame_id = stamp_now(), WORLD
+        pose.header.stamp, pose.header.frame_id = stamp_at(sample.stamp), WORLD
         pose.pose.position.x, pose.pose.position.y = here.x, here.y
         pose.pose.orientation.z = math.sin(0.5 * here.heading)
         pose.pose.orientation.w = math.cos(0.5 * here.heading)
-        feedback.navigation_time = duration(now - self._began)
+        feedback.navigation_time = duration(sample.time - self._began)
         pace = float(self._share.value) * self._steering.max_velocity[0]
         feedback.estimated_time_remaining = duration(error.distance / pace)
         feedback.number_of_recoveries = self._tries

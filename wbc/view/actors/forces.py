@@ -13,8 +13,8 @@ _RADIUS = 0.012  # m, on a robot of human size
 _HEAD = 0.09  # m
 #: Length of the arrow that carries the robot's weight, in heights of its centre of mass.
 _LENGTH = 0.6
-#: Forces below this part of the weight are not drawn.
-_LEAST = 0.005
+#: Forces below this part of the weight are not drawn: more than the noise of a foot in the air.
+_LEAST = 0.02
 
 
 class Forces(Actor):

@@ -1,0 +1,318 @@
+"""Pictures of the motions, each at its most telling moment, from the page that shows a run.
+
+Every motion is played in MuJoCo with noisy sensors and the estimator, recorded, and the
+recording's page is photographed in a browser without a window: the robot, its centre of mass
+with the way it came, DCM, ZMP, contact forces and the support polygon.
+
+    python benchmarks/gallery.py                  # docs/motions/*.png and docs/motions.png
+    python benchmarks/gallery.py --motion jump    # only this one; the sheet is left alone
+"""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import wbc
+from wbc.loop import RunComplete
+from wbc.motions import (
+    Bow,
+    Jump,
+    Keyframes,
+    Look,
+    Motion,
+    OneLeg,
+    Performer,
+    Reach,
+    Sine,
+    Squat,
+    StepInPlace,
+    Sway,
+    Wave,
+)
+from wbc.motions.jumping import Jumper, JumpPhase
+from wbc.trials import Stage
+from wbc.view import Recording
+from wbc.view.browser import new_page
+
+ROOT = Path(__file__).resolve().parents[1]
+SIZE = (480, 600)  # pixels of a picture
+COLUMNS, WIDTH_ON_SHEET, GAP = 4, 300, 14
+PATIENCE = 240_000  # ms: meshes are drawn in software
+LONGEST = 30.0  # s of a run
+CARD = "#status { max-width: none; left: 8px; top: 8px; padding: 3px 8px; font-size: 11px; }"
+#: Where the camera goes: round the robot, and so much nearer than on the page itself.
+LOOK = """([turn, nearer, lower]) => {
+  const p = viewer.camera.position, c = Math.cos(turn), s = Math.sin(turn);
+  p.set(nearer * (c * p.x + s * p.z), nearer * lower * p.y, nearer * (c * p.z - s * p.x));
+  viewer.camera.updateProjectionMatrix();
+  viewer.set_dirty();
+}"""
+
+Moment = Callable[[float, Performer], bool]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A picture.
+
+    Attributes:
+        name: of the file.
+        said: one sentence.
+        command: that plays it, without `wbc motion`.
+        robot: its name.
+        motion: what is played.
+        moment: whether the time, s, has come.
+        turn: of the camera round the robot, rad.
+        nearer: distance of the camera, as a share of the page's own.
+        lower: height of the camera, likewise.
+    """
+
+    name: str
+    said: str
+    command: str
+    robot: str
+    motion: Motion
+    moment: Moment
+    turn: float = 0.0
+    nearer: float = 0.8
+    lower: float = 1.0
+
+
+def after(seconds: float) -> Moment:
+    """A time of the run."""
+    return lambda time, performer: time >= seconds
+
+
+def at_the_top(time: float, performer: Performer) -> bool:
+    """In flight, on the way down."""
+    body = performer.body
+    if not isinstance(body.pilot, Jumper) or body.pilot.phase is not JumpPhase.FLIGHT:
+        return False
+    assert body.state is not None
+    return bool(wbc.Kinematics(body.robot, body.state).v_com[2] <= 0.0)
+
+
+def on_one_leg(time: float, performer: Performer) -> bool:
+    """A foot is held up."""
+    return performer.body.lifted is not None and len(performer.body.pushes) > 0
+
+
+def stepping(time: float, performer: Performer) -> bool:
+    """In the middle of the third step."""
+    swings = performer.telemetry.phase in ("left", "right")
+    return performer.steps == 2 and swings and performer.walker.schedule.progress > 0.5
+
+
+SCENES = (
+    Scene(
+        "sway",
+        "The centre of mass goes round an eight, or a circle, over the soles.",
+        "sway --robot g1 --shape eight",
+        "g1",
+        Sway(shape="eight"),
+        after(6.3),
+        turn=0.4,
+    ),
+    Scene(
+        "squat",
+        "Down by a fifth of the leg, the CoM over the soles, and no knee locks on the way up.",
+        "squat --robot talos --depth 20",
+        "talos",
+        Squat(depth=20.0),
+        after(3.0),
+    ),
+    Scene(
+        "wave",
+        "Both hands above the shoulders and to and fro, while the walker walks.",
+        "wave --robot talos --walk 0.3",
+        "talos",
+        Wave(walk=0.3),
+        after(4.4),
+        nearer=0.92,
+    ),
+    Scene(
+        "reach",
+        "Each hand to a place of its own; what is out of reach is said, and by how much.",
+        "reach --robot talos --left 0.55 0.35 1.35 --right 0.5 -0.25 0.85",
+        "talos",
+        Reach(left=(0.55, 0.35, 1.35), right=(0.5, -0.25, 0.85)),
+        after(2.6),
+    ),
+    Scene(
+        "look",
+        "Head and trunk share the turn that follows a point.",
+        "look --robot talos --radius 0.9",
+        "talos",
+        Look(radius=0.9),
+        after(3.8),
+    ),
+    Scene(
+        "one-leg",
+        "Five seconds on either leg, with a push in the middle of each.",
+        "one-leg --robot simple_humanoid --leg left --height 15",
+        "simple_humanoid",
+        OneLeg(leg="left", height=15.0),
+        on_one_leg,
+        turn=0.5,
+    ),
+    Scene(
+        "bow",
+        "Waist and hips share the angle, and the hips go back.",
+        "bow --robot g1 --angle 40",
+        "g1",
+        Bow(angle=40.0),
+        after(2.2),
+        turn=0.4,
+    ),
+    Scene(
+        "step-in-place",
+        "The walker's own steps, onto the places where the feet are.",
+        "step-in-place --robot romeo",
+        "romeo",
+        StepInPlace(),
+        stepping,
+    ),
+    Scene(
+        "sine",
+        "The tutorial's fifteen joints on sines, here as a posture under balance.",
+        "sine --robot simple_humanoid --balanced",
+        "simple_humanoid",
+        Sine(balanced=True),
+        after(2.6),
+    ),
+    Scene(
+        "sine-open-loop",
+        "The same sines as they stand, with nobody who looks after balance: the report says when.",
+        "sine --robot simple_humanoid",
+        "simple_humanoid",
+        Sine(),
+        after(1.55),
+        nearer=1.0,
+    ),
+    Scene(
+        "jump",
+        "Planned from the limits of torque and velocity; no force at the soles, no spin.",
+        "jump --robot g1 --clearance 0.08",
+        "g1",
+        Jump(clearance=0.08),
+        at_the_top,
+        nearer=0.82,
+        lower=0.35,
+    ),
+    Scene(
+        "keyframes",
+        "Postures and places of the hands from a file, checked before anything moves.",
+        "keyframes --robot simple_humanoid --file examples/motions/keyframes/robot_dance.csv",
+        "simple_humanoid",
+        Keyframes(file=str(ROOT / "examples" / "motions" / "keyframes" / "robot_dance.csv")),
+        after(3.0),
+    ),
+)
+
+
+def photograph(scene: Scene, path: Path) -> None:
+    """Play a scene up to its moment, and take the picture."""
+    robot = wbc.load(scene.robot)
+    performer = Performer(robot, motions=[scene.motion])
+    stage, recording = Stage(performer), Recording(robot)
+
+    def tick(time: float) -> None:
+        if scene.moment(time, performer):
+            raise RunComplete
+        stage(time, plant)
+
+    with wbc.sim.Mujoco(robot, seed=1) as plant:
+        report = wbc.run(performer, plant, LONGEST, recording=recording, before_tick=tick)
+    print(f"{scene.name}: {robot.name} at {report.duration_s:.2f} s", file=sys.stderr, flush=True)
+    with tempfile.TemporaryDirectory() as folder, new_page(*SIZE) as page:
+        page.set_default_timeout(PATIENCE)
+        page.goto(recording.save(Path(folder) / "scene.html").as_uri())
+        page.wait_for_function("wbc.ready")
+        duration = page.evaluate("wbc.film()")
+        page.evaluate(LOOK, [scene.turn, scene.nearer, scene.lower])
+        page.add_style_tag(content=CARD)
+        page.evaluate("(time) => wbc.seek(time)", duration)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        page.screenshot(path=path)
+
+
+def sheet(scenes: Sequence[Scene], folder: Path, path: Path) -> None:
+    """All pictures on one, each with its command."""
+    figures = []
+    for scene in scenes:
+        data = base64.b64encode((folder / f"{scene.name}.png").read_bytes()).decode("ascii")
+        figures.append(
+            f'<figure><img src="data:image/png;base64,{data}">'
+            f"<figcaption>wbc motion {scene.command}</figcaption></figure>"
+        )
+    width = COLUMNS * WIDTH_ON_SHEET + (COLUMNS + 1) * GAP
+    html = f"""<style>
+body {{ margin: 0; background: white; width: {width}px; display: grid; gap: {GAP}px;
+  padding: {GAP}px; box-sizing: border-box;
+  grid-template-columns: repeat({COLUMNS}, minmax(0, 1fr)); }}
+figure {{ margin: 0; }} img {{ width: 100%; border-radius: 6px; display: block; }}
+figcaption {{ font: 12px/1.35 "DejaVu Sans Mono", monospace; color: #23272f; padding: 5px 2px 0;
+  min-height: 32px;
+  overflow-wrap: anywhere; }}
+</style>{"".join(figures)}"""
+    with new_page(width, 400) as page:
+        page.set_content(html)
+        page.wait_for_function("[...document.images].every((image) => image.complete)")
+        page.screenshot(path=path, full_page=True)
+
+
+def write_page(scenes: Sequence[Scene], path: Path) -> None:
+    """The gallery in Markdown."""
+    lines = [
+        "# Motions",
+        "",
+        "Each in MuJoCo with the robot's torque limits, noisy sensors and the estimator in the",
+        "loop, at its most telling moment. Pictures and page are made by",
+        "`python benchmarks/gallery.py`. `wbc motion --list` names all motions, `wbc motion NAME",
+        "--help` tells what may be chosen, and `wbc motion show` plays everything in a row.",
+        "A motion of your own takes a page of code: `examples/motions/13_own_motion.py`.",
+        "",
+        "Red arrows are contact forces; black is the centre of mass with the way that it came,",
+        "violet the DCM, yellow the ZMP, green the support polygon.",
+    ]
+    for scene in scenes:
+        lines += [
+            "",
+            f"## {scene.name}",
+            "",
+            f'<img src="motions/{scene.name}.png" width="360" alt="{scene.said}">',
+            "",
+            scene.said,
+            "",
+            "```bash",
+            f"wbc motion {scene.command}",
+            "```",
+        ]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def main() -> None:
+    """Take the pictures, make sheet and page."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    names = [scene.name for scene in SCENES]
+    parser.add_argument("--motion", action="append", choices=names, help="only this picture")
+    parser.add_argument("--docs", type=Path, default=ROOT / "docs", help="folder to write to")
+    parser.add_argument("--sheet", action="store_true", help="only sheet and page, no picture")
+    options = parser.parse_args()
+    folder = options.docs / "motions"
+    for scene in SCENES:
+        if not options.sheet and (not options.motion or scene.name in options.motion):
+            photograph(scene, folder / f"{scene.name}.png")
+    if not options.motion:
+        sheet(SCENES, folder, options.docs / "motions.png")
+        write_page(SCENES, options.docs / "motions.md")
+
+
+if __name__ == "__main__":
+    main()

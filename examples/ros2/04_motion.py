@@ -1,0 +1,28 @@
+"""Have a robot play a motion, from another process, as a ROS 2 program would.
+
+Run `wbc ros2 walk` beside it.
+"""
+
+import argparse
+
+from wbc.ros import Node
+from wbc.ros.actions import ActionClient
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument(
+    "motion", nargs="*", default=["wave"], help="a name, then parameters: squat depth=15 (wave)"
+)
+parser.add_argument("--wait", type=float, default=60.0, metavar="S", help="for it (default: 60)")
+options = parser.parse_args()
+
+with Node("director") as node:
+    play = ActionClient(node, "play_motion2_msgs/action/PlayMotion2", "play_motion2")
+    if not play.wait(10.0):
+        raise SystemExit("no robot plays motions")
+    goal = play.send(play.goal_type(motion_name=" ".join(options.motion)))
+    if not goal.accepted:
+        raise SystemExit("it cannot play now")
+    if not goal.wait(options.wait):
+        goal.cancel()
+        goal.wait(10.0)
+    print(goal.state.name.lower(), goal.result.error)

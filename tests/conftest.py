@@ -1,0 +1,45 @@
+"""What several modules of tests need running: a real browser, a robot as a ROS 2 node."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from needs import need_browser
+
+from wbc.view.browser import SOFTWARE, new_browser
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    need_browser()
+    with new_browser(SOFTWARE) as browser:
+        yield browser
+
+
+@pytest.fixture(scope="module")
+def domain() -> int:
+    """A DDS domain of the module's own."""
+    from rostools import new_domain
+
+    return new_domain()
+
+
+@pytest.fixture(scope="module")
+def walking(domain: int) -> Iterator[Any]:
+    """The process of a robot that a ROS 2 system drives."""
+    from rostools import Peer
+
+    arguments = ("--robot", "simple_humanoid", "--duration", "3000", "--as-fast-as-possible")
+    with Peer.wbc(domain, "ros2", "walk", *arguments) as peer:
+        yield peer
+
+
+@pytest.fixture(scope="module")
+def driver(walking: Any, domain: int) -> Iterator[Any]:
+    """A node beside it."""
+    from rostools import node
+
+    with node("driver", domain) as made:
+        yield made

@@ -1,0 +1,59 @@
+"""Motions chosen by a line of text, as a ROS 2 system asks for them."""
+
+from __future__ import annotations
+
+import contextlib
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from wbc.errors import MotionError
+from wbc.motions import CATALOGUE, Keyframes, OneLeg, Reach, Sine, Squat
+from wbc.motions.choice import spoken
+
+
+@pytest.mark.parametrize(
+    ("text", "motion"),
+    [
+        ("squat", Squat()),
+        ("  squat depth=15   times=2", Squat(depth=15.0, times=2)),
+        ("one-leg leg=left hold=0.5", OneLeg(leg="left", hold=0.5)),
+        ("reach left=0.3,0.2,1 random=2", Reach(left=(0.3, 0.2, 1.0), random=2)),
+        ("sine balanced=true", Sine(balanced=True)),
+        ("keyframes 'file=my wave.csv'", Keyframes(file="my wave.csv")),
+    ],
+)
+def test_a_line_of_text_means_a_motion(text, motion):
+    assert spoken(text, CATALOGUE) == motion
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("", "no motion ''"),
+        ("squad", "did you mean 'squat'"),
+        ("squat 15", "'15' is no parameter=value"),
+        ("squat deep=15", "did you mean 'depth'"),
+        ("squat depth=", "squat: depth is ''; it is a number"),
+        ("squat depth=nan", "out of range"),
+        ("squat depth=1e9", "out of range"),
+        ("squat depth=1e-9", "too small"),
+        ("squat times=1.5", "whole number"),
+        ("squat depth=5 depth=6", "depth is given twice"),
+        ("one-leg leg=middle", "left or right or both"),
+        ("reach left=0.3,0.2", "3 numbers"),
+        ("reach left=here", "3 numbers"),
+        ("sine balanced=yes", "true or false"),
+        ("keyframes 'file=a", "cannot be read"),
+    ],
+)
+def test_a_line_that_means_none_is_refused_with_the_reason(text, why):
+    with pytest.raises(MotionError, match=why):
+        spoken(text, CATALOGUE)
+
+
+@given(st.text(max_size=40) | st.text(max_size=30).map(lambda rest: f"squat {rest}"))
+def test_whatever_is_said_is_a_motion_or_is_refused(text):
+    with contextlib.suppress(MotionError):
+        assert type(spoken(text, CATALOGUE)) in CATALOGUE

@@ -1,0 +1,96 @@
+"""Motions that are planned in one process and played in another."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+import wbc
+from wbc.errors import MotionError
+from wbc.motions import (
+    Jump,
+    Look,
+    Motion,
+    Performer,
+    Squat,
+    Wave,
+    once_per_robot,
+    pack,
+    unpack,
+)
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return wbc.load("simple_humanoid")
+
+
+@dataclass(frozen=True)
+class Hum(Motion):
+    """A motion whose plan is a function, which cannot be pickled."""
+
+    name: ClassVar[str] = "hum"
+    summary: ClassVar[str] = "hum"
+    checks: ClassVar[list] = []
+
+    def check(self, robot):
+        self.checks.append(robot)
+        self._tune(robot)
+
+    @once_per_robot
+    def _tune(self, robot):
+        return lambda time: time
+
+    def play(self, body):
+        yield
+
+
+def torques(robot, motion, ticks=60):
+    """Of a robot that stays where it is, whatever is ordered."""
+    performer = Performer(robot)
+    performer.play(motion)
+    state = robot.standing()
+    return np.array([performer.step(state).tau for _ in range(ticks)])
+
+
+@pytest.mark.parametrize("motion", [Squat(depth=4.0), Wave(), Look()], ids=lambda m: m.name)
+def test_what_is_unpacked_is_played_alike_and_not_planned_again(robot, motion, monkeypatch):
+    data = pack(motion, robot)
+    assert len(data) < 5000  # the robot stays at home
+    expected = torques(robot, motion)
+    monkeypatch.setattr(type(motion), "check", None)
+    monkeypatch.setattr("wbc.motions.posing.Posing.find", None)
+    found = unpack(data, robot)
+    assert found == motion
+    np.testing.assert_array_equal(torques(robot, found), expected)
+
+
+def test_a_motion_is_checked_once_per_robot(robot):
+    Hum.checks.clear()
+    motion = Hum()
+    performer = Performer(robot, motions=[motion])
+    performer.play(motion)
+    performer.blend(motion)
+    assert motion.checks == [robot]
+
+
+def test_plans_that_cannot_be_pickled_are_refused_with_the_cure(robot):
+    with pytest.raises(MotionError, match=r"hum cannot be handed .* keep functions"):
+        pack(Hum(), robot)
+
+
+def test_what_a_robot_cannot_do_is_not_packed(robot):
+    with pytest.raises(MotionError, match="clearance"):
+        pack(Jump(clearance=-1.0), robot)
+
+
+def test_a_push_that_is_asked_for_is_due_once_in_world_axes(robot):
+    performer = Performer(robot)
+    state = robot.standing()
+    state.q[3:7] = 0.0, 0.0, np.sin(np.pi / 4), np.cos(np.pi / 4)  # heading +y
+    performer.reset(state)
+    performer.body.be_pushed(np.array([0.1, 0.0, 0.0]))
+    (due,) = performer.pushes_due()
+    np.testing.assert_allclose(due, [0.0, 0.1 * robot.mass, 0.0], atol=1e-9)
+    assert performer.pushes_due() == []

@@ -1,0 +1,58 @@
+// The parameters of a motion: a row for each, by its kind.
+"use strict";
+(() => {
+const {make} = wbc;
+
+// A form for the parameters of a motion; `chosen` tells those that are not as by default.
+function makeForm(motion, button, play) {
+  const fields = motion.parameters.map((parameter) => makeField(motion.name, parameter));
+  const form = make("form", {hidden: true}, ...fields.map((field) => field.row),
+    make("div", {className: "buttons"}, make("button", {textContent: "play"}),
+      make("button", {type: "reset", textContent: "as it was"})));
+  form.dataset.form = motion.name;
+  const chosen = () => Object.fromEntries(fields.filter((f) => f.moved()).map((f) => [f.name, f.value()]));
+  const mark = () => {
+    for (const field of fields) field.row.classList.toggle("moved", field.moved());
+    button.classList.toggle("moved", fields.some((field) => field.moved()));
+  };
+  form.oninput = mark;
+  form.onreset = () => setTimeout(mark);
+  form.onsubmit = (event) => { event.preventDefault(); play(); };
+  return {form, chosen};
+}
+
+// What is not a number goes to the server as it is, whose answer says so.
+const number = (input) => input.value === "" ? null : +input.value;
+
+function makeField(motion, {name, kind, default: initial, about, choices, names}) {
+  const label = `${motion}.${name}`;
+  const box = (type, value, settings = {}) => {
+    const input = make("input", {type, defaultValue: value, ...settings});
+    input.dataset.parameter = label;
+    input.setAttribute("aria-label", label);
+    return input;
+  };
+  const numeric = (value, settings) =>
+    box("number", value === null ? "" : +(+value).toPrecision(5), {step: "any", ...settings});
+  const inputs = kind === "switch" ? [box("checkbox", "", {defaultChecked: initial})]
+    : kind === "vector" ? names.map((axis, i) => numeric(initial?.[i] ?? null, {placeholder: axis}))
+    : kind === "choice" ? [make("select", {}, ...choices.map((choice) =>
+      make("option", {textContent: choice, defaultSelected: choice === initial})))]
+    : kind === "text" ? [box("text", initial)]
+    : [numeric(initial, kind === "whole" ? {step: 1} : {})];
+  if (kind === "choice") inputs[0].dataset.parameter = label;
+  const [input] = inputs;
+  return {
+    name,
+    row: make("label", {className: `field ${kind}`}, make("span", {textContent: name.replaceAll("_", " ")}),
+      make("span", {className: "inputs"}, ...inputs), make("small", {textContent: about})),
+    moved: () => inputs.some((i) => kind === "switch" ? i.checked !== i.defaultChecked
+      : kind === "choice" ? i.value !== initial : i.value !== i.defaultValue),
+    value: () => kind === "switch" ? input.checked
+      : kind === "vector" ? (inputs.every((i) => i.value === "") ? null : inputs.map(number))
+      : kind === "choice" || kind === "text" ? input.value : number(input),
+  };
+}
+
+wbc.makeForm = makeForm;
+})();

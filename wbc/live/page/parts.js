@@ -1,0 +1,35 @@
+// What controls are made of.
+"use strict";
+(() => {
+function make(tag, attributes = {}, ...children) {
+  const node = document.createElement(tag);
+  Object.assign(node, attributes);
+  node.append(...children);
+  return node;
+}
+
+function text(value, unit) {
+  const size = Math.abs(value);
+  const digits = size === 0 || size >= 100 ? 0 : Math.max(0, 2 - Math.floor(Math.log10(size)));
+  return `${value.toFixed(Math.min(digits, size < 0.01 && size > 0 ? 6 : 3))} ${unit}`.trim();
+}
+
+// A slider; its own numbers run from 0 to 1, so that it may move by ratios.
+function slider(low, high, logarithmic) {
+  const input = make("input", {type: "range", min: 0, max: 1, step: 0.002});
+  const ratio = Math.log(high / low);
+  return {
+    input,
+    get: () => {
+      const x = +input.value;
+      if (x === 0 || x === 1) return x ? high : low;
+      return logarithmic ? low * Math.exp(x * ratio) : low + x * (high - low);
+    },
+    set: (value) => {
+      input.value = logarithmic ? Math.log(value / low) / ratio : (value - low) / (high - low);
+    },
+  };
+}
+
+Object.assign(wbc, {make, text, slider});
+})();

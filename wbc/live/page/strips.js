@@ -1,0 +1,70 @@
+// The strips below the scene: what the gauges were in the last seconds.
+"use strict";
+(() => {
+const {make} = wbc;
+const SHOWN = 20;  // s of a strip
+let last = null, behind = Infinity;
+
+// `least` is the least that the full height stands for.
+const STRIPS = [
+  {label: "DCM error", colour: "#7a3fc4", least: 20, of: (g) => 1000 * g.dcm_error,
+    word: (g) => `${(1000 * g.dcm_error).toFixed(1)} mm`, most: true},
+  {label: "tick", colour: "#2467d6", least: 200, of: (g) => 1e6 * g.tick_time,
+    word: (g) => `${(1e6 * g.tick_time).toFixed(0)} µs`, most: true},
+  {label: "pushes survived", colour: "#1f9d7a", least: 1, of: (g) => g.survived,
+    grey: (g) => g.pushes, word: (g) => `${g.survived} of ${g.pushes}`},
+];
+
+function build() {
+  const box = make("div", {id: "strips"});
+  for (const strip of STRIPS) {
+    strip.canvas = make("canvas");
+    [strip.text, strip.peak] = [make("span"), make("i")];
+    strip.points = [];
+    const words = make("p", {}, make("b", {textContent: strip.label}), strip.text, strip.peak);
+    box.append(make("div", {}, strip.canvas, words));
+  }
+  document.body.append(box);
+}
+
+function add(now) {
+  last = now;
+  // By the server's clock: a page that was busy gets several at once.
+  const stamp = now.stamp;
+  behind = Math.min(behind, performance.now() / 1000 - stamp);
+  for (const strip of STRIPS) {
+    strip.points.push([stamp, strip.of(now), strip.grey ? strip.grey(now) : null]);
+    while (strip.points[0][0] < stamp - SHOWN - 1) strip.points.shift();
+  }
+}
+
+function draw() {
+  if (last === null) return;
+  const end = performance.now() / 1000 - behind;
+  for (const strip of STRIPS) {
+    const canvas = strip.canvas, scale = devicePixelRatio || 1;
+    const w = canvas.clientWidth * scale, h = canvas.clientHeight * scale;
+    if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, {width: w, height: h});
+    const pen = canvas.getContext("2d");
+    pen.clearRect(0, 0, w, h);
+    let peak = 0;
+    for (const [, value, grey] of strip.points) peak = Math.max(peak, value, grey ?? 0);
+    const top = Math.max(peak, strip.least);
+    const line = (k, colour) => {
+      pen.beginPath();
+      for (const point of strip.points) {
+        pen.lineTo(w * (1 - (end - point[0]) / SHOWN), h - 2 * scale - (h - 6 * scale) * point[k] / top);
+      }
+      pen.strokeStyle = colour;
+      pen.lineWidth = 1.5 * scale;
+      pen.stroke();
+    };
+    if (strip.grey) line(2, "#c3ccd5");
+    line(1, strip.colour);
+    strip.text.textContent = strip.word(last);
+    strip.peak.textContent = strip.most ? `, up to ${peak.toFixed(0)}` : "";
+  }
+}
+
+wbc.strips = {build, add, draw};
+})();

@@ -1,0 +1,49 @@
+"""`/clock`: the time of a simulated robot, and whether the messages carry it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from wbc.messages import message_type
+from wbc.ros.bridge.layout import Sample
+from wbc.ros.due import Due
+from wbc.ros.node import Node
+from wbc.ros.parameters import Parameters
+from wbc.ros.qos import CLOCK
+from wbc.ros.stamp import stamp_at
+
+_CLOCK = message_type("rosgraph_msgs/msg/Clock")
+_RATE = 100.0  # Hz of the wall clock
+
+
+class PlantClock:
+    """Tells the plant's time to nodes whose `use_sim_time` is true.
+
+    Such nodes take their time from `/clock`, so what they are sent has to be stamped with it, too:
+    that is what this node's own `use_sim_time` says; where it is false, stamps are the system's
+    time. Either way `/clock` is published, which nobody minds who does not use it. The time goes
+    on over resets, since time that jumps back empties the buffers of `tf2`.
+
+    Args:
+        node: of a simulated robot.
+        parameters: its parameters.
+        use: the parameter's first value.
+    """
+
+    def __init__(self, node: Node, parameters: Parameters, use: bool) -> None:
+        self._use = parameters.declare(
+            "use_sim_time", use, "stamp messages with the plant's time, as /clock tells it"
+        )
+        self._publisher = node.publisher(_CLOCK.type_name, "/clock", CLOCK)
+        self._due = Due(_RATE)
+        self._run = 0
+        self._offset = self._latest = 0.0
+
+    def stamped(self, sample: Sample) -> Sample:
+        """Tell the time of a tick; the tick with the stamp that its messages shall have."""
+        if sample.run != self._run:
+            self._run, self._offset = sample.run, self._latest
+        self._latest = sample.time + self._offset
+        if self._due(sample.stamp):
+            self._publisher.publish(_CLOCK(clock=stamp_at(self._latest)))
+        return replace(sample, stamp=self._latest) if self._use.value else sample
