@@ -40,14 +40,18 @@ def looker(domain):
 
 @pytest.fixture(scope="module")
 def graph(publisher, looker):
-    made = Graph(looker)
+    return Graph(looker)
 
-    def complete(seen):
-        owners = {e.node for both in seen.endpoints for e in both}
-        return len(seen.services()) >= 6 and len(seen.topics()) >= 4 and "" not in owners
 
-    assert made.wait_for(complete, PATIENCE)
-    return made
+@pytest.fixture(scope="module")
+def seen(graph):
+    def complete(state):
+        named = all(e.node for e in state.endpoints)
+        return len(state.services()) >= 6 and len(state.topics()) >= 4 and named
+
+    state = graph.wait_for(complete, PATIENCE)
+    assert state is not None, graph.state()
+    return state
 
 
 def raw_endpoints(looker):
@@ -64,29 +68,28 @@ def raw_endpoints(looker):
     return participants, {p.topic_name: p for p in publications}
 
 
-def test_a_node_has_its_name_in_the_graph(graph):
-    assert graph.nodes == ["/joint_publisher"]
+def test_a_node_has_its_name_in_the_graph(seen):
+    assert seen.nodes == ("/joint_publisher",)
 
 
-def test_topics_have_their_types(graph):
-    types = {name: topic.types for name, topic in graph.topics().items()}
+def test_topics_have_their_types(seen):
+    types = {name: topic.types for name, topic in seen.topics().items()}
     assert types["/joint_states"] == ["sensor_msgs/msg/JointState"]
     assert types["/robot_description"] == ["std_msgs/msg/String"]
     assert types["/parameter_events"] == ["rcl_interfaces/msg/ParameterEvent"]
 
 
-def test_every_endpoint_belongs_to_the_node(graph):
-    publishers, subscriptions = graph.endpoints
-    assert {e.node for e in (*publishers, *subscriptions)} == {"/joint_publisher"}
+def test_every_endpoint_belongs_to_the_node(seen):
+    assert {e.node for e in seen.endpoints} == {"/joint_publisher"}
 
 
-def test_services_have_their_types(graph):
-    services = graph.services()
+def test_services_have_their_types(seen):
+    services = seen.services()
     name = "/joint_publisher/set_parameters_atomically"
     assert services[name] == "rcl_interfaces/srv/SetParametersAtomically"
 
 
-def test_a_participant_tells_its_enclave(graph, looker):
+def test_a_participant_tells_its_enclave(seen, looker):
     from cyclonedds.core import Policy
 
     participants, _ = raw_endpoints(looker)
@@ -94,7 +97,7 @@ def test_a_participant_tells_its_enclave(graph, looker):
     assert {p.qos[Policy.Userdata].data for p in participants} == {b"enclave=/;"}
 
 
-def test_a_writer_tells_the_hash_that_ros_gives_its_type(graph, looker):
+def test_a_writer_tells_the_hash_that_ros_gives_its_type(seen, looker):
     from cyclonedds.core import Policy
 
     _, publications = raw_endpoints(looker)
@@ -103,7 +106,7 @@ def test_a_writer_tells_the_hash_that_ros_gives_its_type(graph, looker):
     assert joint_states.qos[Policy.Userdata].data.decode() == f"typehash={JOINT_STATE_HASH};"
 
 
-def test_the_quality_of_service_is_that_of_rmw_cyclonedds(graph, looker):
+def test_the_quality_of_service_is_that_of_rmw_cyclonedds(seen, looker):
     from cyclonedds.core import Policy
 
     _, publications = raw_endpoints(looker)
@@ -126,12 +129,11 @@ def test_the_quality_of_service_is_that_of_rmw_cyclonedds(graph, looker):
     assert service[Policy.History] == Policy.History.KeepLast(1000)
 
 
-def test_a_service_marks_its_two_ends_as_one(graph):
-    publishers, subscriptions = graph.endpoints
+def test_a_service_marks_its_two_ends_as_one(seen):
     pattern = re.compile(r"serviceid=([0-9a-f.]+);typehash=RIHS01_[0-9a-f]{64};$")
     ends = {
         pattern.fullmatch(e.user_data)[1]
-        for e in (*publishers, *subscriptions)
+        for e in seen.endpoints
         if e.topic == "/joint_publisher/get_parameters"
     }
     assert len(ends) == 1
@@ -242,10 +244,10 @@ def test_an_odd_rate_is_refused(here, capsys):
 
 def test_a_node_that_leaves_is_gone_at_once(looker, graph, domain):
     with node("guest", domain + 0):
-        assert graph.wait_for(lambda g: "/guest" in g.nodes, PATIENCE)
+        assert graph.wait_for(lambda seen: "/guest" in seen.nodes, PATIENCE)
     # Well before the 5 s after which a silent one is taken for dead.
     start = time.monotonic()
-    assert graph.wait_for(lambda g: "/guest" not in g.nodes, 4.0), time.monotonic() - start
+    assert graph.wait_for(lambda seen: "/guest" not in seen.nodes, 4.0), time.monotonic() - start
 
 
 def test_all_nodes_that_were_there_before_are_known_to_one_who_looks_late():
@@ -258,9 +260,33 @@ def test_all_nodes_that_were_there_before_are_known_to_one_who_looks_late():
         graph = Graph(looker)
         time.sleep(0.5)  # all of them have told about themselves by then, and nobody has read it
         names = [other.full_name for other in others]
-        assert graph.wait_for(lambda g: g.nodes == names, PATIENCE), graph.nodes
-        owners = sorted(e.node for e in graph.topics()["/chatter"].publishers)
-        assert owners == names
+
+        def all_known(seen):
+            chatter = seen.topics().get("/chatter")
+            owners = sorted(e.node for e in chatter.publishers) if chatter else []
+            return list(seen.nodes) == owners == names
+
+        assert graph.wait_for(all_known, PATIENCE), graph.state()
+
+
+def test_what_was_true_once_ends_the_waiting():
+    answers = iter([False, True, False, False])
+    with node("waiting", new_domain()) as waiting:
+        assert waiting.spin(lambda: next(answers), PATIENCE)
+        assert list(answers) == [False, False]
+
+
+def test_the_graph_waits_for_one_state_in_which_all_is_true(looker, graph):
+    """Not for one half of it now and the other in the next look."""
+    met = []
+
+    def third(state):
+        met.append(state)
+        return len(met) == 3
+
+    assert graph.wait_for(third, PATIENCE) is met[2]
+    assert len(met) == 3
+    assert graph.wait_for(lambda _: False, 0.1) is None
 
 
 @pytest.mark.parametrize(("distribution", "size"), [("humble", 24), ("jazzy", 16), ("", 16)])

@@ -13,7 +13,7 @@ from wbc.errors import WbcError
 
 if TYPE_CHECKING:
     from wbc.ros import Node
-    from wbc.ros.graph import Endpoint, Graph
+    from wbc.ros.graph import Endpoint, Graph, Topic
 
 _DESCRIPTION = """\
 Nodes over DDS (Cyclone) that a ROS 2 system takes for its own, and looks at its graph.
@@ -78,8 +78,7 @@ def _nodes(options: argparse.Namespace) -> int:
 
     node, graph = _looker(options)
     with node:
-        graph.settle()
-        for name in graph.nodes:
+        for name in graph.settle().nodes:
             if options.all or not is_hidden(name):
                 print(name)
     return 0
@@ -90,8 +89,7 @@ def _topics(options: argparse.Namespace) -> int:
 
     node, graph = _looker(options)
     with node:
-        graph.settle()
-        for name, topic in graph.topics().items():
+        for name, topic in graph.settle().topics().items():
             if options.all or not is_hidden(name):
                 print(f"{name} [{', '.join(topic.types)}]")
     return 0
@@ -102,8 +100,7 @@ def _services(options: argparse.Namespace) -> int:
 
     node, graph = _looker(options)
     with node:
-        graph.settle()
-        for name, kind in graph.services().items():
+        for name, kind in graph.settle().services().items():
             if options.all or not is_hidden(name):
                 print(f"{name} [{kind}]")
     return 0
@@ -117,10 +114,8 @@ def _uri(options: argparse.Namespace) -> int:
 def _info(options: argparse.Namespace) -> int:
     node, graph = _looker(options)
     with node:
-        name = _find(options, node, graph)
-        graph.settle()
-        topic = graph.topics()[name]
-        print(f"{name}: {', '.join(topic.types)}")
+        topic = _find(options, node, graph)
+        print(f"{topic.name}: {', '.join(topic.types)}")
         for what, endpoints in (
             ("publishers", topic.publishers),
             ("subscriptions", topic.subscriptions),
@@ -146,35 +141,36 @@ def _endpoint_text(endpoint: Endpoint) -> str:
     )
 
 
-def _find(options: argparse.Namespace, node: Node, graph: Graph) -> str:
-    """The full name of the topic, once somebody has it."""
+def _find(options: argparse.Namespace, node: Node, graph: Graph) -> Topic:
+    """The topic, once somebody has it; with all who have it, so that their terms are known."""
     from wbc.errors import did_you_mean
     from wbc.ros import RosError
 
     name = node.resolve(options.topic)
-    if not graph.wait_for(lambda g: name in g.topics(), options.wait):
-        there = did_you_mean(name, graph.topics())
-        raise RosError(f"nobody has the topic '{name}'{there}")
-    return name
+    graph.wait_for(lambda seen: name in seen.topics(), options.wait)
+    topics = graph.settle().topics()
+    if name not in topics:
+        raise RosError(f"nobody has the topic '{name}'{did_you_mean(name, topics)}")
+    return topics[name]
 
 
-def _listening_qos(graph: Graph, topic: str) -> Any:
+def _listening_qos(topic: Topic) -> Any:
     """What can be had from all who publish it: reliable and latched only if all are."""
     from wbc.ros import Qos
 
-    publishers = graph.topics()[topic].publishers
+    publishers = topic.publishers
     reliable = bool(publishers) and all(p.qos.reliable for p in publishers)
     latched = bool(publishers) and all(p.qos.latched for p in publishers)
     return Qos(depth=1000, reliable=reliable, latched=latched)
 
 
-def _the_type(graph: Graph, topic: str) -> str:
+def _the_type(topic: Topic) -> str:
     from wbc.ros import RosError
 
-    types = graph.topics()[topic].types
-    if len(types) != 1:
-        raise RosError(f"'{topic}' carries {', '.join(types)}: nobody can tell which is meant")
-    return types[0]
+    if len(topic.types) != 1:
+        kinds = ", ".join(topic.types)
+        raise RosError(f"'{topic.name}' carries {kinds}: nobody can tell which is meant")
+    return topic.types[0]
 
 
 def _echo(options: argparse.Namespace) -> int:
@@ -199,7 +195,7 @@ def _echo(options: argparse.Namespace) -> int:
 
     with node:
         topic = _find(options, node, graph)
-        node.subscription(_the_type(graph, topic), topic, show, _listening_qos(graph, topic))
+        node.subscription(_the_type(topic), topic.name, show, _listening_qos(topic))
         node.spin(lambda: options.n is not None and printed >= options.n)
     return 0
 
@@ -212,10 +208,10 @@ def _hz(options: argparse.Namespace) -> int:
     with node:
         topic = _find(options, node, graph)
         node.listen(
-            graph.topics()[topic].dds_type,
-            topic,
+            topic.dds_type,
+            topic.name,
             lambda _, info: rate.note(time.monotonic(), info.size),
-            _listening_qos(graph, topic),
+            _listening_qos(topic),
         )
         shown = 0
         while options.n is None or shown < options.n:

@@ -71,6 +71,47 @@ class Topic:
         return next(e.dds_type for e in (*self.publishers, *self.subscriptions))
 
 
+@dataclass(frozen=True)
+class GraphState:
+    """The graph at one instant.
+
+    Attributes:
+        nodes: full names of all nodes, sorted; a name may occur twice.
+        publishers: all that are part of ROS.
+        subscriptions: likewise.
+    """
+
+    nodes: tuple[str, ...]
+    publishers: tuple[Endpoint, ...]
+    subscriptions: tuple[Endpoint, ...]
+
+    @property
+    def endpoints(self) -> tuple[Endpoint, ...]:
+        """Publishers, then subscriptions."""
+        return self.publishers + self.subscriptions
+
+    def topics(self) -> dict[str, Topic]:
+        """All topics by name, without those that services are made of."""
+        found: dict[str, Topic] = {}
+        for endpoint in self.publishers:
+            if endpoint.kind == names.TOPIC:
+                name = endpoint.topic
+                found.setdefault(name, Topic(name)).publishers.append(endpoint)
+        for endpoint in self.subscriptions:
+            if endpoint.kind == names.TOPIC:
+                name = endpoint.topic
+                found.setdefault(name, Topic(name)).subscriptions.append(endpoint)
+        return dict(sorted(found.items()))
+
+    def services(self) -> dict[str, str]:
+        """Name and type of all services that somebody serves."""
+        return {
+            e.topic: names.service_type(e.type_name)
+            for e in sorted(self.subscriptions, key=lambda e: e.topic)
+            if e.kind == names.REQUEST
+        }
+
+
 class Graph:
     """Looks at the graph through a node.
 
@@ -110,94 +151,76 @@ class Graph:
             if participant != self._node.participant.guid:
                 self._entries[participant] = entries
 
-    def settle(self, least: float = 0.5, most: float = 3.0) -> None:
+    def state(self) -> GraphState:
+        """What is known now; more comes in while the node spins."""
+        alive = {p.key.bytes for p in _alive(self._participants)}
+        entries = [e for who, several in self._entries.items() if who in alive for e in several]
+        owners = {
+            gid: entry.full_name for entry in entries for gid in (*entry.readers, *entry.writers)
+        }
+        return GraphState(
+            tuple(sorted(entry.full_name for entry in entries)),
+            self._endpoints(self._publications, owners),
+            self._endpoints(self._subscriptions, owners),
+        )
+
+    def settle(self, least: float = 0.5, most: float = 3.0) -> GraphState:
         """Wait until no more news come.
 
         Args:
             least: s to wait at least.
             most: s to wait at most.
+
+        Returns:
+            What is known then.
         """
         start = changed = time.monotonic()
-        seen: Any = None
+        seen: GraphState | None = None
         while True:
             self._node.spin_once(0.02)
             now = time.monotonic()
-            state = (
-                len(self._alive(self._publications)),
-                len(self._alive(self._subscriptions)),
-                sum(map(len, self._entries.values())),
-            )
+            state = self.state()
             if state != seen:
                 seen, changed = state, now
             if now - start > most or (now - start > least and now - changed > _SETTLED):
-                return
+                return state
 
-    def wait_for(self, condition: Callable[[Graph], bool], timeout: float) -> bool:
-        """Wait until something is true of the graph; whether it became so in time."""
-        return self._node.spin(lambda: condition(self), timeout)
+    def wait_for(
+        self, condition: Callable[[GraphState], bool], timeout: float
+    ) -> GraphState | None:
+        """Wait until something is true of the graph.
 
-    @property
-    def nodes(self) -> list[str]:
-        """Full names of all nodes, of those on other processes too; a name may occur twice."""
-        alive = {p.key.bytes for p in self._alive(self._participants)}
-        return sorted(
-            entry.full_name
-            for participant, entries in self._entries.items()
-            if participant in alive
-            for entry in entries
-        )
+        Args:
+            condition: asked of one state after the other.
+            timeout: s.
 
-    @property
-    def endpoints(self) -> tuple[list[Endpoint], list[Endpoint]]:
-        """All publishers and all subscriptions that are part of ROS."""
-        owners = {
-            gid: entry.full_name
-            for entries in self._entries.values()
-            for entry in entries
-            for gid in (*entry.readers, *entry.writers)
-        }
-        both = tuple(
-            [
-                endpoint
-                for one in self._alive(reader)
-                if (endpoint := _endpoint(one, owners)) is not None
-                and one.participant_key.bytes != self._node.participant.guid
-            ]
-            for reader in (self._publications, self._subscriptions)
-        )
-        return both[0], both[1]
+        Returns:
+            The state of which it is true; None when there was none in time.
+        """
+        state = self.state()
 
-    def topics(self) -> dict[str, Topic]:
-        """All topics by name, without those that services are made of."""
-        found: dict[str, Topic] = {}
-        publishers, subscriptions = self.endpoints
-        for endpoint in publishers:
-            if endpoint.kind == names.TOPIC:
-                name = endpoint.topic
-                found.setdefault(name, Topic(name)).publishers.append(endpoint)
-        for endpoint in subscriptions:
-            if endpoint.kind == names.TOPIC:
-                name = endpoint.topic
-                found.setdefault(name, Topic(name)).subscriptions.append(endpoint)
-        return dict(sorted(found.items()))
+        def fulfilled() -> bool:
+            nonlocal state
+            state = self.state()
+            return condition(state)
 
-    def services(self) -> dict[str, str]:
-        """Name and type of all services that somebody serves."""
-        _, subscriptions = self.endpoints
-        return {
-            e.topic: names.service_type(e.type_name)
-            for e in sorted(subscriptions, key=lambda e: e.topic)
-            if e.kind == names.REQUEST
-        }
+        return state if self._node.spin(fulfilled, timeout) else None
 
-    def _alive(self, reader: Any) -> list[Any]:
-        from cyclonedds.core import InstanceState
-
-        return [
+    def _endpoints(self, reader: Any, owners: dict[bytes, str]) -> tuple[Endpoint, ...]:
+        others = (
             one
-            for one in reader.read(_MANY)
-            if one.sample_info.instance_state == InstanceState.Alive
-        ]
+            for one in _alive(reader)
+            if one.participant_key.bytes != self._node.participant.guid
+        )
+        return tuple(e for one in others if (e := _endpoint(one, owners)) is not None)
+
+
+def _alive(reader: Any) -> list[Any]:
+    from cyclonedds.core import InstanceState
+
+    return [
+        one for one in reader.read(_MANY) if one.sample_info.instance_state == InstanceState.Alive
+    ]
 
 
 def _endpoint(one: Any, owners: dict[bytes, str]) -> Endpoint | None:

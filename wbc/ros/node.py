@@ -258,15 +258,15 @@ class Node(Closing):
             timeout: s.
 
         Returns:
-            Whether it was true in the end.
+            Whether it became true; False also when the node was closed meanwhile.
         """
         end = time.monotonic() + timeout
-        while self._open and not until():
+        while not until():
             left = end - time.monotonic()
-            if left <= 0.0:
+            if left <= 0.0 or not self._open:
                 return False
             self.spin_once(min(left, _LONGEST_WAIT))
-        return until()
+        return True
 
     def close(self) -> None:
         """Leave the graph."""
