@@ -38,10 +38,22 @@ class Seen:
         }
 
 
+@dataclass
+class Looking:
+    """Somebody who looks on.
+
+    Attributes:
+        pid: of the process.
+        rates: that it saw, Hz; filled in the end.
+    """
+
+    pid: int
+    rates: dict[str, float] = field(default_factory=dict)
+
+
 @contextlib.contextmanager
-def audience(*arguments: str) -> Iterator[dict[str, float]]:
-    """Somebody who looks on at ordinary priority; in the end the rates (Hz) that they saw."""
-    rates: dict[str, float] = {}
+def audience(*arguments: str) -> Iterator[Looking]:
+    """Somebody who looks on at ordinary priority."""
     process = subprocess.Popen(
         [sys.executable, __file__, *arguments],
         stdin=subprocess.PIPE,
@@ -54,9 +66,10 @@ def audience(*arguments: str) -> Iterator[dict[str, float]]:
     try:
         if process.stdout.readline() != "ready\n":
             raise SystemExit(f"nobody looks on: {' '.join(arguments)}")
-        yield rates
+        looking = Looking(process.pid)
+        yield looking
         process.stdin.close()
-        rates |= json.loads(process.stdout.read())
+        looking.rates |= json.loads(process.stdout.read())
     finally:
         process.kill()
         process.wait()

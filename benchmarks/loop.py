@@ -94,11 +94,12 @@ class Times:
 
 
 @contextlib.contextmanager
-def child(*arguments: str) -> Iterator[None]:
-    """Another Python, at ordinary priority, while the context lasts."""
-    process = subprocess.Popen([sys.executable, "-c", *arguments], stderr=subprocess.DEVNULL)
+def neighbour() -> Iterator[int]:
+    """The id of another process, at ordinary priority, that computes while the context lasts."""
+    computing = (sys.executable, "-c", "while True: sum(bytearray(200_000))")
+    process = subprocess.Popen(computing, stderr=subprocess.DEVNULL)
     try:
-        yield
+        yield process.pid
     finally:
         process.kill()
         process.wait()
@@ -127,7 +128,7 @@ def measure(
             gc.enable()
 
     with tempfile.TemporaryDirectory(prefix="wbc-loop-") as folder:
-        loop = Loop(controller, plant, Path(folder), before_tick=[collect])
+        loop = Loop(controller, plant, Path(folder), before_tick=collect)
         with watched(loop, setting.observers):
             before = stolen()
             report, conditions = loop.run(
@@ -234,7 +235,7 @@ def main() -> None:
     cells = {(rate, setting): Times() for rate in rates for setting in chosen}
     with contextlib.ExitStack() as stack:
         for _ in range(options.busy):
-            stack.enter_context(child("while True: sum(bytearray(200_000))"))
+            stack.enter_context(neighbour())
         for done in range(rounds):
             print(f"round {done + 1} of {rounds}", file=sys.stderr)
             for (rate, setting), times in cells.items():

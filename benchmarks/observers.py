@@ -3,23 +3,25 @@
 The loop is `wbc.run` in real time with the performer's own work in every tick; a walk in MuJoCo is
 recorded once and replayed, so that the physics takes no part. Each observer has its audience: a
 page that takes every frame, a ROS 2 node that takes joint states and transforms at 50 Hz.
-Every cell replays the same walk, in rounds, so that a machine's other work falls on all of them;
-ratios are to the loop with nothing, of the same run. Four figures of each tick:
 
-- command: wall time from the measurement to the command, which is what the robot feels. The
-  observers' calls come after it; what is more is what their processes do to the machine.
+All of them are there from the beginning, and are switched on and off while the loop runs: every
+fifth of a second another cell's turn comes, in random order. Who is switched off is not called, and
+its processes and its audience's are stopped. So every cell is measured in the same process, in the
+same memory and at the same time: two runs of one and the same loop differ by a tenth and more on a
+shared machine. The first ticks after switching do not count. Three figures of each tick, with their
+ratio to the ticks with nothing and the 95 % interval of that ratio (bootstrap over the turns):
+
+- command: wall time from the measurement to the command, which is what the robot feels.
 - whole: wall time from one wait for the clock to the next, with bookkeeping and observers.
-- CPU: the same in CPU time of the loop's thread, without what it waited for a core. Processes on
-  the other core slow it all the same, where cores share caches or are threads of one core: see
-  the cell with a process beside it that has nothing to do with the loop and only computes.
-- own: CPU time of that tick in the loop with nothing (median over the rounds), and of what the
-  observers' calls take in the loop's thread. This the observers cost on any machine.
+- CPU: the same in CPU time of the loop's thread.
 
-A tick that begins when the next one is due already is an overrun. Then the cost of ROS 2 messages,
-and the time from a slider on the live page to the robot's motion.
+"A busy core" is a process that has nothing to do with the loop and only computes. A tick that
+begins when the next one is due already is an overrun. In the end all four watch undisturbed, for
+the display rates and what their processes take; then the cost of ROS 2 messages, and the time from
+a slider on the live page to the robot's motion.
 
-    python benchmarks/observers.py                      # about 15 minutes
-    python benchmarks/observers.py --rounds 1 --seconds 5 --only log
+    python benchmarks/observers.py                      # about 12 minutes
+    python benchmarks/observers.py --rounds 1 --seconds 20 --only log
 """
 
 from __future__ import annotations
@@ -43,61 +45,61 @@ from typing import Any
 import live as live_benchmark
 import numpy as np
 import ros2 as ros2_benchmark
-from loop import child, stolen
+from loop import neighbour, stolen
 from replay import Replay, lateness, record
-from stopwatch import Stopwatch, timed
-from watched import EVERYONE, OBSERVERS, Loop, steady, watched
+from stopwatch import Stopwatch
+from watched import OBSERVERS, Loop, Watcher, watched
 
 import wbc
 from wbc.motions import Performer
 
 DT = 0.002  # s
-NOTHING, NEIGHBOUR = "nothing", "nothing, a busy core"
-OBSERVED = {**{name: (name,) for name in OBSERVERS}, "all of them": EVERYONE}
-KINDS = ("command", "whole", "CPU", "own")
-COMPUTE = "while True: sum(bytearray(200_000))"
+TURN = 100  # ticks of a cell at a time
+SETTLING = 15  # ticks after switching that do not count
+NOTHING, BUSY = "nothing", "a busy core"
+CELLS = {
+    NOTHING: (),
+    BUSY: (BUSY,),
+    **{name: (name,) for name in OBSERVERS},
+    "viewer, log, ROS 2": ("viewer", "log", "ROS 2"),
+    "these and the page": ("viewer", "log", "ROS 2", "live page"),
+}
+KINDS = ("command", "whole", "CPU")
 
 
 @dataclass
 class Cell:
-    """What the rounds of a cell brought.
+    """What the turns of a cell brought.
 
     Attributes:
-        times: of each round, (3, ticks) wall, CPU and observers' CPU time, s.
-        work: of each round, (ticks,) from measurement to command, s.
-        late: of each round, (ticks,) s.
+        times: of each turn, (3, ticks) from measurement to command, wall and CPU time, s.
+        late: of each turn, (ticks,) s.
         calls: CPU time of each call, s.
-        figures: what its observers told, of each round.
-        conditions: what the system granted.
-        stolen: by the hypervisor, s.
     """
 
     times: list[np.ndarray] = field(default_factory=list)
-    work: list[np.ndarray] = field(default_factory=list)
     late: list[np.ndarray] = field(default_factory=list)
     calls: dict[str, list[float]] = field(default_factory=dict)
-    figures: list[dict[str, float]] = field(default_factory=list)
-    conditions: str = ""
-    stolen: float = 0.0
 
-    def summary(self, nothing: Cell) -> dict[str, Any]:
+    def summary(self, nothing: Cell, rng: np.random.Generator) -> dict[str, Any]:
         """Times in µs, and as ratios to the loop with nothing."""
+        own, base = np.array(self.times), np.array(nothing.times)
         line: dict[str, Any] = {}
-        for kind, own, base in zip(
-            KINDS, self._ticks(nothing), nothing._ticks(nothing), strict=True
-        ):
+        for i, kind in enumerate(KINDS):
             for q in (50, 99):
-                value = float(np.percentile(own, q))
-                line[f"{kind} p{q}"] = value
-                line[f"{kind} p{q} ratio"] = value / float(np.percentile(base, q))
-        late = 1e6 * np.concatenate(self.late)
-        waited = 1e6 * np.concatenate([wall - cpu for wall, cpu, _ in self.times])
+                name = f"{kind} p{q}"
+                line[name] = 1e6 * float(np.percentile(own[:, i], q))
+                line[f"{name} ratio"] = _ratio(own[:, i], base[:, i], q)
+                drawn = [
+                    _ratio(_redrawn(own[:, i], rng), _redrawn(base[:, i], rng), q)
+                    for _ in range(200)
+                ]
+                line[f"{name} interval"] = np.percentile(drawn, (2.5, 97.5)).tolist()
+        late = np.concatenate(self.late)
         line |= {
-            "waited p99": float(np.percentile(waited, 99)),
-            "late p99": float(np.percentile(late, 99)),
-            "overruns": int((late >= 1e6 * DT).sum()),
+            "late p99": 1e6 * float(np.percentile(late, 99)),
+            "overruns": int((late >= DT).sum()),
             "ticks": late.size,
-            "stolen s": self.stolen,
         }
         line["calls"] = {
             what: {
@@ -107,22 +109,20 @@ class Cell:
             }
             for what, spent in self.calls.items()
         }
-        names = dict.fromkeys(name for figures in self.figures for name in figures)
-        line["figures"] = {
-            name: float(np.median([f[name] for f in self.figures if name in f])) for name in names
-        }
-        return {**line, "conditions": self.conditions}
+        return line
 
-    def _ticks(self, nothing: Cell) -> tuple[np.ndarray, ...]:
-        """By kind, µs."""
-        wall, cpu, _ = np.concatenate(self.times, axis=1)
-        alone = np.median([times[1] for times in nothing.times], axis=0)
-        paid = np.median([times[2] for times in self.times], axis=0)
-        return tuple(1e6 * x for x in (np.concatenate(self.work), wall, cpu, alone + paid))
+
+def _ratio(own: np.ndarray, base: np.ndarray, q: float) -> float:
+    return float(np.percentile(own, q) / np.percentile(base, q))
+
+
+def _redrawn(turns: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    drawn: np.ndarray = turns[rng.integers(len(turns), size=len(turns))]
+    return drawn
 
 
 class Case:
-    """One robot's recorded walk, to be replayed before any observers.
+    """One robot's recorded walk, to be replayed before observers.
 
     Args:
         robot: the robot.
@@ -134,60 +134,92 @@ class Case:
     def __init__(self, robot: wbc.Robot, seconds: float, speed: float, domain: int) -> None:
         self.robot, self.speed, self.domain = robot, speed, domain
         self.walk = record(robot, DT, speed, seconds, Performer(robot, DT))
+        self.conditions = ""
 
     @contextlib.contextmanager
-    def _loop(self, name: str) -> Iterator[Loop]:
-        controller = Performer(self.robot, DT)
+    def _loop(self, names: tuple[str, ...]) -> Iterator[Loop]:
         plant = Replay(self.robot, DT, self.walk)
-        with contextlib.ExitStack() as stack:
-            folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="wbc-observers-"))
-            loop = Loop(controller, plant, Path(folder), self.domain)
-            if name == NEIGHBOUR:
-                stack.enter_context(child(COMPUTE))
-            stack.enter_context(watched(loop, OBSERVED.get(name, ())))
-            yield loop
+        with tempfile.TemporaryDirectory(prefix="wbc-observers-") as folder:
+            loop = Loop(Performer(self.robot, DT), plant, Path(folder), self.domain)
+            loop.velocity = (self.speed, 0.0, 0.0)
+            with watched(loop, tuple(name for name in names if name != BUSY)):
+                yield loop
 
-    def measure(self, name: str, cell: Cell) -> None:
-        """One round of a cell."""
-        with self._loop(name) as loop:
-            watch, before = Stopwatch(len(self.walk)), stolen()
-            timed(loop, watch)
-            loop.before_tick.append(steady(loop.controller, (self.speed, 0.0, 0.0)))
+    def _run(self, loop: Loop, ticks: int) -> None:
+        report, self.conditions = loop.run(ticks * DT, wbc.RealTime())
+        if not report.survived:
+            raise SystemExit(f"the walk is not what was recorded: {report.fell_why}")
+
+    def measure(self, cells: dict[str, Cell], rng: np.random.Generator) -> None:
+        """One round: the whole walk, with turns of all cells."""
+        names = list(cells)
+        watch = Stopwatch(len(self.walk))
+        count = len(self.walk) // TURN - 1
+        blocks = [rng.permutation(len(names)) for _ in range(count // len(names) + 1)]
+        turns = [names[i] for i in np.concatenate(blocks)[:count]]
+        with contextlib.ExitStack() as stack:
+            everyone = dict.fromkeys(n for cell in names for n in CELLS[cell])
+            loop = stack.enter_context(self._loop(tuple(everyone)))
+            if BUSY in names:
+                loop.watchers[BUSY] = Watcher((stack.enter_context(neighbour()),))
+
+            def switch(_: float) -> None:
+                turn, within = divmod(loop.plant.ticks, TURN)
+                if within == 0 and turn > 0:  # in the first turn all are called once
+                    wanted = CELLS[turns[turn - 1]] if turn <= count else ()
+                    for name, watcher in loop.watchers.items():
+                        watcher.switch(name in wanted)
+
+            loop.before_tick, loop.wrap = switch, watch.wrap
             with watch.running():
-                report, cell.conditions = loop.run(len(self.walk) * DT, wbc.RealTime())
-            if not report.survived:
-                raise SystemExit(f"'{name}' is not what was recorded: {report.fell_why}")
-            plant = loop.plant
-            cell.stolen += stolen() - before
-            cell.times.append(watch.times(plant.ticks))
-            cell.work.append(plant.commanded - plant.asked)
-            cell.late.append(lateness(plant.asked, DT))
-            for what, spent in watch.calls.items():
-                cell.calls.setdefault(what, []).extend(spent)
-        cell.figures.append(loop.figures)
+                self._run(loop, len(self.walk))
+        self._keep(cells, turns, watch, loop.plant)
+
+    def _keep(
+        self, cells: dict[str, Cell], turns: list[str], watch: Stopwatch, plant: Replay
+    ) -> None:
+        wall, cpu = watch.times(plant.ticks)
+        kinds = np.array([plant.commanded - plant.asked, wall, cpu])
+        for turn, name in enumerate(turns, 1):
+            # The last tick of a turn has the switching in it.
+            counted = slice(turn * TURN + SETTLING, (turn + 1) * TURN - 1)
+            cells[name].times.append(kinds[:, counted])
+            cells[name].late.append(lateness(plant.asked[counted], DT))
+        for what, calls in watch.calls.items():
+            for tick, spent in calls:
+                turn, within = divmod(tick, TURN)
+                if 0 < turn <= len(turns) and SETTLING <= within < TURN - 1:
+                    cells[turns[turn - 1]].calls.setdefault(what, []).append(spent)
+
+    def undisturbed(self, seconds: float, names: tuple[str, ...]) -> dict[str, float]:
+        """What the observers tell when they watch all the time."""
+        with self._loop(names) as loop:
+            self._run(loop, min(round(seconds / DT), len(self.walk)))
+        return loop.figures
 
 
 def show(lines: dict[str, dict[str, Any]]) -> None:
     """Print the tables of the cells."""
-    heads = [f"{kind} p{q}" for kind in KINDS for q in (50, 99)]
-    print(f"{'µs (ratio)':<21}" + "".join(f"{head:>14}" for head in heads))
+    for kind in KINDS:
+        heads = [f"{kind} p{q}" for q in (50, 99)]
+        print(f"\n{'µs (ratio, 95 % interval)':<26}" + "".join(f"{head:>30}" for head in heads))
+        for name, line in lines.items():
+            texts = []
+            for head in heads:
+                low, high = line[f"{head} interval"]
+                ratio = line[f"{head} ratio"]
+                texts.append(f"{line[head]:.0f} ({ratio:.3f}, {low:.3f} to {high:.3f})")
+            print(f"{name:<26}" + "".join(f"{text:>30}" for text in texts))
+    heads = ["late p99", "overruns", "ticks"]
+    print(f"\n{'µs':<26}" + "".join(f"{head:>12}" for head in heads))
     for name, line in lines.items():
-        texts = [f"{line[h]:.0f} ({line[f'{h} ratio']:.3f})" for h in heads]
-        print(f"{name:<21}" + "".join(f"{text:>14}" for text in texts))
-    heads = ["waited p99", "late p99", "overruns", "ticks", "stolen s"]
-    print(f"\n{'µs':<21}" + "".join(f"{head:>14}" for head in heads))
+        print(f"{name:<26}" + "".join(f"{line[head]:>12.6g}" for head in heads))
     for name, line in lines.items():
-        print(f"{name:<21}" + "".join(f"{line[head]:>14.6g}" for head in heads))
-    for text in dict.fromkeys(line["conditions"] for line in lines.values()):
-        print(text)
-    for name, line in lines.items():
-        if line["calls"] or line["figures"]:
+        if line["calls"]:
             print(f"\n{name}")
         for what, row in line["calls"].items():
             texts = [f"{head} {value:.1f}" for head, value in row.items()]
-            print(f"  {what:<42}µs of CPU: " + ", ".join(texts))
-        for what, value in line["figures"].items():
-            print(f"  {what:<42}{value:.1f}")
+            print(f"  {what:<40}µs of CPU: " + ", ".join(texts))
 
 
 def main() -> None:
@@ -196,10 +228,11 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--robot", default="talos")
-    parser.add_argument("--seconds", type=float, default=20.0, help="of each run (default: 20)")
-    parser.add_argument("--rounds", type=int, default=5, help="of all cells (default: 5)")
+    parser.add_argument("--seconds", type=float, default=120.0, help="of each round (default: 120)")
+    parser.add_argument("--rounds", type=int, default=4, help="of all cells (default: 4)")
     parser.add_argument("--speed", type=float, default=0.3, help="of the walk, m/s (default: 0.3)")
-    parser.add_argument("--only", action="append", choices=[NEIGHBOUR, *OBSERVED])
+    parser.add_argument("--only", action="append", choices=[name for name in CELLS if name])
+    parser.add_argument("--undisturbed", type=float, default=20.0, help="s in the end (default 20)")
     parser.add_argument("--repeats", type=int, default=20, help="of the slider (default: 20)")
     parser.add_argument("--messages", type=int, default=2000, help="of ROS 2 (default: 2000)")
     parser.add_argument("--domain", type=int, default=94, help="of ROS 2 (default: 94)")
@@ -207,24 +240,34 @@ def main() -> None:
     options = parser.parse_args()
 
     robot = wbc.load(options.robot)
+    rng = np.random.default_rng(0)
     case = Case(robot, options.seconds, options.speed, options.domain)
-    chosen = [NOTHING, *(options.only or (NEIGHBOUR, *OBSERVED))]
-    cells = {name: Cell() for name in chosen}
+    cells = {name: Cell() for name in CELLS if name in (options.only or CELLS) or name == NOTHING}
+    before = stolen()
     for done in range(options.rounds):
         print(f"round {done + 1} of {options.rounds}", file=sys.stderr)
-        first = done % len(chosen)  # another one each time
-        for name in chosen[first:] + chosen[:first]:
-            case.measure(name, cells[name])
+        case.measure(cells, rng)
     told: dict[str, Any] = {"robot": robot.name, "processors": os.cpu_count()}
-    told |= {"kernel": platform.release(), "load": os.getloadavg()}
+    told |= {"kernel": platform.release(), "load": os.getloadavg(), "stolen s": stolen() - before}
     print(", ".join(f"{key} {value}" for key, value in told.items()))
-    told["cells"] = {name: cell.summary(cells[NOTHING]) for name, cell in cells.items()}
+    print(case.conditions)
+    told["cells"] = {name: cell.summary(cells[NOTHING], rng) for name, cell in cells.items()}
     show(told["cells"])
+    save(told, options.json)
+    if options.undisturbed:
+        observers = dict.fromkeys(n for cell in cells for n in CELLS[cell] if n != BUSY)
+        several = "ROS 2 at 500 Hz" in observers and "ROS 2" in observers
+        names = tuple(n for n in observers if not (several and n == "ROS 2 at 500 Hz"))
+        told["undisturbed"] = case.undisturbed(options.undisturbed, names)
+        print(f"\nundisturbed: {', '.join(names)}")
+        for what, value in told["undisturbed"].items():
+            print(f"  {what:<40}{value:.1f}")
+        save(told, options.json)
     if options.messages:
-        told["messages"] = ros2_benchmark.publishing(options.domain + 1, options.messages)
+        told["messages"] = ros2_benchmark.publishing(options.domain + 2, options.messages)
         title = "publishing from the node's process, µs of CPU per message"
         ros2_benchmark.show(title, told["messages"])
-    save(told, options.json)
+        save(told, options.json)
     if options.repeats:
         told["slider"], _ = live_benchmark.slider(robot, options.repeats)
         ros2_benchmark.show("live page", told["slider"])

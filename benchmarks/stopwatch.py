@@ -5,14 +5,11 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
-from watched import Loop
 
-import wbc
 from wbc.clock import Clock
-from wbc.protocols import Controller, Observer, Plant, Recorder
-from wbc.tick import Tick
 
 
 class Stopwatch:
@@ -20,13 +17,16 @@ class Stopwatch:
 
     Args:
         ticks: how many there will be.
+
+    Attributes:
+        calls: of observers, by name: the tick, and the CPU time in it, s.
     """
 
     def __init__(self, ticks: int) -> None:
-        self._wall, self._cpu, self._paid = np.zeros((3, ticks + 1))
+        self._wall, self._cpu = np.zeros((2, ticks + 1))
         self._began = (0.0, 0.0)
         self._count = -1
-        self.calls: dict[str, list[float]] = {}  # of observers, CPU time, s
+        self.calls: dict[str, list[tuple[int, float]]] = {}
 
     @contextlib.contextmanager
     def running(self) -> Iterator[None]:
@@ -51,77 +51,25 @@ class Stopwatch:
             self._wall[self._count] = time.perf_counter() - self._began[0]
         self._count += 1
 
-    def pay(self, what: str, since: float | None = None) -> None:
-        """An observer's call is over.
+    def wrap(self, what: str, call: Callable[..., None], waits: bool) -> Callable[..., None]:
+        """An observer's call, timed.
 
         Args:
-            what: it did.
-            since: CPU time at which it began; at the beginning of the tick when left out.
+            what: it does.
+            call: it.
+            waits: for the tick's time first, so that the tick begins in it.
         """
-        spent = time.thread_time() - (self._began[1] if since is None else since)
-        self.calls.setdefault(what, []).append(spent)
-        if 0 <= self._count < len(self._paid):
-            self._paid[self._count] += spent
+        calls = self.calls.setdefault(what, [])
+
+        def timed(*arguments: Any) -> None:
+            since = time.thread_time()
+            call(*arguments)
+            if waits:
+                since = self._began[1]
+            calls.append((self._count, time.thread_time() - since))
+
+        return timed
 
     def times(self, ticks: int) -> np.ndarray:
-        """(3, ticks) wall, CPU and observers' CPU time, s; without the first tick and the last."""
-        return np.array([part[1 : ticks - 1] for part in (self._wall, self._cpu, self._paid)])
-
-
-class Timed:
-    """A recorder whose calls are timed."""
-
-    def __init__(self, recorder: Recorder, watch: Stopwatch) -> None:
-        self._recorder, self._watch = recorder, watch
-        self.begin, self.end = recorder.begin, recorder.end
-        self._what = f"{type(recorder).__name__}.record"
-
-    def record(self, tick: Tick, controller: Controller) -> None:
-        since = time.thread_time()
-        self._recorder.record(tick, controller)
-        self._watch.pay(self._what, since)
-
-
-class TimedViewer:
-    """A viewer whose calls are timed, with the making of what it is shown.
-
-    It stands among the recorders, too, as the last of them: from there on a tick is its own.
-    """
-
-    def __init__(self, viewer: Observer, watch: Stopwatch) -> None:
-        self._viewer, self._watch = viewer, watch
-        self._since = 0.0
-
-    def begin(self, controller: Controller, plant: Plant) -> None:
-        """See `wbc.protocols.Recorder`."""
-
-    def record(self, tick: Tick, controller: Controller) -> None:
-        self._since = time.thread_time()
-
-    def show(self, snapshot: wbc.Snapshot) -> None:
-        self._viewer.show(snapshot)
-        self._watch.pay("viewer, a frame", self._since)
-
-    def end(self, report: wbc.Report) -> None:
-        """See `wbc.protocols.Recorder`."""
-
-
-def timed(loop: Loop, watch: Stopwatch) -> None:
-    """Time what each observer does in the loop's thread."""
-    loop.logs = [Timed(one, watch) for one in loop.logs]
-    if loop.viewer is not None:
-        loop.viewer = viewer = TimedViewer(loop.viewer, watch)
-        loop.logs.append(viewer)
-    loop.before_tick = [_timed(call, watch) for call in loop.before_tick]
-
-
-def _timed(call: Callable[[float], None], watch: Stopwatch) -> Callable[[float], None]:
-    what = f"{type(call).__module__.split('.')[1]}: looking for requests"
-    waits = "live" in what  # for the tick's time, before it looks
-
-    def helm(now: float) -> None:
-        since = None if waits else time.thread_time()
-        call(now)
-        watch.pay(what, since)
-
-    return helm
+        """(2, ticks) wall and CPU time, s."""
+        return np.array([self._wall[:ticks], self._cpu[:ticks]])

@@ -13,11 +13,9 @@ import numpy as np
 from wbc.balance import fall_reason
 from wbc.book import Book, Progress
 from wbc.clock import Clock
-from wbc.command import Command
 from wbc.conditions import LoopConditions
 from wbc.errors import WbcError
 from wbc.estimation import Estimator
-from wbc.measurement import Measurement
 from wbc.protocols import Controller, Observer, Plant, Recorder, StateEstimator
 from wbc.realtime import RealTime, punctual, uncollected
 from wbc.report import Report
@@ -110,14 +108,14 @@ def run(
                 true_state = _truth(plant)
                 truth = true_state or state
                 book.note(now, t1 - t0, t2 - t1, command, truth, controller)
-                if logs:
-                    seen = Tick(now, measurement, state, command, true_before, t1 - t0, t2 - t1)
-                    for one in logs:
-                        one.record(seen, controller)
-                    true_before = true_state
-                if tick % show_every == 0:
+                seen = Tick(now, measurement, state, command, true_before, t1 - t0, t2 - t1)
+                true_before = true_state
+                for one in logs:
+                    one.record(seen, controller)
+                if observers and tick % show_every == 0:
+                    snapshot = Snapshot.of(seen, controller)
                     for observer in observers:
-                        observer.show(_snapshot(now, state, measurement, command, controller))
+                        observer.show(snapshot)
                 if progress is not None and tick % tell_every == 0:
                     progress(book.progress(now, duration))
                 reason = fall_reason(plant.robot, truth, book.ground)
@@ -157,14 +155,3 @@ def _say(conditions: LoopConditions) -> None:
 def _truth(plant: Plant) -> State | None:
     method = getattr(plant, "ground_truth", None)
     return None if method is None else method()
-
-
-def _snapshot(
-    now: float, state: State, measurement: Measurement, command: Command, controller: Controller
-) -> Snapshot:
-    wrenches = measurement.foot_wrenches or command.wrenches
-    telemetry = getattr(controller, "telemetry", None)
-    text = command.explanation
-    if telemetry is None:
-        return Snapshot(now, state.q, wrenches, status=command.status, text=text)
-    return Snapshot(now, state.q, wrenches, telemetry, command.status, text)

@@ -9,6 +9,7 @@ import numpy as np
 
 from wbc.command import Status
 from wbc.telemetry import Telemetry
+from wbc.tick import Tick
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,3 +33,26 @@ class Snapshot:
     telemetry: Telemetry = field(default_factory=Telemetry)
     status: Status = Status.OK
     text: str = ""
+
+    @staticmethod
+    def of(tick: Tick, controller: object, text: str = "") -> Snapshot:
+        """The instant of a tick, with what its controller tells about itself.
+
+        Args:
+            tick: just done.
+            controller: that did it; it may have `telemetry`, which is made when it is asked for.
+            text: unless the command has to explain itself.
+        """
+        command = tick.command
+        telemetry = getattr(controller, "telemetry", None)
+        return Snapshot(
+            tick.time,
+            tick.state.q,
+            tick.measurement.foot_wrenches or command.wrenches,
+            _UNKNOWN if telemetry is None else telemetry,
+            command.status,
+            command.explanation or text,
+        )
+
+
+_UNKNOWN = Telemetry()

@@ -160,12 +160,7 @@ class Live(Closing):
         self._process.look_after(now)
 
     def _show(self, tick: Tick) -> None:
-        command = tick.command
-        wrenches = tick.measurement.foot_wrenches or command.wrenches
-        telemetry = self._performer.telemetry
-        text = command.explanation or self._doing(tick.time)
-        snapshot = Snapshot(tick.time, tick.state.q, wrenches, telemetry, command.status, text)
-        self._snapshots.write(snapshot)
+        self._snapshots.write(Snapshot.of(tick, self._performer, self._doing(tick.time)))
 
     def _doing(self, now: float) -> str:
         playing = self.helm.playing
