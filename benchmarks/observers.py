@@ -4,12 +4,13 @@ The loop is `wbc.run` in real time with the performer's own work in every tick; 
 recorded once and replayed, so that the physics takes no part. Each observer has its audience: a
 page that takes every frame, a ROS 2 node that takes joint states and transforms at 50 Hz.
 
-All of them are there from the beginning, and are switched on and off while the loop runs: every
-fifth of a second another cell's turn comes, in random order. Who is switched off is not called, and
-its processes and its audience's are stopped. So every cell is measured in the same process, in the
-same memory and at the same time: two runs of one and the same loop differ by a tenth and more on a
-shared machine. The first ticks after switching do not count. Three figures of each tick, with their
-ratio to the ticks with nothing and the 95 % interval of that ratio (bootstrap over the turns):
+All of them are there from the beginning, and are switched on and off while the loop runs: after
+each step of the walk another cell's turn comes, in random order. Who is switched off is not called,
+and its processes and its audience's are stopped. So every cell is measured in the same process, in
+the same memory and at the same time: two runs of one and the same loop differ by a tenth and more
+on a shared machine. The first ticks after switching do not count; those that do make up a step,
+whose ticks differ. Three figures of each tick, with their ratio to the ticks with nothing and the
+95 % interval of that ratio (bootstrap over the turns):
 
 - command: wall time from the measurement to the command, which is what the robot feels.
 - whole: wall time from one wait for the clock to the next, with bookkeeping and observers.
@@ -54,7 +55,6 @@ import wbc
 from wbc.motions import Performer
 
 DT = 0.002  # s
-TURN = 100  # ticks of a cell at a time
 SETTLING = 15  # ticks after switching that do not count
 NOTHING, BUSY = "nothing", "a busy core"
 CELLS = {
@@ -74,12 +74,10 @@ class Cell:
     Attributes:
         times: of each turn, (3, ticks) from measurement to command, wall and CPU time, s.
         late: of each turn, (ticks,) s.
-        calls: CPU time of each call, s.
     """
 
     times: list[np.ndarray] = field(default_factory=list)
     late: list[np.ndarray] = field(default_factory=list)
-    calls: dict[str, list[float]] = field(default_factory=dict)
 
     def summary(self, nothing: Cell, rng: np.random.Generator) -> dict[str, Any]:
         """Times in µs, and as ratios to the loop with nothing."""
@@ -100,14 +98,6 @@ class Cell:
             "late p99": 1e6 * float(np.percentile(late, 99)),
             "overruns": int((late >= DT).sum()),
             "ticks": late.size,
-        }
-        line["calls"] = {
-            what: {
-                "p50": 1e6 * float(np.median(spent)),
-                "p99": 1e6 * float(np.percentile(spent, 99)),
-                "per tick": 1e6 * sum(spent) / late.size,
-            }
-            for what, spent in self.calls.items()
         }
         return line
 
@@ -135,6 +125,11 @@ class Case:
         self.robot, self.speed, self.domain = robot, speed, domain
         self.walk = record(robot, DT, speed, seconds, Performer(robot, DT))
         self.conditions = ""
+        gait = Performer(robot, DT).walker.gait
+        self.step = round((gait.single_support + gait.double_support) / DT)
+        self.turn = SETTLING + self.step + 1  # the last tick has the switching in it
+        if len(self.walk) < 2 * self.turn:
+            raise SystemExit(f"{seconds} s are too short for turns of {self.turn * DT:.2f} s")
 
     @contextlib.contextmanager
     def _loop(self, names: tuple[str, ...]) -> Iterator[Loop]:
@@ -154,7 +149,7 @@ class Case:
         """One round: the whole walk, with turns of all cells."""
         names = list(cells)
         watch = Stopwatch(len(self.walk))
-        count = len(self.walk) // TURN - 1
+        count = len(self.walk) // self.turn - 1
         blocks = [rng.permutation(len(names)) for _ in range(count // len(names) + 1)]
         turns = [names[i] for i in np.concatenate(blocks)[:count]]
         with contextlib.ExitStack() as stack:
@@ -164,13 +159,13 @@ class Case:
                 loop.watchers[BUSY] = Watcher((stack.enter_context(neighbour()),))
 
             def switch(_: float) -> None:
-                turn, within = divmod(loop.plant.ticks, TURN)
+                turn, within = divmod(loop.plant.ticks, self.turn)
                 if within == 0 and turn > 0:  # in the first turn all are called once
                     wanted = CELLS[turns[turn - 1]] if turn <= count else ()
                     for name, watcher in loop.watchers.items():
                         watcher.switch(name in wanted)
 
-            loop.before_tick, loop.wrap = switch, watch.wrap
+            loop.before_tick = switch
             with watch.running():
                 self._run(loop, len(self.walk))
         self._keep(cells, turns, watch, loop.plant)
@@ -181,21 +176,26 @@ class Case:
         wall, cpu = watch.times(plant.ticks)
         kinds = np.array([plant.commanded - plant.asked, wall, cpu])
         for turn, name in enumerate(turns, 1):
-            # The last tick of a turn has the switching in it.
-            counted = slice(turn * TURN + SETTLING, (turn + 1) * TURN - 1)
+            counted = slice(turn * self.turn + SETTLING, (turn + 1) * self.turn - 1)
             cells[name].times.append(kinds[:, counted])
             cells[name].late.append(lateness(plant.asked[counted], DT))
-        for what, calls in watch.calls.items():
-            for tick, spent in calls:
-                turn, within = divmod(tick, TURN)
-                if 0 < turn <= len(turns) and SETTLING <= within < TURN - 1:
-                    cells[turns[turn - 1]].calls.setdefault(what, []).append(spent)
 
-    def undisturbed(self, seconds: float, names: tuple[str, ...]) -> dict[str, float]:
-        """What the observers tell when they watch all the time."""
-        with self._loop(names) as loop:
-            self._run(loop, min(round(seconds / DT), len(self.walk)))
-        return loop.figures
+    def undisturbed(self, seconds: float, names: tuple[str, ...]) -> dict[str, Any]:
+        """What the observers tell when they watch all the time, and their calls in µs of CPU."""
+        ticks = min(round(seconds / DT), len(self.walk))
+        watch = Stopwatch(ticks)
+        with self._loop(names) as loop, watch.running():
+            loop.wrap = watch.wrap
+            self._run(loop, ticks)
+        calls = {
+            what: {
+                "p50": 1e6 * float(np.median(spent)),
+                "p99": 1e6 * float(np.percentile(spent, 99)),
+                "per tick": 1e6 * sum(spent) / ticks,
+            }
+            for what, spent in watch.calls.items()
+        }
+        return {"figures": loop.figures, "calls": calls}
 
 
 def show(lines: dict[str, dict[str, Any]]) -> None:
@@ -214,12 +214,15 @@ def show(lines: dict[str, dict[str, Any]]) -> None:
     print(f"\n{'µs':<26}" + "".join(f"{head:>12}" for head in heads))
     for name, line in lines.items():
         print(f"{name:<26}" + "".join(f"{line[head]:>12.6g}" for head in heads))
-    for name, line in lines.items():
-        if line["calls"]:
-            print(f"\n{name}")
-        for what, row in line["calls"].items():
-            texts = [f"{head} {value:.1f}" for head, value in row.items()]
-            print(f"  {what:<40}µs of CPU: " + ", ".join(texts))
+
+
+def show_undisturbed(told: dict[str, Any]) -> None:
+    """Print what the observers told."""
+    for what, row in told["calls"].items():
+        texts = [f"{head} {value:.1f}" for head, value in row.items()]
+        print(f"  {what:<40}µs of CPU: " + ", ".join(texts))
+    for what, value in told["figures"].items():
+        print(f"  {what:<40}{value:.1f}")
 
 
 def main() -> None:
@@ -260,8 +263,7 @@ def main() -> None:
         names = tuple(n for n in observers if not (several and n == "ROS 2 at 500 Hz"))
         told["undisturbed"] = case.undisturbed(options.undisturbed, names)
         print(f"\nundisturbed: {', '.join(names)}")
-        for what, value in told["undisturbed"].items():
-            print(f"  {what:<40}{value:.1f}")
+        show_undisturbed(told["undisturbed"])
         save(told, options.json)
     if options.messages:
         told["messages"] = ros2_benchmark.publishing(options.domain + 2, options.messages)

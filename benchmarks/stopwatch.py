@@ -19,14 +19,14 @@ class Stopwatch:
         ticks: how many there will be.
 
     Attributes:
-        calls: of observers, by name: the tick, and the CPU time in it, s.
+        calls: CPU time of each call of the observers, by name, s.
     """
 
     def __init__(self, ticks: int) -> None:
         self._wall, self._cpu = np.zeros((2, ticks + 1))
         self._began = (0.0, 0.0)
         self._count = -1
-        self.calls: dict[str, list[tuple[int, float]]] = {}
+        self.calls: dict[str, list[float]] = {}
 
     @contextlib.contextmanager
     def running(self) -> Iterator[None]:
@@ -59,14 +59,14 @@ class Stopwatch:
             call: it.
             waits: for the tick's time first, so that the tick begins in it.
         """
-        calls = self.calls.setdefault(what, [])
+        calls = self.calls[what] = []
 
         def timed(*arguments: Any) -> None:
             since = time.thread_time()
             call(*arguments)
             if waits:
                 since = self._began[1]
-            calls.append((self._count, time.thread_time() - since))
+            calls.append(time.thread_time() - since)
 
         return timed
 
