@@ -4,13 +4,13 @@ The loop is `wbc.run` in real time with the performer's own work in every tick; 
 recorded once and replayed, so that the physics takes no part. Each observer has its audience: a
 page that takes every frame, a ROS 2 node that takes joint states and transforms at 50 Hz.
 
-All of them are there from the beginning, and are switched on and off while the loop runs: after
-each step of the walk another cell's turn comes, in random order. Who is switched off is not called,
-and its processes and its audience's are stopped. So every cell is measured in the same process, in
-the same memory and at the same time: two runs of one and the same loop differ by a tenth and more
-on a shared machine. The first ticks after switching do not count; those that do make up a step,
-whose ticks differ. Three figures of each tick, with their ratio to the ticks with nothing and the
-95 % interval of that ratio (bootstrap over the turns):
+All of them are there from the beginning, and are switched on and off while the loop runs: every
+fifth of a second another cell's turn comes, in random order, all cells once in each block of turns.
+Who is switched off is not called, and its processes and its audience's are stopped. So every cell
+is measured in the same process, in the same memory and at the same time: two runs of one and the
+same loop differ by a tenth and more on a shared machine. The first ticks after switching do not
+count. Three figures of each tick, with their ratio to the ticks with nothing and the 95 % interval
+of that ratio (bootstrap over the blocks):
 
 - command: wall time from the measurement to the command, which is what the robot feels.
 - whole: wall time from one wait for the clock to the next, with bookkeeping and observers.
@@ -21,7 +21,7 @@ begins when the next one is due already is an overrun. In the end all four watch
 the display rates and what their processes take; then the cost of ROS 2 messages, and the time from
 a slider on the live page to the robot's motion.
 
-    python benchmarks/observers.py                      # about 12 minutes
+    python benchmarks/observers.py                      # about 8 minutes
     python benchmarks/observers.py --rounds 1 --seconds 20 --only log
 """
 
@@ -55,6 +55,7 @@ import wbc
 from wbc.motions import Performer
 
 DT = 0.002  # s
+TURN = 100  # ticks of a cell at a time
 SETTLING = 15  # ticks after switching that do not count
 NOTHING, BUSY = "nothing", "a busy core"
 CELLS = {
@@ -72,8 +73,8 @@ class Cell:
     """What the turns of a cell brought.
 
     Attributes:
-        times: of each turn, (3, ticks) from measurement to command, wall and CPU time, s.
-        late: of each turn, (ticks,) s.
+        times: of each block's turn, (3, ticks) from measurement to command, wall and CPU time, s.
+        late: likewise, (ticks,) s.
     """
 
     times: list[np.ndarray] = field(default_factory=list)
@@ -88,10 +89,8 @@ class Cell:
                 name = f"{kind} p{q}"
                 line[name] = 1e6 * float(np.percentile(own[:, i], q))
                 line[f"{name} ratio"] = _ratio(own[:, i], base[:, i], q)
-                drawn = [
-                    _ratio(_redrawn(own[:, i], rng), _redrawn(base[:, i], rng), q)
-                    for _ in range(200)
-                ]
+                blocks = (rng.integers(len(own), size=len(own)) for _ in range(300))
+                drawn = [_ratio(own[b, i], base[b, i], q) for b in blocks]
                 line[f"{name} interval"] = np.percentile(drawn, (2.5, 97.5)).tolist()
         late = np.concatenate(self.late)
         line |= {
@@ -104,11 +103,6 @@ class Cell:
 
 def _ratio(own: np.ndarray, base: np.ndarray, q: float) -> float:
     return float(np.percentile(own, q) / np.percentile(base, q))
-
-
-def _redrawn(turns: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    drawn: np.ndarray = turns[rng.integers(len(turns), size=len(turns))]
-    return drawn
 
 
 class Case:
@@ -125,11 +119,6 @@ class Case:
         self.robot, self.speed, self.domain = robot, speed, domain
         self.walk = record(robot, DT, speed, seconds, Performer(robot, DT))
         self.conditions = ""
-        gait = Performer(robot, DT).walker.gait
-        self.step = round((gait.single_support + gait.double_support) / DT)
-        self.turn = SETTLING + self.step + 1  # the last tick has the switching in it
-        if len(self.walk) < 2 * self.turn:
-            raise SystemExit(f"{seconds} s are too short for turns of {self.turn * DT:.2f} s")
 
     @contextlib.contextmanager
     def _loop(self, names: tuple[str, ...]) -> Iterator[Loop]:
@@ -149,9 +138,10 @@ class Case:
         """One round: the whole walk, with turns of all cells."""
         names = list(cells)
         watch = Stopwatch(len(self.walk))
-        count = len(self.walk) // self.turn - 1
-        blocks = [rng.permutation(len(names)) for _ in range(count // len(names) + 1)]
-        turns = [names[i] for i in np.concatenate(blocks)[:count]]
+        blocks = (len(self.walk) // TURN - 1) // len(names)
+        if blocks < 1:
+            raise SystemExit(f"{len(self.walk) * DT} s are too short for {len(names)} turns")
+        turns = [names[i] for _ in range(blocks) for i in rng.permutation(len(names))]
         with contextlib.ExitStack() as stack:
             everyone = dict.fromkeys(n for cell in names for n in CELLS[cell])
             loop = stack.enter_context(self._loop(tuple(everyone)))
@@ -159,9 +149,9 @@ class Case:
                 loop.watchers[BUSY] = Watcher((stack.enter_context(neighbour()),))
 
             def switch(_: float) -> None:
-                turn, within = divmod(loop.plant.ticks, self.turn)
+                turn, within = divmod(loop.plant.ticks, TURN)
                 if within == 0 and turn > 0:  # in the first turn all are called once
-                    wanted = CELLS[turns[turn - 1]] if turn <= count else ()
+                    wanted = CELLS[turns[turn - 1]] if turn <= len(turns) else ()
                     for name, watcher in loop.watchers.items():
                         watcher.switch(name in wanted)
 
@@ -176,7 +166,8 @@ class Case:
         wall, cpu = watch.times(plant.ticks)
         kinds = np.array([plant.commanded - plant.asked, wall, cpu])
         for turn, name in enumerate(turns, 1):
-            counted = slice(turn * self.turn + SETTLING, (turn + 1) * self.turn - 1)
+            # The last tick of a turn has the switching in it.
+            counted = slice(turn * TURN + SETTLING, (turn + 1) * TURN - 1)
             cells[name].times.append(kinds[:, counted])
             cells[name].late.append(lateness(plant.asked[counted], DT))
 
@@ -231,7 +222,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--robot", default="talos")
-    parser.add_argument("--seconds", type=float, default=120.0, help="of each round (default: 120)")
+    parser.add_argument("--seconds", type=float, default=60.0, help="of each round (default: 60)")
     parser.add_argument("--rounds", type=int, default=4, help="of all cells (default: 4)")
     parser.add_argument("--speed", type=float, default=0.3, help="of the walk, m/s (default: 0.3)")
     parser.add_argument("--only", action="append", choices=[name for name in CELLS if name])

@@ -72,13 +72,13 @@ def test_the_observers_benchmark_measures_ticks_calls_and_rates(tmp_path):
     for package in ("mujoco", "cyclonedds", "zstandard"):
         pytest.importorskip(package)
     out = tmp_path / "observers.json"
-    flags = ["--robot", "simple_humanoid", "--rounds", "1", "--seconds", "3"]
+    flags = ["--robot", "simple_humanoid", "--rounds", "1", "--seconds", "1"]
     flags += ["--only", "viewer, log, ROS 2", "--undisturbed", "0.6"]
     flags += ["--messages", "0", "--repeats", "0", "--json", str(out)]
     assert "viewer, log, ROS 2" in run("observers.py", *flags)
     told = json.loads(out.read_text())
     nothing, everyone = told["cells"].values()
-    assert nothing["ticks"] == everyone["ticks"] > 300
+    assert nothing["ticks"] == everyone["ticks"] > 100
     assert all(nothing[f"{kind} p99 ratio"] == 1.0 for kind in ("command", "whole", "CPU"))
     undisturbed = told["undisturbed"]
     assert len(undisturbed["calls"]) == 4
