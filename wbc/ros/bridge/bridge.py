@@ -17,7 +17,7 @@ from wbc.motions import CATALOGUE, Motion, Performer
 from wbc.motions.packing import check_importable
 from wbc.process import Child, ChildError, RecordRing
 from wbc.ros.bridge.helm import Helm
-from wbc.ros.bridge.layout import HEAD, Layout, Mode
+from wbc.ros.bridge.layout import HEAD, MOST, Layout, Mode
 from wbc.ros.bridge.mailbox import Mailbox
 from wbc.ros.bridge.order import Order
 from wbc.ros.errors import RosError
@@ -41,9 +41,9 @@ _LYING = 0.02  # s between two looks at a robot that lies
 class Bridge(Closing):
     """Shows a robot to a ROS 2 system, and lets it be driven from there.
 
-    All of DDS happens in another process. The loop's process copies each tick into shared
-    memory and looks there for orders, some microseconds in all; it never waits, and goes on,
-    standing, when the other process has died.
+    All of DDS happens in another process. The loop's process copies ticks into shared memory, at
+    some more than the rate at which they are published, and looks there for orders, microseconds
+    in all; it never waits, and goes on, standing, when the other process has died.
 
     Example:
         >>> with Bridge(performer, plant) as bridge:
@@ -98,7 +98,9 @@ class Bridge(Closing):
         self._run = 0
         self._before = time.perf_counter()
         self._last: np.ndarray | None = None
-        self._dt, self._to_go = performer.dt, 0  # ticks until one is shown whole
+        self._dt, self._to_go = performer.dt, 0  # ticks until one is shown
+        self._timing: list[float] = []  # of the ticks since the last that was shown
+        self._rest = [np.full(3 * k, np.nan) for k in range(MOST + 1)]
         assert self._mailbox.descriptor is not None
         shelf, slip = self.helm.shelf.descriptor, self.helm.slip.descriptor
         self._process = Child(
@@ -147,56 +149,68 @@ class Bridge(Closing):
         """A run begins, see `wbc.protocols.Recorder`: orders from before it are forgotten."""
         self._run += 1
         self._before = time.perf_counter()
+        self._to_go = 0
+        self._timing.clear()
         self.helm.begin()
 
     def record(self, tick: Tick, controller: Controller) -> None:
         """Show a tick. Never waits; whatever happens to the node, returns.
 
-        Of most ticks the node needs to know no more than how long they took.
+        Of most ticks the node needs to know no more than how they went: it gets that with the
+        next one that is shown.
         """
         now = time.perf_counter()
-        period, self._before = now - self._before, now
-        self._process.look_after(now)
-        record = self._ring.begin()
+        status = tick.command.status
+        self._timing += (
+            tick.estimator_time + tick.controller_time,
+            now - self._before,
+            0 if status is Status.OK else _STATUS[status],
+        )
+        self._before = now
         self._to_go -= 1
-        phase = 0
-        if whole := self._to_go <= 0:
+        if self._to_go <= 0:
             # The node's own rates do not go into the loop's: it gets some more than it asks for.
-            self._to_go = int(1.0 / (_MORE * self._mailbox.latest.rate * self._dt))
-            balance: Balance = getattr(controller, "balance", _UNKNOWN)
-            phase = _PHASE.get(balance.phase, 0)
-            wrenches = tick.measurement.foot_wrenches or tick.command.wrenches
-            np.concatenate(
-                (
-                    tick.state.q,
-                    tick.state.v,
-                    tick.command.tau,
-                    balance.com,
-                    balance.dcm,
-                    balance.dcm_reference,
-                    balance.zmp,
-                    *[wrenches.get(name, self._no_wrench) for name in self._soles],
-                ),
-                out=record[len(HEAD) :],
-            )
-            self._last = record
+            self._to_go = min(int(1.0 / (_MORE * self._mailbox.latest.rate * self._dt)), MOST)
+            self._show(tick, controller)
+            self._process.look_after(now)
+
+    def _show(self, tick: Tick, controller: Controller) -> None:
+        balance: Balance = getattr(controller, "balance", _UNKNOWN)
+        wrenches = tick.measurement.foot_wrenches or tick.command.wrenches
+        timing = self._timing
+        record = self._ring.begin()
+        np.concatenate(
+            (
+                tick.state.q,
+                tick.state.v,
+                tick.command.tau,
+                balance.com,
+                balance.dcm,
+                balance.dcm_reference,
+                balance.zmp,
+                *[wrenches.get(name, self._no_wrench) for name in self._soles],
+                timing,
+                self._rest[MOST - len(timing) // 3],
+            ),
+            out=record[len(HEAD) :],
+        )
         self._ring.pack(
             _HEAD,
             time.time(),
-            whole,
             tick.time,
             self._run,
             Mode.RUNNING,
-            _STATUS[tick.command.status],
-            phase,
+            timing[-1],
+            _PHASE.get(balance.phase, 0),
             getattr(controller, "steps", 0),
-            tick.estimator_time + tick.controller_time,
-            period,
             getattr(controller, "dcm_error", np.nan),
             self.helm.motions,
             self.helm.stage,
+            len(timing),
         )
         self._ring.publish()
+        self._last = record
+        timing.clear()
 
     def end(self, report: Report) -> None:
         """The run is over, see `wbc.protocols.Recorder`."""
@@ -219,6 +233,7 @@ class Bridge(Closing):
         record[:] = last
         record[HEAD.index("stamp")] = time.time()
         record[HEAD.index("mode")] = Mode.FALLEN
+        record[HEAD.index("timed")] = 0
         self._ring.publish()
         self._last = record
 

@@ -35,7 +35,8 @@ class PlantClock:
             "use_sim_time", use, "stamp messages with the plant's time, as /clock tells it"
         )
         self._publisher = node.publisher(_CLOCK.type_name, "/clock", CLOCK)
-        self._due = Due(_RATE)
+        # Ticks may come no more often than that, and not to the instant.
+        self._due = Due(_RATE, 0.4 / _RATE)
         self._run = 0
         self._offset = self._latest = 0.0
 

@@ -45,13 +45,13 @@ class Diagnostics:
         self._due.rate = 1.0 / period
 
     def take(self, sample: Sample) -> None:
-        """One tick more."""
-        if sample.mode is Mode.RUNNING:
-            self._ticks.append(sample.tick_time)
-            self._periods.append(sample.period)
-            self._failures += _STATUSES[sample.status] is not Status.OK
-            self._overruns += sample.period > 2.0 * self._dt
-        if sample.whole and self._due(sample.stamp):
+        """One sample more, and the ticks that it tells of."""
+        took, periods, statuses = sample.timing.T.tolist()
+        self._ticks += took
+        self._periods += periods
+        self._failures += sum(_STATUSES[int(status)] is not Status.OK for status in statuses)
+        self._overruns += sum(period > 2.0 * self._dt for period in periods)
+        if self._due(sample.stamp):
             self._tell(sample)
 
     def _tell(self, sample: Sample) -> None:

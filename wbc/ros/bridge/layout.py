@@ -1,4 +1,4 @@
-"""The form of one tick in the memory between the loop and its ROS 2 node."""
+"""The form of a tick, and of how the ones before it went, between the loop and its ROS 2 node."""
 
 from __future__ import annotations
 
@@ -15,19 +15,18 @@ from wbc.telemetry import PHASES
 #: Numbers that stand first, in the order in which they are written.
 HEAD = (
     "stamp",  # s since 1970
-    "whole",  # whether the arrays are of this tick
     "time",  # of the plant, s
     "run",
     "mode",
     "status",
     "phase",
     "steps",
-    "tick_time",  # estimator and controller, s
-    "period",  # since the tick before, s
     "dcm_error",  # m
     "motions",  # taken so far
     "stage",  # of the last of them
+    "timed",  # numbers in `timing`
 )
+MOST = 32  #: ticks that a record tells the timing of
 
 
 class Mode(IntEnum):
@@ -68,6 +67,7 @@ class Layout:
             ("dcm_reference", 3),
             ("zmp", 3),
             ("wrenches", 6 * self.feet),
+            ("timing", 3 * MOST),
         )
 
     @property
@@ -82,15 +82,12 @@ class Sample:
 
     Attributes:
         stamp: when it ended, s since 1970.
-        whole: whether the arrays are of this tick; otherwise they mean nothing.
         time: of the plant, s.
         run: counts resets.
         mode: whether the loop runs.
         status: index into `wbc.Status`.
         phase: index into `PHASES`.
         steps: touchdowns so far.
-        tick_time: that estimator and controller took, s.
-        period: since the tick before, s.
         dcm_error: m.
         motions: how many the loop has been asked for.
         stage: what became of the last of them.
@@ -99,18 +96,17 @@ class Sample:
         tau: (na,) joint torques, N·m.
         com: (3,) m, and likewise `dcm`, `dcm_reference` and `zmp`: world axes, NaN if not known.
         wrenches: (feet, 6) force then moment from the ground, sole axes; NaN if not known.
+        timing: (n, 3) of the n ticks since the last sample, itself included: what estimator and
+            controller took and the period since the tick before, s; then the status, see above.
     """
 
     stamp: float
-    whole: bool
     time: float
     run: int
     mode: Mode
     status: int
     phase: int
     steps: int
-    tick_time: float
-    period: float
     dcm_error: float
     motions: int
     stage: Stage
@@ -122,29 +118,27 @@ class Sample:
     dcm_reference: np.ndarray
     zmp: np.ndarray
     wrenches: np.ndarray
+    timing: np.ndarray
 
     @staticmethod
     def of(layout: Layout, record: np.ndarray) -> Sample:
         """A sample of a record, which it keeps views of."""
         head = record[: len(HEAD)].tolist()
-        stamp, whole, time, run, mode, status, phase, steps, tick, period, error = head[:-2]
-        motions, stage = head[-2:]
+        stamp, time, run, mode, status, phase, steps, error, motions, stage, timed = head
         arrays, start = {}, len(HEAD)
         for name, size in layout.body:
             arrays[name] = record[start : start + size]
             start += size
         arrays["wrenches"] = arrays["wrenches"].reshape(-1, 6)
+        arrays["timing"] = arrays["timing"][: int(timed)].reshape(-1, 3)
         return Sample(
             stamp,
-            bool(whole),
             time,
             int(run),
             Mode(int(mode)),
             int(status),
             int(phase),
             int(steps),
-            tick,
-            period,
             error,
             int(motions),
             Stage(int(stage)),

@@ -27,7 +27,7 @@ class Orders:
         impulse: of the last push, N·s, world axes.
         push_duration: of the last push, s.
         resets: how many resets have been asked for.
-        rate: of whole ticks, Hz, that the node needs at the least.
+        rate: of ticks, Hz, that the node needs to be shown at the least.
         motions: how many motions have been asked for.
         slot: where on the shelf the last one lies.
         size: of it there, bytes.

@@ -28,7 +28,7 @@ from wbc.ros.qos import LATCHED
 logger = logging.getLogger(__name__)
 
 _LEAST_LOOKS = 200.0  # Hz, at which new ticks are looked for
-_LEAST_TICKS = 50.0  # Hz, of whole ones, for the steering
+_LEAST_TICKS = 50.0  # Hz, for the steering
 
 
 class RobotNode:
@@ -107,8 +107,6 @@ class RobotNode:
         self._latest = sample
         self._diagnostics.take(sample)
         self._play.take(sample)
-        if not sample.whole:
-            return
         if self._due(sample.stamp):
             self._joint_states.publish(sample)
         if self._state_due(sample.stamp):
