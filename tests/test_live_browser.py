@@ -74,11 +74,11 @@ def page(shared):
 
 
 def reset(page):
-    page.evaluate("wbc.live.gauges = null")
+    run = page.evaluate("wbc.live.gauges.run")  # what is asked for before the next is forgotten
     page.click("[data-action=reset]")
     page.wait_for_function(
-        "wbc.live.gauges?.mode === 'running' && wbc.live.gauges.time > 0.1"
-        " && wbc.live.gauges.time < 5 && wbc.live.gauges.velocity.every((x) => x === 0)"
+        f"wbc.live.gauges.run > {run} && wbc.live.gauges.mode === 'running'"
+        " && wbc.live.gauges.time > 0.1 && wbc.live.gauges.velocity.every((x) => x === 0)"
     )
 
 

@@ -193,6 +193,7 @@ def _summary(ticks: list[Gauges]) -> dict[str, Any]:
         "playing": last.playing,
         "pushes": last.pushes,
         "survived": last.survived,
+        "run": last.run,
     }
 
 

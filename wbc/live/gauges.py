@@ -1,4 +1,4 @@
-"""What the loop tells the page about each tick, as numbers in shared memory."""
+"""What the loop tells the page about its ticks, as numbers in shared memory."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ class Mode(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Gauges:
-    """A tick as the page sees it; all of it numbers, see `record`.
+    """A tick as the page sees it, and the worst of those since the last; all of it numbers.
 
     Attributes:
         time: of the plant, s.
         mode: what the loop is doing.
-        dcm_error: m.
-        tick_time: that estimator and controller took, s.
+        dcm_error: the largest, m.
+        tick_time: that estimator and controller took at the most, s.
         forward: velocity that is wanted of the gait now, m/s.
         left: likewise, m/s.
         turn: likewise, rad/s.

@@ -31,15 +31,16 @@ if TYPE_CHECKING:
     from wbc.tick import Tick
 
 _RATE = 40.0  # Hz of snapshots
+_GAUGES = 100.0  # Hz of the figures; each tells of the worst tick since the last
 _NOTED = 8.0  # s of plant time: how long a motion's note is shown
 
 
 class Live(Closing):
     """Serves a page that shows a robot and drives it.
 
-    The page and everything about it live in another process. The loop's process copies each
-    tick's figures and some snapshots into shared memory, and looks there for requests before
-    each tick; it never waits, and goes on when the other process has died.
+    The page and everything about it live in another process. The loop's process copies figures
+    and snapshots of some ticks into shared memory, and looks there for requests before each
+    tick; it never waits, and goes on when the other process has died.
 
     Example:
         >>> with Live(performer, plant) as live:
@@ -88,7 +89,8 @@ class Live(Closing):
         self.helm = Helm(performer, plant, motions, self._idle)
         self._mode = Mode.RUNNING
         self._run = 0
-        self._due = self._noted_until = 0.0
+        self._due = self._gauges_due = self._noted_until = 0.0
+        self._worst_error = self._worst_time = 0.0  # since the figures were shown
         self._notes = 0
         self._last = np.zeros(SIZE)
         self._shared = (self._snapshots, self._gauges, self.helm.requests, self.helm.shelf)
@@ -133,18 +135,32 @@ class Live(Closing):
         self._run += 1
         self._mode = Mode.RUNNING
         self._notes = 0
+        self._due = self._gauges_due = 0.0  # a run that begins paused shows its first tick
         self.helm.begin()
 
     def record(self, tick: Tick, controller: Controller) -> None:
         """Show a tick. Never waits; whatever happens to the page, returns."""
-        performer, helm = self._performer, self.helm
+        self._worst_error = max(self._worst_error, self._performer.dcm_error)
+        self._worst_time = max(self._worst_time, tick.estimator_time + tick.controller_time)
+        now = time.perf_counter()
+        if now >= self._gauges_due:
+            self._gauges_due = next_due(self._gauges_due, now, 1.0 / _GAUGES)
+            self._gauge(tick.time)
+            self._process.look_after(now)
+        if now >= self._due:
+            self._due = next_due(self._due, now, 1.0 / _RATE)
+            doing = self._doing(tick.time)
+            self._snapshots.write(Snapshot.of(tick, self._performer, doing))
+
+    def _gauge(self, time: float) -> None:
+        helm = self.helm
         record = self._gauges.begin()
         record[:] = (
-            tick.time,
+            time,
             Mode.RUNNING,
-            performer.dcm_error,
-            tick.estimator_time + tick.controller_time,
-            *performer.velocity,
+            self._worst_error,
+            self._worst_time,
+            *self._performer.velocity,
             helm.playing,
             helm.pushes.decided,
             helm.pushes.survived,
@@ -153,14 +169,7 @@ class Live(Closing):
         )
         self._gauges.publish()
         self._last = record
-        now = time.perf_counter()
-        if now >= self._due:
-            self._due = next_due(self._due, now, 1.0 / _RATE)
-            self._show(tick)
-        self._process.look_after(now)
-
-    def _show(self, tick: Tick) -> None:
-        self._snapshots.write(Snapshot.of(tick, self._performer, self._doing(tick.time)))
+        self._worst_error = self._worst_time = 0.0
 
     def _doing(self, now: float) -> str:
         playing = self.helm.playing
