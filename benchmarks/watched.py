@@ -90,23 +90,29 @@ class Loop:
     def run(self, length: float, wanted: RealTime, estimator: Any = None) -> tuple[wbc.Report, str]:
         """Run for so many s; the report, and what the system granted."""
         spent = {name: cpu_seconds(w.processes[0]) for name, w in self.watchers.items()}
-        with punctual(wanted) as told:
+        paced = any(watcher.paces for watcher in self.watchers.values())
+        told: list[wbc.LoopConditions] = []
+        with contextlib.ExitStack() as stack:
+            if paced:
+                told.append(stack.enter_context(punctual(wanted)))
             report = wbc.run(
                 self.controller,
                 self.plant,
                 length,
                 estimator=estimator,
                 log=_Recorders(self),
-                before_tick=self._helm(),
+                real_time=False if paced else wanted,
+                announce=told.append,
+                before_tick=self._helm(Clock(self.plant.dt, 1) if paced else None),
             )
         for name, watcher in self.watchers.items():
             watcher.switch(True)
             share = (cpu_seconds(watcher.processes[0]) - spent[name]) / length
             self.figures[f"{name}: its process, % of a core"] = 100.0 * share
-        return report, told.describe()
+        return report, told[0].describe()
 
-    def _helm(self) -> Helm:
-        clock = Clock(self.plant.dt, 1)
+    def _helm(self, clock: Clock | None) -> Helm:
+        """All helms in turn; when the one that paces is off, a clock keeps the time."""
         helms = [
             (w, w.paces, self.wrap(f"{name}: looking for requests", w.helm, w.paces))
             for name, w in self.watchers.items()
@@ -116,7 +122,7 @@ class Loop:
 
         def before_tick(now: float) -> None:
             self.before_tick(now)
-            if not any(paces and watcher.on for watcher, paces, _ in helms):
+            if clock is not None and not any(w.on and paces for w, paces, _ in helms):
                 clock.wait()
             for watcher, _, helm in helms:
                 if watcher.on:

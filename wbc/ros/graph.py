@@ -197,14 +197,17 @@ class Graph:
         Returns:
             The state of which it is true; None when there was none in time.
         """
-        state = self.state()
+        found: GraphState | None = None
 
         def fulfilled() -> bool:
-            nonlocal state
+            nonlocal found
             state = self.state()
-            return condition(state)
+            if condition(state):
+                found = state
+            return found is not None
 
-        return state if self._node.spin(fulfilled, timeout) else None
+        self._node.spin(fulfilled, timeout)
+        return found
 
     def _endpoints(self, reader: Any, owners: dict[bytes, str]) -> tuple[Endpoint, ...]:
         others = (
