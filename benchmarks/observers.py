@@ -225,7 +225,9 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=60.0, help="of each round (default: 60)")
     parser.add_argument("--rounds", type=int, default=4, help="of all cells (default: 4)")
     parser.add_argument("--speed", type=float, default=0.3, help="of the walk, m/s (default: 0.3)")
-    parser.add_argument("--only", action="append", choices=[name for name in CELLS if name])
+    parser.add_argument(
+        "--only", action="append", choices=[name for name in CELLS if name != NOTHING]
+    )
     parser.add_argument("--undisturbed", type=float, default=20.0, help="s in the end (default 20)")
     parser.add_argument("--repeats", type=int, default=20, help="of the slider (default: 20)")
     parser.add_argument("--messages", type=int, default=2000, help="of ROS 2 (default: 2000)")

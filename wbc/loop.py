@@ -108,14 +108,16 @@ def run(
                 true_state = _truth(plant)
                 truth = true_state or state
                 book.note(now, t1 - t0, t2 - t1, command, truth, controller)
-                seen = Tick(now, measurement, state, command, true_before, t1 - t0, t2 - t1)
+                showing = observers if tick % show_every == 0 else ()
+                if logs or showing:
+                    seen = Tick(now, measurement, state, command, true_before, t1 - t0, t2 - t1)
+                    for one in logs:
+                        one.record(seen, controller)
+                    if showing:
+                        snapshot = Snapshot.of(seen, controller)
+                        for observer in showing:
+                            observer.show(snapshot)
                 true_before = true_state
-                for one in logs:
-                    one.record(seen, controller)
-                if observers and tick % show_every == 0:
-                    snapshot = Snapshot.of(seen, controller)
-                    for observer in observers:
-                        observer.show(snapshot)
                 if progress is not None and tick % tell_every == 0:
                     progress(book.progress(now, duration))
                 reason = fall_reason(plant.robot, truth, book.ground)

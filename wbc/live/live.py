@@ -136,6 +136,7 @@ class Live(Closing):
         self._mode = Mode.RUNNING
         self._notes = 0
         self._due = self._gauges_due = 0.0  # a run that begins paused shows its first tick
+        self._worst_error = self._worst_time = 0.0
         self.helm.begin()
 
     def record(self, tick: Tick, controller: Controller) -> None:

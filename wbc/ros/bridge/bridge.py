@@ -100,7 +100,6 @@ class Bridge(Closing):
         self._last: np.ndarray | None = None
         self._dt, self._to_go = performer.dt, 0  # ticks until one is shown
         self._timing: list[float] = []  # of the ticks since the last that was shown
-        self._rest = [np.full(3 * k, np.nan) for k in range(MOST + 1)]
         assert self._mailbox.descriptor is not None
         shelf, slip = self.helm.shelf.descriptor, self.helm.slip.descriptor
         self._process = Child(
@@ -160,11 +159,10 @@ class Bridge(Closing):
         next one that is shown.
         """
         now = time.perf_counter()
-        status = tick.command.status
         self._timing += (
             tick.estimator_time + tick.controller_time,
             now - self._before,
-            0 if status is Status.OK else _STATUS[status],
+            _STATUS[tick.command.status],
         )
         self._before = now
         self._to_go -= 1
@@ -177,7 +175,6 @@ class Bridge(Closing):
     def _show(self, tick: Tick, controller: Controller) -> None:
         balance: Balance = getattr(controller, "balance", _UNKNOWN)
         wrenches = tick.measurement.foot_wrenches or tick.command.wrenches
-        timing = self._timing
         record = self._ring.begin()
         np.concatenate(
             (
@@ -189,10 +186,8 @@ class Bridge(Closing):
                 balance.dcm_reference,
                 balance.zmp,
                 *[wrenches.get(name, self._no_wrench) for name in self._soles],
-                timing,
-                self._rest[MOST - len(timing) // 3],
             ),
-            out=record[len(HEAD) :],
+            out=record[len(HEAD) : -3 * MOST],
         )
         self._ring.pack(
             _HEAD,
@@ -200,17 +195,23 @@ class Bridge(Closing):
             tick.time,
             self._run,
             Mode.RUNNING,
-            timing[-1],
+            _STATUS[tick.command.status],
             _PHASE.get(balance.phase, 0),
             getattr(controller, "steps", 0),
             getattr(controller, "dcm_error", np.nan),
             self.helm.motions,
             self.helm.stage,
-            len(timing),
+            self._tell_timing(record),
         )
         self._ring.publish()
         self._last = record
-        timing.clear()
+
+    def _tell_timing(self, record: np.ndarray) -> int:
+        """Write how the ticks went since the last that was shown; returns how many numbers."""
+        count = len(self._timing)
+        record[-3 * MOST :][:count] = self._timing
+        self._timing.clear()
+        return count
 
     def end(self, report: Report) -> None:
         """The run is over, see `wbc.protocols.Recorder`."""
@@ -233,7 +234,7 @@ class Bridge(Closing):
         record[:] = last
         record[HEAD.index("stamp")] = time.time()
         record[HEAD.index("mode")] = Mode.FALLEN
-        record[HEAD.index("timed")] = 0
+        record[HEAD.index("timed")] = self._tell_timing(record)  # those before the fall
         self._ring.publish()
         self._last = record
 
