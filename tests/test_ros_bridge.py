@@ -176,8 +176,15 @@ def test_the_parameter_sets_the_rate_of_joint_states(hear, driver):
     assert "1 to 500" in answer.results[0].reason
 
 
-def test_tf_puts_every_link_where_the_joints_put_it(hear, driver, robot):
-    """The chain of transforms against Pinocchio, for joint states of the very same tick."""
+def test_tf_puts_every_link_where_the_joints_put_it(hear, driver, robot, set_parameter):
+    """The chain of transforms against Pinocchio, for joint states of the very same tick.
+
+    There are such: whatever the rates were before, topics of one rate have the same stamps.
+    """
+    set_parameter("update_rate", type=Kind.DOUBLE, double_value=29.0)
+    driver.spin(timeout=0.2)
+    for rate in ("update_rate", "state_rate"):
+        set_parameter(rate, type=Kind.DOUBLE, double_value=50.0)
     still = hear("tf2_msgs/msg/TFMessage", "/tf_static", LATCHED).wait()
     moving = hear("tf2_msgs/msg/TFMessage", "/tf", TF)
     odometry = hear("nav_msgs/msg/Odometry", "odom", Qos(depth=1000))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from rostools import Hearer, Peer, new_domain, node
 
@@ -52,3 +53,16 @@ def test_a_clock_that_jumps_back_is_another_clock():
     assert due(0.0)
     assert not due(0.005)
     assert due(0.01)
+
+
+def test_those_restarted_at_once_with_one_rate_are_due_together():
+    one, other = Due(40.0), Due(50.0)
+    stamps = np.cumsum(np.random.default_rng(0).exponential(0.008, 2000))
+    for stamp in stamps[:1000]:
+        one(stamp)
+        other(stamp)
+    for due in (one, other):
+        due.restart(50.0)
+    told = [one(stamp) for stamp in stamps[1000:]]
+    assert told == [other(stamp) for stamp in stamps[1000:]]
+    assert sum(told) > 100

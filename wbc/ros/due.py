@@ -9,15 +9,12 @@ class Due:
     """Says at which of many stamps something is due.
 
     Args:
-        rate: Hz; may be changed.
-        early: a stamp that comes before its time by less than this, s, will do.
-
-    Attributes:
         rate: Hz.
+        early: a stamp that comes before its time by less than this, s, will do.
     """
 
     def __init__(self, rate: float, early: float = 0.0) -> None:
-        self.rate, self._early = rate, early
+        self._rate, self._early = rate, early
         self._next = float("-inf")
 
     def __call__(self, stamp: float) -> bool:
@@ -25,9 +22,16 @@ class Due:
 
         What was missed is not made up for. A stamp far back is of another clock: it is due.
         """
-        period, left = 1.0 / self.rate, self._next - stamp
+        period, left = 1.0 / self._rate, self._next - stamp
         if self._early < left <= _BACK * period:
             return False
         punctual = -period < left <= self._early
         self._next = self._next + period if punctual else stamp + period
         return True
+
+    def restart(self, rate: float) -> None:
+        """It is due at the next stamp, and from there on at a rate, Hz.
+
+        What is restarted at once with the same rate is due at the same stamps from then on.
+        """
+        self._rate, self._next = rate, float("-inf")

@@ -42,7 +42,7 @@ class Diagnostics:
         self._failures = self._overruns = self._all_overruns = 0
 
     def _change_period(self, period: float) -> None:
-        self._due.rate = 1.0 / period
+        self._due.restart(1.0 / period)
 
     def take(self, sample: Sample) -> None:
         """One sample more, and the ticks that it tells of."""

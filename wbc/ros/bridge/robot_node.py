@@ -88,7 +88,9 @@ class RobotNode:
             parameter.changed = self._change_rates
 
     def _change_rates(self, _: Any) -> None:
-        self._due.rate, self._state_due.rate = self._rate.value, self._others.value
+        # Both at once: where the rates are the same, the stamps are, as ExactTime filters need it.
+        self._due.restart(self._rate.value)
+        self._state_due.restart(self._others.value)
         fastest = float(max(self._rate.value, self._others.value))
         self._looks.period = 1.0 / max(2.0 * fastest, _LEAST_LOOKS)
         self._orders.rate = max(fastest, _LEAST_TICKS)
