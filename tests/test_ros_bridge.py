@@ -472,7 +472,9 @@ def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
             ticks.extend(Sample.of(layout, record) for record in reader.read())
 
         # In real time: a velocity lasts half a second of the wall clock.
+        start = time.perf_counter()
         report = wbc.run(performer, plant, 1.8, log=bridge, before_tick=before_tick, real_time=True)
+        took = time.perf_counter() - start
         assert max(wanted) == pytest.approx(0.2)
         assert wanted[-1] == 0.0
         assert not bridge.alive
@@ -483,7 +485,9 @@ def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
     assert np.median(np.diff([tick.time for tick in ticks])) == pytest.approx(0.01)
     timing = np.concatenate([tick.timing for tick in ticks])
     assert len(timing) == round(1.8 / performer.dt)
-    assert 0.8 * performer.dt < np.median(timing[:, 1]) < 5.0 * performer.dt
+    # What came late is made up for by shorter periods: only their sum is sure.
+    assert 1.8 - 1.5 * performer.dt < timing[:, 1].sum() < took
+    assert (timing[:, 1] > 0.0).all()
     assert (timing[:, 0] > 0.0).all()
     assert not timing[:, 2].any()
     for tick in ticks:
