@@ -134,10 +134,17 @@ class Hearer:
     def __len__(self) -> int:
         return len(self.messages)
 
-    def wait(self, until: Callable[[Any], bool] = lambda _: True, timeout: float = PATIENCE) -> Any:
-        """The first new message of which something is true."""
-        self.messages.clear()
-        self.infos.clear()
+    def wait(
+        self,
+        until: Callable[[Any], bool] = lambda _: True,
+        timeout: float = PATIENCE,
+        *,
+        kept: bool = False,
+    ) -> Any:
+        """The first new message of which something is true; or one of those kept since the last."""
+        if not kept:
+            self.messages.clear()
+            self.infos.clear()
         found: list[Any] = []
         looked = 0
 
