@@ -409,13 +409,22 @@ def test_the_clock_is_the_plants_and_goes_on_over_a_reset(hear, anew, ask):
     assert times == sorted(times)
 
 
-def test_with_sim_time_messages_carry_the_time_of_the_clock(hear, set_parameter, diagnostics):
-    clock = hear("rosgraph_msgs/msg/Clock", "/clock")
-    joints = hear("sensor_msgs/msg/JointState", "joint_states")
+def test_with_sim_time_messages_carry_the_time_of_the_clock(
+    hear, driver, set_parameter, diagnostics
+):
+    clock = hear("rosgraph_msgs/msg/Clock", "/clock", Qos(depth=1000))
+    joints = hear("sensor_msgs/msg/JointState", "joint_states", Qos(depth=1000))
+    clock.wait()
     set_parameter("use_sim_time", type=Kind.BOOL, bool_value=True)
-    now = seconds(clock.wait().clock)
-    stamp = seconds(joints.wait(lambda m: m.header.stamp.sec < 1_000_000).header.stamp)
-    assert stamp == pytest.approx(now, abs=1.0)
+    joints.wait(lambda m: m.header.stamp.sec < 1_000_000)
+    stamp, sent = seconds(joints.last.header.stamp), joints.infos[-1].sent
+    assert driver.spin(lambda: clock.infos[-1].sent > sent, PATIENCE)
+    told = [
+        (info.sent, seconds(m.clock)) for info, m in zip(clock.infos, clock.messages, strict=True)
+    ]
+    before = max(time for at, time in told if at < sent)
+    after = min(time for at, time in told if at > sent)
+    assert before <= stamp <= after
     diagnostics.wait(lambda m: m.header.stamp.sec < 1_000_000)
     set_parameter("use_sim_time", type=Kind.BOOL, bool_value=False)
     joints.wait(lambda m: m.header.stamp.sec > 1_000_000)
