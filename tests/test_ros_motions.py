@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 from rostools import PATIENCE, SHORT_LIVED, Hearer, Peer, start_example
@@ -247,11 +245,13 @@ def order(helm, mailbox, motion, robot):
 def until(helm, performer, stage, robot):
     """Ticks of a robot that does not move, until the motion has come so far."""
     assert helm.stage is not stage
-    state, end = robot.standing(), time.monotonic() + PATIENCE
-    while helm.stage is not stage and time.monotonic() < end:
+    state = robot.standing()
+    for _ in range(round(20.0 / performer.dt)):
         performer.step(state)
         helm(0.0)
-    assert helm.stage is stage
+        if helm.stage is stage:
+            return
+    raise AssertionError(helm.stage)
 
 
 def test_joints_wait_until_a_motion_is_over(helm, robot):
