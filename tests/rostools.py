@@ -170,7 +170,7 @@ def configuration(path: str, value: str) -> str:
 
 
 #: A participant that is taken for dead when it has been silent for so long.
-SHORT_LIVED = configuration("Discovery/LeaseDuration", "1 s")
+SHORT_LIVED = configuration("Discovery/LeaseDuration", "3 s")
 
 
 def some_message(name: str, seed: int) -> Any:

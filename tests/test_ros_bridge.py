@@ -564,6 +564,23 @@ def test_a_velocity_lasts_as_long_as_it_says(helm, robot, monkeypatch):
     assert performer.velocity == (0.0, 0.0, 0.0)
 
 
+def test_a_velocity_of_before_a_reset_is_forgotten(helm, robot):
+    steer, mailbox, performer, _ = helm
+    orders = Orders.none(robot.na)
+    orders.velocity, orders.velocity_until = (0.1, 0.0, 0.0), time.monotonic() + 100.0
+    mailbox.post(orders)
+    steer.begin()
+    orders.pushes = 1  # something else is asked for meanwhile
+    mailbox.post(orders)
+    for _ in range(2):
+        steer(0.0)
+        assert performer.velocity == (0.0, 0.0, 0.0)
+    orders.velocity_until += 1.0
+    mailbox.post(orders)
+    steer(0.0)
+    assert performer.velocity == (0.1, 0.0, 0.0)
+
+
 def test_a_stick_that_is_pushed_and_let_go_at_random_makes_nobody_fall(robot):
     performer, plant = Performer(robot), wbc.sim.Mujoco(robot)
     mailbox = Mailbox(robot.na)

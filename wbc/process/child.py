@@ -28,7 +28,7 @@ from wbc.errors import WbcError
 logger = logging.getLogger(__name__)
 
 LENGTH = struct.Struct("<Q")
-_PATIENCE = 30.0  # s, for the process to start
+_PATIENCE = 60.0  # s, for the process to start: nothing compiled, on a machine that is busy
 _LOOK = 0.5  # s, between two looks whether it is still there
 
 

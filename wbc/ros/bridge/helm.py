@@ -41,6 +41,7 @@ class Helm:
         self.shelf, self.slip = Shelf(), Slip()
         self._push = getattr(plant, "push", None)
         self._velocity = STANDING
+        self._forgotten = 0.0  # the end of a velocity that was asked for in the run before
         self._pushes = self._resets = self._stands = 0
         self.motions = 0
         robot = performer.robot
@@ -59,7 +60,8 @@ class Helm:
             return
         orders = self._mailbox.look()
         now = time.monotonic()
-        velocity = orders.velocity if now < orders.velocity_until else STANDING
+        lasts = now < orders.velocity_until != self._forgotten
+        velocity = orders.velocity if lasts else STANDING
         if velocity != self._velocity:
             self._velocity = self.conductor.velocity = velocity
         if orders is not self._orders:
@@ -74,6 +76,7 @@ class Helm:
         """A run begins: what was asked for before it is forgotten."""
         orders = self._mailbox.look()
         self._orders, self._moving = orders, False
+        self._forgotten = orders.velocity_until
         self._pushes, self._resets = orders.pushes, orders.resets
         self.motions, self._stands = orders.motions, orders.stands
         self._velocity = STANDING
