@@ -174,8 +174,8 @@ def whole(humanoid, tmp_path_factory):
         log.begin(Pretender(), Nowhere())
         for k, tick in enumerate(ticks):
             log.record(tick, Pretender())
-            if k in (30, 60):
-                time.sleep(0.6)  # the end of a chunk
+            if k in (30, 60):  # the end of a chunk
+                wait_until(lambda k=k: own_counts(path).get("/controller_state") == k + 1)
     return path
 
 
