@@ -74,6 +74,7 @@ def test_startup_benchmark_measures_every_row(tmp_path):
     text = bench("startup.py", *flags)
     rows = {row["what"]: row for row in json.loads(out.read_text())["rows"]}
     assert rows["import pinocchio"]["ratio"] == 1.0
-    assert rows["import wbc"]["cpu_s"] > rows["import numpy"]["cpu_s"] > 0.0
+    core = rows["import wbc, all of its core"]  # four times as much, on a busy machine too
+    assert core["cpu_s"] > rows["import numpy"]["cpu_s"] > 0.0
     assert 0.0 < rows['wbc.load("simple_humanoid")']["part_cpu_s"] < 60.0
     assert all(name in text for name in rows)
