@@ -205,6 +205,8 @@ def packets(capture):
     while at + 16 <= len(capture):
         size = int.from_bytes(capture[at + 8 : at + 12], sys.byteorder)
         packet = capture[at + 16 : at + 16 + size]
+        if len(packet) < size:  # a file that is still written ends anywhere
+            break
         head = 4 * (packet[0] & 15)
         port = int.from_bytes(packet[head + 2 : head + 4], "big")
         yield (socket.inet_ntoa(packet[16:20]), port), packet[head + 8 :]
