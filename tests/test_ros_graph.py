@@ -5,6 +5,8 @@ from __future__ import annotations
 import contextlib
 import math
 import re
+import signal
+import threading
 import time
 
 import numpy as np
@@ -267,6 +269,17 @@ def test_all_nodes_that_were_there_before_are_known_to_one_who_looks_late():
             return list(seen.nodes) == owners == names
 
         assert graph.wait_for(all_known, PATIENCE), graph.state()
+
+
+def test_the_graph_settles_when_even_the_slowest_has_told_its_nodes(publisher, seen, domain):
+    """A process that is here, and does not get to say more for longer than news may take."""
+    process = publisher.process
+    with node("patient", domain) as patient:
+        process.send_signal(signal.SIGSTOP)
+        threading.Timer(0.8, process.send_signal, (signal.SIGCONT,)).start()
+        state = Graph(patient).settle(most=PATIENCE)
+    assert "/joint_publisher" in state.nodes
+    assert all(e.node for e in state.endpoints)
 
 
 def test_what_was_true_once_ends_the_waiting():

@@ -165,7 +165,7 @@ class Graph:
         )
 
     def settle(self, least: float = 0.5, most: float = 3.0) -> GraphState:
-        """Wait until no more news come.
+        """Wait until everybody has told about itself and no more news come.
 
         Args:
             least: s to wait at least.
@@ -182,7 +182,8 @@ class Graph:
             state = self.state()
             if state != seen:
                 seen, changed = state, now
-            if now - start > most or (now - start > least and now - changed > _SETTLED):
+            quiet = now - start > least and now - changed > _SETTLED
+            if now - start > most or (quiet and self._all_told()):
                 return state
 
     def wait_for(
@@ -208,6 +209,18 @@ class Graph:
 
         self._node.spin(fulfilled, timeout)
         return found
+
+    def _all_told(self) -> bool:
+        """Whether each process of ROS 2 has told its nodes, and all that these have is seen."""
+        endpoints = (*_alive(self._publications), *_alive(self._subscriptions))
+        seen = {one.key.bytes for one in endpoints}
+        return all(
+            who in self._entries
+            and all(seen.issuperset((*e.readers, *e.writers)) for e in self._entries[who])
+            for one in _alive(self._participants)
+            if (who := one.key.bytes) != self._node.participant.guid
+            and "enclave=" in _user_data(one.qos)
+        )
 
     def _endpoints(self, reader: Any, owners: dict[bytes, str]) -> tuple[Endpoint, ...]:
         others = (
