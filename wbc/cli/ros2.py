@@ -213,6 +213,7 @@ def _hz(options: argparse.Namespace) -> int:
             lambda _, info: rate.note(time.monotonic(), info.size),
             _listening_qos(topic),
         )
+        node.spin(lambda: rate.hz > 0.0, options.wait)  # who publishes may not know us yet
         shown = 0
         while options.n is None or shown < options.n:
             node.spin(timeout=1.0)
