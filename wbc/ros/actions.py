@@ -241,8 +241,7 @@ class ActionClient:
         self.goal_type = message_type(f"{type_name}_Goal")
         below = f"{node.resolve(name)}/_action"
         self._heard: dict[bytes, Callable[[Any], None]] = {}
-        # First, so that the last feedback is heard before the result ends it.
-        node.subscription(
+        self._feedback = node.subscription(
             f"{type_name}_FeedbackMessage", f"{below}/feedback", lambda m, _: self._hear(m)
         )
         self._send = node.client(f"{type_name}_SendGoal", f"{below}/send_goal")
@@ -293,6 +292,7 @@ class ActionClient:
             heard(message.feedback)
 
     def _over(self, goal: SentGoal, response: Any) -> None:
+        self._feedback.work()  # what came before the result is heard before it
         self._heard.pop(goal.id, None)
         goal.result = response.result
         goal.state = GoalState(response.status)
