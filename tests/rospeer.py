@@ -17,7 +17,7 @@ from wbc.messages import Template, available, message_type
 from wbc.ros import Network, Node, Parameters, Qos, RosError
 from wbc.ros.actions import ActionClient, ActionServer, Goal, GoalState
 from wbc.ros.endpoints import Writer
-from wbc.ros.qos import DEFAULT
+from wbc.ros.qos import DEFAULT, LATCHED
 from wbc.ros.wire import unread_type
 
 ACTION = "nav2_msgs/action/NavigateToPose"
@@ -33,10 +33,13 @@ def ready() -> None:
 
 
 def echo(node: Node) -> None:
-    """Decodes messages of every type and sends them back, encoded anew."""
+    """Decodes messages of every type and sends them back, encoded anew.
+
+    Latched, because what is to hear them may be known later than what they came from.
+    """
     for name in available():
         topic = name.replace("/", "_").lower()
-        back = node.publisher(name, f"back/{topic}")
+        back = node.publisher(name, f"back/{topic}", LATCHED)
         node.subscription(name, f"forth/{topic}", lambda m, _, back=back: back.publish(m))
     ready()
     node.spin(over)

@@ -22,6 +22,7 @@ from rostools import (
 
 from wbc.messages import available, message_type, type_hash
 from wbc.ros import Qos, RosError
+from wbc.ros.qos import LATCHED
 
 pytest.importorskip("cyclonedds")
 
@@ -91,7 +92,8 @@ def test_every_type_comes_back_from_another_process_as_rosbags_writes_it(echo, s
         writers.append((echo.publisher(name, f"forth/{topic}"), data))
         expected[name] = data
         dds_name = message_type(name).dds_name()
-        echo.listen(dds_name, f"back/{topic}", lambda d, _, n=name: heard.setdefault(n, d))
+        hear = lambda d, _, n=name: heard.setdefault(n, d)  # noqa: E731
+        echo.listen(dds_name, f"back/{topic}", hear, LATCHED)
     assert echo.spin(lambda: all(w.subscriptions for w, _ in writers), PATIENCE)
     for writer, data in writers:
         writer.publish_bytes(data)
@@ -102,7 +104,7 @@ def test_every_type_comes_back_from_another_process_as_rosbags_writes_it(echo, s
 
 
 def test_a_large_message_arrives_whole(echo):
-    heard = Hearer(echo, KIND, "back/sensor_msgs_msg_jointstate")
+    heard = Hearer(echo, KIND, "back/sensor_msgs_msg_jointstate", LATCHED)
     publisher = echo.publisher(KIND, "forth/sensor_msgs_msg_jointstate")
     assert echo.spin(lambda: publisher.subscriptions and heard.subscription.publishers, PATIENCE)
     numbers = np.arange(1_000_000.0)  # 8 MB
