@@ -20,6 +20,7 @@ from wbc.ros.endpoints import Writer
 from wbc.ros.qos import DEFAULT, LATCHED
 from wbc.ros.wire import unread_type
 
+PATIENCE = 20_000_000_000  # ns
 ACTION = "nav2_msgs/action/NavigateToPose"
 
 
@@ -130,6 +131,8 @@ def count(node: Node, rate: str, number: str, depth: str = "10") -> None:
 
     ready()
     node.spin(lambda: publisher.subscriptions > 0 or over())
+    publish()
+    publisher.writer.dds.wait_for_acks(PATIENCE)  # the listener may not know us yet
     node.timer(1.0 / float(rate), publish)
     node.spin(over)
 
