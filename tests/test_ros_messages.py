@@ -59,6 +59,13 @@ KNOWN_HASHES = {
         "a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"
     ),
 }
+#: Every fifth packet is lost; a participant tells about itself so often that others soon know it.
+LOSSY = ",".join(
+    (
+        configuration("Internal/Test/XmitLossiness", "200"),
+        configuration("Discovery/SPDPInterval", "200 ms"),
+    )
+)
 KIND = "sensor_msgs/msg/JointState"
 JointState = message_type(KIND)
 
@@ -192,8 +199,7 @@ def test_a_topic_of_another_type_is_not_heard(pair):
 def test_what_a_network_loses_is_sent_again():
     """Every fifth packet of the sender is lost; nothing is missing, nothing comes twice."""
     domain = new_domain()
-    lossy = configuration("Internal/Test/XmitLossiness", "200")
-    sender = Peer.of(domain, "count", "400", "100", "1000", configuration=lossy)
+    sender = Peer.of(domain, "count", "400", "100", "1000", configuration=LOSSY)
     with sender, node("receiver", domain) as receiver:
         heard = Hearer(receiver, KIND, "joint_states", Qos(depth=1000))
         assert receiver.spin(lambda: len(heard) >= 100, PATIENCE), len(heard)
@@ -234,8 +240,7 @@ def test_what_a_network_delivers_twice_comes_once(tmp_path):
 
 def test_without_reliability_what_is_lost_stays_lost_and_the_rest_comes_in_order():
     domain = new_domain()
-    lossy = configuration("Internal/Test/XmitLossiness", "200")
-    sender = Peer.of(domain, "count", "400", "1000000", "1000", configuration=lossy)
+    sender = Peer.of(domain, "count", "400", "1000000", "1000", configuration=LOSSY)
     with sender, node("receiver", domain) as receiver:
         heard = Hearer(receiver, KIND, "joint_states", Qos(depth=1000, reliable=False))
         assert receiver.spin(lambda: len(heard) >= 100, PATIENCE), len(heard)
