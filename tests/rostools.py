@@ -5,8 +5,10 @@ from __future__ import annotations
 import itertools
 import os
 import signal
+import socket
 import subprocess
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,12 +21,24 @@ from wbc.ros import Network, Node
 
 ROOT = Path(__file__).resolve().parents[1]
 PATIENCE = 20.0  # s: this machine may be busy
-# Below 102, where the system takes no ports at random; another run gets other ones.
+# Below 102, where the system takes no ports at random.
 _domains = itertools.count(os.getpid() * 13)
+_claims: list[socket.socket] = []
 
 
 def new_domain() -> int:
-    return 1 + next(_domains) % 100
+    """One where nobody is, other runs of these tests included: it is held by a port of its own."""
+    for number in itertools.islice(_domains, 100):
+        domain = 1 + number % 100
+        claim = socket.socket()  # TCP, where DDS has UDP
+        try:
+            claim.bind(("127.0.0.1", 7400 + 250 * domain))
+        except OSError:
+            claim.close()
+        else:
+            _claims.append(claim)
+            return domain
+    raise AssertionError("all hundred domains are taken")
 
 
 def environment(domain: int) -> dict[str, str]:
@@ -73,8 +87,14 @@ class Peer:
         return cls(domain, "-m", "wbc", *arguments)
 
     def line(self) -> str:
+        """The next that it says; nothing when it has ended, or says nothing for too long."""
         assert self.process.stdout is not None
-        return self.process.stdout.readline().strip()
+        end = threading.Timer(3 * PATIENCE, self.process.kill)
+        end.start()
+        try:
+            return self.process.stdout.readline().strip()
+        finally:
+            end.cancel()
 
     def tell(self, line: str) -> None:
         assert self.process.stdin is not None
