@@ -44,13 +44,13 @@ def wait_until(condition, timeout=10.0):
 
 
 def gone(pid):
+    stat = Path(f"/proc/{pid}/stat")
     try:
         os.kill(pid, 0)
-    except ProcessLookupError:
+        # A zombie whose parent was killed waits for whoever adopts it; it runs no more.
+        return stat.exists() and stat.read_text().rpartition(")")[2].split()[0] == "Z"
+    except (ProcessLookupError, FileNotFoundError):  # also between two of these looks
         return True
-    # A zombie whose parent was killed waits for whoever adopts it; it runs no more.
-    stat = Path(f"/proc/{pid}/stat")
-    return stat.exists() and stat.read_text().rpartition(")")[2].split()[0] == "Z"
 
 
 def python(code, **options):
