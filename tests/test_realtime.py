@@ -139,6 +139,7 @@ def test_conditions_go_to_standard_error_when_nobody_else_is_told(robot, capsys)
 
 @linux
 def test_refusals_are_told_with_their_cure_and_the_run_goes_on(robot, monkeypatch):
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})  # with one it is not asked for
     monkeypatch.setattr(os, "sched_setscheduler", refuse)
     monkeypatch.setattr(os, "setpriority", refuse)
     told: list[LoopConditions] = []
