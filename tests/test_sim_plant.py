@@ -166,7 +166,8 @@ def test_the_same_run_a_hundred_metres_away_and_turned(terrain):
     r = robot()
     hold = Hold(r)
     ends = []
-    for shift, yaw in (((0.0, 0.0, 0.0), 0.0), ((100.0, -40.0, 0.0), 1.57)):
+    # A hair deep in the ground: at its very surface rounding decides which corners touch it.
+    for shift, yaw in (((0.0, 0.0, -1e-6), 0.0), ((100.0, -40.0, -1e-6), 1.57)):
         with Mujoco(r, terrain=terrain, noise=QUIET) as plant:
             plant.reset(moved(r.standing(), shift, yaw))
             plant.push([5.0 * np.cos(yaw), 5.0 * np.sin(yaw), 0.0])

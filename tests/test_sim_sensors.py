@@ -183,7 +183,8 @@ def test_readings_do_not_depend_on_where_the_robot_is():
     r = robot()
     hold = Hold(r)
     readings = []
-    for shift, yaw in (((0.0, 0.0, 0.0), 0.0), ((80.0, 60.0, 0.0), -2.0)):
+    # A hair deep in the ground: at its very surface rounding decides which corners touch it.
+    for shift, yaw in (((0.0, 0.0, -1e-6), 0.0), ((80.0, 60.0, -1e-6), -2.0)):
         with Mujoco(r, noise=QUIET) as plant:
             plant.reset(moved(r.standing(), shift, yaw))
             run(plant, 0.2, hold)
