@@ -6,9 +6,17 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, settings
 from needs import need_browser
 
 from wbc.view.browser import SOFTWARE, new_browser
+
+# Times vary on a shared machine: no deadline, and no complaint about slow generation. Examples
+# are drawn from a fixed seed, on a developer's machine as in CI.
+settings.register_profile(
+    "calm", deadline=None, suppress_health_check=list(HealthCheck), derandomize=True
+)
+settings.load_profile("calm")
 
 
 @pytest.fixture(scope="module")

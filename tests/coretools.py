@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
-from hypothesis import HealthCheck, settings
+from hypothesis import settings
 from hypothesis import strategies as st
 
 import wbc
@@ -16,11 +16,9 @@ from wbc.limits import AccelerationBound
 
 ROBOTS = ("talos", "g1", "romeo", "simple_humanoid")
 
-# Times vary on a shared machine: no deadline, and no complaint about slow generation.
-CALM = {"deadline": None, "suppress_health_check": list(HealthCheck), "derandomize": True}
-few = settings(max_examples=8, **CALM)
-some = settings(max_examples=20, **CALM)
-many = settings(max_examples=60, **CALM)
+few = settings(max_examples=8)
+some = settings(max_examples=20)
+many = settings(max_examples=60)
 
 robots = st.sampled_from(ROBOTS)
 seeds = st.integers(0, 2**31)

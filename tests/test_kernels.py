@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 import pinocchio as pin
 import pytest
-from coretools import CALM, robot, seeds, some
+from coretools import robot, seeds, some
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -172,7 +172,7 @@ def log3_kernel():
 
 
 @given(st.floats(0.0, np.pi - 1e-7), seeds)
-@settings(max_examples=200, **CALM)
+@settings(max_examples=200)
 def test_the_kernels_rotation_error_turns_one_rotation_into_the_other(angle, seed):
     rng = np.random.default_rng(seed)
     axis = rng.normal(size=3)
