@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 from needs import need_browser
 
+from wbc.qp import kernels_load
 from wbc.view.browser import SOFTWARE, new_browser
 
 # Times vary on a shared machine: no deadline, and no complaint about slow generation. Examples
@@ -17,6 +18,12 @@ settings.register_profile(
     "calm", deadline=None, suppress_health_check=list(HealthCheck), derandomize=True
 )
 settings.load_profile("calm")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def kernels() -> None:
+    """Compiled before the first test: in no test's time or output, nor in a process's it starts."""
+    kernels_load()
 
 
 @pytest.fixture(scope="module")
