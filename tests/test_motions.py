@@ -251,7 +251,7 @@ def test_at_no_tick_of_any_motion_does_an_order_change_a_torque_by_more_than_the
         estimator = wbc.Estimator(one, plant.dt)
         estimator.reset(plant.ground_truth())
         performer.reset(plant.ground_truth())
-        expected = None
+        expected = before = None
         while not performer.idle and not fall_reason(one, plant.ground_truth()):
             measurement = plant.measure()
             state = estimator.update(measurement, acceleration=expected)
@@ -264,8 +264,13 @@ def test_at_no_tick_of_any_motion_does_an_order_change_a_torque_by_more_than_the
             plant.step(command)
             if tried is not None:
                 change = np.abs(tried - command.tau) / one.tau_max
-                assert change.max() < JUMP, (plant.time, playing, change.argmax())
+                bound = JUMP
+                if before is not None and set(command.wrenches) > set(before.wrenches):
+                    # A foot lands, which changes torques by itself; by more no order does.
+                    bound = (np.abs(command.tau - before.tau) / one.tau_max).max()
+                assert change.max() < bound, (plant.time, playing, change.argmax())
                 asked[playing] = asked.get(playing, 0) + 1
+            before = command
     assert set(asked) == set(PROGRAMME)
     assert sum(asked.values()) > 150
 
