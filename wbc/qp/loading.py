@@ -8,7 +8,7 @@ import threading
 import time
 import warnings
 
-_PATIENCE = 2.0  # s of computing before a word: longer than reading kernels from the disk takes
+_PATIENCE = 4.0  # s of computing before a word: several times what reading them from the disk takes
 
 
 class KernelsMissing(UserWarning):
