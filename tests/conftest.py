@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -58,3 +58,30 @@ def driver(walking: Any, domain: int) -> Iterator[Any]:
 
     with node("driver", domain) as made:
         yield made
+
+
+@pytest.fixture(scope="module")
+def try_parameter(driver: Any) -> Callable[..., Any]:
+    """Asks the robot's node for a parameter's value; returns what it answers."""
+    from rostools import PATIENCE
+
+    from wbc.messages import message_type
+
+    client = driver.client("rcl_interfaces/srv/SetParameters", "/wbc/set_parameters")
+    parameter = message_type("rcl_interfaces/msg/Parameter")
+    value = message_type("rcl_interfaces/msg/ParameterValue")
+
+    def ask(name: str, **fields: Any) -> Any:
+        request = client.request_type(parameters=[parameter(name=name, value=value(**fields))])
+        return client.call(request, PATIENCE).results[0]
+
+    return ask
+
+
+@pytest.fixture(scope="module")
+def set_parameter(try_parameter: Callable[..., Any]) -> Callable[..., None]:
+    def set_one(name: str, **fields: Any) -> None:
+        result = try_parameter(name, **fields)
+        assert result.successful, result.reason
+
+    return set_one

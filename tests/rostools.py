@@ -154,17 +154,17 @@ class Hearer:
     def __len__(self) -> int:
         return len(self.messages)
 
-    def wait(
-        self,
-        until: Callable[[Any], bool] = lambda _: True,
-        timeout: float = PATIENCE,
-        *,
-        kept: bool = False,
-    ) -> Any:
-        """The first new message of which something is true; or one of those kept since the last."""
-        if not kept:
-            self.messages.clear()
-            self.infos.clear()
+    def clear(self) -> None:
+        self.messages.clear()
+        self.infos.clear()
+
+    def wait(self, until: Callable[[Any], bool] = lambda _: True, timeout: float = PATIENCE) -> Any:
+        """The first new message of which something is true."""
+        self.clear()
+        return self.find(until, timeout)
+
+    def find(self, until: Callable[[Any], bool], timeout: float = PATIENCE) -> Any:
+        """The first of which something is true: of those that are kept, or a new one."""
         found: list[Any] = []
         looked = 0
 

@@ -182,7 +182,7 @@ def test_planned_dcm_moves_with_its_own_velocity_from_phase_to_phase() -> None:
     st.floats(0.1, 2.5),
     st.builds(Velocity, st.floats(-0.3, 0.5), st.floats(-0.1, 0.1), st.floats(-0.3, 0.3)),
 )
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_another_velocity_takes_effect_within_the_step_and_without_a_jump(
     when: float, wanted: Velocity
 ) -> None:

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from logtools import Nowhere, Pretender, random_tick, robot
+from processtools import gone, wait_until
 
 import wbc
 from wbc.log import FlightRecorder
@@ -72,21 +73,6 @@ def endless(path, ticks):
         process.kill()
         process.wait()
         process.stdout.close()
-
-
-def gone(pid):
-    stat = Path(f"/proc/{pid}/stat")
-    with contextlib.suppress(ProcessLookupError, FileNotFoundError):
-        os.kill(pid, 0)
-        return stat.read_text().rpartition(")")[2].split()[0] == "Z"
-    return True
-
-
-def wait_until(condition, timeout=15.0):
-    end = time.monotonic() + timeout
-    while not condition():
-        assert time.monotonic() < end, "it never came to that"
-        time.sleep(0.02)
 
 
 def reference_counts(path):

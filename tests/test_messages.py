@@ -82,7 +82,7 @@ def messages(draw, name):
 
 @pytest.mark.parametrize("name", available())
 def test_every_type_is_read_and_written_alike_by_rosbags(rosbags, name):
-    @settings(max_examples=5, deadline=None, database=None)
+    @settings(max_examples=5, database=None)
     @given(messages(name))
     def check(message):
         data = message.encode()
@@ -169,7 +169,7 @@ def test_a_value_that_does_not_fit_is_named(message, says):
 
 
 @given(st.binary(max_size=200))
-@settings(max_examples=200, deadline=None, database=None)
+@settings(max_examples=200, database=None)
 def test_foreign_bytes_are_a_message_or_a_message_error(data):
     for kind in (JointState, TFMessage):
         for header in (b"", b"\0\1\0\0"):

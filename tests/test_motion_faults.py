@@ -205,7 +205,7 @@ def reference(support=lambda: SQUARE):
 
 
 @given(x=st.floats(-0.085, 0.085), y=st.floats(-0.085, 0.085), duration=st.floats(0.0, 3.0))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_on_an_accepted_way_the_zmp_stays_on_the_soles(x, y, duration):
     com = reference()
     com.go([x, y, 0.0], duration)
@@ -225,7 +225,7 @@ def test_a_place_off_the_soles_is_refused_and_nothing_moves(angle, distance):
 
 
 @given(speed=st.floats(0.02, 0.07))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_a_path_is_refused_while_there_is_time_to_return(speed):
     com, ticks = reference(), 0
 

@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pinocchio as pin
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from robottools import SIMPLE
 
@@ -37,9 +37,7 @@ def damaged(draw):
 
 
 @given(text=damaged())
-@settings(
-    max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=80)
 def test_a_damaged_description_gives_findings_or_a_finite_robot(tmp_path, capfd, text):
     path = tmp_path / "damaged.urdf"
     path.write_text(text)

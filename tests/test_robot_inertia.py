@@ -22,7 +22,7 @@ def turned(moments, angles):
 
 
 @given(st.lists(st.tuples(*[st.floats(-1, 1)] * 3), min_size=4, max_size=12))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_the_inertia_of_points_is_physical_and_repair_leaves_it(points):
     points = np.array(points) * 0.3
     points -= points.mean(axis=0)
@@ -33,7 +33,7 @@ def test_the_inertia_of_points_is_physical_and_repair_leaves_it(points):
 
 
 @given(st.tuples(moment, moment, moment), st.tuples(angle, angle, angle), st.floats(0.01, 20))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_repair_makes_any_inertia_physical(moments, angles, mass):
     inertia = repaired(mass, turned(moments, angles))
     assert is_physical(mass, inertia, 1e-9)
@@ -41,7 +41,7 @@ def test_repair_makes_any_inertia_physical(moments, angles, mass):
 
 
 @given(st.tuples(moment, moment, moment), st.tuples(angle, angle, angle))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_repair_does_not_depend_on_the_axes(moments, angles):
     R = pin.rpy.rpyToMatrix(*angles)
     straight = repaired(1.0, np.diag(moments))

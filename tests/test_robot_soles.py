@@ -25,7 +25,7 @@ def inside(hull, p, slack=1e-9):
 
 
 @given(points)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_hull_holds_all_points_and_its_corners_are_among_them(cloud):
     cloud = np.array(cloud)
     hull = convex_hull(cloud)
@@ -36,7 +36,7 @@ def test_hull_holds_all_points_and_its_corners_are_among_them(cloud):
 
 
 @given(points)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_inscribed_rectangle_lies_in_the_hull(cloud):
     hull = convex_hull(np.array(cloud))
     assume(len(hull) >= 3)
@@ -80,7 +80,7 @@ angles = st.floats(-np.pi, np.pi)
     turn=st.tuples(angles, angles, angles),
     tilt=st.floats(-0.06, 0.06),
 )
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_a_box_foot_is_found_in_any_axes_and_under_a_tilted_frame(length, width, turn, tilt):
     """The foot link may have swapped axes, and its frame may be tilted against its sole."""
     R = pin.rpy.rpyToMatrix(*turn)  # from a level frame, x forward, to the joint's axes
@@ -97,7 +97,7 @@ def test_a_box_foot_is_found_in_any_axes_and_under_a_tilted_frame(length, width,
 
 
 @given(lean=st.floats(-0.1, 0.1))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_a_foot_that_stands_tilted_snaps_to_its_own_flat_side(lean):
     """The posture in which a sole is looked for need not be quite level."""
     up = pin.rpy.rpyToMatrix(0.0, lean, 0.0)[:, 2]

@@ -16,7 +16,6 @@ poses = st.builds(Pose, st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(-m
 
 
 @given(poses, poses)
-@settings(derandomize=True, deadline=None)
 def test_seen_from_and_from_within_undo_each_other(goal, here):
     back = goal.seen_from(here).from_within(here)
     assert math.dist((back.x, back.y), (goal.x, goal.y)) < 1e-9
@@ -24,7 +23,6 @@ def test_seen_from_and_from_within_undo_each_other(goal, here):
 
 
 @given(poses)
-@settings(derandomize=True, deadline=None)
 def test_all_directions_together_take_no_more_than_one_may(error):
     shares = [abs(v) / most for v, most in zip(WAY.velocity(error), FAST, strict=True)]
     assert sum(shares) <= 1.0 + 1e-9
@@ -43,7 +41,7 @@ def test_it_steps_back_to_what_is_near_behind():
 
 
 @given(poses)
-@settings(derandomize=True, deadline=None, max_examples=50)
+@settings(max_examples=50)
 def test_a_walker_that_obeys_with_a_delay_of_a_step_arrives(goal):
     """The velocity of 0.8 s ago: as slow as a gait takes one up."""
     here, dt, delay = Pose(0.0, 0.0, 0.0), 0.05, 16

@@ -77,20 +77,6 @@ def ask(driver):
     return lambda name: clients[name].call(clients[name].request_type(), PATIENCE)
 
 
-@pytest.fixture(scope="module")
-def set_parameter(driver):
-    client = driver.client("rcl_interfaces/srv/SetParameters", "/wbc/set_parameters")
-    parameter = message_type("rcl_interfaces/msg/Parameter")
-    value = message_type("rcl_interfaces/msg/ParameterValue")
-
-    def set_one(name, **fields):
-        request = client.request_type(parameters=[parameter(name=name, value=value(**fields))])
-        result = client.call(request, PATIENCE).results[0]
-        assert result.successful, result.reason
-
-    return set_one
-
-
 @pytest.fixture
 def plant_time(set_parameter):
     """Topics go by the plant's time: how often they come in it is no matter of the machine."""
@@ -166,7 +152,9 @@ def test_joint_states_have_position_velocity_and_effort(hear, driver, robot):
     assert message.header.stamp.sec == pytest.approx(time.time(), abs=60.0)
 
 
-def test_the_parameter_sets_the_rate_of_joint_states(hear, driver, set_parameter, plant_time):
+def test_the_parameter_sets_the_rate_of_joint_states(
+    hear, set_parameter, try_parameter, plant_time
+):
     heard = hear("sensor_msgs/msg/JointState", "joint_states", Qos(depth=1000))
 
     def gap(rate):
@@ -176,12 +164,8 @@ def test_the_parameter_sets_the_rate_of_joint_states(hear, driver, set_parameter
 
     assert gap(10.0) == pytest.approx(0.1)
     assert gap(50.0) == pytest.approx(0.02)
-    client = driver.client("rcl_interfaces/srv/SetParameters", "/wbc/set_parameters")
-    parameter = message_type("rcl_interfaces/msg/Parameter")
-    value = message_type("rcl_interfaces/msg/ParameterValue")
-    too_fast = parameter(name="update_rate", value=value(type=Kind.DOUBLE, double_value=501.0))
-    answer = client.call(client.request_type(parameters=[too_fast]), PATIENCE)
-    assert "1 to 500" in answer.results[0].reason
+    too_fast = try_parameter("update_rate", type=Kind.DOUBLE, double_value=501.0)
+    assert "1 to 500" in too_fast.reason
 
 
 def test_tf_puts_every_link_where_the_joints_put_it(hear, driver, robot, set_parameter):
@@ -331,7 +315,7 @@ def test_a_push_makes_the_dcm_jump(hear, anew, ask, plant_time):
     assert answer.success
     assert "N·s over 0.1 s" in answer.message
     # It may be over before the answer is here.
-    dcm.wait(lambda m: m.point.y > still + 0.015, kept=True)
+    dcm.find(lambda m: m.point.y > still + 0.015)
 
 
 def test_it_walks_to_a_pose_and_tells_how_far_it_is(anew, walk_to, odom):
@@ -451,7 +435,7 @@ def test_a_robot_that_fell_lies_there_until_it_is_reset(
     ask("push")
     message = diagnostics.wait(lambda m: m.status[0].message == "fallen")
     assert message.status[0].level == 2  # ERROR
-    rosout.wait(lambda m: (m.msg, m.level) == ("the robot fell", 40), kept=True)
+    rosout.find(lambda m: (m.msg, m.level) == ("the robot fell", 40))
     odom.wait()  # its sensors do not die
     assert ask("reset_robot").success
     diagnostics.wait(lambda m: m.status[0].message != "fallen")

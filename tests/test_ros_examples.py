@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 from rostools import new_domain, node, start_example
 
-import wbc.motions  # noqa: F401  compiles what the examples need before their time runs
 from wbc.messages import message_type
 from wbc.ros.joint_publisher import NAMES, pattern
 

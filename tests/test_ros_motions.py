@@ -34,12 +34,9 @@ def robot():
 
 
 @pytest.fixture(scope="module")
-def com(driver):
+def com(driver, set_parameter):
     """Its topics go by the plant's time: how often they come in it is no matter of the machine."""
-    client = driver.client("rcl_interfaces/srv/SetParameters", "/wbc/set_parameters")
-    value = message_type("rcl_interfaces/msg/ParameterValue")(type=Kind.BOOL, bool_value=True)
-    one = message_type("rcl_interfaces/msg/Parameter")(name="use_sim_time", value=value)
-    assert client.call(client.request_type(parameters=[one]), PATIENCE).results[0].successful
+    set_parameter("use_sim_time", type=Kind.BOOL, bool_value=True)
     made = Hearer(driver, "geometry_msgs/msg/PointStamped", "balance/com", Qos(depth=1000))
     made.wait()
     return made
@@ -111,7 +108,7 @@ def test_a_ros_system_learns_which_motions_there_are(driver, com):
 
 def test_a_motion_is_played_and_over_when_the_robot_stands_again(play, com):
     before = com.wait().point.z
-    com.messages.clear()
+    com.clear()
     stamps = []
     sent = play("squat depth=8 times=1", lambda f: stamps.append(f.current_time))
     assert sent.accepted
@@ -194,9 +191,9 @@ def test_it_waves_while_it_walks(play, com, walk, driver, robot):
     again = driver.timer(0.1, lambda: walk(0.2))
     start = com.wait().point.x
     com.wait(lambda m: m.point.x > start + 0.1)
-    joints.messages.clear()
+    joints.clear()
     sent = play("wave seconds=2")
-    joints.wait(lambda m: abs(m.position[shoulder] - rest) > 0.5, kept=True)
+    joints.find(lambda m: abs(m.position[shoulder] - rest) > 0.5)
     now = com.wait().point.x
     com.wait(lambda m: m.point.x > now + 0.1)
     assert sent.wait(LONG)

@@ -75,7 +75,7 @@ def test_a_reset_is_read_back_exactly(name):
     np.testing.assert_allclose(back.v, state.v, atol=1e-14)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=st.integers(0, 2**32 - 1), order=st.permutations(list(range(6))))
 def test_conventions_round_trip_for_any_joint_order(seed, order):
     random = np.random.default_rng(seed)

@@ -16,6 +16,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from processtools import gone, wait_until
 
 import wbc
 from wbc.errors import StateError
@@ -33,25 +34,6 @@ def robot():
 def viewer(robot):
     with Meshcat(robot, port=0, announce=False) as viewer:
         yield viewer
-
-
-def wait_until(condition, timeout=10.0):
-    end = time.monotonic() + timeout
-    while time.monotonic() < end:
-        if condition():
-            return True
-        time.sleep(0.02)
-    return False
-
-
-def gone(pid):
-    stat = Path(f"/proc/{pid}/stat")
-    try:
-        os.kill(pid, 0)
-        # A zombie whose parent was killed waits for whoever adopts it; it runs no more.
-        return stat.exists() and stat.read_text().rpartition(")")[2].split()[0] == "Z"
-    except (ProcessLookupError, FileNotFoundError):  # also between two of these looks
-        return True
 
 
 def python(code, **options):
@@ -125,7 +107,7 @@ def test_a_rate_must_be_positive(robot, make):
 
 def test_a_dead_viewer_does_not_harm_the_loop_and_is_reported_once(robot, viewer, caplog):
     os.kill(viewer.pid, signal.SIGKILL)
-    assert wait_until(lambda: not viewer.alive)
+    wait_until(lambda: not viewer.alive)
     with caplog.at_level(logging.WARNING):
         for k in range(100):
             viewer.show(Snapshot(0.01 * k, robot.q_nominal))
@@ -162,7 +144,7 @@ os.kill(os.getpid(), signal.SIGKILL)
 """
     result = python(code)
     assert result.returncode == -signal.SIGKILL
-    assert wait_until(lambda: gone(int(result.stdout)))
+    wait_until(lambda: gone(int(result.stdout)))
 
 
 def test_a_script_that_never_closes_leaves_nothing_behind():
@@ -174,7 +156,7 @@ print(viewer.pid)
 """
     result = python(code)
     assert result.stderr == ""
-    assert wait_until(lambda: gone(int(result.stdout)))
+    wait_until(lambda: gone(int(result.stdout)))
 
 
 def test_what_is_shared_has_no_name_that_could_be_left_behind(viewer):
@@ -185,7 +167,7 @@ def test_what_is_shared_has_no_name_that_could_be_left_behind(viewer):
     def shared():
         return [line for line in maps.read_text().splitlines() if " rw-s " in line]
 
-    assert wait_until(shared)
+    wait_until(shared)
     assert all(line.endswith("(deleted)") for line in shared())
 
 

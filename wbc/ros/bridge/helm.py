@@ -60,7 +60,7 @@ class Helm:
             return
         orders = self._mailbox.look()
         now = time.monotonic()
-        lasts = now < orders.velocity_until != self._forgotten
+        lasts = now < orders.velocity_until and orders.velocity_until != self._forgotten
         velocity = orders.velocity if lasts else STANDING
         if velocity != self._velocity:
             self._velocity = self.conductor.velocity = velocity
