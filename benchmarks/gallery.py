@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import wbc
-from wbc.loop import RunComplete
 from wbc.motions import (
     Bow,
     Jump,
@@ -36,6 +35,7 @@ from wbc.motions import (
     Wave,
 )
 from wbc.motions.jumping import Jumper, JumpPhase
+from wbc.runtime.loop import RunComplete
 from wbc.trials import Stage
 from wbc.view import Recording
 from wbc.view.browser import new_page

@@ -30,10 +30,10 @@ from wbc.live import Live
 from wbc.live.helm import Helm
 from wbc.live.panel import Kind
 from wbc.motions import CATALOGUE, Performer, pack
-from wbc.realtime import RealTime, punctual
-from wbc.report import Report
+from wbc.runtime.real_time import RealTime, punctual
+from wbc.runtime.report import Report
+from wbc.runtime.tick import Tick
 from wbc.sim import Mujoco
-from wbc.tick import Tick
 
 Row = dict[str, float | str]
 _SETTLE = 0.3  # s of standing before the message
@@ -93,7 +93,7 @@ class Watch:
         self.times: list[float] = []
 
     def begin(self, controller: object, plant: object) -> None:
-        """See `wbc.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Recorder`."""
 
     def before_tick(self, now: float) -> None:
         """Let the page's requests in."""
@@ -108,7 +108,7 @@ class Watch:
         self.times.append(tick.time)
 
     def end(self, report: Report) -> None:
-        """See `wbc.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Recorder`."""
 
 
 def stand(live: Live, performer: Performer, plant: Mujoco, seconds: float) -> Watch:

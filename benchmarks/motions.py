@@ -40,7 +40,7 @@ from wbc.motions.show import Show
 from wbc.motions.squat import Squat
 from wbc.motions.sway import Sway
 from wbc.motions.wave import Wave
-from wbc.report import Report
+from wbc.runtime.report import Report
 from wbc.trials import run_motions
 
 ROBOTS = ("talos", "g1", "simple_humanoid")

@@ -29,7 +29,7 @@ from wbc.motions import Performer
 from wbc.ros import Network, Node, Qos
 from wbc.ros.bridge import Bridge
 from wbc.ros.bridge.transforms import MovingLinks, links
-from wbc.tick import Tick
+from wbc.runtime.tick import Tick
 
 Row = dict[str, float | str]
 JOINTS = 32

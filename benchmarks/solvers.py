@@ -47,7 +47,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "tools"))
 from certifiedqp import Optimum, optimum
 from referencetools import Unreduced
 from swaying import Motion, record

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from wbc.clock import Clock
+from wbc.runtime.clock import Clock
 
 
 class Stopwatch:

@@ -20,11 +20,11 @@ from audience import audience
 from replay import Replay
 
 import wbc
-from wbc.clock import Clock
-from wbc.protocols import Controller, Observer, Recorder
-from wbc.realtime import RealTime, punctual
-from wbc.snapshot import Snapshot
-from wbc.tick import Tick
+from wbc.runtime.clock import Clock
+from wbc.runtime.protocols import Controller, Observer, Recorder
+from wbc.runtime.real_time import RealTime, punctual
+from wbc.runtime.snapshot import Snapshot
+from wbc.runtime.tick import Tick
 
 Helm = Callable[[float], None]
 #: Wraps a call of the loop's thread; gets what is called, and whether it waits for the tick first.
@@ -144,18 +144,18 @@ class _Recorders:
         ]
 
     def begin(self, controller: Controller, plant: Any) -> None:
-        """See `wbc.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Recorder`."""
         for _, recorder, _ in self._found:
             recorder.begin(controller, plant)
 
     def record(self, tick: Any, controller: Controller) -> None:
-        """See `wbc.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Recorder`."""
         for watcher, _, record in self._found:
             if watcher.on:
                 record(tick, controller)
 
     def end(self, report: wbc.Report) -> None:
-        """See `wbc.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Recorder`."""
         for _, recorder, _ in self._found:
             recorder.end(report)
 
@@ -170,16 +170,16 @@ class Frames:
         self._viewer, self._every, self._count = viewer, max(1, round(1.0 / (30.0 * dt))), 0
 
     def begin(self, controller: Controller, plant: Any) -> None:
-        """See `wbc.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Recorder`."""
 
     def record(self, tick: Tick, controller: Controller) -> None:
-        """See `wbc.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Recorder`."""
         if self._count % self._every == 0:
             self._viewer.show(Snapshot.of(tick, controller))
         self._count += 1
 
     def end(self, report: wbc.Report) -> None:
-        """See `wbc.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Recorder`."""
 
 
 def cpu_seconds(pid: int) -> float:

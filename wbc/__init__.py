@@ -14,7 +14,6 @@ import pinocchio  # noqa: F401  # everything needs it: paid here, where one expe
 if TYPE_CHECKING:
     from wbc import errors, log, motions, ros, sim, trials, view
     from wbc.command import Command, Status
-    from wbc.conditions import LoopConditions
     from wbc.contacts import Contact, PointContact, SurfaceContact
     from wbc.controller import WholeBodyController
     from wbc.errors import WbcError
@@ -27,12 +26,13 @@ if TYPE_CHECKING:
         JointVelocityLimit,
         TorqueLimit,
     )
-    from wbc.loop import StopRun, run
     from wbc.measurement import Measurement
     from wbc.qp import Formulation
-    from wbc.realtime import RealTime
-    from wbc.report import Report
     from wbc.robot import Robot, load
+    from wbc.runtime.loop import StopRun, run
+    from wbc.runtime.loop_conditions import LoopConditions
+    from wbc.runtime.real_time import RealTime
+    from wbc.runtime.report import Report
     from wbc.state import State
     from wbc.tasks import (
         AngularMomentumTask,
@@ -98,7 +98,6 @@ __all__ = [
 #: The room of each public name, and modules that are public themselves.
 _NAMES = {
     "command": ("Command", "Status"),
-    "conditions": ("LoopConditions",),
     "contacts": ("Contact", "PointContact", "SurfaceContact"),
     "controller": ("WholeBodyController",),
     "errors": ("WbcError",),
@@ -111,12 +110,13 @@ _NAMES = {
         "JointVelocityLimit",
         "TorqueLimit",
     ),
-    "loop": ("StopRun", "run"),
     "measurement": ("Measurement",),
     "qp": ("Formulation",),
-    "realtime": ("RealTime",),
-    "report": ("Report",),
     "robot": ("Robot", "load"),
+    "runtime.loop": ("StopRun", "run"),
+    "runtime.loop_conditions": ("LoopConditions",),
+    "runtime.real_time": ("RealTime",),
+    "runtime.report": ("Report",),
     "state": ("State",),
     "tasks": (
         "AngularMomentumTask",

@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
-from wbc.book import Progress
 from wbc.errors import PlantError
-from wbc.loop import StopRun, run
-from wbc.protocols import Controller, Observer, Recorder
-from wbc.realtime import RealTime, punctual
-from wbc.report import Report
+from wbc.runtime.loop import StopRun, run
+from wbc.runtime.protocols import Controller, Observer, Recorder
+from wbc.runtime.real_time import RealTime, punctual
+from wbc.runtime.report import Report
+from wbc.runtime.statistics import Progress
 
 
 class Driver(Recorder, Protocol):

@@ -8,7 +8,7 @@ import time
 from types import TracebackType
 from typing import TextIO
 
-from wbc.book import Progress
+from wbc.runtime.statistics import Progress
 
 _BAR = 30  # letters
 _SPARSE = 2.0  # s of the run between lines that are not rewritten

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import wbc
-from wbc.book import Progress
 from wbc.cli.interrupt import interruptible
 from wbc.cli.itinerary import Itinerary, Velocity
 from wbc.cli.keepsakes import Keepsakes, add_keepsake_options
@@ -17,8 +16,9 @@ from wbc.cli.parser import FELL, INTERRUPTED, output, push, seconds, seed
 from wbc.cli.progress import ProgressLine
 from wbc.cli.robot_options import add_robot_options, stated
 from wbc.errors import PlantError, WbcError
-from wbc.loop import StopRun
-from wbc.protocols import Controller, Recorder
+from wbc.runtime.loop import StopRun
+from wbc.runtime.protocols import Controller, Recorder
+from wbc.runtime.statistics import Progress
 from wbc.sim import Flat, Mujoco, Terrain, Tiles
 from wbc.trials import Judge
 from wbc.view import Meshcat

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from wbc.clock import Clock
 from wbc.live.knobs import Setting, gain_knobs, gait_knobs, speed_knob, velocity_knobs
 from wbc.live.panel import Kind, Panel
 from wbc.live.pushes import PushCount
-from wbc.loop import StopRun
 from wbc.motions import Motion, Performer, unpack
 from wbc.motions.conductor import Conductor
 from wbc.motions.shelf import Shelf
 from wbc.process import RecordRing
+from wbc.runtime.clock import Clock
+from wbc.runtime.loop import StopRun
 
 RECORD = 3  # numbers of a request: kind and two arguments
 _NAP = 0.005  # s between two looks while nothing moves

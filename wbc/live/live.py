@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wbc.closing import Closing
+from wbc.closeable import Closeable
 from wbc.live.errors import LiveError
 from wbc.live.gauges import SIZE, Mode
 from wbc.live.helm import RETURNING, Helm
@@ -19,23 +19,23 @@ from wbc.motions import Motion, Performer
 from wbc.motions.catalogue import CATALOGUE
 from wbc.motions.packing import check_importable
 from wbc.process import Child, ChildError, RecordRing
-from wbc.snapshot import Snapshot
+from wbc.runtime.snapshot import Snapshot
 from wbc.view.due import next_due
 from wbc.view.ring import Ring
 from wbc.view.slot import Layout
 from wbc.view.terrain import checked_boxes
 
 if TYPE_CHECKING:
-    from wbc.protocols import Controller, Plant
-    from wbc.report import Report
-    from wbc.tick import Tick
+    from wbc.runtime.protocols import Controller, Plant
+    from wbc.runtime.report import Report
+    from wbc.runtime.tick import Tick
 
 _RATE = 40.0  # Hz of snapshots
 _GAUGES = 100.0  # Hz of the figures; each tells of the worst tick since the last
 _NOTED = 8.0  # s of plant time: how long a motion's note is shown
 
 
-class Live(Closing):
+class Live(Closeable):
     """Serves a page that shows a robot and drives it.
 
     The page and everything about it live in another process. The loop's process copies figures
@@ -131,7 +131,7 @@ class Live(Closing):
         return self._process.pid
 
     def begin(self, controller: Controller, plant: Plant) -> None:
-        """A run begins, see `wbc.protocols.Recorder`."""
+        """A run begins, see `wbc.runtime.protocols.Recorder`."""
         self._run += 1
         self._mode = Mode.RUNNING
         self._notes = 0
@@ -184,7 +184,7 @@ class Live(Closing):
         return "back to standing" if playing == RETURNING else ""
 
     def end(self, report: Report) -> None:
-        """The run is over, see `wbc.protocols.Recorder`."""
+        """The run is over, see `wbc.runtime.protocols.Recorder`."""
 
     @property
     def reset_wanted(self) -> bool:

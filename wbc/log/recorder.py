@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wbc.closing import Closing
+from wbc.closeable import Closeable
 from wbc.command import Status
 from wbc.errors import MissingExtra
 from wbc.log.describe import Facts, run_facts
@@ -32,10 +32,10 @@ from wbc.process import Child, ChildError
 from wbc.telemetry import PHASES, Balance, Telemetry
 
 if TYPE_CHECKING:
-    from wbc.protocols import Controller, Plant
-    from wbc.report import Report
     from wbc.robot import Robot
-    from wbc.tick import Tick
+    from wbc.runtime.protocols import Controller, Plant
+    from wbc.runtime.report import Report
+    from wbc.runtime.tick import Tick
 
 logger = logging.getLogger(__name__)
 
@@ -50,7 +50,7 @@ _NO_WRENCH = np.full(6, np.nan)
 _PHASE = {phase: i for i, phase in enumerate(PHASES)}
 
 
-class FlightRecorder(Closing):
+class FlightRecorder(Closeable):
     """Keeps every tick of a run in an MCAP file of ROS 2 messages.
 
     A tick is copied into shared memory, some microseconds; another process makes messages of
@@ -122,7 +122,7 @@ class FlightRecorder(Closing):
         return self._ring.dropped
 
     def begin(self, controller: Controller, plant: Plant) -> None:
-        """A run begins: its parameters go into the log. See `wbc.protocols.Recorder`."""
+        """A run begins: its parameters go into the log. See `wbc.runtime.protocols.Recorder`."""
         self._plan_due = self._last = -np.inf
         self._before = time.perf_counter()
         self._process.send(run_facts(controller, plant))
@@ -253,7 +253,7 @@ class FlightRecorder(Closing):
         logger.warning("the log %s ends here: %s; the run goes on without it", self.path, reason)
 
     def end(self, report: Report) -> None:
-        """The run is over: its figures go into the log. See `wbc.protocols.Recorder`."""
+        """The run is over: its figures go into the log. See `wbc.runtime.protocols.Recorder`."""
         facts = {name: str(getattr(report, name)) for name in report.__dataclass_fields__}
         self._process.send(Facts({"report": facts}))
 

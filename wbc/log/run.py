@@ -14,7 +14,7 @@ from wbc.log.layout import STATUSES
 from wbc.log.reader import Log
 from wbc.log.sheet import RobotSheet
 from wbc.messages import Message
-from wbc.snapshot import Snapshot
+from wbc.runtime.snapshot import Snapshot
 from wbc.telemetry import PHASES, Footstep, Telemetry
 
 _STATE = "/controller_state"

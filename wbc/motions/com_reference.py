@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from wbc.balance import clamp_to_polygon
 from wbc.errors import MotionError
+from wbc.gait.polygon import clamp_to_polygon
 from wbc.motions.reference import SAMPLES, Path, SmoothReference, quintic
 
 _REST, _MOVING = 0.9, 0.95  # shares of the support, about the CoM's home, for CoM and DCM

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from wbc.balance import ComBias
 from wbc.gait.planar import point, turn
 from wbc.walking import Walker
+from wbc.walking.stabilizer import ComBias
 
 _STANDS = 0.8  # share of the weight on the soles from which on it stands
 _REST = 1.0  # s of standing after steps until the CoM has come to rest

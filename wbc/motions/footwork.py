@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wbc.balance import convex_hull, corners
 from wbc.errors import MotionError
 from wbc.gait import Phase
 from wbc.gait.footsteps import other
 from wbc.gait.planar import turn
+from wbc.gait.polygon import convex_hull, corners
 from wbc.motions.anatomy import SIDES, Side
 from wbc.motions.com_reference import ComReference
 from wbc.motions.motion import Script

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from wbc.closing import Closing
+from wbc.closeable import Closeable
 from wbc.messages import Message
 from wbc.ros import names
 from wbc.ros.endpoints import Info, Listener, Publisher, Reader, Subscription
@@ -56,7 +56,7 @@ class Timer:
         self.callback()
 
 
-class Node(Closing):
+class Node(Closeable):
     """A node of ROS 2, without ROS 2.
 
     It lives in one thread: messages, requests and timers are served in `spin`.

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from wbc.balance import heading
-from wbc.closing import Closing
+from wbc.closeable import Closeable
 from wbc.command import Command
 from wbc.errors import PlantError
 from wbc.measurement import Measurement
 from wbc.robot import Robot
+from wbc.robot.attitude import heading
 from wbc.sim.convention import Convention
 from wbc.sim.ground import Ground
 from wbc.sim.model import build_model, import_mujoco
@@ -24,7 +24,7 @@ from wbc.sim.terrain import Flat, Terrain
 from wbc.state import State
 
 
-class Mujoco(Closing):
+class Mujoco(Closeable):
     """The simulated robot: motors, sensors, ground and pushes.
 
     A context manager. The same arguments and commands give the same run, bit by bit.

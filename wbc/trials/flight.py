@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
-from wbc.report import Flight
 from wbc.robot import Robot, Sole
-from wbc.tick import Tick
+from wbc.runtime.report import Flight
+from wbc.runtime.tick import Tick
 
 _FREE = 0.02  # share of the weight: what is less is the sensors' noise
 _LEAST = 2e-3  # m: soles that do not get higher have not flown

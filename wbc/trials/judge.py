@@ -9,11 +9,11 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.motions import Intent, Performer
-from wbc.protocols import Controller, Plant
-from wbc.report import Report
 from wbc.robot import Robot
+from wbc.runtime.protocols import Controller, Plant
+from wbc.runtime.report import Report
+from wbc.runtime.tick import Tick
 from wbc.state import State
-from wbc.tick import Tick
 from wbc.trials.flight import FlightWatch
 
 _REACHED = 0.01  # m
@@ -28,7 +28,7 @@ class Judge:
     """
 
     def begin(self, controller: Controller, plant: Plant) -> None:
-        """See `wbc.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Recorder`."""
         self._robot: Robot = plant.robot
         self._data = plant.robot.model.createData()
         self._performer = controller if isinstance(controller, Performer) else None
@@ -39,7 +39,7 @@ class Judge:
         self._errors: dict[tuple[str, int], float] = {}
 
     def record(self, tick: Tick, controller: Controller) -> None:
-        """See `wbc.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Recorder`."""
         if tick.truth is None:
             return
         self._flights.record(tick)
@@ -56,7 +56,7 @@ class Judge:
             self._compare(self._performer.intent)
 
     def end(self, report: Report) -> None:
-        """See `wbc.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Recorder`."""
 
     def amend(self, report: Report) -> Report:
         """The report with what was found."""

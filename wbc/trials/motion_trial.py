@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from wbc.loop import RunComplete, StopRun, run
 from wbc.motions import Motion, Performer
-from wbc.report import Report
 from wbc.robot import Robot
+from wbc.runtime.loop import RunComplete, StopRun, run
+from wbc.runtime.report import Report
 from wbc.sim import Mujoco
 from wbc.trials.judge import Judge
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from wbc.report import Report
+from wbc.runtime.report import Report
 
 SETTLE = 1.0  # s of standing before the first step
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from wbc.estimation import GroundTruthEstimator
-from wbc.loop import run
-from wbc.protocols import StateEstimator
-from wbc.report import Report
 from wbc.robot import Robot
+from wbc.runtime.loop import run
+from wbc.runtime.protocols import StateEstimator
+from wbc.runtime.report import Report
 from wbc.sim import Mujoco
 from wbc.state import State
 from wbc.trials.scenario import Scenario

@@ -3,7 +3,7 @@
 Neither loads meshcat, a web server or a mesh into the loop's process.
 """
 
-from wbc.snapshot import Snapshot
+from wbc.runtime.snapshot import Snapshot
 from wbc.view.errors import ViewerError
 from wbc.view.film import Film, Strip
 from wbc.view.live import Meshcat

@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from wbc.snapshot import Snapshot
+from wbc.runtime.snapshot import Snapshot
 from wbc.view.recording import Recording
 
 _STEP = 1.0 / 15.0  # s: what has a history is told of it in steps of this

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wbc.closing import Closing
+from wbc.closeable import Closeable
 from wbc.process import Child, ChildError
-from wbc.snapshot import Snapshot
+from wbc.runtime.snapshot import Snapshot
 from wbc.view.due import next_due
 from wbc.view.errors import ViewerError
 from wbc.view.order import Order
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from wbc.robot import Robot
 
 
-class Meshcat(Closing):
+class Meshcat(Closeable):
     """Shows a robot in a browser while a loop runs.
 
     The loop's process only copies a snapshot into shared memory, some

@@ -11,7 +11,7 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from wbc.snapshot import Snapshot
+from wbc.runtime.snapshot import Snapshot
 from wbc.view.colours import LEGEND, STATUS, css
 from wbc.view.errors import ViewerError
 from wbc.view.objects import Colour

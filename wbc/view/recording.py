@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wbc.closing import Closing
-from wbc.snapshot import Snapshot
+from wbc.closeable import Closeable
+from wbc.runtime.snapshot import Snapshot
 from wbc.view.due import next_due
 from wbc.view.errors import ViewerError
 from wbc.view.slot import Layout, Slot
@@ -29,7 +29,7 @@ _GRACE = 1e-9
 _GZIP = 16 + zlib.MAX_WBITS
 
 
-class Recording(Closing):
+class Recording(Closeable):
     """Collects snapshots cheaply; the file is made after the run.
 
     The file holds meshcat's page, the robot's meshes and an animation: it needs

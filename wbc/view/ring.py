@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.process import RecordRing
-from wbc.snapshot import Snapshot
+from wbc.runtime.snapshot import Snapshot
 from wbc.view.slot import Layout, Slot
 
 SLOTS = 4

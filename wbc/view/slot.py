@@ -14,7 +14,7 @@ import pinocchio as pin
 
 from wbc.command import Status
 from wbc.errors import StateError
-from wbc.snapshot import Snapshot
+from wbc.runtime.snapshot import Snapshot
 from wbc.telemetry import PHASES, Footstep, Telemetry
 from wbc.view.errors import ViewerError
 

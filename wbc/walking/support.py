@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from wbc.balance import clamp_to_polygon, convex_hull, corners, near_segment
 from wbc.gait import Feet, Phase, Schedule
+from wbc.gait.polygon import clamp_to_polygon, convex_hull, corners, near_segment
 from wbc.robot import Robot, Sole
 
 

@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pinocchio as pin
 
-from wbc.balance import feedback_zmp, step_shift
 from wbc.command import Command
 from wbc.controller import WholeBodyController
 from wbc.errors import GaitError
@@ -27,6 +26,7 @@ from wbc.walking.body_offset import BodyOffset
 from wbc.walking.footing import Footing, about_z
 from wbc.walking.gains import WalkerGains
 from wbc.walking.soles import loads, placements
+from wbc.walking.stabilizer import feedback_zmp, step_shift
 from wbc.walking.support import Support
 from wbc.walking.trunk import Trunk
 

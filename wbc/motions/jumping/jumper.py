@@ -8,10 +8,10 @@ from enum import Enum
 
 import numpy as np
 
-from wbc.balance import clamp_to_polygon, convex_hull, corners
 from wbc.command import Command
 from wbc.gait import Feet
 from wbc.gait.planar import point, wrap
+from wbc.gait.polygon import clamp_to_polygon, convex_hull, corners
 from wbc.kinematics import Kinematics
 from wbc.motions.jumping.flight import SoleFlight
 from wbc.motions.jumping.gains import JumpGains

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wbc.closing import Closing
+from wbc.closeable import Closeable
 from wbc.command import Status
 from wbc.motions import CATALOGUE, Motion, Performer
 from wbc.motions.packing import check_importable
@@ -26,9 +26,9 @@ from wbc.ros.wire import import_cyclonedds
 from wbc.telemetry import PHASES, Balance
 
 if TYPE_CHECKING:
-    from wbc.protocols import Controller, Plant
-    from wbc.report import Report
-    from wbc.tick import Tick
+    from wbc.runtime.protocols import Controller, Plant
+    from wbc.runtime.report import Report
+    from wbc.runtime.tick import Tick
 
 _STATUS = {status: i for i, status in enumerate(Status)}
 _PHASE = {phase: i for i, phase in enumerate(PHASES)}
@@ -38,7 +38,7 @@ _MORE = 2.0
 _LYING = 0.02  # s between two looks at a robot that lies
 
 
-class Bridge(Closing):
+class Bridge(Closeable):
     """Shows a robot to a ROS 2 system, and lets it be driven from there.
 
     All of DDS happens in another process. The loop's process copies ticks into shared memory, at
@@ -145,7 +145,7 @@ class Bridge(Closing):
         return self._process.pid
 
     def begin(self, controller: Controller, plant: Plant) -> None:
-        """A run begins, see `wbc.protocols.Recorder`: orders from before it are forgotten."""
+        """A run begins, see `Recorder`: orders from before it are forgotten."""
         self._run += 1
         self._before = time.perf_counter()
         self._to_go = 0
@@ -214,7 +214,7 @@ class Bridge(Closing):
         return count
 
     def end(self, report: Report) -> None:
-        """The run is over, see `wbc.protocols.Recorder`."""
+        """The run is over, see `wbc.runtime.protocols.Recorder`."""
 
     @property
     def reset_wanted(self) -> bool:

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from wbc.loop import StopRun
 from wbc.motions import Performer, unpack
 from wbc.motions.conductor import STANDING, Conductor, Stage
 from wbc.motions.shelf import Shelf
 from wbc.ros.bridge.mailbox import Mailbox, Orders
 from wbc.ros.bridge.slip import Slip
+from wbc.runtime.loop import StopRun
 
 _SHARE = 0.5  # of the joints' speed limits
 

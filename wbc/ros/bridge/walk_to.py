@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from wbc.balance import heading
+from wbc.robot.attitude import heading
 from wbc.ros.actions import ActionServer, Goal, GoalState
 from wbc.ros.bridge.approach import Approach, Pose
 from wbc.ros.bridge.layout import Mode, Sample

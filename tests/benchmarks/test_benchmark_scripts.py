@@ -1,0 +1,87 @@
+"""The benchmarks of correctness, scaling and solvers keep running and keep their keys."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from randomcases import hands, synthetic
+
+import wbc
+from wbc.command import Status
+
+FOLDER = Path(__file__).parents[2] / "benchmarks"
+
+
+def run(script: str, *flags: str) -> str:
+    command = [sys.executable, str(FOLDER / script), *flags]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+@pytest.mark.parametrize(("joints", "seed"), [(15, None), (20, None), (57, 3), (100, None)])
+def test_a_synthetic_humanoid_has_the_joints_asked_for_and_stands(joints, seed):
+    robot = synthetic.load(joints, seed)
+    assert robot.na == joints
+    assert [f for f in robot.check() if f.severity.value == "error"] == []
+    assert 45.0 < robot.mass < 85.0
+    assert set(hands(robot)) <= {f.name for f in robot.model.frames}
+    control = wbc.WholeBodyController(robot)
+    control.add(wbc.ComTask())
+    control.add(wbc.PostureTask(robot))
+    control.set_contacts([wbc.SurfaceContact.of(sole) for sole in robot.soles])
+    command = control.step(robot.standing())
+    assert command.status is Status.OK
+    load = sum(command.wrenches[sole.name][2] for sole in robot.soles)
+    np.testing.assert_allclose(load, robot.weight, rtol=1e-2)
+
+
+def test_too_few_joints_for_a_humanoid_are_refused():
+    with pytest.raises(ValueError, match="14 joints are too few"):
+        synthetic.urdf(14)
+
+
+def test_the_scaling_benchmark_prints_exponents_and_writes_json(tmp_path):
+    out = tmp_path / "scaling.json"
+    assert "exponent" in run("scaling.py", "--ticks", "2", "--repeat", "1", "--json", str(out))
+    found = json.loads(out.read_text())
+    assert [p["size"] for p in found["contacts"]["points"]] == [0, 1, 2, 3, 4]
+    assert all(p["p50_us"] > 0.0 for what in found.values() for p in what["points"])
+
+
+def test_the_solver_benchmark_says_what_the_default_is_and_why(tmp_path):
+    out = tmp_path / "solvers.json"
+    flags = ["--ticks", "3", "--passes", "1", "--solver", "default", "--solver", "daqp"]
+    assert "The default" in run("solvers.py", *flags, "--json", str(out))
+    found = json.loads(out.read_text())["found"]
+    assert len(found) == 8
+    assert all(f["failed"] == 0 and f["x_off"] < 1e-6 for f in found)
+
+
+def test_the_correctness_benchmark_counts_every_problem(tmp_path):
+    out = tmp_path / "correctness.json"
+    kind = "smooth sequence"
+    flags = ["--problems", "12", "--kind", kind, "--solver", "default", "--json", str(out)]
+    assert "0 faults" in run("correctness.py", *flags)
+    tally = json.loads(out.read_text())["default"][kind]
+    assert tally["ticks"] == 12 == tally["solvable"] + tally["ill_conditioned"]
+
+
+def test_the_observers_benchmark_measures_ticks_calls_and_rates(tmp_path):
+    for package in ("mujoco", "cyclonedds", "zstandard"):
+        pytest.importorskip(package)
+    out = tmp_path / "observers.json"
+    flags = ["--robot", "simple_humanoid", "--rounds", "1", "--seconds", "1"]
+    flags += ["--only", "viewer, log, ROS 2", "--undisturbed", "0.6"]
+    flags += ["--messages", "0", "--repeats", "0", "--json", str(out)]
+    assert "viewer, log, ROS 2" in run("observers.py", *flags)
+    told = json.loads(out.read_text())
+    nothing, everyone = told["cells"].values()
+    assert nothing["ticks"] == everyone["ticks"] > 100
+    assert all(nothing[f"{kind} p99 ratio"] == 1.0 for kind in ("command", "whole", "CPU"))
+    undisturbed = told["undisturbed"]
+    assert len(undisturbed["calls"]) == 4
+    assert all(call["per tick"] > 0.0 for call in undisturbed["calls"].values())
+    for rate in ("viewer: frames at a page", "ROS 2: /tf at a node", "log: MB per minute"):
+        assert any(name.startswith(rate) for name in undisturbed["figures"]), rate

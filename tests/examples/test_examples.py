@@ -1,0 +1,59 @@
+"""Every example runs as a user runs it, and says what it promises."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+SAYS = {
+    "01_kinematics": "let go, it falls at",
+    "02_stand": "left_sole carries",
+    "03_walk": "survived",
+    "04_view": "open ",
+    "05_own_controller": "survived",
+    "06_own_plant": "survived",
+    "07_infeasible": "pulled down: infeasible",
+    "08_footsteps": "survived",
+    "09_own_robot": "survived",
+    "10_motions": "it stands as before: True",
+    "11_log": "the runs part at 0.000 s",
+    "12_live": "survived",
+}
+
+
+def run(script: Path, folder: Path) -> str:
+    done = subprocess.run(
+        [sys.executable, str(script)],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "TMPDIR": str(folder)},
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=180,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize("script", EXAMPLES, ids=lambda path: path.stem)
+def test_example_runs(script, tmp_path):
+    said = run(script, tmp_path)
+    assert SAYS[script.stem] in said
+    assert "FELL" not in said
+
+
+@pytest.mark.parametrize("script", EXAMPLES, ids=lambda path: path.stem)
+def test_example_is_short_and_explains_itself(script):
+    text = script.read_text("utf-8")
+    assert text.startswith('"""'), "an example begins with its one idea"
+    assert len(text.splitlines()) <= 65
+    assert not re.search(r"\bUSE_\w+|\binput\(", text)
+
+
+def test_examples_are_numbered_without_gaps():
+    assert [path.name[:3] for path in EXAMPLES] == [f"{k:02}_" for k in range(1, len(EXAMPLES) + 1)]

@@ -1,0 +1,249 @@
+"""The DCM plan, the footsteps and the swing foot, against their own equations."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import wbc
+from wbc.errors import GaitError
+from wbc.gait import GaitParameters, Placement, SwingFoot, Velocity, ZmpSegment, dcm_now
+from wbc.gait.footsteps import clamp_to_reach, lateral_sign, next_placement, other
+from wbc.gait.planar import turn, wrap
+from wbc.gait.polygon import clamp_to_polygon, convex_hull, corners, near_segment
+from wbc.walking.stabilizer import feedback_zmp
+
+GAIT = GaitParameters(
+    single_support=0.6,
+    double_support=0.2,
+    first_transfer=0.6,
+    swing_height=0.06,
+    touchdown_speed=0.05,
+    step_width=0.17,
+    least_width=0.14,
+    max_step=0.45,
+    max_side_step=0.2,
+    max_turn=0.5,
+    com_height=0.87,
+)
+
+coordinates = st.floats(-2.0, 2.0)
+points = st.builds(complex, coordinates, coordinates)
+durations = st.floats(0.05, 1.0)
+segments = st.lists(st.builds(ZmpSegment, points, points, durations), min_size=1, max_size=6)
+speeds = st.builds(Velocity, st.floats(-0.5, 0.5), st.floats(-0.12, 0.12), st.floats(-0.3, 0.3))
+angles = st.floats(-3.1, 3.1)
+
+
+@given(segments)
+def test_dcm_started_on_the_plan_ends_on_the_last_zmp(plan: list[ZmpSegment]) -> None:
+    omega, dt = 3.4, 2e-3
+    dcm = dcm_now(plan, omega).dcm
+    for segment in plan:
+        n = max(1, round(segment.duration / dt))
+        h = segment.duration / n
+        for k in range(n):
+            # Midpoint rule of ξ̇ = ω (ξ − p) with the ZMP in the middle of the interval.
+            p = segment.start + (segment.end - segment.start) * (k + 0.5) / n
+            half = dcm + 0.5 * h * omega * (dcm - p)
+            dcm += h * omega * (half - p)
+    growth = math.exp(omega * sum(s.duration for s in plan))
+    assert abs(dcm - plan[-1].end) < 1e-4 * growth
+
+
+@given(segments)
+def test_dcm_velocity_is_that_of_the_pendulum(plan: list[ZmpSegment]) -> None:
+    omega, dt = 3.4, 1e-6
+    now = dcm_now(plan, omega)
+    first = plan[0]
+    share = dt / first.duration
+    cut = ZmpSegment(
+        first.start + (first.end - first.start) * share, first.end, first.duration - dt
+    )
+    later = dcm_now([cut, *plan[1:]], omega)
+    scale = 1.0 + abs(now.dcm) + abs(first.end - first.start) / first.duration
+    assert abs((later.dcm - now.dcm) / dt - now.dcm_velocity) < 1e-3 * scale
+
+
+def test_dcm_error_decays_with_the_gain() -> None:
+    omega, gain, dt = 3.4, 4.0, 1e-4
+    plan = [ZmpSegment(0j, 0j, 10.0)]
+    dcm, time = 0.03 + 0.02j, 0.0
+    while time < 0.5:
+        dcm += dt * omega * (dcm - feedback_zmp(dcm, dcm_now(plan, omega), omega, gain))
+        time += dt
+    assert abs(dcm) == pytest.approx(abs(0.03 + 0.02j) * math.exp(-gain * 0.5), rel=1e-3)
+
+
+@given(speeds, points, angles, st.sampled_from(["left", "right"]))
+def test_two_steps_carry_the_body_by_the_commanded_velocity(
+    velocity: Velocity, at: complex, yaw: float, side: str
+) -> None:
+    sign = lateral_sign(side)
+    stance = Placement(at, yaw)
+    swing = Placement(stance.to_world(complex(0.0, sign * GAIT.step_width)), yaw)
+    first = next_placement(stance, side, velocity, GAIT)
+    second = next_placement(first, other(side), velocity, GAIT)
+    before = 0.5 * (stance.point + swing.point)
+    after = 0.5 * (first.point + second.point)
+    way = (after - before) * turn(-yaw)
+    T = GAIT.step_duration
+    assert wrap(second.yaw - yaw) == pytest.approx(2.0 * velocity.turn * T, abs=1e-9)
+    if velocity.turn == 0.0:
+        # The middle between stance and swing advances 1.5 steps of forward motion.
+        assert way.real == pytest.approx(1.5 * velocity.forward * T, abs=1e-9)
+        assert way.imag * math.copysign(1.0, velocity.left) > -1e-9
+
+
+@given(speeds, angles, st.sampled_from(["left", "right"]))
+def test_feet_never_come_closer_than_is_safe(velocity: Velocity, yaw: float, side: str) -> None:
+    stance = Placement(0.3 - 0.2j, yaw)
+    for _ in range(6):
+        wanted = next_placement(stance, side, velocity, GAIT)
+        landed = clamp_to_reach(stance, side, wanted, GAIT)
+        local = stance.to_local(landed.point)
+        assert lateral_sign(side) * local.imag >= GAIT.least_width - 1e-9
+        assert abs(local.real) <= GAIT.max_step + 1e-9
+        stance, side = landed, other(side)
+
+
+def test_velocity_is_clamped_to_what_the_steps_allow() -> None:
+    limits = GAIT.max_velocity
+    got = Velocity(9.0, -9.0, 9.0).clamped(GAIT)
+    assert (got.forward, got.left, got.turn) == (limits[0], -limits[1], limits[2])
+    assert Velocity(0.1, 0.0, 0.0).clamped(GAIT) == Velocity(0.1, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf")])
+def test_velocity_that_is_not_finite_is_refused(bad: float) -> None:
+    with pytest.raises(GaitError, match="finite"):
+        Velocity(bad, 0.0, 0.0).clamped(GAIT)
+
+
+def test_gait_parameter_that_makes_no_sense_is_named() -> None:
+    with pytest.raises(GaitError, match=r"single_support = -1"):
+        replace(GAIT, single_support=-1.0)
+    with pytest.raises(GaitError, match="least_width"):
+        replace(GAIT, least_width=0.5)
+
+
+@pytest.mark.parametrize("name", ["talos", "g1", "romeo", "simple_humanoid"])
+def test_gait_scales_to_every_robot(name: str) -> None:
+    robot = wbc.load(name)
+    gait = GaitParameters.of(robot)
+    assert 0.3 < gait.single_support < 0.8
+    assert gait.max_step < robot.leg_length
+    foot_width = robot.soles[0].half_width + robot.soles[1].half_width
+    assert foot_width < gait.least_width <= gait.step_width
+
+
+@given(points, points, angles, angles, st.floats(-0.03, 0.03))
+def test_swing_foot_lands_on_its_target_with_the_touchdown_speed(
+    start: complex, way: complex, yaw: float, end_yaw: float, step_up: float
+) -> None:
+    target = Placement(start + 0.2 * way, end_yaw, step_up)
+    swing = SwingFoot(Placement(start, yaw), target, 0.6, 0.06, 0.05)
+    dt, top, last = 0.002, -1.0, swing.position
+    while swing.time < 0.6 - 1e-9:
+        swing.advance(dt, target)
+        top = max(top, swing.position[2])
+        # No jump: neither in place nor against the stated velocity.
+        moved = math.dist(swing.position, last)
+        assert moved < 0.03
+        last = swing.position
+    assert complex(*swing.position[:2]) == pytest.approx(target.point, abs=1e-6)
+    assert swing.position[2] == pytest.approx(step_up, abs=1e-4)
+    assert swing.velocity[2] == pytest.approx(-0.05, abs=1e-3)
+    assert wrap(swing.yaw - end_yaw) == pytest.approx(0.0, abs=1e-6)
+    assert top == pytest.approx(max(0.0, step_up) + 0.06, abs=3e-3)
+
+
+def test_swing_foot_that_finds_no_ground_keeps_descending() -> None:
+    target = Placement(0.2 + 0j, 0.0)
+    swing = SwingFoot(Placement(0j, 0.0), target, 0.5, 0.06, 0.05)
+    for _ in range(350):
+        swing.advance(0.002, target)
+    assert swing.position[2] < -0.03
+    assert -0.45 < swing.velocity[2] < -0.3
+
+
+@given(points, st.floats(0.1, 0.6))
+def test_moving_the_target_bends_the_swing_without_a_jump(shift: complex, when: float) -> None:
+    first, moved = Placement(0.3 + 0j, 0.0), Placement(0.3 + 0.02 * shift, 0.1)
+    swing = SwingFoot(Placement(0j, 0.0), first, 0.6, 0.06, 0.05)
+    last_v = swing.velocity
+    while swing.time < 0.6 - 1e-9:
+        target = first if swing.time < 0.6 * when else moved
+        swing.advance(0.002, target)
+        # Velocity stays continuous: bounded acceleration through the change.
+        assert math.dist(swing.velocity, last_v) < 0.25
+        last_v = swing.velocity
+    assert complex(*swing.position[:2]) == pytest.approx(moved.point, abs=1e-6)
+
+
+def test_swing_path_for_display_ends_at_the_target() -> None:
+    target = Placement(0.3 + 0.1j, 0.2)
+    swing = SwingFoot(Placement(0j, 0.0), target, 0.6, 0.06, 0.05)
+    for _ in range(100):
+        swing.advance(0.002, target)
+    before = swing.position
+    path = swing.path()
+    assert path[0] == before == swing.position
+    assert path[-1][:2] == pytest.approx((0.3, 0.1), abs=1e-6)
+
+
+@pytest.mark.parametrize("ticks", [0, 10, 100, 250])
+def test_path_is_the_way_that_the_swing_foot_then_goes(ticks: int) -> None:
+    swing = SwingFoot(
+        Placement(0j, 0.0, 0.0), Placement(0.3 + 0.1j, 0.2, 0.02), 0.6, 0.06, touchdown_speed=0.05
+    )
+    for _ in range(ticks):
+        swing.advance(0.002, swing.target)
+    path = swing.path(points=10)
+    dt = (swing.duration - swing.time) / 5000
+    for point in path[1:]:
+        for _ in range(500):
+            swing.advance(dt, swing.target)
+        assert math.dist(point, swing.position) < 3e-4
+
+
+@given(st.lists(points, min_size=3, max_size=12, unique=True))
+def test_convex_hull_holds_all_its_points(cloud: list[complex]) -> None:
+    hull = convex_hull(cloud)
+    if len(hull) < 3:
+        return  # all on one line
+    for p in cloud:
+        assert abs(clamp_to_polygon(p, hull, 0.0) - p) < 1e-9
+
+
+@given(points, angles, points)
+def test_clamped_point_lies_within_the_margin_and_is_nearest(
+    centre: complex, yaw: float, p: complex
+) -> None:
+    polygon = corners(Placement(centre, yaw), 0.1, 0.06)
+    clamped = clamp_to_polygon(p, polygon, 0.02)
+    local = (clamped - centre) * turn(-yaw)
+    gap = math.hypot(max(abs(local.real) - 0.1, 0.0), max(abs(local.imag) - 0.06, 0.0))
+    assert gap <= 0.02 + 1e-9
+    if clamped != p:
+        assert gap == pytest.approx(0.02, abs=1e-9)
+    assert clamp_to_polygon(centre, polygon, 0.0) == centre
+
+
+@given(points, points, angles, angles, points, st.floats(0.0, 1.0))
+def test_what_is_near_the_line_between_two_soles_is_on_their_polygon(
+    left: complex, right: complex, left_yaw: float, right_yaw: float, off: complex, along: float
+) -> None:
+    margin = 0.02
+    p = left + along * (right - left) + 0.05 * off
+    soles = [corners(Placement(left, left_yaw), 0.1, 0.06)]
+    soles.append(corners(Placement(right, right_yaw), 0.1, 0.06))
+    if near_segment(p, left, right, 0.06 + margin):
+        hull = convex_hull([*soles[0], *soles[1]])
+        assert abs(clamp_to_polygon(p, hull, margin) - p) < 1e-9
+    assert near_segment(p, left, right, 0.05 * abs(off) + 1e-9)
+    assert not near_segment(left + 0.08001j, left, left, 0.06 + margin)

@@ -1,0 +1,277 @@
+"""The live page in a real browser: `wbc live` runs, and a robot is driven by its controls."""
+
+import base64
+import io
+import signal
+import subprocess
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wbc.log import Log, LoggedRun
+from wbc.motions.catalogue import CATALOGUE
+
+pytestmark = pytest.mark.browser
+
+PATIENCE = 60_000  # ms; software rendering on a busy machine is slow
+
+
+@pytest.fixture(scope="module")
+def url(tmp_path_factory):
+    """Of a robot that stands at our disposal; what is to stay of the session does."""
+    root = Path(__file__).resolve().parents[2]
+    log, html = (tmp_path_factory.mktemp("kept") / name for name in ("live.mcap", "live.html"))
+    arguments = ["-m", "wbc", "live", "--robot", "simple_humanoid", "--port", "0"]
+    arguments += ["--log", str(log), "--html", str(html)]
+    process = subprocess.Popen(
+        [sys.executable, *arguments], stdout=subprocess.PIPE, text=True, cwd=root
+    )
+    try:
+        yield process.stdout.readline().removeprefix("Live: ").strip()
+    finally:
+        process.send_signal(signal.SIGINT)
+        report, _ = process.communicate(timeout=60.0)
+    assert process.returncode == 130
+    assert "tick time" in report
+    kept = LoggedRun(Log(log))
+    assert len(kept) > 1000
+    assert (np.diff(kept.stamps) > 0).all()  # resets and all
+    assert html.stat().st_size > 100_000
+
+
+@contextmanager
+def new_page(context, url, ready):
+    """A page on which nothing may go wrong."""
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE)
+    errors = []
+    page.on("pageerror", lambda error: errors.append(error))
+    page.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
+    page.goto(url)
+    page.wait_for_function(ready)
+    yield page
+    complaints = page.evaluate("wbc.live.errors")
+    page.close()
+    assert errors == []
+    assert complaints == []
+
+
+@pytest.fixture(scope="module")
+def shared(browser, url):
+    context = browser.new_context(viewport={"width": 480, "height": 320})
+    with new_page(context, url, "wbc.ready && wbc.live.gauges") as page:
+        yield page
+
+
+@pytest.fixture
+def page(shared):
+    """The page, of a robot that stands."""
+    reset(shared)
+    return shared
+
+
+def reset(page):
+    run = page.evaluate("wbc.live.gauges.run")  # what is asked for before the next is forgotten
+    page.click("[data-action=reset]")
+    page.wait_for_function(
+        f"wbc.live.gauges.run > {run} && wbc.live.gauges.mode === 'running'"
+        " && wbc.live.gauges.time > 0.1 && wbc.live.gauges.velocity.every((x) => x === 0)"
+        " && wbc.time < wbc.live.gauges.time + 0.1"  # frames come later than figures
+    )
+
+
+def names_of(motions):
+    return [motion.name for motion in motions]
+
+
+def turn(page, control, share):
+    """Move a slider, 0 to 1, as a hand does."""
+    page.locator(f"[data-control='{control}']").evaluate(
+        "(slider, share) => { slider.value = share;"
+        " slider.dispatchEvent(new Event('input')); slider.dispatchEvent(new Event('change')); }",
+        share,
+    )
+
+
+def silhouette(page):
+    """The robot alone, (h, w, 3), as it is drawn now."""
+    from PIL import Image
+
+    url = page.evaluate(
+        """() => {
+          for (const [name, child] of Object.entries(viewer.scene_tree.find(["wbc"]).children)) {
+            child.object.visible = name === "robot" || name === "stage";
+            if (name === "stage") for (const part of child.object.children) {
+              part.visible = part.isLight === true;
+            }
+          }
+          return viewer.capture_image();
+        }"""
+    )
+    image = Image.open(io.BytesIO(base64.b64decode(url.partition(",")[2])))
+    return np.asarray(image.convert("RGB"), dtype=float)
+
+
+def changed(a, b):
+    """Share of the pixels that clearly differ."""
+    return float((np.abs(a - b).max(axis=2) > 24).mean())
+
+
+def pass_time(page, seconds):
+    """Wait until so much of the robot's time has been drawn."""
+    page.evaluate("wbc.from = wbc.time")
+    page.wait_for_function(f"wbc.time > wbc.from + {seconds}")
+
+
+def watch(page, gauge):
+    """Keep the largest value of a gauge from now on, as `wbc.most`; returns the robot's time.
+
+    Of all that the page is told: one that draws slowly is told several things at once.
+    """
+    return page.evaluate(
+        """(gauge) => {
+          let now = wbc.live.gauges;
+          wbc.most = 0;
+          Object.defineProperty(wbc.live, "gauges", {configurable: true, get: () => now,
+            set: (told) => { now = told; wbc.most = Math.max(wbc.most, told[gauge]); }});
+          return now.time;
+        }""",
+        gauge,
+    )
+
+
+def test_the_robot_moves_when_the_slider_moves(page):
+    pass_time(page, 1.0)
+    still = silhouette(page)
+    pass_time(page, 0.4)
+    quiet = changed(still, silhouette(page))
+    turn(page, "velocity.forward", 0.85)
+    page.wait_for_function("wbc.live.gauges.velocity[0] > 0.05")
+    page.wait_for_function("document.querySelector('[data-action=walk]').className === 'on'")
+    pass_time(page, 1.0)
+    assert changed(still, silhouette(page)) > max(0.005, 4.0 * quiet)
+
+
+def test_a_push_makes_the_dcm_jump_and_is_counted(page):
+    start = watch(page, "dcm_error")
+    page.wait_for_function(f"wbc.live.gauges.time > {start + 0.4}")
+    calm = page.evaluate("wbc.most")
+    page.click("[data-action=push]")
+    page.wait_for_function("wbc.live.gauges.pushes === 1")
+    assert page.evaluate("wbc.most") > 3.0 * calm > 0.0
+    assert page.evaluate("wbc.live.gauges.survived") == 1
+    page.wait_for_function("document.querySelector('#strips').textContent.includes('1 of 1')")
+
+
+def test_every_motion_has_a_button_that_plays_it(page):
+    names = page.locator("[data-action^='motion ']").all_inner_texts()
+    assert names == names_of(CATALOGUE)
+    page.click("[data-action='motion sway']")
+    page.wait_for_function(f"wbc.live.gauges.playing === {names.index('sway')}")
+    page.wait_for_function(
+        "document.querySelector('[data-action=\"motion sway\"]').className === 'on'"
+    )
+    page.click("[data-action=stand]")
+    page.wait_for_function("wbc.live.gauges.playing < 0")
+
+
+def test_parameters_unfold_below_their_button_and_what_cannot_be_is_answered_there(page):
+    page.click("[data-more=squat]")
+    assert page.locator("form:visible").count() == 1
+    offered = page.locator("[data-form=squat] [data-parameter]")
+    names = offered.evaluate_all("(inputs) => inputs.map((i) => i.dataset.parameter)")
+    assert names == ["squat.depth", "squat.frequency", "squat.times"]
+    page.fill("[data-parameter='squat.depth']", "95")
+    page.click("[data-form=squat] >> text=play")
+    complaint = "element('complaint').textContent.includes('cannot go down by 95 %')"
+    page.wait_for_function(f"wbc.live.errors.length === 1 && {complaint}")  # it fades
+    page.evaluate("wbc.live.errors.length = 0")
+    page.fill("[data-parameter='squat.depth']", "4")
+    page.press("[data-parameter='squat.depth']", "Enter")
+    page.wait_for_function(f"wbc.live.gauges.playing === {names_of(CATALOGUE).index('squat')}")
+    page.click("[data-form=squat] >> text=as it was")
+    page.wait_for_function("document.querySelectorAll('.moved').length === 0")
+    page.click("[data-more=reach]")
+    assert page.locator("form:visible").get_attribute("data-form") == "reach"
+    page.click("[data-more=reach]")
+    assert page.locator("form:visible").count() == 0
+
+
+def test_letters_typed_into_a_field_drive_nothing(page):
+    run, pushes = page.evaluate("[wbc.live.gauges.run, wbc.live.gauges.pushes]")
+    page.click("[data-more=keyframes]")
+    page.locator("[data-parameter='keyframes.file']").press_sequentially("pr up.csv")
+    pass_time(page, 0.2)
+    assert page.evaluate("wbc.live.gauges.mode") == "running"
+    assert page.evaluate("[wbc.live.gauges.run, wbc.live.gauges.pushes]") == [run, pushes]
+    page.press("[data-parameter='keyframes.file']", "Enter")
+    page.wait_for_function("wbc.live.errors.length === 1")
+    assert "pr up.csv" in page.evaluate("wbc.live.errors.pop()")
+    page.click("[data-form=keyframes] >> text=as it was")
+    page.click("[data-more=keyframes]")
+
+
+def test_it_waves_while_it_walks(page):
+    turn(page, "velocity.forward", 0.7)
+    page.wait_for_function("wbc.live.gauges.velocity[0] > 0.05")
+    page.click("[data-action='motion wave']")
+    page.wait_for_function(f"wbc.live.gauges.playing === {names_of(CATALOGUE).index('wave')}")
+    pass_time(page, 0.5)
+    assert page.evaluate("wbc.live.gauges.velocity[0]") > 0.05
+    page.click("[data-action=stand]")
+    page.wait_for_function("wbc.live.gauges.velocity[0] === 0")
+
+
+def test_arrow_keys_drive_and_space_pauses(page):
+    page.click("#panel h2 >> nth=0")
+    for _ in range(3):
+        page.keyboard.press("ArrowUp")
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function("wbc.live.gauges.velocity[0] > 0 && wbc.live.gauges.velocity[2] > 0")
+    page.keyboard.press(" ")
+    page.wait_for_function("wbc.live.gauges.mode === 'paused'")
+    time = page.evaluate("wbc.live.gauges.time")
+    page.wait_for_timeout(300)
+    assert page.evaluate("wbc.live.gauges.time") == time
+    page.keyboard.press(" ")
+    page.wait_for_function("wbc.live.gauges.mode === 'running'")
+
+
+def test_the_tuner_lists_the_tasks_and_a_gain_reaches_every_page(url, page):
+    """The other page leaves while its scene is still being loaded, which harms nothing."""
+    page.click("text=Tasks: weights and gains")
+    tasks = page.locator("details[open] h3").all_inner_texts()
+    assert {"com", "posture"} <= set(tasks)
+    assert any("orientation" in task for task in tasks)
+    turn(page, "com.weight", 0.8)
+    weight = page.evaluate("wbc.live.values['com.weight']")
+    there = f"Math.abs(wbc.live.values['com.weight'] / {weight} - 1) < 1e-6"
+    with new_page(page.context, url, f"wbc.live.gauges && {there}") as other:
+        turn(other, "com.weight", 0.6)
+        page.wait_for_function(f"wbc.live.values['com.weight'] < 0.9 * {weight}")
+    pass_time(page, 0.2)
+    page.click("details[open] >> text=as it was")
+    assert page.evaluate("wbc.live.values['com.weight']") == pytest.approx(3000.0)
+
+
+def test_a_page_that_is_loaded_again_shows_the_present(page):
+    turn(page, "velocity.forward", 0.8)
+    page.wait_for_function("wbc.live.gauges.velocity[0] > 0")
+    velocity = page.evaluate("wbc.live.values['velocity.forward']")
+    page.reload()
+    page.wait_for_function("wbc.ready && wbc.live.gauges && wbc.live.gauges.velocity[0] > 0")
+    assert page.evaluate("wbc.live.values['velocity.forward']") == velocity
+    assert page.evaluate("wbc.live.gauges.mode") == "running"
+
+
+def test_what_is_drawn_is_chosen_here(page):
+    page.click("text=Drawn here")
+    visible = "viewer.scene_tree.find(['wbc', 'robot']).object.visible"
+    page.locator("[data-drawn=robot]").uncheck()
+    pass_time(page, 0.1)
+    assert page.evaluate(visible) is False
+    page.locator("[data-drawn=robot]").check()
+    assert page.evaluate(visible) is True

@@ -1,0 +1,118 @@
+"""Jumps in physics: noise on every sensor, the estimator in the loop, judged by the truth."""
+
+from functools import cache
+
+import pytest
+
+import wbc
+from wbc.motions import Performer
+from wbc.motions.jump import Jump
+from wbc.motions.jumping import Jumper, JumpPhase
+from wbc.runtime.report import Report
+from wbc.sim import Mujoco
+from wbc.trials import run_motions
+from wbc.walking import Walker
+
+CLEARANCE = 0.05
+JUMP = Jump(CLEARANCE)  # keeps the plans of its robots
+
+
+@cache
+def robot(name: str) -> wbc.Robot:
+    return wbc.load(name)
+
+
+def keeps_limits(report: Report) -> bool:
+    return (
+        report.qp_failures == 0
+        and report.torque_excess_nm <= 0.0
+        and report.torque_peak_ratio <= 1.0
+        and report.joint_limit_excess_rad <= 1e-3
+    )
+
+
+@pytest.mark.parametrize("name", ["talos", "g1"])
+def test_robot_jumps_clear_and_lands_standing(name):
+    report = run_motions(robot(name), [JUMP], seed=3)
+    assert report.survived
+    assert keeps_limits(report)
+    (flight,) = report.flights
+    assert 45.0 < flight.clearance_mm < 60.0
+    assert flight.rise_mm == pytest.approx(1e3 * flight.take_off_speed_m_s**2 / 19.62, abs=1.5)
+    assert flight.rise_mm == pytest.approx(1e3 * JUMP.plan(robot(name)).rise, abs=4.0)
+    assert flight.duration_s == pytest.approx(JUMP.plan(robot(name)).flight.duration, abs=0.02)
+    assert flight.landing_error_mm < 15.0
+    assert flight.landing_load < 3.0
+    legs = robot(name).mass * JUMP.plan(robot(name)).speed * robot(name).leg_length
+    assert flight.spin < 0.01 * legs, "it takes off without spin"
+    assert flight.spin_change < 0.002 * legs, "and nothing changes that in the air"
+    assert report.foot_slip_mm is not None
+    assert report.foot_slip_mm < 5.0
+
+
+def interrupt_in(phase: JumpPhase) -> Report:
+    def interrupt(_: float, performer: Performer, plant: Mujoco) -> None:
+        pilot = performer.body.pilot
+        if isinstance(pilot, Jumper) and pilot.phase is phase and performer.playing is not None:
+            performer.interrupt()
+
+    return run_motions(robot("simple_humanoid"), [JUMP], seed=2, before_tick=interrupt)
+
+
+def test_interrupted_crouch_ends_standing_without_a_jump():
+    report = interrupt_in(JumpPhase.CROUCH)
+    assert report.survived
+    assert keeps_limits(report)
+    assert report.flights == ()
+
+
+def test_interrupted_flight_is_carried_through():
+    report = interrupt_in(JumpPhase.FLIGHT)
+    assert report.survived
+    assert keeps_limits(report)
+    assert len(report.flights) == 1
+
+
+def test_pushed_in_the_air_it_puts_its_soles_where_they_catch_it():
+    push = 0.03 * robot("simple_humanoid").mass  # N·s, forward
+
+    def shove(_: float, performer: Performer, plant: Mujoco) -> None:
+        pilot = performer.body.pilot
+        if (
+            isinstance(pilot, Jumper)
+            and pilot.phase is JumpPhase.FLIGHT
+            and not plant.push_force.any()
+        ):
+            if not pushed:
+                plant.push((push, 0.0, 0.0), duration=0.02)
+            pushed.append(True)
+
+    pushed: list[bool] = []
+    report = run_motions(robot("simple_humanoid"), [JUMP], seed=2, before_tick=shove)
+    assert pushed
+    assert report.survived
+    assert keeps_limits(report)
+    (flight,) = report.flights
+    assert flight.landing_error_mm > 4.0, "it landed ahead of where it left"
+
+
+def test_pilot_is_shown_while_it_flies():
+    performer = Performer(robot("simple_humanoid"), motions=[])
+    body = performer.body
+    jumper = Jumper(body.robot, JUMP.plan(body.robot), body.dt)
+    jumper.reset(body.robot.standing())
+    body.take_over(jumper)
+    jumper.step(body.robot.standing())
+    assert performer.telemetry.com == pytest.approx(jumper.telemetry.com)
+    assert performer.dcm_error == jumper.dcm_error
+
+
+def test_it_is_solved_by_the_walkers_solver():
+    body_of = robot("simple_humanoid")
+    performer = Performer(body_of, walker=Walker(body_of, solver="daqp"))
+    performer.play(JUMP)
+    for _ in range(1000):
+        performer.step(body_of.standing())
+        if performer.body.pilot is not None:
+            break
+    assert performer.body.pilot._limbs.controller.solver.name == "daqp"

@@ -1,0 +1,183 @@
+"""The loop: who is asked what, when it ends, and what the report says."""
+
+from __future__ import annotations
+
+import gc
+import json
+import time
+
+import numpy as np
+import pytest
+
+import wbc
+from wbc.errors import WbcError
+from wbc.runtime.loop import StopRun
+from wbc.runtime.snapshot import Snapshot
+from wbc.sim import Mujoco, SensorNoise
+
+
+class HoldPosture:
+    """A controller of one's own: joint springs around where it started."""
+
+    def __init__(self, robot: wbc.Robot) -> None:
+        self._robot = robot
+        self.states: list[wbc.State] = []
+
+    def reset(self, state: wbc.State) -> None:
+        self._kin = wbc.Kinematics(self._robot, state)
+        self._q = state.q[7:].copy()
+        # Half the weight on each foot, and springs for the rest.
+        half = self._kin.mass * 4.905
+        J = sum(self._kin.jacobian(s.name)[2] for s in self._robot.soles)
+        self._gravity = self._kin.bias_forces[6:] - half * np.asarray(J)[6:]
+
+    def step(self, state: wbc.State, foot_wrenches: object = None) -> wbc.Command:
+        self.states.append(state)
+        robot = self._robot
+        stiff = 20.0 * robot.tau_max
+        tau = self._gravity + stiff * (self._q - state.q[7:]) - 0.1 * stiff * state.v[6:]
+        tau = np.clip(tau, -robot.tau_max, robot.tau_max)
+        na = robot.na
+        return wbc.Command(tau, np.zeros(robot.nv), {}, np.zeros(na), np.zeros(na))
+
+
+class FrozenPlant:
+    """A plant of one's own that stands still and counts its commands."""
+
+    def __init__(self, robot: wbc.Robot, dt: float = 0.002) -> None:
+        self.robot, self.dt = robot, dt
+        self.commands: list[wbc.Command] = []
+
+    @property
+    def time(self) -> float:
+        return len(self.commands) * self.dt
+
+    def measure(self) -> wbc.Measurement:
+        na, weight = self.robot.na, self.robot.mass * 9.81
+        wrench = np.array([0.0, 0.0, 0.5 * weight, 0.0, 0.0, 0.0])
+        return wbc.Measurement(
+            self.time,
+            self.robot.q_nominal[7:].copy(),
+            np.zeros(na),
+            np.zeros(3),
+            np.array([0.0, 0.0, 9.81]),
+            {s.name: wrench.copy() for s in self.robot.soles},
+        )
+
+    def step(self, command: wbc.Command) -> None:
+        self.commands.append(command)
+
+
+class Album:
+    """An observer that keeps what it is shown."""
+
+    def __init__(self) -> None:
+        self.snapshots: list[Snapshot] = []
+
+    def show(self, snapshot: Snapshot) -> None:
+        self.snapshots.append(snapshot)
+
+
+@pytest.fixture(scope="module")
+def robot() -> wbc.Robot:
+    return wbc.load("simple_humanoid")
+
+
+def test_controller_of_ones_own_stands_in_mujoco(robot: wbc.Robot) -> None:
+    controller = HoldPosture(robot)
+    with Mujoco(robot, noise=SensorNoise.none()) as plant:
+        report = wbc.run(controller, plant, 1.0)
+    assert report.survived, report.table()
+    assert len(controller.states) == 500
+    assert report.steps == 0
+    assert report.distance_m < 0.05
+
+
+def test_walker_runs_in_a_plant_of_ones_own(robot: wbc.Robot) -> None:
+    plant = FrozenPlant(robot)
+    report = wbc.run(wbc.Walker(robot), plant, 0.2)
+    assert report.survived
+    assert len(plant.commands) == 100
+    weight = robot.mass * 9.81
+    carried = sum(w[2] for w in plant.commands[-1].wrenches.values())
+    assert carried == pytest.approx(weight, rel=0.1)
+
+
+def test_observers_are_shown_thirty_snapshots_a_second(robot: wbc.Robot) -> None:
+    viewer, recording = Album(), Album()
+    with Mujoco(robot) as plant:
+        wbc.run(wbc.Walker(robot), plant, 1.0, viewer=viewer, recording=recording)
+    assert 28 <= len(viewer.snapshots) <= 33
+    assert len(recording.snapshots) == len(viewer.snapshots)
+    last = viewer.snapshots[-1]
+    assert set(last.wrenches) == {"left_sole", "right_sole"}
+    assert last.telemetry.support.shape[0] >= 4
+    assert np.isfinite(last.telemetry.com).all()
+
+
+def test_real_time_takes_as_long_as_it_says(robot: wbc.Robot) -> None:
+    plant = FrozenPlant(robot, dt=0.01)
+    begun = time.perf_counter()
+    report = wbc.run(HoldPosture(robot), plant, 0.5, real_time=True)
+    assert time.perf_counter() - begun > 0.48
+    assert report.lateness_p99_us > 0.0
+
+
+def test_callback_may_change_commands_and_end_the_run(robot: wbc.Robot) -> None:
+    times: list[float] = []
+
+    def before_tick(now: float) -> None:
+        times.append(now)
+        if now > 0.1:
+            raise StopRun("enough")
+
+    report = wbc.run(HoldPosture(robot), FrozenPlant(robot), 1.0, before_tick=before_tick)
+    assert not report.survived
+    assert report.fell_at_s is None
+    assert "enough" in report.table()
+    assert times == sorted(times)
+
+
+def test_progress_is_told_about_ten_times_a_second(robot: wbc.Robot) -> None:
+    told = []
+    wbc.run(HoldPosture(robot), FrozenPlant(robot), 1.0, progress=told.append)
+    assert 9 <= len(told) <= 11
+    assert told[-1].duration == 1.0
+
+
+def test_failed_ticks_are_counted_and_explained(robot: wbc.Robot) -> None:
+    class Failing(HoldPosture):
+        def step(self, state: wbc.State, foot_wrenches: object = None) -> wbc.Command:
+            c = super().step(state, foot_wrenches)
+            return wbc.Command(
+                c.tau,
+                c.acceleration,
+                {},
+                c.q_target,
+                c.v_target,
+                wbc.Status.INFEASIBLE,
+                "cannot hold together: a and b",
+            )
+
+    report = wbc.run(Failing(robot), FrozenPlant(robot), 0.1)
+    assert report.qp_failures == 50
+    assert "a and b" in report.table()
+
+
+def test_report_is_written_as_json(robot: wbc.Robot, tmp_path: object) -> None:
+    report = wbc.run(HoldPosture(robot), FrozenPlant(robot), 0.1)
+    path = tmp_path / "report.json"  # type: ignore[operator]
+    report.save(path)
+    stored = json.loads(path.read_text())
+    assert stored["robot"] == "simple_humanoid"
+    assert tuple(stored) == wbc.Report.keys()
+
+
+def test_garbage_collection_is_as_it_was_after_a_run(robot: wbc.Robot) -> None:
+    wbc.run(HoldPosture(robot), FrozenPlant(robot), 0.05)
+    assert gc.isenabled()
+
+
+def test_duration_must_be_positive(robot: wbc.Robot) -> None:
+    with pytest.raises(WbcError, match="duration = 0"):
+        wbc.run(HoldPosture(robot), FrozenPlant(robot), 0.0)

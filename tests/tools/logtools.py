@@ -1,0 +1,98 @@
+"""Made-up runs for tests of the log: ticks without physics, every number another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+import wbc
+from wbc.command import Command, Status
+from wbc.measurement import Measurement
+from wbc.robot import Robot
+from wbc.runtime.tick import Tick
+from wbc.state import State
+from wbc.telemetry import Footstep, Telemetry
+
+
+@dataclass
+class Gains:
+    stiffness: float = 3.5
+
+
+@dataclass
+class Pretender:
+    """A controller that only has what a log asks for."""
+
+    telemetry: Telemetry = field(default_factory=Telemetry)
+    dcm_error: float = 0.25
+    steps: int = 3
+    velocity: tuple[float, float, float] = (0.1, 0.2, 0.3)
+    gains: Gains = field(default_factory=Gains)
+
+
+@dataclass
+class Nowhere:
+    """A plant of which the log wants the period."""
+
+    dt: float = 0.002
+    seed: int = 7
+
+
+def telemetry(rng: np.random.Generator, phase: str = "left") -> Telemetry:
+    return Telemetry(
+        com=rng.normal(size=3),
+        dcm=rng.normal(size=3),
+        dcm_reference=rng.normal(size=3),
+        zmp=rng.normal(size=3),
+        phase=phase,
+        support=rng.normal(size=(5, 3)),
+        footsteps=(
+            Footstep("left", rng.normal(size=3), 0.3),
+            Footstep("right", rng.normal(size=3), -0.4),
+        ),
+        swing_path=rng.normal(size=(4, 3)),
+    )
+
+
+def random_state(robot: Robot, rng: np.random.Generator) -> State:
+    q = rng.normal(size=robot.nq)
+    q[3:7] /= np.linalg.norm(q[3:7])
+    return State(q, rng.normal(size=robot.nv))
+
+
+def random_tick(
+    robot: Robot,
+    rng: np.random.Generator,
+    time: float,
+    *,
+    status: Status = Status.OK,
+    explanation: str = "",
+    truth: bool = True,
+    contacts: tuple[str, ...] = ("left_sole",),
+) -> Tick:
+    na, nv = robot.na, robot.nv
+    command = Command(
+        tau=rng.normal(size=na),
+        acceleration=rng.normal(size=nv),
+        wrenches={name: rng.normal(size=6) for name in contacts},
+        q_target=rng.normal(size=na),
+        v_target=rng.normal(size=na),
+        status=status,
+        explanation=explanation,
+    )
+    measurement = Measurement(
+        time=time,
+        joint_position=rng.normal(size=na),
+        joint_velocity=rng.normal(size=na),
+        gyro=rng.normal(size=3),
+        accelerometer=rng.normal(size=3),
+        foot_wrenches={s.name: rng.normal((0, 0, 400, 0, 0, 0)) for s in robot.soles},
+    )
+    state = random_state(robot, rng)
+    true_state = random_state(robot, rng) if truth else None
+    return Tick(time, measurement, state, command, true_state, 1e-5 + 1e-6 * time, 3e-4)
+
+
+def robot() -> Robot:
+    return wbc.load("simple_humanoid")

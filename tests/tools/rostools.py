@@ -1,0 +1,243 @@
+"""What the tests of ROS 2 share: domains of their own, and peers in other processes."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wbc.messages import available, definition, message_type, schema_text
+from wbc.messages.definition import PRIMITIVES, Field, Shape
+from wbc.ros import Network, Node
+
+ROOT = Path(__file__).resolve().parents[2]
+PATIENCE = 20.0  # s: this machine may be busy
+# Below 102, where the system takes no ports at random.
+_domains = itertools.count(os.getpid() * 13)
+_claims: list[socket.socket] = []
+
+
+def new_domain() -> int:
+    """One where nobody is, other runs of these tests included: it is held by a port of its own."""
+    for number in itertools.islice(_domains, 100):
+        domain = 1 + number % 100
+        claim = socket.socket()  # TCP, where DDS has UDP
+        try:
+            claim.bind(("127.0.0.1", 7400 + 250 * domain))
+        except OSError:
+            claim.close()
+        else:
+            _claims.append(claim)
+            return domain
+    raise AssertionError("all hundred domains are taken")
+
+
+def environment(domain: int) -> dict[str, str]:
+    """Of a process that looks for others on the loopback interface alone."""
+    kept = {
+        key: value
+        for key, value in os.environ.items()
+        if not key.startswith("ROS_") and key != "CYCLONEDDS_URI"
+    }
+    paths = os.pathsep.join((str(ROOT), str(ROOT / "tests")))
+    return {**kept, "PYTHONPATH": paths, "ROS_DOMAIN_ID": str(domain)}
+
+
+def hear_interrupts() -> None:
+    """In a child before it begins: tests that run in the background have SIGINT ignored."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+class Peer:
+    """Another process in the same domain, which has said that it is ready."""
+
+    def __init__(self, domain: int, *command: str, configuration: str = "") -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, *command],
+            env={**environment(domain), "PEER_CONFIGURATION": configuration},
+            preexec_fn=hear_interrupts,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self.first = self.line()
+        if not self.first:
+            self.process.kill()
+            raise AssertionError(f"{command} did not start: {self.process.communicate()[1]}")
+
+    @classmethod
+    def of(cls, domain: int, kind: str, *arguments: str, configuration: str = "") -> Peer:
+        """One of the kinds of `rospeer.py`, perhaps with a configuration for Cyclone DDS."""
+        script = str(ROOT / "tests" / "rospeer.py")
+        return cls(domain, script, kind, str(domain), *arguments, configuration=configuration)
+
+    @classmethod
+    def wbc(cls, domain: int, *arguments: str) -> Peer:
+        """The `wbc` command."""
+        return cls(domain, "-m", "wbc", *arguments)
+
+    def line(self) -> str:
+        """The next that it says; nothing when it has ended, or says nothing for too long."""
+        assert self.process.stdout is not None
+        end = threading.Timer(3 * PATIENCE, self.process.kill)
+        end.start()
+        try:
+            return self.process.stdout.readline().strip()
+        finally:
+            end.cancel()
+
+    def tell(self, line: str) -> None:
+        assert self.process.stdin is not None
+        self.process.stdin.write(f"{line}\n")
+        self.process.stdin.flush()
+
+    def kill(self) -> None:
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+
+    def __enter__(self) -> Peer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.process.poll() is None:
+            self.process.send_signal(signal.SIGINT)
+            try:
+                self.process.communicate(timeout=10.0)
+            except subprocess.TimeoutExpired:
+                self.kill()
+        for stream in (self.process.stdin, self.process.stdout, self.process.stderr):
+            if stream is not None:
+                stream.close()
+
+
+def start_example(domain: int, script: str, *arguments: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, str(ROOT / "examples" / "ros2" / script), *arguments],
+        env=environment(domain),
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+class Hearer:
+    """Messages of one topic, kept."""
+
+    def __init__(self, node: Node, kind: str, topic: str, *args: Any) -> None:
+        self.node = node
+        self.messages: list[Any] = []
+        self.infos: list[Any] = []
+        self.subscription = node.subscription(kind, topic, self._hear, *args)
+
+    def _hear(self, message: Any, info: Any) -> None:
+        self.messages.append(message)
+        self.infos.append(info)
+
+    def close(self) -> None:
+        self.node.drop(self.subscription)
+
+    @property
+    def last(self) -> Any:
+        return self.messages[-1]
+
+    def __len__(self) -> int:
+        return len(self.messages)
+
+    def clear(self) -> None:
+        self.messages.clear()
+        self.infos.clear()
+
+    def wait(self, until: Callable[[Any], bool] = lambda _: True, timeout: float = PATIENCE) -> Any:
+        """The first new message of which something is true."""
+        self.clear()
+        return self.find(until, timeout)
+
+    def find(self, until: Callable[[Any], bool], timeout: float = PATIENCE) -> Any:
+        """The first of which something is true: of those that are kept, or a new one."""
+        found: list[Any] = []
+        looked = 0
+
+        def look() -> bool:
+            nonlocal looked
+            found.extend(m for m in self.messages[looked:] if until(m))
+            looked = len(self.messages)
+            return bool(found)
+
+        assert self.node.spin(look, timeout), f"nothing of the kind on {self.subscription.topic}"
+        return found[0]
+
+
+def node(name: str, domain: int) -> Node:
+    return Node(name, network=Network(domain))
+
+
+def configuration(path: str, value: str) -> str:
+    """One setting of Cyclone DDS, below `Domain`."""
+    for name in reversed(("CycloneDDS", "Domain", *path.split("/"))):
+        value = f"<{name}>{value}</{name}>"
+    return value
+
+
+#: A participant that is taken for dead when it has been silent for so long.
+SHORT_LIVED = configuration("Discovery/LeaseDuration", "3 s")
+
+
+def some_message(name: str, seed: int) -> Any:
+    """A message with a value in every field."""
+    rng = np.random.default_rng(seed)
+
+    def value(field: Field) -> Any:
+        if field.shape is Shape.ONE:
+            return one(field)
+        most = min(field.size, 3) if field.shape is Shape.BOUNDED else 3
+        count = field.size if field.shape is Shape.ARRAY else int(rng.integers(1, most + 1))
+        values = [one(field) for _ in range(count)]
+        plain = field.nested or field.type == "string"
+        return values if plain else np.array(values, PRIMITIVES[field.type])
+
+    def one(field: Field) -> Any:
+        if field.nested:
+            return some_message(field.type, int(rng.integers(1 << 30)))
+        if field.type == "string":
+            return "".join(rng.choice(list("abc äß€\n'"), rng.integers(0, 8)))
+        dtype = np.dtype(PRIMITIVES[field.type])
+        if dtype.kind == "f":
+            return dtype.type(rng.normal()).item()
+        if dtype.kind == "b":
+            return bool(rng.integers(2))
+        limits = np.iinfo(dtype)
+        return int(rng.integers(limits.min, limits.max, dtype=dtype, endpoint=True))
+
+    fields = {field.name: value(field) for field in definition(name).fields}
+    return message_type(name)(**fields)
+
+
+def rosbags_store() -> Any:
+    """The types as `rosbags` has them; those that it lacks by our schemas."""
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.ROS2_JAZZY)
+    for name in available():
+        if name in store.fielddefs:
+            continue
+        found = get_types_from_msg(schema_text(name), name)
+        own = next(iter(found))  # services are filed under `pkg/srv/msg/`
+        store.register(
+            {
+                name if key == own else key: value
+                for key, value in found.items()
+                if key == own or key not in store.fielddefs
+            }
+        )
+    return store

@@ -1,1 +1,0 @@
-"""The model doctor's examinations: each file looks for one kind of defect."""

@@ -1,0 +1,117 @@
+"""The model doctor: what is wrong with a robot description, what follows, and the cure.
+
+A file may be too broken to load; then it is examined as far as it goes, from
+its XML alone. No finding is a guess of Pinocchio's reader, and nothing turns
+into NaN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pinocchio as pin
+
+from wbc.errors import RobotDescriptionError, RobotNotFound
+from wbc.robot.build import build, feet_links
+from wbc.robot.catalogue import find
+from wbc.robot.data import RobotData
+from wbc.robot.doctor.limits import check_limits
+from wbc.robot.doctor.links import check_links, check_masses
+from wbc.robot.doctor.meshes import check_meshes
+from wbc.robot.doctor.report import finding_from
+from wbc.robot.doctor.shapes import check_shapes
+from wbc.robot.doctor.stance import check_stance
+from wbc.robot.doctor.tree import check_tree
+from wbc.robot.finding import SEVERITIES, Finding
+from wbc.robot.masses import massless_joints
+from wbc.robot.model import build_model
+from wbc.robot.packages import search_folders
+from wbc.robot.stated import with_stated
+from wbc.robot.urdf import Urdf, read_urdf
+
+if TYPE_CHECKING:
+    from wbc.robot.robot import Robot
+
+# What the loader reports itself, knowing what a data file states and what it substituted.
+LOADERS_OWN = ("no-effort-limit", "no-velocity-limit")
+
+
+def check_file(
+    path: str | Path, *, package_dirs: Iterable[str | Path] = (), **stated: Any
+) -> list[Finding]:
+    """Everything that is wrong with a robot description, worst first; empty if it is sound.
+
+    Args:
+        path: a URDF, a robot data file, or a robot's name, as for `load`.
+        package_dirs: folders that hold packages.
+        stated: what `load` takes besides (`left_foot`, `right_foot`, `srdf`, …).
+
+    Raises:
+        RobotNotFound: there is no such file.
+    """
+    try:
+        data = with_stated(find(path), stated)
+        folders = search_folders(data.urdf, (*package_dirs, *data.package_dirs))
+        urdf = read_urdf(data.urdf)
+    except RobotNotFound:
+        raise
+    except RobotDescriptionError as error:
+        return [finding_from(error, Path(path).name, "unreadable")]
+    findings = _examine(urdf, folders)
+    if not _broken(findings):
+        findings += _feet_and_masses(data, urdf)
+    if not _broken(findings):
+        try:
+            robot = build(data, folders)
+        except RobotDescriptionError as error:
+            findings.append(finding_from(error, urdf.path.name, "unloadable"))
+        else:
+            return check_robot(robot)
+    return _sorted(findings)
+
+
+def check_robot(robot: Robot) -> list[Finding]:
+    """Everything that is wrong with a loaded robot's description, worst first."""
+    found = [f for f in _examine(robot.urdf, robot.package_dirs) if f.code not in LOADERS_OWN]
+    return _sorted([*robot.findings, *found, *check_stance(robot)])
+
+
+def _examine(urdf: Urdf, folders: tuple[Path, ...]) -> list[Finding]:
+    return [
+        *check_tree(urdf),
+        *check_links(urdf),
+        *check_limits(urdf),
+        *check_shapes(urdf),
+        *check_meshes(urdf, folders),
+    ]
+
+
+def _feet_and_masses(data: RobotData, urdf: Urdf) -> list[Finding]:
+    """The two reasons for which a sound tree is not loaded; both, not just the first."""
+    try:
+        model = build_model(urdf, data.fixed_joints)
+    except RobotDescriptionError as error:
+        return [finding_from(error, urdf.path.name, "unloadable")]
+    findings = check_masses(urdf, massless_joints(model, pin.neutral(model)))
+    try:
+        feet_links(data, urdf)
+    except RobotDescriptionError as error:
+        findings.append(finding_from(error, urdf.path.name, "feet-not-found"))
+    return findings
+
+
+def _broken(findings: list[Finding]) -> bool:
+    return any(finding.severity == "error" for finding in findings)
+
+
+def _sorted(findings: list[Finding]) -> list[Finding]:
+    """Worst first, each kind of defect once per link or joint."""
+    singular = {f.subject for f in findings if f.code == "singular-mass-matrix"}
+    once: dict[tuple[str, str], Finding] = {}
+    for finding in findings:
+        # The error says more than the warning about the same missing inertia.
+        if finding.code != "no-inertia" or finding.subject not in singular:
+            once.setdefault((finding.code, finding.subject), finding)
+    return sorted(once.values(), key=lambda finding: SEVERITIES.index(finding.severity))

@@ -1,0 +1,34 @@
+"""When a robot counts as fallen."""
+
+from __future__ import annotations
+
+import math
+
+from wbc.robot import Robot
+from wbc.robot.attitude import attitude
+from wbc.state import State
+
+_MAX_TILT = 0.9  # rad, about 50°
+_LEAST_HEIGHT = 0.6  # share of the base's height when standing
+
+
+def fall_reason(robot: Robot, state: State, ground: float = 0.0) -> str:
+    """Why the robot counts as fallen, or an empty text.
+
+    It has fallen when its base tilts by more than 50° or is lower than 60 % of its height
+    when standing.
+
+    Args:
+        robot: the robot.
+        state: its true state.
+        ground: height of the ground, m.
+    """
+    q = state.q
+    x, y, _, _ = attitude(robot, state)
+    up = 1.0 - 2.0 * (x * x + y * y)  # cosine of the tilt
+    if up < math.cos(_MAX_TILT):
+        return f"the base is tilted by {math.degrees(math.acos(max(up, -1.0))):.0f}°"
+    height = float(q[2]) - ground
+    if height < _LEAST_HEIGHT * float(robot.q_nominal[2]):
+        return f"the base is only {height:.2f} m above the ground"
+    return ""

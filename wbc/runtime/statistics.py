@@ -1,0 +1,195 @@
+"""Keeps the figures of a run while it goes on."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from wbc.command import Command, Status
+from wbc.gait.planar import wrap
+from wbc.robot import Robot
+from wbc.robot.attitude import heading
+from wbc.runtime.clock import Clock
+from wbc.runtime.protocols import Controller
+from wbc.runtime.report import Report
+from wbc.state import State
+
+_TRAIL = 0.1  # s between the points of the trail
+_CYCLE = 1.6  # s: a gait cycle's sway is averaged out of the way over the ground
+_MOVING = 0.03  # m/s: slower than this is standing
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """What a progress line shows.
+
+    Attributes:
+        time: plant time, s.
+        duration: of the whole run, s.
+        speed: of the last second, m/s.
+        dcm_error: m.
+        tick_us: median of the recent ticks, µs.
+    """
+
+    time: float
+    duration: float
+    speed: float
+    dcm_error: float
+    tick_us: float
+
+
+class Book:
+    """Figures of a run; arrays are allocated before it starts.
+
+    Args:
+        robot: the robot.
+        start: true state at the start.
+        ticks: how many there will be at the most.
+    """
+
+    def __init__(self, robot: Robot, start: State, ticks: int) -> None:
+        self.robot = robot
+        self.ticks = ticks
+        self.ground = float(start.q[2] - robot.q_nominal[2])
+        self._tick = np.zeros(ticks)
+        self._estimate = np.zeros(ticks)
+        self._error = np.zeros(ticks)
+        self._count = 0
+        self._start_time: float | None = None
+        self._time = 0.0
+        self._failures = 0
+        self._explanation = ""
+        self._effort = np.zeros(robot.na)
+        self._lowest, self._highest = np.full(robot.na, np.inf), np.full(robot.na, -np.inf)
+        self._fell_at: float | None = None
+        self._early = ""
+        self._truth = start
+        self._heading = self._yaw = heading(robot, start)
+        self._turned = 0.0
+        self._trail = [start.q[:2].copy()]
+        self._wall = time.perf_counter()
+
+    @property
+    def empty(self) -> bool:
+        """No tick has been noted yet."""
+        return self._count == 0
+
+    def note(
+        self,
+        now: float,
+        estimate: float,
+        tick: float,
+        command: Command,
+        truth: State,
+        controller: Controller,
+    ) -> None:
+        """One tick: its time, how long estimator and controller took (s), and what came of it."""
+        k = min(self._count, self._tick.size - 1)
+        if self._start_time is None:
+            self._start_time = now
+        self._time = now - self._start_time
+        self._tick[k], self._estimate[k] = tick, estimate
+        self._error[k] = getattr(controller, "dcm_error", np.nan)
+        self._count += 1
+        if command.status is not Status.OK:
+            self._failures += 1
+            self._explanation = self._explanation or command.explanation
+        # What is beyond the limits follows from the extremes, once, at the end.
+        q = truth.q[7:]
+        np.maximum(self._effort, np.abs(command.tau), out=self._effort)
+        np.minimum(self._lowest, q, out=self._lowest)
+        np.maximum(self._highest, q, out=self._highest)
+        self._truth = truth
+        if self._time >= len(self._trail) * _TRAIL:
+            self._trail.append(truth.q[:2].copy())
+            self._note_turn()
+
+    def _note_turn(self) -> None:
+        yaw = heading(self.robot, self._truth)
+        self._turned += wrap(yaw - self._yaw)
+        self._yaw = yaw
+
+    def fell(self, at: float, why: str) -> None:
+        """The robot fell at a time, s."""
+        self._fell_at, self._early = at, why
+
+    def stopped(self, why: str) -> None:
+        """The run was ended before its time."""
+        self._early = why
+
+    def progress(self, now: float, duration: float) -> Progress:
+        """Figures for a progress line."""
+        k = self._count
+        back = self._trail[-min(11, len(self._trail))]
+        span = max(min(10, len(self._trail) - 1), 1) * _TRAIL
+        return Progress(
+            now,
+            duration,
+            float(np.linalg.norm(self._truth.q[:2] - back)) / span,
+            float(self._error[k - 1]),
+            1e6 * float(np.median(self._tick[max(0, k - 50) : k])),
+        )
+
+    def report(self, controller: Controller, clock: Clock | None) -> Report:
+        """The result; `clock` when the run was in real time."""
+        wall = time.perf_counter() - self._wall
+        robot = self.robot
+        n = min(self._count, self._tick.size)
+        tick, errors = 1e6 * self._tick[:n], self._error[:n]
+        errors = errors[np.isfinite(errors)]
+        self._note_turn()
+        here = self._truth.q[:2]
+        distance, mean, cruise = _way(np.array([*self._trail, here]))
+        c, s = np.cos(self._heading), np.sin(self._heading)
+        dx, dy = here - self._trail[0]
+        late = clock.lateness if clock is not None else np.zeros(1)
+        return Report(
+            robot=robot.name,
+            survived=not self._early,
+            fell_at_s=self._fell_at,
+            fell_why=self._early,
+            duration_s=self._time,
+            steps=int(getattr(controller, "steps", 0)),
+            distance_m=distance,
+            displacement_m=(float(c * dx + s * dy), float(c * dy - s * dx)),
+            turned_rad=self._turned,
+            mean_speed_m_s=mean,
+            cruise_speed_m_s=cruise,
+            dcm_error_rms_mm=1e3 * float(np.sqrt(np.mean(errors**2))) if errors.size else None,
+            torque_peak_ratio=float((self._effort / robot.tau_max).max()),
+            torque_excess_nm=max(float((self._effort - robot.tau_max).max()), 0.0),
+            joint_limit_excess_rad=max(
+                float((robot.q_min - self._lowest).max()),
+                float((self._highest - robot.q_max).max()),
+                0.0,
+            ),
+            qp_failures=self._failures,
+            explanation=self._explanation,
+            tick_p50_us=float(np.percentile(tick, 50)),
+            tick_p99_us=float(np.percentile(tick, 99)),
+            tick_max_us=float(tick.max()),
+            estimator_p50_us=1e6 * float(np.median(self._estimate[:n])),
+            real_time_factor=self._time / wall if wall > 0.0 else 0.0,
+            overruns=clock.overruns if clock is not None else 0,
+            lateness_p99_us=1e6 * float(np.percentile(late, 99)),
+        )
+
+
+def _way(trail: np.ndarray) -> tuple[float, float, float]:
+    """Length of the way (m), mean and median speed while moving (m/s), sway averaged out.
+
+    Args:
+        trail: (n, 2) places, `_TRAIL` s apart.
+    """
+    width = round(_CYCLE / _TRAIL)
+    padded = np.pad(trail, ((width // 2, width // 2), (0, 0)), mode="edge")
+    sums = np.cumsum(np.vstack((np.zeros(2), padded)), axis=0)
+    smooth = np.vstack((trail[:1], (sums[width:] - sums[:-width]) / width, trail[-1:]))
+    strides = np.linalg.norm(np.diff(smooth, axis=0), axis=1)
+    moving = strides > _MOVING * _TRAIL
+    if not moving.any():
+        return float(strides.sum()), 0.0, 0.0
+    speeds = strides[moving] / _TRAIL
+    return float(strides.sum()), float(speeds.mean()), float(np.median(speeds))
