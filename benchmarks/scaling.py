@@ -77,7 +77,7 @@ class Point:
 
 def contacts_of(robot: wbc.Robot, count: int) -> list[wbc.Contact]:
     """Left sole, right sole, left hand, right hand: the first `count` of them."""
-    soles = [wbc.SurfaceContact.of(sole) for sole in robot.soles]
+    soles = [wbc.SurfaceContact.from_sole(sole) for sole in robot.soles]
     hands = [wbc.SurfaceContact(f"{side}_hand", 0.015, 0.04) for side in ("left", "right")]
     return [*soles, *hands][:count]
 

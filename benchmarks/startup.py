@@ -50,7 +50,7 @@ controller = wbc.WholeBodyController(robot, dt=0.002)
 controller.add(wbc.ComTask(weight=1000.0, kp=40.0))
 controller.add(wbc.OrientationTask(robot.torso, weight=20.0, kp=80.0))
 controller.add(wbc.PostureTask(robot, weight=0.3, kp=60.0))
-controller.set_contacts([wbc.SurfaceContact.of(sole) for sole in robot.soles])
+controller.set_contacts([wbc.SurfaceContact.from_sole(sole) for sole in robot.soles])
 command = controller.step(state)
 end()
 assert command.status is wbc.Status.OK, command.explanation

@@ -50,7 +50,7 @@ def controller(
     made.add(wbc.OrientationTask(robot.torso, weight=20.0))
     made.add(wbc.AngularMomentumTask(weight=0.01))
     made.add(wbc.PostureTask(robot, posture, weight=0.3))
-    soles = [wbc.SurfaceContact.of(sole, friction=motion.friction) for sole in robot.soles]
+    soles = [wbc.SurfaceContact.from_sole(sole, friction=motion.friction) for sole in robot.soles]
     made.set_contacts(soles)
     return made
 

@@ -15,7 +15,7 @@ controller = wbc.WholeBodyController(robot, dt=0.002)
 com = controller.add(wbc.ComTask(weight=1000.0, kp=40.0))
 controller.add(wbc.OrientationTask(robot.torso, weight=20.0, kp=80.0))
 controller.add(wbc.PostureTask(robot, weight=0.3, kp=60.0))
-controller.set_contacts([wbc.SurfaceContact.of(sole) for sole in robot.soles])
+controller.set_contacts([wbc.SurfaceContact.from_sole(sole) for sole in robot.soles])
 
 with wbc.sim.Mujoco(robot, dt=0.002) as plant:
     estimator = wbc.Estimator(robot, plant.dt)

@@ -11,7 +11,7 @@ robot = wbc.load("talos")
 state = robot.standing()
 controller = wbc.WholeBodyController(robot)
 controller.add(wbc.PostureTask(robot))
-controller.set_contacts([wbc.SurfaceContact.of(sole) for sole in robot.soles])
+controller.set_contacts([wbc.SurfaceContact.from_sole(sole) for sole in robot.soles])
 print("standing:", controller.step(state).status.value)
 
 # Priority 0 is exact. Nothing presses a foot off the ground and keeps it there.

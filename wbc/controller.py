@@ -22,9 +22,9 @@ from wbc.qp import (
     Regularisation,
     Solution,
     explain,
-    kernels_load,
+    load_kernels,
     make_solver,
-    not_finite,
+    non_finite_rows,
 )
 from wbc.robot import Robot
 from wbc.state import State
@@ -106,8 +106,8 @@ class WholeBodyController:
                     f"period {dt} s, so it would overshoot; give it at least that"
                 )
         if formulation is None:
-            formulation = Formulation.COMPILED if kernels_load() else Formulation.REDUCED
-        elif formulation is Formulation.COMPILED and not kernels_load():
+            formulation = Formulation.COMPILED if load_kernels() else Formulation.REDUCED
+        elif formulation is Formulation.COMPILED and not load_kernels():
             raise WbcError("Formulation.COMPILED needs Numba; run  pip install numba")
         self.formulation = formulation
         self.regularisation = regularisation or Regularisation()
@@ -193,7 +193,7 @@ class WholeBodyController:
         assembly = self._assembly()
         problem = self.problem = assembly.build(kin)
         if not problem.finite:
-            reason = not_finite(kin, self.tasks, self._contacts)
+            reason = non_finite_rows(kin, self.tasks, self._contacts)
             return self._safe_command(kin, Status.FAILED, reason or "the QP is not finite")
         solution = self.solver.solve(problem)
         if solution.outcome is Outcome.SOLVED:

@@ -106,10 +106,10 @@ class Kinematics:
         """Move on to `state`; what was read before still describes the old one.
 
         Raises:
-            StateError: see `State.checked`.
+            StateError: see `State.validated`.
         """
         model, data = self.model, self.data
-        self.state = state = state if state.fits(self._nq, self._nv) else state.checked(model)
+        self.state = state = state if state.is_valid(self._nq, self._nv) else state.validated(model)
         q, v = state.q, state.v
         self.mass_matrix: np.ndarray = pin.crba(model, data, q, pin.Convention.WORLD)
         self.bias_forces: np.ndarray = pin.nonLinearEffects(model, data, q, v)

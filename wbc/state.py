@@ -27,11 +27,11 @@ class State:
     q: np.ndarray
     v: np.ndarray
 
-    def fits(self, nq: int, nv: int) -> bool:
-        """Whether this is a floating-base state that `checked` would return as it is.
+    def is_valid(self, nq: int, nv: int) -> bool:
+        """Whether this is a floating-base state that `validated` would return as it is.
 
         True only for float arrays of these sizes, finite, with a unit quaternion; False says
-        nothing: `checked` tells what is wrong, if anything is.
+        nothing: `validated` tells what is wrong, if anything is.
         """
         q, v = self.q, self.v
         if not (type(q) is np.ndarray and type(v) is np.ndarray and nq == nv + 1):
@@ -42,7 +42,7 @@ class State:
         length = quaternion.dot(quaternion)
         return _SHORTEST < length < _LONGEST and math.isfinite(q.dot(q) + v.dot(v))
 
-    def checked(self, model: pin.Model) -> State:
+    def validated(self, model: pin.Model) -> State:
         """This state as float arrays, or a `StateError` that names the entry.
 
         Raises:

@@ -30,7 +30,7 @@ def test_a_synthetic_humanoid_has_the_joints_asked_for_and_stands(joints, seed):
     control = wbc.WholeBodyController(robot)
     control.add(wbc.ComTask())
     control.add(wbc.PostureTask(robot))
-    control.set_contacts([wbc.SurfaceContact.of(sole) for sole in robot.soles])
+    control.set_contacts([wbc.SurfaceContact.from_sole(sole) for sole in robot.soles])
     command = control.step(robot.standing())
     assert command.status is Status.OK
     load = sum(command.wrenches[sole.name][2] for sole in robot.soles)

@@ -118,12 +118,12 @@ def test_the_motion_rows_bring_the_frame_to_rest(name, seed):
 
 def test_a_sole_becomes_a_contact_less_its_margin():
     sole = robot("talos").sole("left")
-    contact = wbc.SurfaceContact.of(sole, margin=0.01, friction=0.5)
+    contact = wbc.SurfaceContact.from_sole(sole, margin=0.01, friction=0.5)
     assert contact.frame == "left_sole"
     assert contact.half_length == pytest.approx(sole.half_length - 0.01)
     assert contact.half_width == pytest.approx(sole.half_width - 0.01)
     with pytest.raises(ContactError, match=r"half_length .* must be positive"):
-        wbc.SurfaceContact.of(sole, margin=1.0)
+        wbc.SurfaceContact.from_sole(sole, margin=1.0)
 
 
 def test_a_changed_friction_changes_the_cone():

@@ -24,7 +24,7 @@ from wbc.command import Status
 from wbc.errors import ContactError, TaskError
 from wbc.qp import Outcome, Problem, Solution, Solver, explain
 from wbc.qp.explanation import ElasticRows
-from wbc.rows import RowBlock
+from wbc.qp.rows import RowBlock
 
 
 class GivingUp(Solver):

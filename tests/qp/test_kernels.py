@@ -85,7 +85,7 @@ def random_state(bot, rng):
 
 
 def random_contacts(bot, kind):
-    left, right = (wbc.SurfaceContact.of(sole) for sole in bot.soles)
+    left, right = (wbc.SurfaceContact.from_sole(sole) for sole in bot.soles)
     if kind == "both exact":
         return [left, right]
     if kind == "one soft":
@@ -257,7 +257,7 @@ with warnings.catch_warnings(record=True) as caught:
     robot = wbc.load("simple_humanoid")
     control = wbc.WholeBodyController(robot)
 control.add(wbc.PostureTask(robot))
-control.set_contacts([wbc.SurfaceContact.of(sole) for sole in robot.soles])
+control.set_contacts([wbc.SurfaceContact.from_sole(sole) for sole in robot.soles])
 print(control.step(robot.standing()).status.value, control.solver.name, control.formulation.value)
 print([str(w.message) for w in caught if "pip install numba" in str(w.message)])
 """

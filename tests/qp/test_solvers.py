@@ -14,7 +14,7 @@ import wbc
 from wbc.command import Status
 from wbc.errors import SolverNotFound
 from wbc.qp import Outcome, Problem, make_solver
-from wbc.rows import RowBlock
+from wbc.qp.rows import RowBlock
 
 EXACT = {"proxqp": {"eps_abs": 1e-10}, "quadprog": {}}  # these reach 1e-7, and their options
 

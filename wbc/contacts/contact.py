@@ -90,7 +90,7 @@ class Contact(ABC):
     def cone(self) -> np.ndarray:
         """(k, motion_size) rows of the force cone `cone @ f ≤ 0`, contact axes."""
         if self._cone is None:
-            self._cone = self._make_cone(self._friction / math.sqrt(2.0))
+            self._cone = self.make_cone(self._friction / math.sqrt(2.0))
         return self._cone
 
     @property
@@ -99,7 +99,7 @@ class Contact(ABC):
         return self._frame_id
 
     @abstractmethod
-    def _make_cone(self, mu: float) -> np.ndarray:
+    def make_cone(self, mu: float) -> np.ndarray:
         """The rows of `cone` for the pyramid's coefficient."""
 
     @property

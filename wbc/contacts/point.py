@@ -16,7 +16,7 @@ class PointContact(Contact):
 
     motion_size = 3
 
-    def _make_cone(self, mu: float) -> np.ndarray:
+    def make_cone(self, mu: float) -> np.ndarray:
         return np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu]], dtype=float)
 
     @property

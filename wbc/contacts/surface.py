@@ -66,7 +66,7 @@ class SurfaceContact(Contact):
         self.half_width = half_width
 
     @classmethod
-    def of(cls, sole: Sole, *, margin: float = 0.0, friction: float = 0.7) -> SurfaceContact:
+    def from_sole(cls, sole: Sole, *, margin: float = 0.0, friction: float = 0.7) -> SurfaceContact:
         """The contact of a robot's sole, its rectangle shrunk by `margin` (m) all around.
 
         Raises:
@@ -76,7 +76,7 @@ class SurfaceContact(Contact):
             sole.name, sole.half_length - margin, sole.half_width - margin, friction=friction
         )
 
-    def _make_cone(self, mu: float) -> np.ndarray:
+    def make_cone(self, mu: float) -> np.ndarray:
         return wrench_cone(self.half_length, self.half_width, mu)
 
     @property

@@ -104,7 +104,7 @@ class Estimator:
         Raises:
             StateError: wrong sizes, NaN or a quaternion that is not of unit length.
         """
-        state = state.checked(self._model)
+        state = state.validated(self._model)
         legs = self._legs
         legs.update(state.q[7:], state.v[6:])
         base = pin.SE3(pin.Quaternion(state.q[3:7]).toRotationMatrix(), state.q[:3])

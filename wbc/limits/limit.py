@@ -59,7 +59,7 @@ def per_joint(name: str, what: str, value: float | np.ndarray, robot: Robot) -> 
     return array
 
 
-def moderate_braking(robot: Robot) -> np.ndarray:
+def default_braking(robot: Robot) -> np.ndarray:
     """(na,) acceleration that a joint can count on, rad/s².
 
     What half of its torque limit gives the limb beyond it in the nominal posture, and at

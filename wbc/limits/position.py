@@ -6,7 +6,7 @@ import numpy as np
 
 from wbc.errors import LimitError
 from wbc.kinematics import Kinematics
-from wbc.limits.limit import AccelerationBound, moderate_braking, per_joint
+from wbc.limits.limit import AccelerationBound, default_braking, per_joint
 from wbc.robot import Robot
 
 
@@ -35,7 +35,7 @@ class JointPositionLimit(AccelerationBound):
     Args:
         robot: the robot.
         margin: distance kept from the limits, rad.
-        braking: a_b, rad/s², a number or (na,); `moderate_braking` when left out.
+        braking: a_b, rad/s², a number or (na,); `default_braking` when left out.
         horizon: T, s; not shorter than the control period.
         recovery: time within which a joint that is beyond is brought back, s; at least T.
 
@@ -68,7 +68,7 @@ class JointPositionLimit(AccelerationBound):
         self.upper = robot.q_max - margins
         self.lower.setflags(write=False)
         self.upper.setflags(write=False)
-        braking = moderate_braking(robot) if braking is None else braking
+        braking = default_braking(robot) if braking is None else braking
         self.braking = per_joint(self.name, "braking", braking, robot)
         self.recovery = recovery
         self._half = 0.5 * horizon * self.braking

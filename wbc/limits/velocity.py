@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.kinematics import Kinematics
-from wbc.limits.limit import AccelerationBound, moderate_braking, per_joint
+from wbc.limits.limit import AccelerationBound, default_braking, per_joint
 from wbc.robot import Robot
 
 
@@ -18,7 +18,7 @@ class JointVelocityLimit(AccelerationBound):
         horizon: T, the time over which a violation is corrected, s; not shorter than the
             control period.
         braking: what is demanded at most of a joint that is too fast, rad/s², a number
-            or (na,); `moderate_braking` when left out.
+            or (na,); `default_braking` when left out.
 
     Raises:
         LimitError: wrong shape, or an entry, horizon or braking that is not positive.
@@ -38,7 +38,7 @@ class JointVelocityLimit(AccelerationBound):
         self.maximum = per_joint(
             self.name, "maximum", robot.v_max if maximum is None else maximum, robot
         )
-        braking = moderate_braking(robot) if braking is None else braking
+        braking = default_braking(robot) if braking is None else braking
         self.braking = per_joint(self.name, "braking", braking, robot)
 
     def bounds(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:

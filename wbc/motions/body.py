@@ -9,7 +9,7 @@ import numpy as np
 from wbc.command import Command
 from wbc.errors import MotionError
 from wbc.gait.planar import point, turn
-from wbc.limits.limit import moderate_braking
+from wbc.limits.limit import default_braking
 from wbc.motions.com_reference import ComReference
 from wbc.motions.com_watch import ComWatch
 from wbc.motions.handwork import Handwork
@@ -71,7 +71,7 @@ class Body(Handwork):
         self.posture = SmoothReference(
             robot.q_nominal[7:],
             speed=0.6 * np.minimum(robot.v_max, 5.0),
-            acceleration=0.5 * moderate_braking(robot),
+            acceleration=0.5 * default_braking(robot),
         )
         self._upper = np.ones(robot.na, dtype=bool)
         self._upper[[index - 6 for leg in robot.legs for index in leg]] = False

@@ -3,22 +3,22 @@
 from wbc.qp.assembly import Assembly, Formulation
 from wbc.qp.cost import Regularisation
 from wbc.qp.explanation import explain
-from wbc.qp.loading import KernelsMissing, kernels_load
+from wbc.qp.jit_loading import KernelsUnavailable, load_kernels
 from wbc.qp.problem import Outcome, Problem, Solution
+from wbc.qp.row_errors import non_finite_rows
 from wbc.qp.solvers import Solver, make_solver
-from wbc.qp.writing import not_finite
 
 __all__ = [
     "Assembly",
     "Formulation",
-    "KernelsMissing",
+    "KernelsUnavailable",
     "Outcome",
     "Problem",
     "Regularisation",
     "Solution",
     "Solver",
     "explain",
-    "kernels_load",
+    "load_kernels",
     "make_solver",
-    "not_finite",
+    "non_finite_rows",
 ]

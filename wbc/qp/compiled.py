@@ -19,7 +19,10 @@ from wbc.limits import AccelerationBound, TorqueLimit
 from wbc.qp.assembly import Assembly, Formulation
 from wbc.qp.cost import Regularisation
 from wbc.qp.elimination import Stance
-from wbc.qp.gathering import (
+from wbc.qp.kernels.groups import Frames, Tree
+from wbc.qp.kernels.program import assemble, recover
+from wbc.qp.kernels.store import Sizes, Store
+from wbc.qp.parameter_update import (
     Gather,
     bound_gather,
     contact_gather,
@@ -30,11 +33,8 @@ from wbc.qp.gathering import (
     torque_gather,
     wish_gather,
 )
-from wbc.qp.kernels.groups import Frames, Tree
-from wbc.qp.kernels.program import assemble, recover
-from wbc.qp.kernels.store import Sizes, Store
 from wbc.qp.problem import Problem
-from wbc.qp.writing import naming
+from wbc.qp.row_errors import raise_row_error
 from wbc.robot import Robot
 from wbc.tasks import JointTask, MotionTask, Task
 from wbc.tasks.motion import CENTROID
@@ -150,7 +150,7 @@ class CompiledAssembly:
             for owner, gather in self._gathers:  # noqa: B007 - named when it fails
                 gather(kin)
         except (ValueError, TypeError, AttributeError) as error:
-            naming(owner, error)
+            raise_row_error(owner, error)
         model, data = kin.model, kin.data
         for place, frame_id in self._places:
             place[:] = pin.updateFramePlacement(model, data, frame_id).homogeneous

@@ -12,8 +12,8 @@ from wbc.limits import AccelerationBound, TorqueLimit
 from wbc.qp.contact_rows import ContactRows
 from wbc.qp.elimination import Elimination
 from wbc.qp.row_groups import BaseDynamicsRows, ExactRows, ForceRows, RowGroup, TorqueRows
+from wbc.qp.rows import RowBlock
 from wbc.robot import Robot
-from wbc.rows import RowBlock
 from wbc.tasks import Task
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from wbc.contacts import Contact
 from wbc.kinematics import Kinematics
-from wbc.qp.writing import write_contact
+from wbc.qp.row_errors import write_contact
 
 
 class ContactRows:

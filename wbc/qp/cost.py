@@ -10,7 +10,7 @@ import numpy as np
 from wbc.kinematics import Kinematics
 from wbc.qp.contact_rows import ContactRows
 from wbc.qp.elimination import Elimination
-from wbc.qp.writing import write_joint_task, write_task
+from wbc.qp.row_errors import write_joint_task, write_task
 from wbc.tasks import JointTask, Task
 
 _ROOT_BASE = 1e-2  # of the weight on the base dynamics, 1/N

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.qp.problem import Problem
-from wbc.rows import RowBlock
+from wbc.qp.rows import RowBlock
 
 _NO_BOUND = 1e30
 _SOFT = 8  # DAQP's flag: may be violated at a price

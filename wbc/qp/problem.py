@@ -7,7 +7,7 @@ from enum import Enum
 
 import numpy as np
 
-from wbc.rows import RowBlock
+from wbc.qp.rows import RowBlock
 
 
 @dataclass(slots=True)

@@ -16,8 +16,8 @@ from wbc.kinematics import Kinematics
 from wbc.limits import TorqueLimit
 from wbc.qp.contact_rows import ContactRows
 from wbc.qp.elimination import Elimination
-from wbc.qp.writing import write_task
-from wbc.rows import RowBlock
+from wbc.qp.row_errors import write_task
+from wbc.qp.rows import RowBlock
 from wbc.tasks import Task
 
 _AXES = ("x", "y", "z", "roll", "pitch", "yaw")

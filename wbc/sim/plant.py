@@ -114,7 +114,7 @@ class Mujoco(Closeable):
         Raises:
             StateError: wrong sizes, NaN or a quaternion that is not of unit length.
         """
-        state = (self.robot.standing() if state is None else state).checked(self.robot.model)
+        state = (self.robot.standing() if state is None else state).validated(self.robot.model)
         mujoco, model, data = self._mujoco, self.model, self.data
         mujoco.mj_resetData(model, data)
         data.qpos[:], data.qvel[:] = self.convention.to_plant(state)

@@ -3,7 +3,7 @@
 from wbc.tasks.com import ComTask
 from wbc.tasks.frame import FrameTask, OrientationTask, PositionTask
 from wbc.tasks.momentum import AngularMomentumTask
-from wbc.tasks.motion import MotionTask, Reference
+from wbc.tasks.motion import MotionTask, TaskReference
 from wbc.tasks.posture import PostureTask
 from wbc.tasks.task import JointTask, Task
 
@@ -16,6 +16,6 @@ __all__ = [
     "OrientationTask",
     "PositionTask",
     "PostureTask",
-    "Reference",
     "Task",
+    "TaskReference",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.kinematics import Kinematics
-from wbc.tasks.motion import MotionTask, Reference
+from wbc.tasks.motion import MotionTask, TaskReference
 
 
 class ComTask(MotionTask):
@@ -42,8 +42,8 @@ class ComTask(MotionTask):
         self.velocity = np.zeros(3)
         self.acceleration = np.zeros(3)
 
-    def refer(self, kin: Kinematics, reference: Reference) -> None:
-        """See `MotionTask.refer`."""
+    def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
+        """See `MotionTask.write_reference`."""
         if self.target is None:
             self.target = kin.p_com.copy()
         reference.position[:] = self.target

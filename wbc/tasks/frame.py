@@ -8,7 +8,7 @@ import pinocchio as pin
 from wbc.errors import TaskError
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
-from wbc.tasks.motion import MotionTask, Reference
+from wbc.tasks.motion import MotionTask, TaskReference
 
 
 def is_rotation(R: np.ndarray) -> bool:
@@ -37,7 +37,7 @@ class _FrameTask(MotionTask):
         """See `Task.bind`."""
         self._frame_id = robot.frame_id(self.frame)
 
-    def _refer_motion(self, reference: Reference) -> None:
+    def _write_motion(self, reference: TaskReference) -> None:
         reference.velocity[self.components] = self.velocity
         reference.acceleration[self.components] = self.acceleration
 
@@ -80,12 +80,12 @@ class FrameTask(_FrameTask):
             )
         self.target = target
 
-    def refer(self, kin: Kinematics, reference: Reference) -> None:
-        """See `MotionTask.refer`."""
+    def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
+        """See `MotionTask.write_reference`."""
         if self.target is None:
             self.target = kin.frame(self._frame_id).copy()
         reference.pose[:] = self.target.homogeneous
-        self._refer_motion(reference)
+        self._write_motion(reference)
 
 
 class PositionTask(_FrameTask):
@@ -118,12 +118,12 @@ class PositionTask(_FrameTask):
         self.labels = ("x", "y", "z")
         self.target = None if target is None else self._vector("target", target, 3)
 
-    def refer(self, kin: Kinematics, reference: Reference) -> None:
-        """See `MotionTask.refer`."""
+    def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
+        """See `MotionTask.write_reference`."""
         if self.target is None:
             self.target = kin.frame(self._frame_id).translation.copy()
         reference.position[:] = self.target
-        self._refer_motion(reference)
+        self._write_motion(reference)
 
 
 class OrientationTask(_FrameTask):
@@ -160,9 +160,9 @@ class OrientationTask(_FrameTask):
                 raise TaskError(f"task '{self.name}': target is not a (3, 3) rotation matrix")
         self.target = target
 
-    def refer(self, kin: Kinematics, reference: Reference) -> None:
-        """See `MotionTask.refer`."""
+    def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
+        """See `MotionTask.write_reference`."""
         if self.target is None:
             self.target = kin.frame(self._frame_id).rotation.copy()
         reference.rotation[:] = self.target
-        self._refer_motion(reference)
+        self._write_motion(reference)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.kinematics import Kinematics
-from wbc.tasks.motion import MotionTask, Reference
+from wbc.tasks.motion import MotionTask, TaskReference
 
 
 class AngularMomentumTask(MotionTask):
@@ -38,7 +38,7 @@ class AngularMomentumTask(MotionTask):
         self.target = np.zeros(3)
         self.rate = np.zeros(3)
 
-    def refer(self, kin: Kinematics, reference: Reference) -> None:
-        """See `MotionTask.refer`."""
+    def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
+        """See `MotionTask.write_reference`."""
         reference.position[:] = self.target
         reference.acceleration[3:] = self.rate

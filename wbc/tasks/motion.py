@@ -24,7 +24,7 @@ def _zeros() -> np.ndarray:
 
 
 @dataclass(slots=True)
-class Reference:
+class TaskReference:
     """Where a `MotionTask` wants its frame, and how it is to move there; world axes.
 
     Attributes:
@@ -72,7 +72,7 @@ class MotionTask(Task):
         size = self.components.stop - self.components.start
         super().__init__(name, size, weight, kp, kd, priority)
         self._frame_id = CENTROID
-        self._reference = Reference()
+        self._reference = TaskReference()
 
     @property
     def frame_id(self) -> int:
@@ -80,13 +80,13 @@ class MotionTask(Task):
         return self._frame_id
 
     @abstractmethod
-    def refer(self, kin: Kinematics, reference: Reference) -> None:
+    def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
         """Write what is wanted; takes the present pose when there is no target."""
 
     def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
         """See `Task.write`."""
         wanted, rows = self._reference, self.components
-        self.refer(kin, wanted)
+        self.write_reference(kin, wanted)
         error = np.empty(6)
         at: Centroid | FrameKinematics
         if self._frame_id == CENTROID:

@@ -40,7 +40,9 @@ class Footing:
         self._swing_target = pin.SE3.Identity()
         self._tracking: FrameTask | None = None
         for sole in robot.soles:
-            contact = SurfaceContact.of(sole, margin=gains.sole_margin, friction=gains.friction)
+            contact = SurfaceContact.from_sole(
+                sole, margin=gains.sole_margin, friction=gains.friction
+            )
             contact.bind(robot)
             self._contacts[sole.side] = contact
             self._swing_tasks[sole.side] = FrameTask(

@@ -76,8 +76,8 @@ class Ours:
 class FlatContact(wbc.SurfaceContact):
     """A sole whose moment about its normal is not limited, as placo has it."""
 
-    def _make_cone(self, mu: float) -> np.ndarray:
-        return super()._make_cone(mu)[:FLAT_ROWS]
+    def make_cone(self, mu: float) -> np.ndarray:
+        return super().make_cone(mu)[:FLAT_ROWS]
 
     @property
     def cone_labels(self) -> tuple[str, ...]:

@@ -60,7 +60,9 @@ class Limbs:
         self.soles: dict[str, FrameTask] = {}
         self._contacts: dict[str, SurfaceContact] = {}
         for sole in robot.soles:
-            contact = SurfaceContact.of(sole, margin=gains.sole_margin, friction=gains.friction)
+            contact = SurfaceContact.from_sole(
+                sole, margin=gains.sole_margin, friction=gains.friction
+            )
             self._contacts[sole.side] = contact
             self.soles[sole.side] = FrameTask(sole.name, weight=gains.sole_weight, kp=gains.sole_kp)
 

@@ -1,7 +1,7 @@
 """QP solvers by name, one adapter per file."""
 
 from wbc.errors import SolverNotFound
-from wbc.qp.loading import kernels_load
+from wbc.qp.jit_loading import load_kernels
 from wbc.qp.solvers.daqp import DaqpSolver
 from wbc.qp.solvers.solver import Solver
 
@@ -21,9 +21,9 @@ def make_solver(name: str | None = None, **options: object) -> Solver:
         SolverNotFound: unknown or not installed; the text says what is there.
     """
     if name is None:
-        name = "wbc" if kernels_load() else "daqp"
+        name = "wbc" if load_kernels() else "daqp"
     if name == "wbc":
-        if not kernels_load():
+        if not load_kernels():
             raise SolverNotFound(
                 "QP solver 'wbc' needs Numba; run  pip install numba  or take 'daqp'"
             )

@@ -14,7 +14,7 @@ from wbc.contacts import Contact
 from wbc.kinematics import Kinematics
 from wbc.limits import AccelerationBound, JointPositionLimit, JointVelocityLimit, TorqueLimit
 from wbc.qp.kernels.store import Store
-from wbc.tasks import JointTask, MotionTask, PostureTask, Reference, Task
+from wbc.tasks import JointTask, MotionTask, PostureTask, Task, TaskReference
 
 _ACCELERATIONS, _POSITIONS, _VELOCITIES = 0, 1, 2  # kinds of limits, see `groups.Limits`
 
@@ -41,14 +41,14 @@ def motion_gather(task: MotionTask, store: Store, k: int, frame: int, row: int) 
     group, rows = store.tasks, task.components
     group.place[k] = (frame, rows.start, task.size, row)
     group.target[k] = np.eye(4)
-    reference = Reference(group.target[k], group.reference[k])
+    reference = TaskReference(group.target[k], group.reference[k])
     kp, kd = group.gain[k, :6][rows], group.gain[k, 6:][rows]
     root = store.rows.root[row : row + task.size]
     gains: object = None
 
     def gather(kin: Kinematics) -> None:
         nonlocal gains
-        task.refer(kin, reference)
+        task.write_reference(kin, reference)
         if gains is not task.gains:
             gains = task.gains
             kp[:], kd[:] = task.kp, task.kd

@@ -11,12 +11,12 @@ import warnings
 _PATIENCE = 4.0  # s of computing before a word: several times what reading them from the disk takes
 
 
-class KernelsMissing(UserWarning):
+class KernelsUnavailable(UserWarning):
     """The compiled kernels cannot be had: ticks take longer; the text says why, and the cure."""
 
 
-def kernels_load() -> bool:
-    """Import the kernels; False when that is impossible, with a `KernelsMissing` warning.
+def load_kernels() -> bool:
+    """Import the kernels; False when that is impossible, with a `KernelsUnavailable` warning.
 
     The first import on a machine compiles them (about fifteen seconds), later ones read the machine
     code from the disk (about half a second, most of it Numba's own import).
@@ -42,7 +42,7 @@ def kernels_load() -> bool:
 def _warn(why: str) -> None:
     warnings.warn(
         f"wbc runs without its compiled kernels, with ticks about three times as long: {why}",
-        KernelsMissing,
+        KernelsUnavailable,
         stacklevel=4,
     )
 

@@ -23,7 +23,7 @@ def write_task(task: Task, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> Non
     try:
         task.write(kin, A, b)
     except (ValueError, TypeError, AttributeError) as error:
-        naming(task, error)
+        raise_row_error(task, error)
 
 
 def write_joint_task(task: JointTask, kin: Kinematics, b: np.ndarray) -> None:
@@ -35,7 +35,7 @@ def write_joint_task(task: JointTask, kin: Kinematics, b: np.ndarray) -> None:
     try:
         task.write_joints(kin, b)
     except (ValueError, TypeError, AttributeError) as error:
-        naming(task, error)
+        raise_row_error(task, error)
 
 
 def write_contact(contact: Contact, kin: Kinematics, J: np.ndarray, a: np.ndarray) -> None:
@@ -47,10 +47,10 @@ def write_contact(contact: Contact, kin: Kinematics, J: np.ndarray, a: np.ndarra
     try:
         contact.write(kin, J, a)
     except (ValueError, TypeError, AttributeError) as error:
-        naming(contact, error)
+        raise_row_error(contact, error)
 
 
-def naming(owner: object, error: Exception) -> NoReturn:
+def raise_row_error(owner: object, error: Exception) -> NoReturn:
     """Raise the error that names whose rows could not be had.
 
     Raises:
@@ -80,7 +80,7 @@ def _shapes(thing: object) -> str:
     return ", ".join(texts)
 
 
-def not_finite(kin: Kinematics, tasks: Sequence[Task], contacts: Sequence[Contact]) -> str:
+def non_finite_rows(kin: Kinematics, tasks: Sequence[Task], contacts: Sequence[Contact]) -> str:
     """Whose rows are not finite, and which of its attributes; empty when all are finite."""
     nv = kin.model.nv
     for task in tasks:
