@@ -144,7 +144,7 @@ def test_a_robot_without_visuals_is_drawn_from_its_collision_shapes(tmp_path):
 
 def test_a_robot_without_any_shapes_is_drawn_from_its_inertias():
     robot = wbc.load("simple_humanoid")
-    robot.visual_model = robot.collision_model = pin.GeometryModel()
+    vars(robot).update(visual_model=pin.GeometryModel(), collision_model=pin.GeometryModel())
     looks = looks_of(robot)
     assert looks.source == "drawn from its inertias"
     heavy = [j for j in range(1, robot.model.njoints) if robot.model.inertias[j].mass > 0.1]

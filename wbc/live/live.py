@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -97,8 +96,7 @@ class Live(Closeable):
         descriptors = [memory.descriptor for memory in self._shared]
         self._process = Child("wbc.live.server", descriptors, title="the live page")
         order = Order(
-            # A fresh copy: meshes that somebody has looked at stay at home.
-            robot=replace(robot),
+            robot=robot,
             boxes=checked_boxes(boxes),
             panel=self.helm.panel,
             host=host,

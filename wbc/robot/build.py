@@ -79,7 +79,6 @@ def build(data: RobotData, folders: tuple[Path, ...]) -> Robot:
             "none stated",
         ),
     ]
-    posture.q.setflags(write=False)
     return Robot(
         name=data.name,
         model=model,

@@ -11,7 +11,7 @@ Origin = Literal["derived", "stated"]
 SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Fact:
     """One thing the loader established about a robot.
 
@@ -27,11 +27,14 @@ class Fact:
     origin: Origin
     source: str
 
+    def __repr__(self) -> str:
+        return f"Fact({self.name!r}, {self.value!r}, {self.origin})"
+
     def __str__(self) -> str:
         return f"{self.name}: {self.value} ({self.origin}, {self.source})"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Finding:
     """One defect of a robot description.
 
@@ -51,6 +54,9 @@ class Finding:
     consequence: str
     cure: str
     code: str = ""
+
+    def __repr__(self) -> str:
+        return f"Finding({self.severity}, {self.subject!r}, {self.code!r})"
 
     def __str__(self) -> str:
         end = "" if self.cure.endswith(("?", "…")) else "."

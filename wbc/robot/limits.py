@@ -11,7 +11,6 @@ from wbc.errors import RobotDescriptionError, did_you_mean
 from wbc.robot.data import RobotData
 from wbc.robot.finding import Finding
 
-GRAVITY = 9.81
 # A substitute limit lets a joint carry this many times the weight of what hangs on it.
 STRENGTH = 2.0
 # ... and never less than this, N·m or N, so that massless fingers move too.
@@ -88,7 +87,8 @@ def default_effort(model: pin.Model, joint: int, in_leg: bool) -> float:
     if in_leg:
         mass = sum(body.mass for body in model.inertias)
     lever = max(reach, 0.25)
-    return float(max(STRENGTH * GRAVITY * mass * lever, LEAST_EFFORT))
+    gravity = float(np.linalg.norm(model.gravity.linear))
+    return float(max(STRENGTH * gravity * mass * lever, LEAST_EFFORT))
 
 
 def velocity_index(model: pin.Model, name: str, source: str) -> int:

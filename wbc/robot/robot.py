@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -17,9 +18,13 @@ from wbc.robot.urdf import Urdf
 from wbc.state import State
 
 
-@dataclass(eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Robot:
     """A humanoid with a floating base and two soles; made by `load`.
+
+    A robot is immutable: everything that depends on the state lives elsewhere. `copy.copy` and
+    `copy.deepcopy` therefore return the same object. A pickled robot is rebuilt exactly, with
+    bit-identical dynamics, and leaves out meshes that were read meanwhile.
 
     Attributes:
         name: the robot's name.
@@ -54,8 +59,30 @@ class Robot:
     facts: tuple[Fact, ...] = ()
     findings: tuple[Finding, ...] = ()
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "q_nominal", _frozen(self.q_nominal))
+
     def __repr__(self) -> str:
-        return f"Robot('{self.name}', {self.na} joints, {self.mass:.1f} kg)"
+        left, right = self.soles
+        return (
+            f"Robot('{self.name}', {self.na} joints, {self.mass:.1f} kg, "
+            f"soles {left.size_text} on '{left.link}' and '{right.link}')"
+        )
+
+    def __copy__(self) -> Robot:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Robot:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        # Pinocchio writes a model as text and cannot read infinity back from it.
+        values["model"] = model = self.model.copy()
+        limits = {name: np.array(getattr(model, name)) for name in _LIMITS}
+        for name, limit in limits.items():
+            setattr(model, name, np.zeros_like(limit))
+        return _unpickled, (values, limits)
 
     @property
     def nq(self) -> int:
@@ -103,9 +130,14 @@ class Robot:
         return float(pin.computeTotalMass(self.model))
 
     @cached_property
+    def gravity(self) -> float:
+        """Magnitude of the model's gravitational acceleration, m/s²."""
+        return float(np.linalg.norm(self.model.gravity.linear))
+
+    @cached_property
     def weight(self) -> float:
-        """Mass times gravity, N."""
-        return self.mass * float(np.linalg.norm(self.model.gravity.linear))
+        """Mass times gravitational acceleration, N."""
+        return self.mass * self.gravity
 
     @cached_property
     def com_height(self) -> float:
@@ -197,6 +229,15 @@ class Robot:
     def _leg_chain(self, sole: Sole) -> list[int]:
         leg = self.legs[self.soles.index(sole)]
         return [j for j in self.model.supports[sole.joint_id] if self.model.joints[j].idx_v in leg]
+
+
+_LIMITS = ("effortLimit", "velocityLimit", "lowerPositionLimit", "upperPositionLimit")
+
+
+def _unpickled(values: dict[str, Any], limits: dict[str, np.ndarray]) -> Robot:
+    for name, limit in limits.items():
+        setattr(values["model"], name, limit)
+    return Robot(**values)
 
 
 def _frozen(values: np.ndarray) -> np.ndarray:

@@ -25,7 +25,7 @@ AREA_TIE = 0.02
 LAYERS = (2e-3, 1e-3, 5e-4, 2e-4)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Sole:
     """A contact rectangle on a foot.
 
@@ -51,6 +51,14 @@ class Sole:
     half_length: float
     half_width: float
     link: str
+
+    def __repr__(self) -> str:
+        return f"Sole('{self.name}', {self.size_text}, on '{self.link}')"
+
+    @property
+    def size_text(self) -> str:
+        """Length and width for people, e.g. `200 × 120 mm`."""
+        return f"{2e3 * self.half_length:.0f} × {2e3 * self.half_width:.0f} mm"
 
     @property
     def corners(self) -> np.ndarray:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import time
 import webbrowser
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -71,8 +70,7 @@ class Meshcat(Closeable):
         self._due = 0.0
         self._process = Child("wbc.view.server", (self._ring.descriptor,), title="the viewer")
         order = Order(
-            # A fresh copy: meshes that the caller has looked at stay at home.
-            replace(robot),
+            robot,
             self._ring.descriptor,
             port,
             self.rate,

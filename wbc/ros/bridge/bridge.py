@@ -6,7 +6,6 @@ import os
 import struct
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -108,8 +107,7 @@ class Bridge(Closeable):
             title="the ROS 2 node",
         )
         order = Order(
-            # A fresh copy: meshes that somebody has looked at stay at home.
-            robot=replace(robot),
+            robot=robot,
             name=name,
             space=namespace,
             network=network or Network.of(),
