@@ -1,7 +1,9 @@
 # make demo    a humanoid walks in physics and in the browser
 # make test    the whole test suite
-# make lint    style, types and the rooms' contracts
-# make clean   forget the environment and everything that was made
+# make lint    style, types and which room may import which
+# make docs    the documentation site, in out/site
+# make dist    the source distribution and the wheel, in dist/, with their metadata checked
+# make clean   remove the environment and everything that was built
 #
 # Needed beforehand: Python 3.10 or newer, pip and make. Everything else goes into .venv.
 #   make PYTHON=python3.12 test     another interpreter
@@ -12,7 +14,7 @@ ARGS ?=
 BIN := .venv/bin
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format install clean
+.PHONY: help demo test lint format docs dist install clean
 
 help:
 	@sed -n 's/^# \{0,1\}//p' Makefile
@@ -32,6 +34,14 @@ lint: .venv/dev.stamp
 format: .venv/dev.stamp
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+
+docs: .venv/dev.stamp
+	$(BIN)/python -m mkdocs build --strict --quiet
+
+dist: .venv/dev.stamp
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist .
+	$(BIN)/python -m twine check --strict dist/*
 
 install: .venv/dev.stamp
 

@@ -20,8 +20,11 @@ PATIENCE = 60_000  # ms; software rendering on a busy machine is slow
 
 
 @pytest.fixture(scope="module")
-def url(tmp_path_factory):
-    """Of a robot that stands at our disposal; what is to stay of the session does."""
+def url(browser, tmp_path_factory):
+    """The address of a live session; at its end, its report, log and recording are checked.
+
+    It asks for the browser first: without one every test is skipped and no session starts.
+    """
     root = Path(__file__).resolve().parents[2]
     log, html = (tmp_path_factory.mktemp("kept") / name for name in ("live.mcap", "live.html"))
     arguments = ["-m", "wbc", "live", "--robot", "simple_humanoid", "--port", "0"]
