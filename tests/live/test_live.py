@@ -668,7 +668,7 @@ def test_the_run_goes_on_when_the_pages_process_dies_and_says_so_once(
     live, performer, plant, monkeypatch, caplog
 ):
     monkeypatch.setattr("wbc.live.helm.Clock.wait", lambda clock: None)
-    monkeypatch.setattr("wbc.process.child._LOOK", 0.0)
+    monkeypatch.setattr("wbc.process.child._CHECK_PERIOD", 0.0)
     monkeypatch.setattr("wbc.live.live._GAUGES", np.inf)  # it looks whenever it tells figures
 
     def die(now):

@@ -17,7 +17,7 @@ from wbc.live.order import Order
 from wbc.motions import Motion, Performer
 from wbc.motions.catalogue import CATALOGUE
 from wbc.motions.packing import check_importable
-from wbc.process import Child, ChildError, RecordRing
+from wbc.process import ChildProcess, ProcessStartError, RecordRing
 from wbc.runtime.snapshot import Snapshot
 from wbc.view.due import next_due
 from wbc.view.ring import Ring
@@ -94,7 +94,7 @@ class Live(Closeable):
         self._last = np.zeros(SIZE)
         self._shared = (self._snapshots, self._gauges, self.helm.requests, self.helm.shelf)
         descriptors = [memory.descriptor for memory in self._shared]
-        self._process = Child("wbc.live.server", descriptors, title="the live page")
+        self._process = ChildProcess("wbc.live.server", descriptors, title="the live page")
         order = Order(
             robot=robot,
             boxes=checked_boxes(boxes),
@@ -109,10 +109,10 @@ class Live(Closeable):
             parent=os.getpid(),
         )
         try:
-            self.url = str(self._process.introduce(order)["url"])
+            self.url = str(self._process.configure(order)["url"])
         except BaseException as error:
             self.close()
-            if isinstance(error, ChildError):
+            if isinstance(error, ProcessStartError):
                 raise LiveError(f"the live page: {error}") from error
             raise
         if announce:
@@ -145,7 +145,7 @@ class Live(Closeable):
         if now >= self._gauges_due:
             self._gauges_due = next_due(self._gauges_due, now, 1.0 / _GAUGES)
             self._gauge(tick.time)
-            self._process.look_after(now)
+            self._process.warn_if_exited(now)
         if now >= self._due:
             self._due = next_due(self._due, now, 1.0 / _RATE)
             doing = self._doing(tick.time)

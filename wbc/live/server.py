@@ -69,7 +69,7 @@ class Controls(tornado.websocket.WebSocketHandler):
 async def serve(order: Order) -> None:
     """Serve until the parent is gone."""
     loop = asyncio.get_running_loop()
-    lifeline = parent.Lifeline(order.parent)
+    parent_monitor = parent.ParentMonitor(order.parent)
     show: asyncio.Future[Show] = loop.create_future()
 
     def later(call: Callable[[], None]) -> None:
@@ -86,9 +86,9 @@ async def serve(order: Order) -> None:
         application = protected(handlers, _names(order.host), websocket_max_message_size=_BIGGEST)
         port = listen(application, order.port, order.host)
     except ViewerError as error:
-        parent.answer({"error": str(error)})
+        parent.reply({"error": str(error)})
         return
-    parent.answer({"url": f"http://{_shown(order.host)}:{port}/static/"})
+    parent.reply({"url": f"http://{_shown(order.host)}:{port}/static/"})
     drawn = ViewOrder(
         order.robot, order.snapshots, order.port, order.rate, order.boxes, order.parent
     )
@@ -96,7 +96,7 @@ async def serve(order: Order) -> None:
     desk.start_planning()
     period = 0.5 / order.rate  # twice as often as snapshots come: none waits long
     even = False
-    while not lifeline.cut:
+    while not parent_monitor.gone:
         show.result().advance()
         even = not even
         if even:
@@ -142,7 +142,7 @@ def _shown(host: str) -> str:
 def main() -> None:
     """Read the order and serve it."""
     sys.setswitchinterval(SWITCH)
-    asyncio.run(serve(parent.begin()))
+    asyncio.run(serve(parent.receive_config()))
 
 
 if __name__ == "__main__":

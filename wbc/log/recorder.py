@@ -28,7 +28,7 @@ from wbc.log.layout import (
 from wbc.log.order import Order
 from wbc.log.recovery import repair
 from wbc.log.ring import TickRing
-from wbc.process import Child, ChildError
+from wbc.process import ChildProcess, ProcessStartError
 from wbc.telemetry import PHASES, Balance, Telemetry
 
 if TYPE_CHECKING:
@@ -90,14 +90,14 @@ class FlightRecorder(Closeable):
         self._before = self._look = 0.0
         self._tick = 0
         self._told = self._closed = self._introduced = False
-        self._process = Child("wbc.log.writer", (self._ring.descriptor,), _GRACE)
+        self._process = ChildProcess("wbc.log.writer", (self._ring.descriptor,), _GRACE)
         order = Order.of(robot, self.path, self._ring.descriptor, capacity, os.getpid())
         try:
-            self._process.introduce(order)
+            self._process.configure(order)
             self._introduced = True
         except BaseException as error:
             self.close()
-            if isinstance(error, ChildError):
+            if isinstance(error, ProcessStartError):
                 raise LogError(f"the log {self.path}: {error}") from error
             raise
 

@@ -105,17 +105,17 @@ def serve(order: Order) -> int:
     try:
         writer = LogWriter(order)
     except OSError as error:
-        parent.answer({"error": f"{error.strerror}; give another path"})
+        parent.reply({"error": f"{error.strerror}; give another path"})
         return _DISK
-    parent.answer({"pid": os.getpid()})
+    parent.reply({"pid": os.getpid()})
     facts: queue.SimpleQueue[Facts] = queue.SimpleQueue()
-    lifeline = parent.Lifeline(order.parent, facts.put)
+    parent_monitor = parent.ParentMonitor(order.parent, facts.put)
     try:
-        while not lifeline.cut:
+        while not parent_monitor.gone:
             _write_facts(writer, facts)
             if not writer.advance():
-                lifeline.wait(_PAUSE)
-        lifeline.wait(_PAUSE)  # what the parent said last
+                parent_monitor.wait(_PAUSE)
+        parent_monitor.wait(_PAUSE)  # what the parent said last
         _write_facts(writer, facts)
         writer.finish()
     except OSError as error:
@@ -135,7 +135,7 @@ def main() -> int:
     """Read the order and carry it out."""
     with contextlib.suppress(OSError):
         os.nice(_NICENESS)
-    return serve(parent.begin())
+    return serve(parent.receive_config())
 
 
 if __name__ == "__main__":

@@ -1,7 +1,18 @@
-"""Processes of our own beside the loop's: how they start, what they share, how they end."""
+"""Child processes beside the control loop, and the memory that they share with it."""
 
-from wbc.process.child import Child, ChildError
+from wbc.process.blobs import BlobQueue, BlobQueueFull, BlobTooLarge
+from wbc.process.child import ChildProcess, ProcessStartError
+from wbc.process.latest_value import LatestValue
 from wbc.process.memory import SharedMemory
 from wbc.process.records import RecordRing
 
-__all__ = ["Child", "ChildError", "RecordRing", "SharedMemory"]
+__all__ = [
+    "BlobQueue",
+    "BlobQueueFull",
+    "BlobTooLarge",
+    "ChildProcess",
+    "LatestValue",
+    "ProcessStartError",
+    "RecordRing",
+    "SharedMemory",
+]

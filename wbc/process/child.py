@@ -1,9 +1,9 @@
-"""A child process that runs one of our modules, seen from its parent.
+"""A child process that runs one module of the library, seen from its parent.
 
-A module of its own, not multiprocessing: scripts need no `__main__` guard, and the child
-imports only what it needs. It hears pickled messages on its standard input, answers the
-first one with a line of JSON, and ends when its input does: a parent that dies, however it
-dies, ends it. The child's side is in `wbc.process.parent`.
+Unlike `multiprocessing`, this needs no `__main__` guard in scripts, and the child imports only what
+its module needs. The child reads pickled messages from its standard input, answers the first one
+with a line of JSON, and ends when its input is closed: a parent that dies, even by SIGKILL, ends
+it. `wbc.process.parent` is the child's side.
 """
 
 from __future__ import annotations
@@ -27,23 +27,23 @@ from wbc.errors import WbcError
 
 logger = logging.getLogger(__name__)
 
-LENGTH = struct.Struct("<Q")
-_PATIENCE = 60.0  # s, for the process to start: nothing compiled, on a machine that is busy
-_LOOK = 0.5  # s, between two looks whether it is still there
+LENGTH = struct.Struct("<Q")  # precedes each message: its size, bytes
+_START_TIMEOUT = 60.0  # s; on a busy machine the imports alone take many seconds
+_CHECK_PERIOD = 0.5  # s between two checks whether the process still runs
 
 
-class ChildError(WbcError):
-    """The process did not start, or answered with an error."""
+class ProcessStartError(WbcError):
+    """The child process did not start, or reported an error."""
 
 
-class Child:
-    """A process of its own.
+class ChildProcess:
+    """A child process that runs a module of the library.
 
     Args:
-        module: to be run, e.g. "wbc.view.server".
-        descriptors: file descriptors that it inherits.
-        grace: s, for it to end by itself when it is asked to; then it is killed.
-        title: whose process it is, for people.
+        module: name of the module, e.g. "wbc.view.server".
+        descriptors: file descriptors that the child inherits.
+        grace: time that the child gets to end by itself when it is asked to, s; it is then killed.
+        title: what the process does, for messages.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class Child:
         title: str = "a child",
     ) -> None:
         self._title = title
-        self._look = 0.0
+        self._next_check = 0.0
         paths = [str(Path(wbc.__file__).resolve().parent.parent), *(p for p in sys.path if p)]
         self._process = subprocess.Popen(
             [sys.executable, "-m", module],
@@ -62,82 +62,82 @@ class Child:
             stdout=subprocess.PIPE,
             pass_fds=tuple(descriptors),
             env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
-            start_new_session=True,  # Ctrl-C is the parent's business
+            start_new_session=True,  # the parent alone handles Ctrl-C
         )
-        self._end = weakref.finalize(self, _end, self._process, grace)
+        self._finalizer = weakref.finalize(self, _end, self._process, grace)
 
     @property
     def pid(self) -> int:
-        """Of the process."""
+        """Process id."""
         return self._process.pid
 
     @property
     def alive(self) -> bool:
-        """Whether it is there."""
+        """Whether the process runs."""
         return self._process.poll() is None
 
     @property
     def exit_code(self) -> int | None:
-        """How it ended; None while it runs. -9 was killed."""
+        """Exit code, the negative signal number if a signal ended it; None while it runs."""
         return self._process.poll()
 
-    def look_after(self, now: float) -> None:
-        """Tell, once, that it has ended; for a loop to call in every tick.
+    def warn_if_exited(self, now: float) -> None:
+        """Log a warning, once, when the process has ended. Cheap enough to call in every tick.
 
         Args:
-            now: by `time.perf_counter`, s.
+            now: time by `time.perf_counter`, s.
         """
-        if now < self._look:
+        if now < self._next_check:
             return
-        self._look = now + _LOOK
+        self._next_check = now + _CHECK_PERIOD
         if not self.alive:
-            self._look = float("inf")
+            self._next_check = float("inf")
             logger.warning(
                 "%s's process has ended (exit code %s); the run goes on without it",
                 self._title,
                 self.exit_code,
             )
 
-    def introduce(self, order: object) -> dict[str, Any]:
-        """Send the first message; its answer comes back.
+    def configure(self, config: object) -> dict[str, Any]:
+        """Send the configuration, which is the first message, and return the child's reply.
 
         Raises:
-            ChildError: the process does not start, or says why it cannot.
+            ProcessStartError: the process did not start, or its reply is an error.
         """
         assert self._process.stdout is not None
-        self.send(order)
+        self.send(config)
         with selectors.DefaultSelector() as selector:
             selector.register(self._process.stdout, selectors.EVENT_READ)
-            line = self._process.stdout.readline() if selector.select(_PATIENCE) else b""
+            line = self._process.stdout.readline() if selector.select(_START_TIMEOUT) else b""
         self._process.stdout.close()
-        answer: dict[str, Any] = json.loads(line) if line else {}
-        if "error" in answer:
-            raise ChildError(answer["error"])
-        if not answer:
-            raise ChildError("the process did not start; its own message is above")
-        return answer
+        reply: dict[str, Any] = json.loads(line) if line else {}
+        if "error" in reply:
+            raise ProcessStartError(reply["error"])
+        if not reply:
+            raise ProcessStartError("the process did not start; its own message is above")
+        return reply
 
     def send(self, message: object) -> None:
-        """Send a message. It may wait for a process that does not listen: never in a tick."""
+        """Send a message. This blocks while the child does not read: never call it in a tick."""
         assert self._process.stdin is not None
         data = pickle.dumps(message)
-        # A dead process is noticed by its missing answer, or by whoever looks after it.
+        # A dead process is noticed by its missing reply, or by `warn_if_exited`.
         with contextlib.suppress(BrokenPipeError, ValueError):
             self._process.stdin.write(LENGTH.pack(len(data)) + data)
             self._process.stdin.flush()
 
     def close(self) -> None:
-        """Ask it to end, and wait until it has."""
-        self._look = float("inf")
-        self._end()
+        """Ask the process to end, and wait until it has."""
+        self._next_check = float("inf")
+        self._finalizer()
 
 
 def _end(process: subprocess.Popen[bytes], grace: float) -> None:
     if process.stdin is not None:
         with contextlib.suppress(BrokenPipeError):
-            process.stdin.close()  # the sign to end
+            process.stdin.close()  # tells the child to end
     try:
         process.wait(grace)
     except subprocess.TimeoutExpired:
-        process.kill()  # it may be stopped, which only this ends
+        process.kill()  # only this ends a process that is stopped
         process.wait()

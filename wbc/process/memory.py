@@ -1,8 +1,8 @@
-"""Memory that two processes share, without a name.
+"""Anonymous memory that two processes share.
 
-It is an unlinked file of the memory file system, handed to the other process as an
-inherited descriptor. The kernel frees it with its last user, so that not even two killed
-processes leave anything behind.
+It is an unlinked file of the memory file system, which the child process inherits as a descriptor.
+The kernel frees it together with its last user, so that even two killed processes leave nothing
+behind.
 """
 
 from __future__ import annotations
@@ -13,14 +13,15 @@ import tempfile
 
 
 class SharedMemory:
-    """Some bytes that a child process sees too.
+    """A block of memory that a child process sees too.
 
     Args:
         size: bytes.
-        descriptor: of memory made in another process; None makes new memory, all zero.
+        descriptor: file descriptor of memory made in another process; None makes new memory, all
+            zero.
 
     Attributes:
-        descriptor: file descriptor to be inherited by the other process.
+        descriptor: file descriptor that the other process inherits.
         view: the bytes.
     """
 
@@ -29,7 +30,7 @@ class SharedMemory:
         self.view = memoryview(mmap.mmap(self.descriptor, size))
 
     def close(self) -> None:
-        """Give up the descriptor. The memory goes with the last mapping."""
+        """Close the descriptor. The memory is freed with its last mapping."""
         if self.descriptor >= 0:
             os.close(self.descriptor)
             self.descriptor = -1

@@ -15,24 +15,24 @@ from typing import Any
 from wbc.process.child import LENGTH
 
 _STDIN = 0
-_MOST = 1 << 20  # bytes at once
+_MAX_READ = 1 << 20  # bytes per system call
 
 
-def begin() -> Any:
-    """The first message. From here on Ctrl-C is left to the parent.
+def receive_config() -> Any:
+    """Return the first message, the configuration. From here on SIGINT is ignored.
 
     Raises:
-        SystemExit: the parent has died before it said anything.
+        SystemExit: the parent died before it had sent a whole message.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    message = hear()
+    message = receive()
     if message is None:
         raise SystemExit(0)
     return message
 
 
-def hear() -> Any:
-    """The next message; None when the parent has closed its end, or has died."""
+def receive() -> Any:
+    """Return the next message; None when the parent has closed the pipe or has died."""
     head = _read(LENGTH.size)
     if len(head) < LENGTH.size:
         return None
@@ -44,45 +44,46 @@ def hear() -> Any:
 def _read(size: int) -> bytes:
     # Not from `sys.stdin`: a thread that waits there would keep the interpreter from ending.
     data = bytearray()
-    while len(data) < size and (part := os.read(_STDIN, min(size - len(data), _MOST))):
+    while len(data) < size and (part := os.read(_STDIN, min(size - len(data), _MAX_READ))):
         data += part
     return bytes(data)
 
 
-def answer(message: dict[str, Any]) -> None:
-    """Answer the first message. The only thing ever said.
+def reply(message: dict[str, Any]) -> None:
+    """Reply to the configuration, as a line of JSON on standard output.
 
-    Afterwards nobody reads, and a full pipe would block: what is printed goes nowhere.
+    Nobody reads the pipe afterwards, and a full one would block: standard output is redirected to
+    the null device.
     """
-    with contextlib.suppress(BrokenPipeError):  # a parent that died is noticed by `Lifeline`
+    with contextlib.suppress(BrokenPipeError):  # `ParentMonitor` notices a parent that died
         os.write(sys.stdout.fileno(), (json.dumps(message) + "\n").encode())
-    quiet = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(quiet, sys.stdout.fileno())
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, sys.stdout.fileno())
 
 
-class Lifeline:
-    """Notices that the parent has closed its end, or has died.
+class ParentMonitor:
+    """Notices when the parent has closed the pipe or has died.
 
     Args:
-        parent: its process id.
-        heard: given every further message, in a thread of its own.
+        parent: process id of the parent.
+        on_message: called with every further message, in a thread of its own.
     """
 
-    def __init__(self, parent: int, heard: Callable[[Any], object] = lambda _: None) -> None:
-        self._parent, self._heard = parent, heard
-        self._over = threading.Event()
+    def __init__(self, parent: int, on_message: Callable[[Any], object] = lambda _: None) -> None:
+        self._parent, self._on_message = parent, on_message
+        self._closed = threading.Event()
         threading.Thread(target=self._listen, daemon=True).start()
 
     def _listen(self) -> None:
-        while (message := hear()) is not None:
-            self._heard(message)
-        self._over.set()
+        while (message := receive()) is not None:
+            self._on_message(message)
+        self._closed.set()
 
     @property
-    def cut(self) -> bool:
-        """Whether the parent is gone: this process is to end."""
-        return self._over.is_set() or os.getppid() != self._parent
+    def gone(self) -> bool:
+        """Whether the parent is gone, so that this process is to end."""
+        return self._closed.is_set() or os.getppid() != self._parent
 
-    def wait(self, seconds: float) -> None:
-        """Wait for its end, at most so long."""
-        self._over.wait(seconds)
+    def wait(self, timeout: float) -> None:
+        """Wait until the pipe is closed, at most `timeout` s."""
+        self._closed.wait(timeout)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wbc.closeable import Closeable
-from wbc.process import Child, ChildError
+from wbc.process import ChildProcess, ProcessStartError
 from wbc.runtime.snapshot import Snapshot
 from wbc.view.due import next_due
 from wbc.view.errors import ViewerError
@@ -68,7 +68,9 @@ class Meshcat(Closeable):
         self._record = Path(record) if record is not None else None
         self._recording = Recording(robot, boxes=boxes) if record is not None else None
         self._due = 0.0
-        self._process = Child("wbc.view.server", (self._ring.descriptor,), title="the viewer")
+        self._process = ChildProcess(
+            "wbc.view.server", (self._ring.descriptor,), title="the viewer"
+        )
         order = Order(
             robot,
             self._ring.descriptor,
@@ -78,10 +80,10 @@ class Meshcat(Closeable):
             os.getpid(),
         )
         try:
-            self.url = str(self._process.introduce(order)["url"])
+            self.url = str(self._process.configure(order)["url"])
         except BaseException as error:
             self.close()
-            if isinstance(error, ChildError):
+            if isinstance(error, ProcessStartError):
                 raise ViewerError(f"the viewer: {error}") from error
             raise
         if announce:
@@ -124,7 +126,7 @@ class Meshcat(Closeable):
         self._ring.write(snapshot)
         if self._recording is not None:
             self._recording.show(snapshot)
-        self._process.look_after(now)
+        self._process.warn_if_exited(now)
 
     def close(self) -> None:
         """End the viewer's process, and write the recording if there is one."""

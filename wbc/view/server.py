@@ -99,26 +99,26 @@ class Page(tornado.websocket.WebSocketHandler):
 async def serve(order: Order) -> None:
     """Serve until the parent is gone."""
     loop = asyncio.get_running_loop()
-    lifeline = parent.Lifeline(order.parent)
+    parent_monitor = parent.ParentMonitor(order.parent)
     show: asyncio.Future[Show] = loop.create_future()
     try:
         pages = page_handlers(order.robot.name, ("meshcat.js", "stage.js", "live.js"))
         application = protected([(r"/socket", Page, {"show": show}), *pages])
         port = listen(application, order.port)
     except ViewerError as error:
-        parent.answer({"error": str(error)})
+        parent.reply({"error": str(error)})
         return
-    parent.answer({"url": f"http://{HOST}:{port}/static/"})
+    parent.reply({"url": f"http://{HOST}:{port}/static/"})
     show.set_result(await loop.run_in_executor(None, Show, order))
     period = 0.5 / order.rate  # twice as often as snapshots come: none waits long
-    while not lifeline.cut:
+    while not parent_monitor.gone:
         show.result().advance()
         await asyncio.sleep(period)
 
 
 def main() -> None:
     """Read the order and serve it."""
-    asyncio.run(serve(parent.begin()))
+    asyncio.run(serve(parent.receive_config()))
 
 
 if __name__ == "__main__":

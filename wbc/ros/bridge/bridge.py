@@ -14,7 +14,7 @@ from wbc.closeable import Closeable
 from wbc.command import Status
 from wbc.motions import CATALOGUE, Motion, Performer
 from wbc.motions.packing import check_importable
-from wbc.process import Child, ChildError, RecordRing
+from wbc.process import ChildProcess, ProcessStartError, RecordRing
 from wbc.ros.bridge.helm import Helm
 from wbc.ros.bridge.layout import HEAD, MOST, Layout, Mode
 from wbc.ros.bridge.mailbox import Mailbox
@@ -101,7 +101,7 @@ class Bridge(Closeable):
         self._timing: list[float] = []  # of the ticks since the last that was shown
         assert self._mailbox.descriptor is not None
         shelf, slip = self.helm.shelf.descriptor, self.helm.slip.descriptor
-        self._process = Child(
+        self._process = ChildProcess(
             "wbc.ros.bridge.server",
             (self._ring.descriptor, self._mailbox.descriptor, shelf, slip),
             title="the ROS 2 node",
@@ -125,10 +125,10 @@ class Bridge(Closeable):
             parent=os.getpid(),
         )
         try:
-            self._process.introduce(order)
+            self._process.configure(order)
         except BaseException as error:
             self.close()
-            if isinstance(error, ChildError):
+            if isinstance(error, ProcessStartError):
                 raise RosError(str(error)) from error
             raise
 
@@ -168,7 +168,7 @@ class Bridge(Closeable):
             # The node's own rates do not go into the loop's: it gets some more than it asks for.
             self._to_go = min(int(1.0 / (_MORE * self._mailbox.latest.rate * self._dt)), MOST)
             self._show(tick, controller)
-            self._process.look_after(now)
+            self._process.warn_if_exited(now)
 
     def _show(self, tick: Tick, controller: Controller) -> None:
         balance: Balance = getattr(controller, "balance", _UNKNOWN)

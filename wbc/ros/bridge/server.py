@@ -23,7 +23,7 @@ from wbc.ros.rosout import speaking
 def main() -> None:
     """Serve until the parent is gone."""
     sys.setswitchinterval(SWITCH)
-    order: Order = parent.begin()
+    order: Order = parent.receive_config()
     layout = Layout.of(order.robot)
     ring = RecordRing(layout.size, order.ring)
     mailbox = Mailbox(order.robot.na, order.mailbox)
@@ -34,11 +34,11 @@ def main() -> None:
             stack.enter_context(speaking(node))
             robot_node = RobotNode(node, order, ring, mailbox)
         except WbcError as error:
-            parent.answer({"error": str(error)})
+            parent.reply({"error": str(error)})
             return
-        parent.answer({"node": node.full_name})
-        lifeline = parent.Lifeline(order.parent)
-        node.spin(lambda: lifeline.cut)
+        parent.reply({"node": node.full_name})
+        parent_monitor = parent.ParentMonitor(order.parent)
+        node.spin(lambda: parent_monitor.gone)
         robot_node.stop()
 
 
