@@ -106,7 +106,7 @@ def on_one_leg(time: float, performer: Performer) -> bool:
 def stepping(time: float, performer: Performer) -> bool:
     """In the middle of the third step."""
     swings = performer.telemetry.phase in ("left", "right")
-    return performer.steps == 2 and swings and performer.walker.schedule.progress > 0.5
+    return performer.steps == 2 and swings and performer.walker.state_machine.progress > 0.5
 
 
 SCENES = (

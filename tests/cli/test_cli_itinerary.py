@@ -21,7 +21,7 @@ def test_a_long_walk_leaves_three_seconds_to_stop():
 
 
 def test_a_tour_goes_every_way_within_what_the_robot_can_do():
-    limits = wbc.GaitParameters.of(wbc.load("simple_humanoid")).max_velocity
+    limits = wbc.GaitParameters.for_robot(wbc.load("simple_humanoid")).max_velocity
     tour = itinerary.tour(limits)
     seen = [tour.velocity(0.1 * k) for k in range(int(10 * itinerary.TOUR_DURATION))]
     for axis, limit in enumerate(limits):

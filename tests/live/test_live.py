@@ -434,7 +434,7 @@ def test_gait_parameters_may_be_turned_to_their_ends_while_it_walks(helm, perfor
             at += 0.4
     _, report = run(helm, performer, plant, at + 0.5, script)
     assert report.survived, report.fell_why
-    assert performer.walker.gait == wbc.gait.GaitParameters.of(performer.robot)
+    assert performer.walker.gait == wbc.gait.GaitParameters.for_robot(performer.robot)
 
 
 # The page's process.

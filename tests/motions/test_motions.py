@@ -31,7 +31,7 @@ from wbc.motions.wave import Wave
 from wbc.runtime.fall import fall_reason
 from wbc.sim import Mujoco
 from wbc.trials import Judge, run_motions
-from wbc.walking.stabilizer import ComBias
+from wbc.walking.stabilizer import ComBiasEstimator
 
 #: Share of its torque limit by which a joint's torque may change in a tick because a motion is
 #: interrupted, begun or blended over: a joint has its whole torque in 0.1 s at the soonest.
@@ -358,7 +358,7 @@ def test_the_performer_walks_like_the_walker():
 
 
 def test_the_bias_of_the_com_is_found_from_the_centre_of_pressure():
-    random, bias = np.random.default_rng(2), ComBias(3.3)
+    random, bias = np.random.default_rng(2), ComBiasEstimator(3.3)
     swing = 2.0 * np.pi * 0.5
     for k in range(4000):
         com = 0.03 * np.exp(1j * swing * 0.002 * k)

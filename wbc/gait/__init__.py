@@ -1,24 +1,24 @@
 """The gait: footsteps, phases, the DCM plan and the swing foot."""
 
-from wbc.gait.dcm_plan import DcmReference, ZmpSegment, dcm_now
-from wbc.gait.footsteps import Velocity, next_placement
-from wbc.gait.lifted import LiftedFoot
+from wbc.gait.dcm import DcmReference, ZmpSegment, solve_dcm
+from wbc.gait.footsteps import Velocity, next_footstep
+from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.planar import Feet, Placement
-from wbc.gait.schedule import Phase, Schedule
-from wbc.gait.swing import SwingFoot
+from wbc.gait.state_machine import GaitStateMachine, Phase
+from wbc.gait.swing_foot import SwingFoot
 
 __all__ = [
     "DcmReference",
     "Feet",
     "GaitParameters",
+    "GaitStateMachine",
     "LiftedFoot",
     "Phase",
     "Placement",
-    "Schedule",
     "SwingFoot",
     "Velocity",
     "ZmpSegment",
-    "dcm_now",
-    "next_placement",
+    "next_footstep",
+    "solve_dcm",
 ]

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 from wbc.errors import GaitError
 from wbc.gait.parameters import GaitParameters
-from wbc.gait.planar import Feet, Placement, turn, wrap
+from wbc.gait.planar import Feet, Placement, planar_rotation, wrap_angle
 
 SIDES = ("left", "right")
 
 
-def other(side: str) -> str:
+def other_side(side: str) -> str:
     """The other side."""
     return "right" if side == "left" else "left"
 
@@ -30,7 +30,7 @@ class Velocity:
     turn: float = 0.0
 
     @property
-    def still(self) -> bool:
+    def is_zero(self) -> bool:
         """No motion asked for."""
         return self.forward == 0.0 and self.left == 0.0 and self.turn == 0.0
 
@@ -49,7 +49,7 @@ class Velocity:
         return Velocity(*(max(-m, min(m, w)) for w, m in zip(wanted, limits, strict=True)))
 
 
-def first_swing(feet: Feet, velocity: Velocity) -> str:
+def first_swing_side(feet: Feet, velocity: Velocity) -> str:
     """The side that takes the first step out of standing."""
     way = velocity.left or velocity.turn
     for side in SIDES:
@@ -60,7 +60,7 @@ def first_swing(feet: Feet, velocity: Velocity) -> str:
     return "left" if ahead > 0.01 else "right"
 
 
-def next_placement(
+def next_footstep(
     stance: Placement, swing_side: str, velocity: Velocity, gait: GaitParameters
 ) -> Placement:
     """Landing place of the swing foot for one step at a velocity.
@@ -76,14 +76,14 @@ def next_placement(
     leads = sign * velocity.turn > 0.0
     yaw = 2.0 * velocity.turn * T if leads else 0.0
     middle = complex(0.0, sign * 0.5 * gait.step_width)
-    turned = turn(yaw)
+    turned = planar_rotation(yaw)
     # Forward motion along the mean heading of the step.
-    forward = velocity.forward * T * turn(0.5 * yaw)
+    forward = velocity.forward * T * planar_rotation(0.5 * yaw)
     local = middle + forward + (middle + complex(0.0, side)) * turned
-    return Placement(stance.to_world(local), wrap(stance.yaw + yaw), stance.height)
+    return Placement(stance.to_world(local), wrap_angle(stance.yaw + yaw), stance.height)
 
 
-def clamp_to_reach(
+def clamp_footstep(
     stance: Placement, swing_side: str, wanted: Placement, gait: GaitParameters
 ) -> Placement:
     """The nearest landing place that the leg reaches and that keeps the feet apart."""
@@ -91,9 +91,9 @@ def clamp_to_reach(
     local = stance.to_local(wanted.point)
     forward = max(-gait.max_step, min(gait.max_step, local.real))
     width = max(gait.least_width, min(gait.step_width + gait.max_side_step, sign * local.imag))
-    yaw = max(-gait.max_turn, min(gait.max_turn, wrap(wanted.yaw - stance.yaw)))
+    yaw = max(-gait.max_turn, min(gait.max_turn, wrap_angle(wanted.yaw - stance.yaw)))
     point = stance.to_world(complex(forward, sign * width))
-    return Placement(point, wrap(stance.yaw + yaw), wanted.height)
+    return Placement(point, wrap_angle(stance.yaw + yaw), wanted.height)
 
 
 def are_square(left: Placement, right: Placement, gait: GaitParameters) -> bool:
@@ -102,5 +102,5 @@ def are_square(left: Placement, right: Placement, gait: GaitParameters) -> bool:
     return (
         abs(local.real) < 0.02
         and abs(-local.imag - gait.step_width) < 0.03
-        and abs(wrap(right.yaw - left.yaw)) < 0.05
+        and abs(wrap_angle(right.yaw - left.yaw)) < 0.05
     )

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from wbc.errors import GaitError
-from wbc.gait.reach import LegReach
+from wbc.gait.leg_workspace import LegWorkspace
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 
@@ -73,7 +73,7 @@ class GaitParameters:
         return (self.max_step / T, self.max_side_step / (2.0 * T), self.max_turn / (2.0 * T))
 
     @classmethod
-    def of(cls, robot: Robot, reach: LegReach | None = None) -> GaitParameters:
+    def for_robot(cls, robot: Robot, reach: LegWorkspace | None = None) -> GaitParameters:
         """Parameters scaled to a robot by its leg length and natural frequency.
 
         Durations scale with √(height / g), lengths with the leg (dynamic similarity,
@@ -91,7 +91,7 @@ class GaitParameters:
         height = robot.com_height
         natural = math.sqrt(height / GRAVITY)
         leg = robot.leg_length
-        reach = reach or LegReach(robot)
+        reach = reach or LegWorkspace(robot)
         return cls(
             single_support=2.0 * natural,
             double_support=0.8 * natural,

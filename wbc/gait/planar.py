@@ -15,17 +15,17 @@ from typing import NamedTuple
 import numpy as np
 
 
-def point(position: np.ndarray) -> complex:
+def ground_point(position: np.ndarray) -> complex:
     """The ground point below a position (3,) or (2,)."""
     return complex(float(position[0]), float(position[1]))
 
 
-def turn(yaw: float) -> complex:
+def planar_rotation(yaw: float) -> complex:
     """exp(i yaw), the factor that turns a point by yaw, rad."""
     return cmath.exp(1j * yaw)
 
 
-def wrap(angle: float) -> float:
+def wrap_angle(angle: float) -> float:
     """The same angle in [−π, π)."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
@@ -50,11 +50,11 @@ class Placement(NamedTuple):
 
     def to_world(self, local: complex) -> complex:
         """World point of a point given in the sole's axes."""
-        return self.point + local * turn(self.yaw)
+        return self.point + local * planar_rotation(self.yaw)
 
     def to_local(self, world: complex) -> complex:
         """The sole's coordinates of a world point."""
-        return (world - self.point) * turn(-self.yaw)
+        return (world - self.point) * planar_rotation(-self.yaw)
 
 
 @dataclass(slots=True)

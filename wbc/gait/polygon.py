@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wbc.gait.planar import Placement, turn
+from wbc.gait.planar import Placement, planar_rotation
 
 
-def corners(sole: Placement, half_length: float, half_width: float) -> list[complex]:
+def sole_corners(sole: Placement, half_length: float, half_width: float) -> list[complex]:
     """Corners of a sole's rectangle on the ground, counter-clockwise."""
-    along, across = half_length * turn(sole.yaw), 1j * half_width * turn(sole.yaw)
+    along, across = (
+        half_length * planar_rotation(sole.yaw),
+        1j * half_width * planar_rotation(sole.yaw),
+    )
     front, rear = sole.point + along, sole.point - along
     return [front + across, rear + across, rear - across, front - across]
 
@@ -29,7 +32,7 @@ def convex_hull(points: Sequence[complex]) -> list[complex]:
     return half(ordered) + half(ordered[::-1])
 
 
-def near_segment(p: complex, a: complex, b: complex, radius: float) -> bool:
+def is_near_segment(p: complex, a: complex, b: complex, radius: float) -> bool:
     """Whether p is within `radius` (m) of the straight line from a to b."""
     edge, away = b - a, p - a
     along = (away * edge.conjugate()).real / (abs(edge) ** 2 + 1e-18)

@@ -8,7 +8,7 @@ import numpy as np
 
 from wbc.command import Command
 from wbc.errors import MotionError
-from wbc.gait.planar import point, turn
+from wbc.gait.planar import ground_point, planar_rotation
 from wbc.limits.limit import default_braking
 from wbc.motions.com_reference import ComReference
 from wbc.motions.com_watch import ComWatch
@@ -20,7 +20,7 @@ from wbc.motions.reference import SmoothReference
 from wbc.motions.statics import MOST_TILT
 from wbc.motions.wish import Pose
 from wbc.state import State
-from wbc.walking import BodyOffset, Walker
+from wbc.walking import ReferenceOffset, Walker
 
 _FAR = 0.3  # rad
 _LOWEST = 0.62  # share of the pelvis' height when standing; 0.6 count as a fall
@@ -75,7 +75,7 @@ class Body(Handwork):
         )
         self._upper = np.ones(robot.na, dtype=bool)
         self._upper[[index - 6 for leg in robot.legs for index in leg]] = False
-        self._offset = BodyOffset()
+        self._offset = ReferenceOffset()
         self._watch = ComWatch(walker)
         self.state: State | None = None
         self.foot_wrenches: Mapping[str, np.ndarray] = {}
@@ -92,8 +92,8 @@ class Body(Handwork):
         for hand in self.hands.values():
             hand.reset()
         self._watch.reset()
-        self._offset = BodyOffset()
-        self.walker.body = self._offset
+        self._offset = ReferenceOffset()
+        self.walker.reference_offset = self._offset
         self.walker.velocity = (0.0, 0.0, 0.0)
         self.pilot = None
         self._set_out()
@@ -229,8 +229,8 @@ class Body(Handwork):
     def _set_out(self) -> None:
         """Bring the CoM home, from where it is and as fast as it is."""
         kin, feet = self.walker.kinematics, self.walker.feet
-        back = turn(-self.walker.heading)
-        off, speed = (point(kin.p_com) - feet.middle) * back, point(kin.v_com) * back
+        back = planar_rotation(-self.walker.heading)
+        off, speed = (ground_point(kin.p_com) - feet.middle) * back, ground_point(kin.v_com) * back
         self.com.start_from(
             np.array([off.real, off.imag, 0.0]),
             np.array([speed.real, speed.imag, float(kin.v_com[2])]),
@@ -251,11 +251,11 @@ class Body(Handwork):
         offset = self._offset
         offset.com, offset.com_velocity = self.com.value, self.com.velocity
         offset.com_acceleration = self.com.acceleration
-        offset.lean = float(self.lean.value[0])
-        offset.lean_rate = float(self.lean.velocity[0])
-        offset.lean_acceleration = float(self.lean.acceleration[0])
+        offset.weight_shift = float(self.lean.value[0])
+        offset.weight_shift_velocity = float(self.lean.velocity[0])
+        offset.weight_shift_acceleration = float(self.lean.acceleration[0])
         for attitude, reference in ((offset.torso, self.torso), (offset.base, self.pelvis)):
-            attitude.upright = reference.at_home
+            attitude.is_zero = reference.at_home
             attitude.vector, attitude.rate = reference.value, reference.velocity
             attitude.acceleration = reference.acceleration
         self._place_hands()

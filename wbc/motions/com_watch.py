@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from wbc.gait.planar import point, turn
+from wbc.gait.planar import ground_point, planar_rotation
 from wbc.walking import Walker
-from wbc.walking.stabilizer import ComBias
+from wbc.walking.stabilizer import ComBiasEstimator
 
 _STANDS = 0.8  # share of the weight on the soles from which on it stands
 _REST = 1.0  # s of standing after steps until the CoM has come to rest
@@ -16,7 +16,7 @@ _TIME = 0.3  # s within which a bias comes into force, and out of it for steps
 
 
 class ComWatch:
-    """Compares the estimated CoM with the measured centre of pressure; see `ComBias`.
+    """Compares the estimated CoM with the measured centre of pressure; see `ComBiasEstimator`.
 
     Args:
         walker: whose estimate it is.
@@ -32,7 +32,7 @@ class ComWatch:
 
     def reset(self) -> None:
         """Start anew, at rest."""
-        self._bias = ComBias(self._walker.gait.omega)
+        self._bias = ComBiasEstimator(self._walker.gait.omega)
         self._rest = _REST
         self.offset = 0j
 
@@ -57,18 +57,18 @@ class ComWatch:
 
     def _compare(self, wrenches: Mapping[str, np.ndarray], wanted: np.ndarray, lean: float) -> None:
         walker = self._walker
-        feet, com = walker.feet, point(walker.kinematics.p_com)
+        feet, com = walker.feet, ground_point(walker.kinematics.p_com)
         load, moment = 0.0, 0j
         for sole in walker.robot.soles:
             wrench = wrenches.get(sole.name)
             if wrench is not None and wrench[2] > 0.0:
                 at = complex(-float(wrench[4]), float(wrench[3]))  # times the force
                 placed = feet.of(sole.side)
-                moment += float(wrench[2]) * placed.point + at * turn(placed.yaw)
+                moment += float(wrench[2]) * placed.point + at * planar_rotation(placed.yaw)
                 load += float(wrench[2])
         if load < _STANDS * walker.robot.weight:
             return
-        back = turn(-walker.heading)
+        back = planar_rotation(-walker.heading)
         acceleration = complex(float(wanted[0]), float(wanted[1]))
         acceleration += lean * (feet.left.point - feet.right.point) * back
         self._bias.update(walker.dt, com * back, acceleration, moment / load * back)

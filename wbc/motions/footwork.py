@@ -9,9 +9,9 @@ import numpy as np
 
 from wbc.errors import MotionError
 from wbc.gait import Phase
-from wbc.gait.footsteps import other
-from wbc.gait.planar import turn
-from wbc.gait.polygon import convex_hull, corners
+from wbc.gait.footsteps import other_side
+from wbc.gait.planar import planar_rotation
+from wbc.gait.polygon import convex_hull, sole_corners
 from wbc.motions.anatomy import SIDES, Side
 from wbc.motions.com_reference import ComReference
 from wbc.motions.motion import Script
@@ -55,15 +55,15 @@ class Footwork(Waiting):
     @property
     def standing(self) -> bool:
         """Both feet on the ground, and not about to walk."""
-        return self.walker.schedule.phase is Phase.STAND
+        return self.walker.state_machine.phase is Phase.STAND
 
     @property
     def lifted(self) -> Side | None:
         """The foot that is held up."""
-        schedule = self.walker.schedule
-        if schedule.lifted is None:
+        state_machine = self.walker.state_machine
+        if state_machine.lifted is None:
             return None
-        return "left" if schedule.swing_side == "left" else "right"
+        return "left" if state_machine.swing_side == "left" else "right"
 
     @property
     def may_walk(self) -> bool:
@@ -83,14 +83,14 @@ class Footwork(Waiting):
         lifted = self.lifted
         if not (self.standing or lifted):
             return []
-        feet, back = self.walker.feet, turn(-self.walker.heading)
+        feet, back = self.walker.feet, planar_rotation(-self.walker.heading)
         right, left = feet.right.point, feet.left.point
         middle = right + float(self.lean.value[0]) * (left - right)
         points = [
             (corner - middle) * back
             for sole in self.walker.robot.soles
             if sole.side != lifted
-            for corner in corners(feet.of(sole.side), sole.half_length, sole.half_width)
+            for corner in sole_corners(feet.of(sole.side), sole.half_length, sole.half_width)
         ]
         return convex_hull(points)
 
@@ -175,7 +175,7 @@ class Footwork(Waiting):
         self._must_not_lead_com("lift")
         if not self.standing:
             raise MotionError(f"lift: the {side} foot, only with both feet on the ground")
-        carries: Side = "left" if other(side) == "left" else "right"
+        carries: Side = "left" if other_side(side) == "left" else "right"
         yield from self.shift_weight(carries)
         yield from self.settle(_PATIENCE)
         if not self.settled:
@@ -183,11 +183,11 @@ class Footwork(Waiting):
                 f"the {side} foot stays: {self.walker.robot.name} did not come to rest on the "
                 f"{carries} one (DCM {1e3 * self.walker.dcm_error:.0f} mm off)"
             )
-        self.walker.schedule.stand_on(carries)
+        self.walker.state_machine.stand_on(carries)
         self._load.go(0.0, _UNLOAD)
         yield from self.arrive(self._load)
         self._foot.reset()
-        self.walker.schedule.lift()
+        self.walker.state_machine.lift()
         self._foot.go(np.array([0.0, 0.0, height, 0.0]), duration)
         yield from self.arrive(self._foot)
 
@@ -208,8 +208,8 @@ class Footwork(Waiting):
 
     def put_down(self, duration: float = 1.0) -> Script:
         """Lower the lifted foot until it feels the ground, and stand on both feet again."""
-        schedule = self.walker.schedule
-        foot = schedule.lifted
+        state_machine = self.walker.state_machine
+        foot = state_machine.lifted
         if foot is None:
             return
         above = self._foot.value * np.array([1.0, 1.0, 0.0, 1.0])
@@ -217,7 +217,7 @@ class Footwork(Waiting):
         if self._foot.value[2] > 0.015:
             self._foot.go(above, duration)
             yield from self.arrive(self._foot)
-        foot.landing = True
+        foot.expects_contact = True
         start = self._foot.value.copy()
         down = np.array([0.0, 0.0, -_LOWERING, 0.0])
         self._foot.follow(lambda t: start + t * down, blend=0.3)
@@ -241,13 +241,13 @@ class Footwork(Waiting):
 
     def _place_feet(self) -> None:
         """Hand the references of load and lifted foot to the gait."""
-        schedule = self.walker.schedule
+        state_machine = self.walker.state_machine
         load = float(self._load.value[0])
-        schedule.swing_load = load if load < 1.0 else math.inf
-        foot = schedule.lifted
+        state_machine.swing_load = load if load < 1.0 else math.inf
+        foot = state_machine.lifted
         if foot is not None:
-            foot.offset, foot.rate = self._foot.value, self._foot.velocity
-            foot.push = self._foot.acceleration
+            foot.offset, foot.offset_velocity = self._foot.value, self._foot.velocity
+            foot.offset_acceleration = self._foot.acceleration
 
     def _feel(self) -> None:
         """After a tick: how long the DCM has been where it should be."""

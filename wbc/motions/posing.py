@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from wbc.gait.reach import LegReach
+from wbc.gait.leg_workspace import LegWorkspace
 from wbc.motions.anatomy import Anatomy
 from wbc.motions.posture_solver import Aims, PostureSolver
 from wbc.motions.wish import Pose, Wish
@@ -46,7 +46,7 @@ class Posing:
         self._model, self._data = robot.model, self._solver.data
         # Balance keeps the CoM over the middle of the soles, which is the origin, and as low as
         # knees that keep their grip have it.
-        self._home = np.array([0.0, 0.0, LegReach(robot).com_height(0.0)])
+        self._home = np.array([0.0, 0.0, LegWorkspace(robot).com_height(0.0)])
         self._upright = [np.array(self._data.oMf[f].rotation) for f in self._solver.trunk]
         moving = set(self.anatomy.waist) | {j for arm in self.anatomy.arms for j in arm.joints}
         moving |= {j - 6 for leg in robot.legs for j in leg}

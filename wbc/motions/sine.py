@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from wbc.command import Command
 from wbc.errors import MotionError
-from wbc.gait.reach import LegReach
+from wbc.gait.leg_workspace import LegWorkspace
 from wbc.motions.anatomy import Anatomy
 from wbc.motions.body import Body
 from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
@@ -215,7 +215,9 @@ def joints_of(robot: Robot) -> tuple[Joints, tuple[str, ...]]:
         return best, float(np.sign(axes[axis, best]))
 
     roles: dict[str, tuple[int, float] | None] = {"torso_yaw": about(_Z, anatomy.waist)}
-    for side, leg, knee in zip(("left", "right"), robot.legs, LegReach(robot).knees, strict=True):
+    for side, leg, knee in zip(
+        ("left", "right"), robot.legs, LegWorkspace(robot).knees, strict=True
+    ):
         joints = tuple(j - 6 for j in leg)
         hip, ankle = joints[: joints.index(knee)], joints[joints.index(knee) + 1 :]
         roles |= {

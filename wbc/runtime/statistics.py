@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wbc.command import Command, Status
-from wbc.gait.planar import wrap
+from wbc.gait.planar import wrap_angle
 from wbc.robot import Robot
 from wbc.robot.attitude import heading
 from wbc.runtime.clock import Clock
@@ -108,7 +108,7 @@ class Book:
 
     def _note_turn(self) -> None:
         yaw = heading(self.robot, self._truth)
-        self._turned += wrap(yaw - self._yaw)
+        self._turned += wrap_angle(yaw - self._yaw)
         self._yaw = yaw
 
     def fell(self, at: float, why: str) -> None:

@@ -1,7 +1,7 @@
 """Walking: gait, balance and the whole-body controller put together."""
 
-from wbc.walking.body_offset import Attitude, BodyOffset
 from wbc.walking.gains import WalkerGains
+from wbc.walking.reference_offset import ReferenceOffset, RotationOffset
 from wbc.walking.walker import VelocityClamped, Walker
 
-__all__ = ["Attitude", "BodyOffset", "VelocityClamped", "Walker", "WalkerGains"]
+__all__ = ["ReferenceOffset", "RotationOffset", "VelocityClamped", "Walker", "WalkerGains"]

@@ -12,23 +12,31 @@ import pinocchio as pin
 from wbc.command import Command
 from wbc.controller import WholeBodyController
 from wbc.errors import GaitError
-from wbc.gait import DcmReference, Feet, GaitParameters, Phase, Placement, Schedule, Velocity
+from wbc.gait import (
+    DcmReference,
+    Feet,
+    GaitParameters,
+    GaitStateMachine,
+    Phase,
+    Placement,
+    Velocity,
+)
 from wbc.gait.footsteps import SIDES
-from wbc.gait.planar import point, turn, wrap
-from wbc.gait.reach import LegReach
-from wbc.gait.schedule import PREVIEW_STEPS
+from wbc.gait.leg_workspace import LegWorkspace
+from wbc.gait.planar import ground_point, planar_rotation, wrap_angle
+from wbc.gait.state_machine import PREVIEW_STEPS
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.tasks import AngularMomentumTask, ComTask, PostureTask, Task
 from wbc.telemetry import Balance, Footstep, Telemetry
-from wbc.walking.body_offset import BodyOffset
-from wbc.walking.footing import Footing, about_z
+from wbc.walking.contact_manager import ContactManager, rotation_about_z
+from wbc.walking.feet import foot_placements, loads
 from wbc.walking.gains import WalkerGains
-from wbc.walking.soles import loads, placements
-from wbc.walking.stabilizer import feedback_zmp, step_shift
-from wbc.walking.support import Support
-from wbc.walking.trunk import Trunk
+from wbc.walking.reference_offset import ReferenceOffset
+from wbc.walking.stabilizer import footstep_adjustment, zmp_from_dcm_error
+from wbc.walking.support_polygon import SupportPolygon
+from wbc.walking.trunk_tasks import TrunkTasks
 
 
 class VelocityClamped(UserWarning):
@@ -48,8 +56,8 @@ class Walker:
     Attributes:
         controller: the whole-body controller; add tasks of your own to it.
         posture: the posture task, for arms and head.
-        schedule: the gait's state machine.
-        body: what a motion adds to the references of CoM and trunk; None: nothing.
+        state_machine: the gait's state machine.
+        reference_offset: what a motion adds to the references of CoM and trunk; None: nothing.
 
     Raises:
         SolverNotFound: the solver is unknown or not installed.
@@ -66,8 +74,8 @@ class Walker:
     ) -> None:
         self.robot = robot
         self.dt = dt
-        self._reach = LegReach(robot)
-        self.gait = gait or GaitParameters.of(robot, self._reach)
+        self._reach = LegWorkspace(robot)
+        self.gait = gait or GaitParameters.for_robot(robot, self._reach)
         self.gains = gains = gains or WalkerGains()
         self.controller = controller = WholeBodyController(robot, dt, solver=solver)
         kp = gains.height_kp
@@ -80,16 +88,16 @@ class Walker:
             )
         )
         self._kin = Kinematics(robot, robot.standing())
-        self._trunk = Trunk(controller, self._kin, gains)
+        self._trunk = TrunkTasks(controller, self._kin, gains)
         weights = np.full(robot.na, gains.posture_weight)
         for leg in robot.legs:
             weights[np.array(leg) - 6] = gains.leg_posture_weight
         weights[list(self._reach.knees)] = gains.knee_posture_weight
         self.posture = controller.add(PostureTask(robot, weight=weights, kp=gains.posture_kp))
         self.momentum = controller.add(AngularMomentumTask(weight=gains.momentum_weight))
-        self._footing = Footing(robot, controller, gains)
-        self._support = Support(robot)
-        self.body: BodyOffset | None = None
+        self._contact_manager = ContactManager(robot, controller, gains)
+        self._support = SupportPolygon(robot)
+        self.reference_offset: ReferenceOffset | None = None
         self._wanted = Velocity()
         self._queue: list[tuple[str, Placement]] = []
         self.reset(robot.standing())
@@ -128,7 +136,7 @@ class Walker:
         The present step keeps its duration; everything planned from now on has the new ones.
         """
         self.gait = gait
-        self.schedule.change_gait(gait)
+        self.state_machine.change_gait(gait)
         self._wanted = self._wanted.clamped(gait)
 
     @property
@@ -139,7 +147,7 @@ class Walker:
             *self._trunk.tasks,
             self.posture,
             self.momentum,
-            *self._footing.swing_tasks,
+            *self._contact_manager.swing_tasks,
         )
 
     def follow(self, footsteps: Sequence[Footstep]) -> None:
@@ -156,7 +164,7 @@ class Walker:
                 raise GaitError(
                     f"footsteps {k - 1} and {k} are both '{step.side}': sides must alternate"
                 )
-            placement = Placement(point(step.position), step.yaw, float(step.position[2]))
+            placement = Placement(ground_point(step.position), step.yaw, float(step.position[2]))
             queue.append((step.side, placement))
         self._queue[:] = queue
 
@@ -175,12 +183,12 @@ class Walker:
         """
         self._kin.update(state)
         self._balance_told: Balance | None = None
-        feet = placements(self._kin)
-        self.schedule = Schedule(self.gait, feet, self._queue)
+        feet = foot_placements(self._kin)
+        self.state_machine = GaitStateMachine(self.gait, feet, self._queue)
         self._ground = 0.5 * (feet.left.height + feet.right.height)
-        self._heading = feet.left.yaw + 0.5 * wrap(feet.right.yaw - feet.left.yaw)
+        self._heading = feet.left.yaw + 0.5 * wrap_angle(feet.right.yaw - feet.left.yaw)
         self._height_now = float(self._kin.p_com[2]) - self._ground
-        self._dcm = self._zmp = point(self._kin.p_com)
+        self._dcm = self._zmp = ground_point(self._kin.p_com)
         self._reference = DcmReference(self._dcm, 0j, self._zmp)
         self.posture.target = state.q[7:].copy()
 
@@ -200,75 +208,79 @@ class Walker:
         kin = self._kin
         kin.update(state)
         self._balance_told = None
-        feet = placements(kin)
-        schedule = self.schedule
-        if self.body is not None:
-            schedule.lean = self.body.lean
-        schedule.update(self.dt, feet, self._wanted, shares)
+        feet = foot_placements(kin)
+        state_machine = self.state_machine
+        if self.reference_offset is not None:
+            state_machine.weight_shift = self.reference_offset.weight_shift
+        state_machine.update(self.dt, feet, self._wanted, shares)
         self._balance(kin, feet)
         self._keep_upright(feet)
-        self._footing.place(schedule)
+        self._contact_manager.update(state_machine)
         return self.controller.solve(kin)
 
     def _balance(self, kin: Kinematics, feet: Feet) -> None:
-        gait, gains, schedule = self.gait, self.gains, self.schedule
+        gait, gains, state_machine = self.gait, self.gains, self.state_machine
         omega = gait.omega
         c, v = kin.p_com, kin.v_com
-        com = point(c)
-        self._dcm = com + point(v) / omega
-        if self.body is not None:
+        com = ground_point(c)
+        self._dcm = com + ground_point(v) / omega
+        if self.reference_offset is not None:
             # The QP goes on with the CoM as estimated: so it puts the ZMP where it is wanted.
-            self._dcm -= self.body.com_bias * turn(self._heading)
+            self._dcm -= self.reference_offset.com_bias * planar_rotation(self._heading)
         self._reference = self._plan(feet)
-        if self.body is not None:
-            standing = schedule.phase is Phase.STAND or schedule.lifted is not None
-            self._reference = self.body.moved(self._reference, omega, self._heading, feet, standing)
-        zmp = feedback_zmp(self._dcm, self._reference, omega, gait.dcm_gain)
-        self._zmp = self._support.clamped(zmp, schedule, feet, gains.zmp_margin)
+        if self.reference_offset is not None:
+            standing = state_machine.phase is Phase.STAND or state_machine.lifted is not None
+            self._reference = self.reference_offset.apply(
+                self._reference, omega, self._heading, feet, standing
+            )
+        zmp = zmp_from_dcm_error(self._dcm, self._reference, omega, gait.dcm_gain)
+        self._zmp = self._support.clamped(zmp, state_machine, feet, gains.zmp_margin)
         push = omega * omega * (com - self._zmp)
         self.com.acceleration[0], self.com.acceleration[1] = push.real, push.imag
-        ground = self._support.height(schedule, feet)
+        ground = self._support.height(state_machine, feet)
         blend = min(self.dt / gains.ground_time, 1.0)
         self._ground += blend * (ground - self._ground)
         height = min(gait.com_height, self._reach.com_height(self._step_length()))
         self._height_now += 0.25 * blend * (height - self._height_now)
         assert self.com.target is not None
         self.com.target[2] = self._ground + self._height_now
-        if self.body is not None:
-            self.com.target[2] += self.body.com[2]
-            self.com.velocity[2] = self.body.com_velocity[2]
-            self.com.acceleration[2] = self.body.com_acceleration[2]
+        if self.reference_offset is not None:
+            self.com.target[2] += self.reference_offset.com[2]
+            self.com.velocity[2] = self.reference_offset.com_velocity[2]
+            self.com.acceleration[2] = self.reference_offset.com_acceleration[2]
 
     def _plan(self, feet: Feet) -> DcmReference:
         """The DCM's plan; its landing place moves when the ankles alone cannot catch the DCM."""
-        schedule, omega = self.schedule, self.gait.omega
-        if schedule.swing is None or schedule.swing.committed:
-            return schedule.reference()
-        planned = schedule.planned_reference()
-        error = (self._dcm - planned.dcm) * turn(-feet.of(schedule.support).yaw)
-        reach = self._support.reach(schedule, self.gains.ankle_share)
-        schedule.landing.shift = step_shift(error, omega, schedule.remaining, reach)
-        return schedule.reference() if schedule.landing.shift else planned
+        state_machine, omega = self.state_machine, self.gait.omega
+        if state_machine.swing is None or state_machine.swing.target_frozen:
+            return state_machine.reference()
+        planned = state_machine.planned_reference()
+        error = (self._dcm - planned.dcm) * planar_rotation(-feet.of(state_machine.support).yaw)
+        reach = self._support.reach(state_machine, self.gains.ankle_share)
+        state_machine.landing.adjustment = footstep_adjustment(
+            error, omega, state_machine.remaining, reach
+        )
+        return state_machine.reference() if state_machine.landing.adjustment else planned
 
     def _step_length(self) -> float:
         """Length of the steps of now, m: how far a foot is left behind."""
-        if self.schedule.phase is Phase.STAND:
+        if self.state_machine.phase is Phase.STAND:
             return 0.0
-        velocity = self.schedule.velocity
+        velocity = self.state_machine.velocity
         return math.hypot(velocity.forward, velocity.left) * self.gait.step_duration
 
     def _keep_upright(self, feet: Feet) -> None:
-        schedule = self.schedule
+        state_machine = self.state_machine
         left, right = feet.left.yaw, feet.right.yaw
         rate = 0.0
-        if schedule.swing is not None:
-            rate = 0.5 * schedule.swing.yaw_rate
-            if schedule.swing_side == "left":
-                left = schedule.swing.yaw
+        if state_machine.swing is not None:
+            rate = 0.5 * state_machine.swing.yaw_rate
+            if state_machine.swing_side == "left":
+                left = state_machine.swing.yaw
             else:
-                right = schedule.swing.yaw
-        self._heading = left + 0.5 * wrap(right - left)
-        self._trunk.face(self._heading, rate, self.body)
+                right = state_machine.swing.yaw
+        self._heading = left + 0.5 * wrap_angle(right - left)
+        self._trunk.update(self._heading, rate, self.reference_offset)
 
     @property
     def balance(self) -> Balance:
@@ -277,7 +289,7 @@ class Walker:
         They share one: its arrays are not to be written to.
         """
         if self._balance_told is None:
-            schedule, z = self.schedule, self._ground
+            state_machine, z = self.state_machine, self._ground
             dcm, reference, zmp = self._dcm, self._reference.dcm, self._zmp
             ground = np.array(
                 (
@@ -286,7 +298,11 @@ class Walker:
                     (zmp.real, zmp.imag, z),
                 )
             )
-            phase = schedule.support if schedule.phase is Phase.SWING else schedule.phase.value
+            phase = (
+                state_machine.support
+                if state_machine.phase is Phase.SWING
+                else state_machine.phase.value
+            )
             com = self._kin.p_com.copy()
             self._balance_told = Balance(com, ground[0], ground[1], ground[2], phase)
         return self._balance_told
@@ -294,14 +310,14 @@ class Walker:
     @property
     def telemetry(self) -> Telemetry:
         """What the walker sees and intends, for observers."""
-        feet = placements(self._kin)
-        schedule, balance = self.schedule, self.balance
-        support = self._support.polygon(schedule, feet)
+        feet = foot_placements(self._kin)
+        state_machine, balance = self.state_machine, self.balance
+        support = self._support.polygon(state_machine, feet)
         steps = tuple(
             Footstep(side, np.array([p.point.real, p.point.imag, p.height]), p.yaw)
-            for side, p in schedule.preview()
+            for side, p in state_machine.preview()
         )
-        swing = schedule.swing
+        swing = state_machine.swing
         path = np.array(swing.path()) if swing is not None else np.empty((0, 3))
         return Telemetry(
             com=balance.com,
@@ -327,15 +343,17 @@ class Walker:
     @property
     def feet(self) -> Feet:
         """Both soles as they were at the last tick."""
-        return placements(self._kin)
+        return foot_placements(self._kin)
 
     @property
     def standing_frame(self) -> pin.SE3:
         """`T_world_standing`: on the ground midway between the soles, x along their heading."""
-        feet = placements(self._kin)
+        feet = foot_placements(self._kin)
         middle = feet.middle
         height = 0.5 * (feet.left.height + feet.right.height)
-        return pin.SE3(about_z(self._heading), np.array([middle.real, middle.imag, height]))
+        return pin.SE3(
+            rotation_about_z(self._heading), np.array([middle.real, middle.imag, height])
+        )
 
     @property
     def height(self) -> float:
@@ -345,7 +363,7 @@ class Walker:
     @property
     def steps(self) -> int:
         """Touchdowns since the reset."""
-        return self.schedule.steps
+        return self.state_machine.steps
 
     @property
     def dcm_error(self) -> float:

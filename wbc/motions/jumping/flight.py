@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from wbc.gait.planar import point
+from wbc.gait.planar import ground_point
 from wbc.kinematics import Kinematics
 from wbc.motions.jumping.path import gravity_of
 from wbc.motions.jumping.plan import JumpPlan
 from wbc.motions.jumping.profile import Glide, Moment
 from wbc.tasks import FrameTask
-from wbc.walking.footing import about_z
+from wbc.walking.contact_manager import rotation_about_z
 
 
 class SoleFlight:
@@ -53,7 +53,7 @@ class SoleFlight:
         self._hop = replace(plan.flight, duration=max(duration, shortest))
         self._start = {side: kin.frame(task.frame).copy() for side, task in soles.items()}
         places = [start.translation for start in self._start.values()]
-        self._middle = point(sum(places) / len(places))
+        self._middle = ground_point(sum(places) / len(places))
         self._catch_time = math.sqrt(plan.take_off / g)
 
     @property
@@ -72,7 +72,11 @@ class SoleFlight:
         """
         height, rate, acceleration = self._hop.at(time)
         left = max(self.duration - time, 0.0)
-        shift = point(kin.p_com) + point(kin.v_com) * (left + self._catch_time) - self._middle
+        shift = (
+            ground_point(kin.p_com)
+            + ground_point(kin.v_com) * (left + self._catch_time)
+            - self._middle
+        )
         shift *= min(1.0, self._reach / max(abs(shift), 1e-9))
         way = Glide(0.0, 1.0, self.duration).at(time)
         for side, task in self._soles.items():
@@ -82,7 +86,7 @@ class SoleFlight:
                 [x + way[0] * shift.real, y + way[0] * shift.imag, self._ground + height]
             )
             yaw = math.atan2(start.rotation[1, 0], start.rotation[0, 0])
-            task.target = pin.SE3(about_z(yaw), place)
+            task.target = pin.SE3(rotation_about_z(yaw), place)
             task.velocity[:3] = way[1] * shift.real, way[1] * shift.imag, rate
             task.acceleration[:3] = way[2] * shift.real, way[2] * shift.imag, acceleration
         above = float(kin.p_com[2]) - self._ground - height

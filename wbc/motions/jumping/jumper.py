@@ -10,8 +10,8 @@ import numpy as np
 
 from wbc.command import Command
 from wbc.gait import Feet
-from wbc.gait.planar import point, wrap
-from wbc.gait.polygon import clamp_to_polygon, convex_hull, corners
+from wbc.gait.planar import ground_point, wrap_angle
+from wbc.gait.polygon import clamp_to_polygon, convex_hull, sole_corners
 from wbc.kinematics import Kinematics
 from wbc.motions.jumping.flight import SoleFlight
 from wbc.motions.jumping.gains import JumpGains
@@ -22,7 +22,7 @@ from wbc.motions.jumping.profile import Glide, Moment, Profile, stroke
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.telemetry import Balance, Telemetry
-from wbc.walking.soles import loads, placements
+from wbc.walking.feet import foot_placements, loads
 
 _GROUND_TIME = 0.15  # s, smoothing of the ground's height under the robot
 _SETTLED = 0.005  # m, of the DCM
@@ -95,9 +95,9 @@ class Jumper:
         """
         kin, plan = self._kin, self.plan
         kin.update(state)
-        feet = placements(kin)
+        feet = foot_placements(kin)
         self._ground = 0.5 * (feet.left.height + feet.right.height)
-        self._heading = feet.left.yaw + 0.5 * wrap(feet.right.yaw - feet.left.yaw)
+        self._heading = feet.left.yaw + 0.5 * wrap_angle(feet.right.yaw - feet.left.yaw)
         self._standing = float(kin.p_com[2]) - self._ground
         self._home = state.q[7:].copy()
         self._down = _BOTH
@@ -129,7 +129,7 @@ class Jumper:
         shares = loads(self.robot, foot_wrenches)
         kin = self._kin
         kin.update(state)
-        feet = placements(kin)
+        feet = foot_placements(kin)
         self._advance(kin, feet, self._touching(shares))
         self._time += self.dt
         if self._flight is None:
@@ -210,7 +210,7 @@ class Jumper:
         if self._down == _BOTH:
             ground = 0.5 * (feet.left.height + feet.right.height)
             self._ground += (ground - self._ground) * min(self.dt / _GROUND_TIME, 1.0)
-        here, speed, middle = point(kin.p_com), point(kin.v_com), feet.middle
+        here, speed, middle = ground_point(kin.p_com), ground_point(kin.v_com), feet.middle
         omega = math.sqrt(g / height)
         wish = -(omega + gains.dcm_gain) * speed - gains.dcm_gain * omega * (here - middle)
         stiffness = max(g + acceleration, _LEAST_FORCE * g) / height
@@ -230,7 +230,7 @@ class Jumper:
             [
                 corner
                 for sole in self.robot.soles
-                for corner in corners(
+                for corner in sole_corners(
                     feet.of(sole.side), sole.half_length + margin, sole.half_width + margin
                 )
             ]
@@ -263,13 +263,13 @@ class Jumper:
         def at(p: complex) -> np.ndarray:
             return np.array([p.real, p.imag, z])
 
-        here = point(kin.p_com)
+        here = ground_point(kin.p_com)
         omega = math.sqrt(self._gravity / self._standing)
-        feet = placements(kin)
+        feet = foot_placements(kin)
         flying = self._flight is not None
         return Telemetry(
             com=kin.p_com.copy(),
-            dcm=at(here + point(kin.v_com) / omega),
+            dcm=at(here + ground_point(kin.v_com) / omega),
             dcm_reference=at(feet.middle),
             zmp=np.full(3, np.nan) if flying else at(self._zmp),
             phase="flight" if flying else "stand",

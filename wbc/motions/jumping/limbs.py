@@ -14,7 +14,7 @@ from wbc.kinematics import Kinematics
 from wbc.limits import JointPositionLimit, JointVelocityLimit, TorqueLimit
 from wbc.motions.jumping.gains import JumpGains
 from wbc.tasks import AngularMomentumTask, ComTask, FrameTask, OrientationTask, PostureTask
-from wbc.walking.footing import about_z
+from wbc.walking.contact_manager import rotation_about_z
 
 
 class Limbs:
@@ -88,7 +88,7 @@ class Limbs:
             heading: of the body, rad.
             lean: (3, 2) angle, rate and acceleration of torso and base; rad, s.
         """
-        turned = about_z(heading)
+        turned = rotation_about_z(heading)
         for task, upright, column in self._trunk:
             angle, rate, acceleration = lean[:, column]
             task.target = turned @ pin.exp3(np.array([0.0, angle, 0.0])) @ upright

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from wbc.gait.planar import wrap
+from wbc.gait.planar import wrap_angle
 
 Velocity = tuple[float, float, float]
 
@@ -22,7 +22,7 @@ class Pose:
         """This pose in another one's axes."""
         dx, dy = self.x - other.x, self.y - other.y
         c, s = math.cos(other.heading), math.sin(other.heading)
-        return Pose(c * dx + s * dy, c * dy - s * dx, wrap(self.heading - other.heading))
+        return Pose(c * dx + s * dy, c * dy - s * dx, wrap_angle(self.heading - other.heading))
 
     def from_within(self, other: Pose) -> Pose:
         """This pose, given in another one's axes, in that one's world."""
@@ -30,7 +30,7 @@ class Pose:
         return Pose(
             other.x + c * self.x - s * self.y,
             other.y + s * self.x + c * self.y,
-            wrap(other.heading + self.heading),
+            wrap_angle(other.heading + self.heading),
         )
 
     @property

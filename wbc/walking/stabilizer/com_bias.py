@@ -7,7 +7,7 @@ _FIRST = 0.5  # s of readings that count for nothing against those before
 _MOST = 0.03  # m
 
 
-class ComBias:
+class ComBiasEstimator:
     """Constant error of the estimated CoM over the soles, on the ground, m.
 
     An accelerometer that is off by b tilts the estimate by b/g, and the CoM with it. At rest the

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from wbc.gait.dcm_plan import DcmReference
+from wbc.gait.dcm import DcmReference
 
 
-def feedback_zmp(dcm: complex, reference: DcmReference, omega: float, gain: float) -> complex:
+def zmp_from_dcm_error(dcm: complex, reference: DcmReference, omega: float, gain: float) -> complex:
     """The ZMP for which the DCM error decays as e^(−k t), a ground point in m.
 
     From ξ̇ = ω (ξ − p) and the wish ξ̇ = ξ̇_ref − k (ξ − ξ_ref):

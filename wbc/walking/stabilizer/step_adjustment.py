@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 
-def step_shift(
+def footstep_adjustment(
     error: complex, omega: float, remaining: float, reach: tuple[float, float]
 ) -> complex:
     """By how much the next footstep should move, in the support sole's axes, m.

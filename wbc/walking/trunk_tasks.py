@@ -5,12 +5,12 @@ from __future__ import annotations
 from wbc.controller import WholeBodyController
 from wbc.kinematics import Kinematics
 from wbc.tasks import OrientationTask
-from wbc.walking.body_offset import BodyOffset
-from wbc.walking.footing import about_z
+from wbc.walking.contact_manager import rotation_about_z
 from wbc.walking.gains import WalkerGains
+from wbc.walking.reference_offset import ReferenceOffset
 
 
-class Trunk:
+class TrunkTasks:
     """Orientation tasks of torso and base (one task where these are one link).
 
     Args:
@@ -32,7 +32,7 @@ class Trunk:
         )
         self._upright = [kin.frame(name).rotation.copy() for name in frames]
 
-    def face(self, yaw: float, rate: float, offset: BodyOffset | None) -> None:
+    def update(self, yaw: float, rate: float, offset: ReferenceOffset | None) -> None:
         """Upright, along a heading.
 
         Args:
@@ -40,7 +40,7 @@ class Trunk:
             rate: rad/s.
             offset: by how much a motion leans it; None: not at all.
         """
-        heading = about_z(yaw)
+        heading = rotation_about_z(yaw)
         for task, upright in zip(self.tasks, self._upright, strict=True):
             task.target = heading.dot(upright)
             task.velocity[2] = rate
@@ -48,7 +48,7 @@ class Trunk:
             return
         attitudes = (offset.torso, offset.base)[-len(self.tasks) :]
         for task, upright, attitude in zip(self.tasks, self._upright, attitudes, strict=True):
-            if attitude.upright:
+            if attitude.is_zero:
                 task.velocity[:2] = 0.0
                 task.acceleration[:] = 0.0
                 continue

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wbc.gait.dcm_plan import ZmpSegment, dcm_now
-from wbc.gait.footsteps import Velocity, are_square, clamp_to_reach, next_placement, other
+from wbc.gait.dcm import ZmpSegment, solve_dcm
+from wbc.gait.footsteps import Velocity, are_square, clamp_footstep, next_footstep, other_side
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.planar import Placement
 
 _ORIGIN = Placement(0j, 0.0)
 
 
-class Preview:
+class FootstepPreview:
     """What comes after a foot has taken the weight: further steps, then rest.
 
     Steps that follow a velocity are always the same seen from that foot, so the DCM that they
@@ -34,14 +34,14 @@ class Preview:
         if before < len(self._queue):
             wanted = self._queue[before][1]
         else:
-            wanted = next_placement(stance, side, velocity, self._gait)
-        return clamp_to_reach(stance, side, wanted, self._gait)
+            wanted = next_footstep(stance, side, velocity, self._gait)
+        return clamp_footstep(stance, side, wanted, self._gait)
 
     def ends(
         self, stance: Placement, side: str, step: Placement, velocity: Velocity, before: int = 0
     ) -> bool:
         """Nothing more is wanted after a step, and it closes the feet."""
-        if before < len(self._queue) or not velocity.still:
+        if before < len(self._queue) or not velocity.is_zero:
             return False
         left, right = (step, stance) if side == "left" else (stance, step)
         return are_square(left, right, self._gait)
@@ -52,7 +52,7 @@ class Preview:
         """The footsteps after the weight is on the foot of a side: one, and up to `most`."""
         steps: list[tuple[str, Placement]] = []
         while len(steps) < most:
-            side = other(side)
+            side = other_side(side)
             step = self.next(foot, side, velocity, len(steps))
             steps.append((side, step))
             if self.ends(foot, side, step, velocity, len(steps)):
@@ -79,7 +79,7 @@ class Preview:
 
     def _arrival_dcm(self, foot: Placement, side: str, velocity: Velocity, most: int) -> complex:
         places = [step.point for _, step in self.steps(foot, side, velocity, most)]
-        return dcm_now(zmp_over(foot.point, places, self._gait), self._gait.omega).dcm
+        return solve_dcm(zmp_over(foot.point, places, self._gait), self._gait.omega).dcm
 
 
 def zmp_over(foot: complex, steps: Sequence[complex], gait: GaitParameters) -> list[ZmpSegment]:

@@ -10,7 +10,7 @@ _LAG = 0.025  # s in which the acceleration follows; a quarter of the above: no 
 _THERE = 1e-3  # of the greatest velocity
 
 
-class Glide:
+class VelocityFilter:
     """Goes from one velocity to another, fast from rest to the greatest in the time of a step.
 
     Each component is a critically damped second-order low-pass of what is wanted, its
@@ -20,11 +20,11 @@ class Glide:
     def __init__(self) -> None:
         self._acceleration = (0.0, 0.0, 0.0)
 
-    def rest(self) -> None:
+    def reset(self) -> None:
         """Begin anew, from a velocity that does not change."""
         self._acceleration = (0.0, 0.0, 0.0)
 
-    def advance(
+    def update(
         self, velocity: Velocity, wanted: Velocity, share: float, dt: float, gait: GaitParameters
     ) -> Velocity:
         """The velocity after dt.

@@ -39,7 +39,7 @@ class DcmReference(NamedTuple):
     zmp: complex
 
 
-def dcm_now(
+def solve_dcm(
     segments: Sequence[ZmpSegment], omega: float, final: complex | None = None
 ) -> DcmReference:
     """The DCM that, from now, is where it should be after the last segment.

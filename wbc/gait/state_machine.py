@@ -6,18 +6,18 @@ import math
 from enum import Enum
 
 from wbc.errors import GaitError
-from wbc.gait.dcm_plan import DcmReference, ZmpSegment, dcm_now
-from wbc.gait.footsteps import Velocity, first_swing, other
-from wbc.gait.glide import Glide
-from wbc.gait.landing import Landing
-from wbc.gait.lifted import LiftedFoot
+from wbc.gait.dcm import DcmReference, ZmpSegment, solve_dcm
+from wbc.gait.footstep_preview import FootstepPreview
+from wbc.gait.footsteps import Velocity, first_swing_side, other_side
+from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.planar import Feet, Placement
-from wbc.gait.preview import Preview
-from wbc.gait.swing import SwingFoot
+from wbc.gait.swing_foot import SwingFoot
+from wbc.gait.touchdown import Touchdown
+from wbc.gait.velocity_filter import VelocityFilter
 
 PREVIEW_STEPS = 3  # the influence of later steps on today's DCM is below e^(-3ωT) < 0.1 %
-_HURRY = 0.5  # share of the double support that a late touchdown may take off it
+_SHORTENING = 0.5  # share of the double support that a late touchdown may take off it
 _EARLY_CONTACT_AFTER = 0.6  # share of the swing before which contact is taken for lift-off noise
 
 
@@ -29,7 +29,7 @@ class Phase(Enum):
     SWING = "single"  #: the support foot alone
 
 
-class Schedule:
+class GaitStateMachine:
     """State machine of the gait.
 
     stand → transfer → swing → transfer → swing → … → transfer → stand. Time drives it,
@@ -41,8 +41,8 @@ class Schedule:
         support: the foot that carries, or that the weight moves to.
         time: since the phase began, s.
         swing: the swing foot's reference during SWING.
-        lean: where the weight is while standing or on one leg: 0 over the right sole, 1 over
-            the left; walking takes it from the middle.
+        weight_shift: where the weight is while standing or on one leg: 0 over the right
+            sole, 1 over the left. Walking starts from the middle.
         swing_load: most of the weight that the other foot may carry while standing, as a share.
         steps: touchdowns so far.
         velocity: what the current step was planned with.
@@ -63,23 +63,23 @@ class Schedule:
         self.duration = 0.0
         self._hold = 0.0  # time at the start of a transfer in which the weight stays
         self.swing: SwingFoot | LiftedFoot | None = None
-        self.lean = 0.5
+        self.weight_shift = 0.5
         self.swing_load = float("inf")
         self.steps = 0
         self.velocity = Velocity()
         self.queue = [] if queue is None else queue
-        self._preview = Preview(gait, self.queue)
+        self._preview = FootstepPreview(gait, self.queue)
         self._feet = feet
         self.stopping = False
         self._from_middle = True
-        self.landing = Landing()
-        self._glide = Glide()
+        self.landing = Touchdown()
+        self._velocity_filter = VelocityFilter()
         self._drift = 0j  # of the planned DCM, as the velocity changes, m/s
 
     @property
     def swing_side(self) -> str:
         """The foot that does not carry."""
-        return other(self.support)
+        return other_side(self.support)
 
     @property
     def progress(self) -> float:
@@ -94,10 +94,10 @@ class Schedule:
 
     @property
     def target(self) -> Placement:
-        """Landing place of the present swing; once it is committed, the one it is committed to."""
-        if self.swing is not None and self.swing.committed:
+        """Landing place of the present swing; once it is frozen, the frozen one."""
+        if self.swing is not None and self.swing.target_frozen:
             return self.swing.target
-        return self.landing.moved(self._feet.of(self.support), self.swing_side, self.gait)
+        return self.landing.adjusted(self._feet.of(self.support), self.swing_side, self.gait)
 
     def update(
         self, dt: float, feet: Feet, velocity: Velocity, loads: dict[str, float] | None
@@ -113,7 +113,7 @@ class Schedule:
         self._feet = feet
         self.time += dt
         if self.phase is Phase.STAND:
-            if self.queue or not velocity.still:
+            if self.queue or not velocity.is_zero:
                 self.velocity = velocity
                 self._begin_walking()
         elif self.phase is Phase.TRANSFER:
@@ -133,7 +133,7 @@ class Schedule:
             if self._has_landed(loads):
                 self._touch_down(velocity)
             else:
-                self.landing.carry(feet.of(self.support))
+                self.landing.follow_stance(feet.of(self.support))
                 self._follow(velocity, dt)
                 self.swing.advance(dt, self.target)
 
@@ -141,8 +141,8 @@ class Schedule:
         """Go on with other parameters; the present phase keeps its duration."""
         self.gait = gait
         if isinstance(self.swing, SwingFoot):
-            self.swing.rise(gait.swing_height)
-        self._preview = Preview(gait, self.queue)
+            self.swing.set_apex(gait.swing_height)
+        self._preview = FootstepPreview(gait, self.queue)
 
     def stand_on(self, side: str) -> None:
         """While standing: which foot the ground holds exactly, and is not to be lifted.
@@ -157,7 +157,7 @@ class Schedule:
     def lift(self) -> LiftedFoot:
         """Stand on the support foot alone from now on; returns the other one's reference.
 
-        The weight has to be over the support foot already (`lean`), the other one unloaded
+        The weight has to be over the support foot already (`weight_shift`), the other one unloaded
         (`swing_load`). It ends when the foot is lowered with `landing` set and feels the ground.
 
         Raises:
@@ -178,15 +178,15 @@ class Schedule:
     def _is_set_down(self, foot: LiftedFoot, loads: dict[str, float] | None) -> bool:
         if loads is None:
             return foot.overdue
-        return foot.landing and loads[self.swing_side] > self.gait.contact_share
+        return foot.expects_contact and loads[self.swing_side] > self.gait.contact_share
 
     @property
     def _standing_point(self) -> complex:
         """Where the ZMP is at rest."""
-        if self.lean == 0.5:
+        if self.weight_shift == 0.5:
             return self._feet.middle
         left, right = self._feet.left.point, self._feet.right.point
-        return right + self.lean * (left - right)
+        return right + self.weight_shift * (left - right)
 
     def _enter(self, phase: Phase, duration: float) -> None:
         self._drift = 0j
@@ -194,8 +194,8 @@ class Schedule:
         self._hold = 0.0
 
     def _begin_walking(self) -> None:
-        side = self.queue[0][0] if self.queue else first_swing(self._feet, self.velocity)
-        self.support = other(side)
+        side = self.queue[0][0] if self.queue else first_swing_side(self._feet, self.velocity)
+        self.support = other_side(side)
         self._from_middle = True
         self.stopping = False
         self._enter(Phase.TRANSFER, self.gait.first_transfer)
@@ -208,22 +208,22 @@ class Schedule:
         one: that is for the next.
         """
         self._drift = 0j
-        if self.queue or self.landing.given or self.velocity.still or self.velocity == wanted:
+        if self.queue or self.landing.is_given or self.velocity.is_zero or self.velocity == wanted:
             return
         share = self.remaining / self.duration if self.phase is Phase.SWING else 1.0
-        velocity = self._glide.advance(self.velocity, wanted, share, dt, self.gait)
-        if velocity.still or velocity == self.velocity:
+        velocity = self._velocity_filter.update(self.velocity, wanted, share, dt, self.gait)
+        if velocity.is_zero or velocity == self.velocity:
             return
         before = self._steady_reference().dcm
         self.velocity = velocity
-        if self.swing is not None and not self.swing.committed:
-            self._aim()
+        if self.swing is not None and not self.swing.target_frozen:
+            self._plan_landing()
         self._drift = (self._steady_reference().dcm - before) / dt
 
     def _begin_swing(self) -> None:
-        self._aim()
-        self.landing.shift = 0j
-        self.landing.given = bool(self.queue)
+        self._plan_landing()
+        self.landing.adjustment = 0j
+        self.landing.is_given = bool(self.queue)
         if self.queue:
             self.queue.pop(0)
         start = self._feet.of(self.swing_side)
@@ -233,9 +233,9 @@ class Schedule:
             start, self.target, gait.single_support, gait.swing_height, gait.touchdown_speed
         )
 
-    def _aim(self) -> None:
+    def _plan_landing(self) -> None:
         stance = self._feet.of(self.support)
-        self.landing.aim(stance, self._preview.next(stance, self.swing_side, self.velocity))
+        self.landing.plan(stance, self._preview.next(stance, self.swing_side, self.velocity))
 
     def _has_landed(self, loads: dict[str, float] | None) -> bool:
         if loads is None:
@@ -250,11 +250,11 @@ class Schedule:
         # to go on that came too late for it waits until the robot stands.
         last = self._preview.ends(stance, self.swing_side, self.target, self.velocity)
         self.swing = None
-        self.landing.given = False
-        ended = not self.queue and velocity.still
-        self.stopping = last or (ended and self.velocity.still)
+        self.landing.is_given = False
+        ended = not self.queue and velocity.is_zero
+        self.stopping = last or (ended and self.velocity.is_zero)
         self.velocity = velocity
-        self._glide.rest()
+        self._velocity_filter.reset()
         if self.stopping:
             self._enter(Phase.TRANSFER, self.gait.first_transfer)
         else:
@@ -263,7 +263,7 @@ class Schedule:
             # The weight keeps its time: after an early touchdown it stays where it is for a
             # while, after a late one it moves faster. The DCM is where it was to be.
             usual = self.gait.double_support
-            spare = max(-_HURRY * usual, self.duration - self.time)
+            spare = max(-_SHORTENING * usual, self.duration - self.time)
             self._enter(Phase.TRANSFER, usual + spare)
             self._hold = max(spare, 0.0)
 
@@ -295,13 +295,13 @@ class Schedule:
         support, middle = stance.point, feet.middle
         if self.stopping:
             now = support + (middle - support) * self.progress
-            return dcm_now([ZmpSegment(now, middle, self.remaining)], omega)
+            return solve_dcm([ZmpSegment(now, middle, self.remaining)], omega)
         origin = middle if self._from_middle else feet.of(self.swing_side).point
         now = origin + (support - origin) * self.progress
         hold = max(self._hold - self.time, 0.0)
         move = ZmpSegment(now, support, self.remaining - hold)
         final = self._preview.arrival_dcm(stance, self.support, self.velocity, PREVIEW_STEPS)
-        return dcm_now([ZmpSegment(now, now, hold), move], omega, final)
+        return solve_dcm([ZmpSegment(now, now, hold), move], omega, final)
 
     def planned_reference(self) -> DcmReference:
         """During a swing: the same as if balance had not moved its landing place."""
@@ -317,7 +317,7 @@ class Schedule:
         alone = ZmpSegment(support, support, self.remaining)
         if preview.ends(stance, side, landing, self.velocity):
             rest = 0.5 * (support + landing.point)
-            return dcm_now([alone, ZmpSegment(support, rest, gait.first_transfer)], gait.omega)
+            return solve_dcm([alone, ZmpSegment(support, rest, gait.first_transfer)], gait.omega)
         over = ZmpSegment(support, landing.point, gait.double_support)
         final = preview.arrival_dcm(landing, side, self.velocity, PREVIEW_STEPS - 1)
-        return dcm_now([alone, over], gait.omega, final)
+        return solve_dcm([alone, over], gait.omega, final)

@@ -14,7 +14,7 @@ from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 
 
-def placements(kin: Kinematics) -> Feet:
+def foot_placements(kin: Kinematics) -> Feet:
     """Both soles on the ground, as the kinematics place them."""
     left, right = kin.robot.soles
     return Feet(_placement(kin, left.frame_id), _placement(kin, right.frame_id))

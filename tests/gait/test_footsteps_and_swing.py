@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 import wbc
 from wbc.errors import GaitError
-from wbc.gait import GaitParameters, Placement, SwingFoot, Velocity, ZmpSegment, dcm_now
-from wbc.gait.footsteps import clamp_to_reach, lateral_sign, next_placement, other
-from wbc.gait.planar import turn, wrap
-from wbc.gait.polygon import clamp_to_polygon, convex_hull, corners, near_segment
-from wbc.walking.stabilizer import feedback_zmp
+from wbc.gait import GaitParameters, Placement, SwingFoot, Velocity, ZmpSegment, solve_dcm
+from wbc.gait.footsteps import clamp_footstep, lateral_sign, next_footstep, other_side
+from wbc.gait.planar import planar_rotation, wrap_angle
+from wbc.gait.polygon import clamp_to_polygon, convex_hull, is_near_segment, sole_corners
+from wbc.walking.stabilizer import zmp_from_dcm_error
 
 GAIT = GaitParameters(
     single_support=0.6,
@@ -42,7 +42,7 @@ angles = st.floats(-3.1, 3.1)
 @given(segments)
 def test_dcm_started_on_the_plan_ends_on_the_last_zmp(plan: list[ZmpSegment]) -> None:
     omega, dt = 3.4, 2e-3
-    dcm = dcm_now(plan, omega).dcm
+    dcm = solve_dcm(plan, omega).dcm
     for segment in plan:
         n = max(1, round(segment.duration / dt))
         h = segment.duration / n
@@ -58,13 +58,13 @@ def test_dcm_started_on_the_plan_ends_on_the_last_zmp(plan: list[ZmpSegment]) ->
 @given(segments)
 def test_dcm_velocity_is_that_of_the_pendulum(plan: list[ZmpSegment]) -> None:
     omega, dt = 3.4, 1e-6
-    now = dcm_now(plan, omega)
+    now = solve_dcm(plan, omega)
     first = plan[0]
     share = dt / first.duration
     cut = ZmpSegment(
         first.start + (first.end - first.start) * share, first.end, first.duration - dt
     )
-    later = dcm_now([cut, *plan[1:]], omega)
+    later = solve_dcm([cut, *plan[1:]], omega)
     scale = 1.0 + abs(now.dcm) + abs(first.end - first.start) / first.duration
     assert abs((later.dcm - now.dcm) / dt - now.dcm_velocity) < 1e-3 * scale
 
@@ -74,7 +74,7 @@ def test_dcm_error_decays_with_the_gain() -> None:
     plan = [ZmpSegment(0j, 0j, 10.0)]
     dcm, time = 0.03 + 0.02j, 0.0
     while time < 0.5:
-        dcm += dt * omega * (dcm - feedback_zmp(dcm, dcm_now(plan, omega), omega, gain))
+        dcm += dt * omega * (dcm - zmp_from_dcm_error(dcm, solve_dcm(plan, omega), omega, gain))
         time += dt
     assert abs(dcm) == pytest.approx(abs(0.03 + 0.02j) * math.exp(-gain * 0.5), rel=1e-3)
 
@@ -86,13 +86,13 @@ def test_two_steps_carry_the_body_by_the_commanded_velocity(
     sign = lateral_sign(side)
     stance = Placement(at, yaw)
     swing = Placement(stance.to_world(complex(0.0, sign * GAIT.step_width)), yaw)
-    first = next_placement(stance, side, velocity, GAIT)
-    second = next_placement(first, other(side), velocity, GAIT)
+    first = next_footstep(stance, side, velocity, GAIT)
+    second = next_footstep(first, other_side(side), velocity, GAIT)
     before = 0.5 * (stance.point + swing.point)
     after = 0.5 * (first.point + second.point)
-    way = (after - before) * turn(-yaw)
+    way = (after - before) * planar_rotation(-yaw)
     T = GAIT.step_duration
-    assert wrap(second.yaw - yaw) == pytest.approx(2.0 * velocity.turn * T, abs=1e-9)
+    assert wrap_angle(second.yaw - yaw) == pytest.approx(2.0 * velocity.turn * T, abs=1e-9)
     if velocity.turn == 0.0:
         # The middle between stance and swing advances 1.5 steps of forward motion.
         assert way.real == pytest.approx(1.5 * velocity.forward * T, abs=1e-9)
@@ -103,12 +103,12 @@ def test_two_steps_carry_the_body_by_the_commanded_velocity(
 def test_feet_never_come_closer_than_is_safe(velocity: Velocity, yaw: float, side: str) -> None:
     stance = Placement(0.3 - 0.2j, yaw)
     for _ in range(6):
-        wanted = next_placement(stance, side, velocity, GAIT)
-        landed = clamp_to_reach(stance, side, wanted, GAIT)
+        wanted = next_footstep(stance, side, velocity, GAIT)
+        landed = clamp_footstep(stance, side, wanted, GAIT)
         local = stance.to_local(landed.point)
         assert lateral_sign(side) * local.imag >= GAIT.least_width - 1e-9
         assert abs(local.real) <= GAIT.max_step + 1e-9
-        stance, side = landed, other(side)
+        stance, side = landed, other_side(side)
 
 
 def test_velocity_is_clamped_to_what_the_steps_allow() -> None:
@@ -134,7 +134,7 @@ def test_gait_parameter_that_makes_no_sense_is_named() -> None:
 @pytest.mark.parametrize("name", ["talos", "g1", "romeo", "simple_humanoid"])
 def test_gait_scales_to_every_robot(name: str) -> None:
     robot = wbc.load(name)
-    gait = GaitParameters.of(robot)
+    gait = GaitParameters.for_robot(robot)
     assert 0.3 < gait.single_support < 0.8
     assert gait.max_step < robot.leg_length
     foot_width = robot.soles[0].half_width + robot.soles[1].half_width
@@ -158,7 +158,7 @@ def test_swing_foot_lands_on_its_target_with_the_touchdown_speed(
     assert complex(*swing.position[:2]) == pytest.approx(target.point, abs=1e-6)
     assert swing.position[2] == pytest.approx(step_up, abs=1e-4)
     assert swing.velocity[2] == pytest.approx(-0.05, abs=1e-3)
-    assert wrap(swing.yaw - end_yaw) == pytest.approx(0.0, abs=1e-6)
+    assert wrap_angle(swing.yaw - end_yaw) == pytest.approx(0.0, abs=1e-6)
     assert top == pytest.approx(max(0.0, step_up) + 0.06, abs=3e-3)
 
 
@@ -224,9 +224,9 @@ def test_convex_hull_holds_all_its_points(cloud: list[complex]) -> None:
 def test_clamped_point_lies_within_the_margin_and_is_nearest(
     centre: complex, yaw: float, p: complex
 ) -> None:
-    polygon = corners(Placement(centre, yaw), 0.1, 0.06)
+    polygon = sole_corners(Placement(centre, yaw), 0.1, 0.06)
     clamped = clamp_to_polygon(p, polygon, 0.02)
-    local = (clamped - centre) * turn(-yaw)
+    local = (clamped - centre) * planar_rotation(-yaw)
     gap = math.hypot(max(abs(local.real) - 0.1, 0.0), max(abs(local.imag) - 0.06, 0.0))
     assert gap <= 0.02 + 1e-9
     if clamped != p:
@@ -240,10 +240,10 @@ def test_what_is_near_the_line_between_two_soles_is_on_their_polygon(
 ) -> None:
     margin = 0.02
     p = left + along * (right - left) + 0.05 * off
-    soles = [corners(Placement(left, left_yaw), 0.1, 0.06)]
-    soles.append(corners(Placement(right, right_yaw), 0.1, 0.06))
-    if near_segment(p, left, right, 0.06 + margin):
+    soles = [sole_corners(Placement(left, left_yaw), 0.1, 0.06)]
+    soles.append(sole_corners(Placement(right, right_yaw), 0.1, 0.06))
+    if is_near_segment(p, left, right, 0.06 + margin):
         hull = convex_hull([*soles[0], *soles[1]])
         assert abs(clamp_to_polygon(p, hull, margin) - p) < 1e-9
-    assert near_segment(p, left, right, 0.05 * abs(off) + 1e-9)
-    assert not near_segment(left + 0.08001j, left, left, 0.06 + margin)
+    assert is_near_segment(p, left, right, 0.05 * abs(off) + 1e-9)
+    assert not is_near_segment(left + 0.08001j, left, left, 0.06 + margin)

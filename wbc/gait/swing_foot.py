@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from wbc.gait.planar import Placement, wrap
+from wbc.gait.planar import Placement, wrap_angle
 
 # Shares of the swing's duration.
 _FREEZE = 0.2  # at its end: the target no longer moves
@@ -90,12 +90,12 @@ class SwingFoot:
         self.time = 0.0
         self._touchdown_speed = touchdown_speed
         self._higher = max(start.height, target.height)
-        self.rise(height)
+        self.set_apex(height)
         self._plane = _Axis(start.point)
         self._yaw = _Axis(start.yaw)
         self._height = _Axis(start.height)
 
-    def rise(self, height: float) -> None:
+    def set_apex(self, height: float) -> None:
         """Have the apex so far above the higher end, m; what is over already stays."""
         self._apex = self._higher + height
 
@@ -106,12 +106,12 @@ class SwingFoot:
         millimetre of measurement noise with metres per second squared.
         """
         remaining = self.duration - self.time
-        if not self.committed:
+        if not self.target_frozen:
             self.target = target
         self.time += dt
         target = self.target
         yaw = float(self._yaw.x.real)
-        goal = yaw + wrap(target.yaw - yaw)
+        goal = yaw + wrap_angle(target.yaw - yaw)
         if self.time > _LIFT * self.duration:
             self._plane.advance(target.point, 0.0, remaining, dt)
             self._yaw.advance(goal, 0.0, remaining, dt)
@@ -127,7 +127,7 @@ class SwingFoot:
             self._height.x += self._height.v * dt
 
     @property
-    def committed(self) -> bool:
+    def target_frozen(self) -> bool:
         """The landing place no longer follows the wish."""
         return self.duration - self.time <= _FREEZE * self.duration
 

@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.gait import DcmReference, Feet
-from wbc.gait.planar import turn
+from wbc.gait.planar import planar_rotation
 
 _H = 1e-3  # s, of the differences in time of an attitude
 
@@ -18,17 +18,17 @@ def _zeros() -> np.ndarray:
 
 
 @dataclass(slots=True)
-class Attitude:
-    """A rotation that a reference adds to standing upright.
+class RotationOffset:
+    """A rotation that a reference adds to standing is_zero.
 
     Attributes:
-        upright: there is nothing to add; the others are not looked at.
+        is_zero: there is nothing to add; the others are not looked at.
         vector: (3,) rotation vector φ in heading axes, rad.
         rate: (3,) φ̇, rad/s.
         acceleration: (3,) φ̈, rad/s².
     """
 
-    upright: bool = True
+    is_zero: bool = True
     vector: np.ndarray = field(default_factory=_zeros)
     rate: np.ndarray = field(default_factory=_zeros)
     acceleration: np.ndarray = field(default_factory=_zeros)
@@ -46,8 +46,8 @@ class Attitude:
 
 
 @dataclass(slots=True)
-class BodyOffset:
-    """Added to the walker's own references; all zero, and `lean` in the middle, when walking.
+class ReferenceOffset:
+    """What a motion adds to the walker's references; zero, with centred weight, when walking.
 
     The walker adds it to what its gait wants, so that balance, contacts and steps stay the
     same whatever a motion does. The CoM's offset c moves the DCM's plan by c + ċ/ω and the
@@ -60,9 +60,9 @@ class BodyOffset:
         com_acceleration: (3,) m/s².
         torso: of the upper trunk.
         base: of the root link.
-        lean: where the weight is while standing: 0 over the right sole, 1 over the left.
-        lean_rate: 1/s.
-        lean_acceleration: 1/s².
+        weight_shift: where the weight is while standing: 0 over the right sole, 1 over the left.
+        weight_shift_velocity: 1/s.
+        weight_shift_acceleration: 1/s².
         com_bias: by how much the estimated CoM is off, x + iy in heading axes, m; balance
             takes it off.
     """
@@ -70,34 +70,35 @@ class BodyOffset:
     com: np.ndarray = field(default_factory=_zeros)
     com_velocity: np.ndarray = field(default_factory=_zeros)
     com_acceleration: np.ndarray = field(default_factory=_zeros)
-    torso: Attitude = field(default_factory=Attitude)
-    base: Attitude = field(default_factory=Attitude)
-    lean: float = 0.5
-    lean_rate: float = 0.0
-    lean_acceleration: float = 0.0
+    torso: RotationOffset = field(default_factory=RotationOffset)
+    base: RotationOffset = field(default_factory=RotationOffset)
+    weight_shift: float = 0.5
+    weight_shift_velocity: float = 0.0
+    weight_shift_acceleration: float = 0.0
     com_bias: complex = 0j
 
-    def moved(
+    def apply(
         self, plan: DcmReference, omega: float, heading: float, feet: Feet, standing: bool
     ) -> DcmReference:
-        """The gait's plan, moved by the offset of the CoM.
+        """The gait's plan, apply by the offset of the CoM.
 
         Args:
             plan: of the gait.
             omega: natural frequency, 1/s.
             heading: rad.
             feet: soles as measured.
-            standing: whether `lean` counts: its place is in the plan already, not its motion.
+            standing: whether `weight_shift` counts; the plan already has its position, but
+                not its motion.
         """
-        to_world = turn(heading)
+        to_world = planar_rotation(heading)
         c, v, a = (
             complex(float(x[0]), float(x[1])) * to_world
             for x in (self.com, self.com_velocity, self.com_acceleration)
         )
         if standing:
             across = feet.left.point - feet.right.point
-            v += self.lean_rate * across
-            a += self.lean_acceleration * across
+            v += self.weight_shift_velocity * across
+            a += self.weight_shift_acceleration * across
         return DcmReference(
             plan.dcm + c + v / omega,
             plan.dcm_velocity + v + a / omega,

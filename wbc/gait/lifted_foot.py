@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.gait.planar import Placement, turn, wrap
+from wbc.gait.planar import Placement, planar_rotation, wrap_angle
 
 _SETTLED = 0.003  # m: a foot without a sensor has landed this far below where it left
 
@@ -21,22 +21,22 @@ class LiftedFoot:
     Attributes:
         offset: (4,) from `start`: forward, left (m, in the axes the sole had there), up (m),
             turned left (rad).
-        rate: (4,) per s.
-        push: (4,) per s².
-        landing: whether contact now means that it stands again.
+        offset_velocity: (4,) per s.
+        offset_acceleration: (4,) per s².
+        expects_contact: whether contact now means that it stands again.
     """
 
-    committed = True  #: no step adjustment
+    target_frozen = True  #: no step adjustment
 
     def __init__(self, start: Placement, stance: Placement) -> None:
         self._local = stance.to_local(start.point)
-        self._yaw = wrap(start.yaw - stance.yaw)
+        self._yaw = wrap_angle(start.yaw - stance.yaw)
         self._rise = start.height - stance.height
         self._stance = stance
         self.offset = np.zeros(4)
-        self.rate = np.zeros(4)
-        self.push = np.zeros(4)
-        self.landing = False
+        self.offset_velocity = np.zeros(4)
+        self.offset_acceleration = np.zeros(4)
+        self.expects_contact = False
 
     def advance(self, stance: Placement) -> None:
         """Follow the support sole as it is measured."""
@@ -45,13 +45,13 @@ class LiftedFoot:
     @property
     def overdue(self) -> bool:
         """Lowered so far that a foot without a sensor counts as landed."""
-        return self.landing and bool(self.offset[2] < -_SETTLED)
+        return self.expects_contact and bool(self.offset[2] < -_SETTLED)
 
     def _start(self) -> Placement:
         stance = self._stance
         return Placement(
             stance.to_world(self._local),
-            wrap(stance.yaw + self._yaw),
+            wrap_angle(stance.yaw + self._yaw),
             stance.height + self._rise,
         )
 
@@ -60,7 +60,7 @@ class LiftedFoot:
         """Where it will stand: below where it is."""
         start = self._start()
         x, y, _, yaw = (float(o) for o in self.offset)
-        return Placement(start.to_world(complex(x, y)), wrap(start.yaw + yaw), start.height)
+        return Placement(start.to_world(complex(x, y)), wrap_angle(start.yaw + yaw), start.height)
 
     @property
     def position(self) -> tuple[float, float, float]:
@@ -69,18 +69,18 @@ class LiftedFoot:
         return (at.point.real, at.point.imag, at.height + float(self.offset[2]))
 
     def _turned(self, x: np.ndarray) -> tuple[float, float, float]:
-        flat = complex(float(x[0]), float(x[1])) * turn(self._start().yaw)
+        flat = complex(float(x[0]), float(x[1])) * planar_rotation(self._start().yaw)
         return (flat.real, flat.imag, float(x[2]))
 
     @property
     def velocity(self) -> tuple[float, float, float]:
         """m/s."""
-        return self._turned(self.rate)
+        return self._turned(self.offset_velocity)
 
     @property
     def acceleration(self) -> tuple[float, float, float]:
         """m/s²."""
-        return self._turned(self.push)
+        return self._turned(self.offset_acceleration)
 
     @property
     def yaw(self) -> float:
@@ -90,12 +90,12 @@ class LiftedFoot:
     @property
     def yaw_rate(self) -> float:
         """rad/s."""
-        return float(self.rate[3])
+        return float(self.offset_velocity[3])
 
     @property
     def yaw_acceleration(self) -> float:
         """rad/s²."""
-        return float(self.push[3])
+        return float(self.offset_acceleration[3])
 
     def path(self, points: int = 12) -> list[tuple[float, float, float]]:
         """Straight down, for display."""

@@ -16,7 +16,7 @@ _TILT = 0.7  # share of the feet's extra distance by which the farther foot is o
 _TRAIL = 0.7  # share of a step that the rear foot is behind the hip when it leaves the ground
 
 
-class LegReach:
+class LegWorkspace:
     """Geometry of the legs: their knees, and hip to ankle distance with an almost straight knee.
 
     A knee is the joint of its leg that changes the distance from hip to ankle most.

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from wbc.contacts import SurfaceContact
 from wbc.controller import WholeBodyController
-from wbc.gait import Phase, Schedule
+from wbc.gait import GaitStateMachine, Phase
 from wbc.robot import Robot
 from wbc.tasks import FrameTask
 from wbc.walking.gains import WalkerGains
@@ -18,7 +18,7 @@ _HIGH = 0.03  # m
 _LOOSE = 0.1  # of a weight's square root
 
 
-class Footing:
+class ContactManager:
     """Keeps the controller's contacts and swing task in step with the gait.
 
     The support foot is held exactly, so that it carries the QP's elimination; the other one
@@ -54,22 +54,22 @@ class Footing:
         """One per foot; the controller has that of the foot in the air."""
         return tuple(self._swing_tasks.values())
 
-    def place(self, schedule: Schedule) -> None:
+    def update(self, state_machine: GaitStateMachine) -> None:
         """Set contacts and swing task for the phase of now."""
-        support = self._contacts[schedule.support]
-        other = self._contacts[schedule.swing_side]
+        support = self._contacts[state_machine.support]
+        other = self._contacts[state_machine.swing_side]
         support.motion_weight = None
         support.max_force = other.max_force = float("inf")
-        self._track_swing(schedule)
-        if schedule.phase is Phase.SWING:
+        self._track_swing(state_machine)
+        if state_machine.phase is Phase.SWING:
             self._hold((support,))
             return
         other.motion_weight = self._gains.second_contact_weight
-        if schedule.phase is Phase.STAND:
-            if schedule.swing_load < 1.0:
-                other.max_force = max(schedule.swing_load * self._weight, 1.0)
-        elif schedule.phase is Phase.TRANSFER and not schedule.stopping:
-            left_over = (1.0 - schedule.progress) / (1.0 - self._gains.unload_from)
+        if state_machine.phase is Phase.STAND:
+            if state_machine.swing_load < 1.0:
+                other.max_force = max(state_machine.swing_load * self._weight, 1.0)
+        elif state_machine.phase is Phase.TRANSFER and not state_machine.stopping:
+            left_over = (1.0 - state_machine.progress) / (1.0 - self._gains.unload_from)
             if left_over < 1.0:
                 other.max_force = max(left_over * 0.5 * self._weight, 1.0)
         self._hold((support, other))
@@ -78,9 +78,9 @@ class Footing:
         if contacts != self._controller.contacts:  # which checks what it is given
             self._controller.contacts = contacts
 
-    def _track_swing(self, schedule: Schedule) -> None:
-        swing = schedule.swing
-        wanted = self._swing_tasks[schedule.swing_side] if swing is not None else None
+    def _track_swing(self, state_machine: GaitStateMachine) -> None:
+        swing = state_machine.swing
+        wanted = self._swing_tasks[state_machine.swing_side] if swing is not None else None
         if wanted is not self._tracking:
             if self._tracking is not None:
                 self._controller.remove(self._tracking)
@@ -89,9 +89,9 @@ class Footing:
             self._tracking = wanted
         if swing is None or wanted is None:
             return
-        if schedule.lifted is not None:
-            wanted.weight = self._held_weight(float(schedule.lifted.offset[2]))
-        self._swing_target.rotation = about_z(swing.yaw)
+        if state_machine.lifted is not None:
+            wanted.weight = self._held_weight(float(state_machine.lifted.offset[2]))
+        self._swing_target.rotation = rotation_about_z(swing.yaw)
         self._swing_target.translation = np.array(swing.position)
         wanted.target = self._swing_target
         wanted.velocity[:3] = swing.velocity
@@ -110,7 +110,7 @@ class Footing:
         return weight
 
 
-def about_z(yaw: float) -> np.ndarray:
+def rotation_about_z(yaw: float) -> np.ndarray:
     """(3, 3) rotation about the world's z axis."""
     c, s = math.cos(yaw), math.sin(yaw)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -133,7 +133,7 @@ def test_walker_follows_given_footsteps() -> None:
         truth = wbc.Kinematics(robot, plant.ground_truth())
     assert_clean(report)
     assert walker.steps == 3
-    assert walker.schedule.phase is Phase.STAND
+    assert walker.state_machine.phase is Phase.STAND
     for name, sign in (("left_sole", 1), ("right_sole", -1)):
         at = truth.frame(name).translation
         assert at[:2] == pytest.approx([0.45, sign * width / 2], abs=0.04)
