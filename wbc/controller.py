@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -119,6 +119,10 @@ class WholeBodyController:
         self._last_tau = np.zeros(robot.na)
         self._tick = 0
         self._explanation: tuple[Outcome, int, Status, str] | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return everything but the assemblies, which refer to memory and are made again."""
+        return {**self.__dict__, "_assemblies": {}}
 
     def add(self, task: TaskT) -> TaskT:
         """Add a task and return it.

@@ -102,6 +102,13 @@ class Kinematics:
         self._moved = False
         self.update(state)
 
+    def __getstate__(self) -> tuple[Robot, State]:
+        """Return what all else follows from: Pinocchio's workspace is computed again."""
+        return self.robot, self.state
+
+    def __setstate__(self, state: tuple[Robot, State]) -> None:
+        self.__init__(*state)  # type: ignore[misc]
+
     def update(self, state: State) -> None:
         """Move on to `state`; what was read before still describes the old one.
 

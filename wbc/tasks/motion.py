@@ -47,6 +47,10 @@ class TaskReference:
         self.rotation, self.position = self.pose[:3, :3], self.pose[:3, 3]
         self.velocity, self.acceleration = self.motion[:6], self.motion[6:]
 
+    def __reduce__(self) -> tuple[type[TaskReference], tuple[np.ndarray, np.ndarray]]:
+        """Copy the two arrays; their views are made again."""
+        return TaskReference, (self.pose, self.motion)
+
 
 class MotionTask(Task):
     """A task whose rows are components of one motion, `J v̇ = a_ref + kd (v_ref − v) + kp e − J̇ v`.

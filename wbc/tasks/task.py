@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -60,6 +60,12 @@ class Task(ABC):
         self.weight = weight
         self.kp = kp
         self.kd = 2.0 * np.sqrt(self.kp) if kd is None else kd
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a copy; its gains are to be changed through their check only, as before."""
+        self.__dict__.update(state)
+        for gain in (self._weight, self._kp, self._kd):
+            gain.setflags(write=False)
 
     @property
     def weight(self) -> np.ndarray:

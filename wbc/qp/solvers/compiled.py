@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -33,32 +34,31 @@ class CompiledSolver(Solver):
 
     def __init__(self, tolerance: float = _TOLERANCE) -> None:
         self._tolerance = tolerance
-        self._rooms: dict[tuple[int, int], _Room] = {}
-        self._second = DaqpSolver()
+        self._workspaces: dict[tuple[int, int], _Workspace] = {}
 
     def solve(self, problem: Problem) -> Solution:
         """See `Solver`."""
-        n, rows = problem.C.shape[1], problem.lb.size
-        room = self._rooms.get((n, rows))
-        if room is None:
-            room = self._rooms[(n, rows)] = _Room(n, rows)
-        if self._attempt(problem, room, self._tolerance) == SOLVED:
-            return room.solution()
-        room.forget()
-        if self._attempt(problem, room, self._tolerance) == SOLVED:
-            return room.solution()
-        second = self._second.solve(problem)
+        key = problem.C.shape[1], problem.lb.size
+        workspace = self._workspaces.get(key)
+        if workspace is None:
+            workspace = self._workspaces[key] = _Workspace(*key)
+        if self._attempt(problem, workspace, self._tolerance) == SOLVED:
+            return workspace.solution()
+        workspace.reset()
+        if self._attempt(problem, workspace, self._tolerance) == SOLVED:
+            return workspace.solution()
+        second = DaqpSolver().solve(problem)
         if second.outcome is Outcome.SOLVED:
-            room.forget()
+            workspace.reset()
             return second
         for factor in _LOOSER[1:]:
-            room.forget()
-            if self._attempt(problem, room, factor * self._tolerance) == SOLVED:
-                return room.solution()
-        room.forget()
+            workspace.reset()
+            if self._attempt(problem, workspace, factor * self._tolerance) == SOLVED:
+                return workspace.solution()
+        workspace.reset()
         return second
 
-    def _attempt(self, problem: Problem, room: _Room, tolerance: float) -> int:
+    def _attempt(self, problem: Problem, workspace: _Workspace, tolerance: float) -> int:
         code = solve(
             problem.H,
             problem.g,
@@ -69,33 +69,51 @@ class CompiledSolver(Solver):
             problem.equality,
             tolerance,
             _ITERATIONS,
-            *room.arrays,
+            *workspace.arrays,
         )
-        if code == SOLVED and not math.isfinite(room.x.dot(room.x)):
+        if code == SOLVED and not math.isfinite(workspace.x.dot(workspace.x)):
             return NOT_CONVEX
         return int(code)
 
 
-class _Room:
-    """Working set and work space for problems of one size."""
+class _Workspace:
+    """Working set and memory for problems of one size.
+
+    Args:
+        n: number of unknowns.
+        rows: number of rows, simple bounds included.
+    """
 
     def __init__(self, n: int, rows: int) -> None:
-        self.counts = np.zeros(2, dtype=np.int64)
-        line = np.zeros((5, rows + 2 * n + 2))
+        self._size = n, rows
+        self._counts = np.zeros(2, dtype=np.int64)
+        self._rows, self._sides = np.zeros((2, n + 1), dtype=np.int64)
+        self._multipliers = np.zeros(n + 1)
+        lines = np.zeros((5, rows + 2 * n + 2))
+        matrices = np.zeros((4, n + 1, n + 1))
         self.arrays = (
-            self.counts,
-            np.zeros(n + 1, dtype=np.int64),
-            np.zeros(n + 1, dtype=np.int64),
-            np.zeros(n + 1),
-            np.zeros((4, n + 1, n + 1)),
-            line,
+            self._counts,
+            self._rows,
+            self._sides,
+            self._multipliers,
+            matrices,
+            lines,
         )
-        self.x = line[0, :n]
+        self.x = lines[0, :n]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy the working set and its multipliers: all that one solve leaves to the next."""
+        kept = self._counts, self._rows, self._sides, self._multipliers
+        return _Workspace, self._size, kept
+
+    def __setstate__(self, kept: tuple[np.ndarray, ...]) -> None:
+        for array, values in zip(self.arrays, kept, strict=False):
+            array[:] = values
 
     def solution(self) -> Solution:
-        """What the last solve found."""
-        return Solution(self.x.copy(), Outcome.SOLVED, int(self.counts[1]))
+        """Return what the last solve found."""
+        return Solution(self.x.copy(), Outcome.SOLVED, int(self._counts[1]))
 
-    def forget(self) -> None:
-        """Start the next solve from no working set."""
-        self.counts[0] = 0
+    def reset(self) -> None:
+        """Start the next solve from an empty working set."""
+        self._counts[0] = 0

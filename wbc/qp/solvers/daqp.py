@@ -47,32 +47,35 @@ class DaqpSolver(Solver):
         # A negative eps_prox: nothing is added to H unless it is singular, which zero_tol puts
         # at a condition number of 1e12. Lower, and rounding makes redundant rows contradict.
         defaults = {"primal_tol": 1e-9, "zero_tol": 1e-12, "eps_prox": -1e-9, "iter_limit": 1000}
-        import daqp  # not before it is needed: `import wbc` stays light
-
-        self._new_model = daqp.Model
         self._settings = {**defaults, **settings}
-        self._models: dict[_Key, _Kept] = {}
+        self._models: dict[_Key, _WarmModel] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the settings: DAQP's models cannot be copied, so that a copy starts cold."""
+        return {**self.__dict__, "_models": {}}
 
     def solve(self, problem: Problem) -> Solution:
         """See `Solver`."""
         key = (problem.g.size, problem.ub.size, problem.equality.tobytes())
-        kept = self._models.get(key)
-        if kept is not None:
-            scaled = _Scaled(problem, kept.redundant)
-            kept.ub[:], kept.lb[:] = scaled.ub, scaled.lb
+        warm = self._models.get(key)
+        if warm is not None:
+            scaled = _Scaled(problem, warm.redundant)
+            warm.ub[:], warm.lb[:] = scaled.ub, scaled.lb
             # Without `sense`, the update keeps the active set. It cannot take an A without rows.
             A = scaled.C if scaled.C.shape[0] else None
-            if kept.model.update(H=scaled.H, f=scaled.g, A=A, bupper=kept.ub, blower=kept.lb) >= 0:
-                x, _, flag, info = kept.model.solve()
+            if warm.model.update(H=scaled.H, f=scaled.g, A=A, bupper=warm.ub, blower=warm.lb) >= 0:
+                x, _, flag, info = warm.model.solve()
                 if flag in _SOLVED and scaled.holds(x):
                     return Solution(scaled.unit * x, Outcome.SOLVED, info["iterations"])
         self._models.pop(key, None)
         return self._solve_cold(key, _Scaled(problem, _redundant(problem)))
 
     def _solve_cold(self, key: _Key, scaled: _Scaled) -> Solution:
+        import daqp  # not before it is needed: `import wbc` stays light
+
         iterations = 0
         for factor in _LOOSER:
-            model = self._new_model()
+            model = daqp.Model()
             tolerance = factor * self._settings["primal_tol"]
             model.settings = {**self._settings, "primal_tol": tolerance}
             ub, lb = scaled.ub, scaled.lb
@@ -82,7 +85,7 @@ class DaqpSolver(Solver):
                 iterations += info["iterations"]
                 if flag in _SOLVED and scaled.holds(x):
                     if factor == 1.0:  # a looser model is not kept for the ticks to come
-                        self._models[key] = _Kept(model, ub, lb, scaled.redundant)
+                        self._models[key] = _WarmModel(model, ub, lb, scaled.redundant)
                     return Solution(scaled.unit * x, Outcome.SOLVED, iterations)
                 if flag in _SOLVED:
                     flag = _INFEASIBLE
@@ -134,7 +137,7 @@ class _Scaled:
 
 
 @dataclass(slots=True)
-class _Kept:
+class _WarmModel:
     """A model, the arrays that it looks at, and the rows of C that it does without."""
 
     model: Any

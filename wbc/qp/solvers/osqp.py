@@ -32,30 +32,34 @@ class OsqpSolver(Solver):
 
     def __init__(self, **settings: Any) -> None:
         try:
-            import osqp
-            from scipy import sparse
+            import osqp  # noqa: F401 - not before it is needed: `import wbc` stays light
+            import scipy.sparse  # noqa: F401
         except ImportError as error:
             raise SolverNotFound(
                 f"QP solver 'osqp' needs '{error.name}', which is not installed; "
                 "run  pip install osqp"
             ) from error
-        self._osqp = osqp
-        self._sparse = sparse
         defaults = {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iter": 20000, "verbose": False}
         self._settings = {**defaults, **settings}
-        self._workspaces: dict[tuple[int, int, int], _Workspace] = {}
+        self._workspaces: dict[tuple[int, int, int], _OsqpWorkspace] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the settings: OSQP's workspaces cannot be copied, so that a copy starts cold."""
+        return {**self.__dict__, "_workspaces": {}}
 
     def solve(self, problem: Problem) -> Solution:
         """See `Solver`."""
+        from osqp import SolverStatus
+
         key = (problem.g.size, problem.bounded, problem.C.shape[0])
         known = self._workspaces.get(key)
         if known is None:
-            known = _Workspace(self._osqp, self._sparse, problem, self._settings)
+            known = _OsqpWorkspace(problem, self._settings)
             self._workspaces[key] = known
         else:
             known.update(problem)
         result = known.solver.solve(raise_error=False)
-        status, codes = result.info.status_val, self._osqp.SolverStatus
+        status, codes = result.info.status_val, SolverStatus
         x = np.asarray(result.x, dtype=float)
         if status == codes.OSQP_SOLVED and np.isfinite(x).all():
             return Solution(x, Outcome.SOLVED, result.info.iter)
@@ -66,10 +70,13 @@ class OsqpSolver(Solver):
         return Solution(np.zeros(problem.g.size), outcome, result.info.iter, detail)
 
 
-class _Workspace:
+class _OsqpWorkspace:
     """OSQP set up once for problems of one size; every entry of H and C is structure."""
 
-    def __init__(self, osqp: Any, sparse: Any, problem: Problem, settings: dict[str, Any]) -> None:
+    def __init__(self, problem: Problem, settings: dict[str, Any]) -> None:
+        import osqp
+        from scipy import sparse
+
         n, b, m = problem.g.size, problem.bounded, problem.C.shape[0]
         # OSQP stores the upper triangle of H column by column.
         columns, rows = np.tril_indices(n)

@@ -35,11 +35,12 @@ class QpsolversSolver(Solver):
                 f"dense ones are: {', '.join(sorted({'wbc', 'daqp', *qpsolvers.dense_solvers}))}"
             )
         self.name = name
-        self._qpsolvers = qpsolvers
         self._options = options
 
     def solve(self, problem: Problem) -> Solution:
         """See `Solver`."""
+        import qpsolvers
+
         b = problem.bounded
         n = problem.g.size
         lb, ub = np.full(n, -np.inf), np.full(n, np.inf)
@@ -47,7 +48,7 @@ class QpsolversSolver(Solver):
         equal = problem.equality[b:]
         low, high, C = problem.lb[b:], problem.ub[b:], problem.C
         below, above = ~equal & np.isfinite(low), ~equal & np.isfinite(high)
-        qp = self._qpsolvers.Problem(
+        qp = qpsolvers.Problem(
             problem.H,
             problem.g,
             np.vstack((C[above], -C[below])),
@@ -58,10 +59,10 @@ class QpsolversSolver(Solver):
             ub,
         )
         try:
-            found = self._qpsolvers.solve_problem(qp, solver=self.name, **self._options)
+            found = qpsolvers.solve_problem(qp, solver=self.name, **self._options)
         except Exception as error:
             return Solution(np.zeros(n), Outcome.FAILED, detail=f"{self.name}: {error}")
         if found.found and found.x is not None and np.isfinite(found.x).all():
-            return Solution(np.asarray(found.x), Outcome.SOLVED)
+            return Solution(np.array(found.x, dtype=float), Outcome.SOLVED)
         # qpsolvers reports "not found" alike for infeasible problems and failures.
         return Solution(np.zeros(n), Outcome.FAILED, detail=f"{self.name} found no solution")
