@@ -84,14 +84,6 @@ class Robot:
             setattr(model, name, np.zeros_like(limit))
         return _unpickled, (values, limits)
 
-    def __deepcopy__(self, memo: dict[int, object]) -> Robot:
-        """Return this robot itself: it does not change, so that copies of a controller share it."""
-        return self
-
-    def __getstate__(self) -> dict[str, object]:
-        """Return the fields only; what is cached from them is computed again when needed."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
-
     @property
     def nq(self) -> int:
         """Size of a configuration."""
