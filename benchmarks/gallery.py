@@ -36,7 +36,7 @@ from wbc.motions import (
 )
 from wbc.motions.jumping import Jumper, JumpPhase
 from wbc.runtime.loop import RunComplete
-from wbc.trials import Stage
+from wbc.trials import MotionRunner
 from wbc.view import Recording
 from wbc.view.browser import new_page
 
@@ -220,12 +220,12 @@ def photograph(scene: Scene, path: Path) -> None:
     """Play a scene up to its moment, and take the picture."""
     robot = wbc.load(scene.robot)
     performer = Performer(robot, motions=[scene.motion])
-    stage, recording = Stage(performer), Recording(robot)
+    runner, recording = MotionRunner(performer), Recording(robot)
 
     def tick(time: float) -> None:
         if scene.moment(time, performer):
             raise RunComplete
-        stage(time, plant)
+        runner(time, plant)
 
     with wbc.sim.Mujoco(robot, seed=1) as plant:
         report = wbc.run(performer, plant, LONGEST, recording=recording, before_tick=tick)

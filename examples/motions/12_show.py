@@ -2,11 +2,11 @@
 
 import wbc
 from wbc.motions import Performer, Show
-from wbc.trials import Stage
+from wbc.trials import MotionRunner
 
 robot = wbc.load("talos")
 performer = Performer(robot, motions=[Show()])
-stage = Stage(performer)  # grants the light push that standing on one leg asks for; ends the run
+runner = MotionRunner(performer)  # applies the push that `one_leg` asks for; ends the run
 
 with wbc.sim.Mujoco(robot) as plant, wbc.view.Meshcat(robot) as viewer:  # prints its address
     report = wbc.run(
@@ -14,7 +14,7 @@ with wbc.sim.Mujoco(robot) as plant, wbc.view.Meshcat(robot) as viewer:  # print
         plant,
         duration=180.0,
         viewer=viewer,
-        before_tick=lambda time: stage(time, plant),
+        before_tick=lambda time: runner(time, plant),
     )
 print(report.table())
 for note in performer.body.notes:

@@ -1,4 +1,4 @@
-"""Motions in physics: from standing to standing, interrupted, blended, judged by the truth."""
+"""Motions in physics: from standing to standing, interrupted, blended, evaluated by the truth."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from wbc.motions.sway import Sway
 from wbc.motions.wave import Wave
 from wbc.runtime.fall import fall_reason
 from wbc.sim import Mujoco
-from wbc.trials import Judge, run_motions
+from wbc.trials import RunEvaluator, run_motions
 from wbc.walking.stabilizer import ComBiasEstimator
 
 #: Share of its torque limit by which a joint's torque may change in a tick because a motion is
@@ -419,12 +419,12 @@ class Boaster(Performer):
         return replace(promised, com=promised.com + np.array([0.03, 0.0, 0.0]))
 
 
-def test_the_judge_compares_promises_with_the_truth():
+def test_the_evaluator_compares_promises_with_the_truth():
     one = robot("simple_humanoid")
-    performer, judge = Boaster(one), Judge()
+    performer, evaluator = Boaster(one), RunEvaluator()
     with Mujoco(one, seed=0) as plant:
-        report = wbc.run(performer, plant, 1.0, log=judge)
+        report = wbc.run(performer, plant, 1.0, log=evaluator)
     assert report.com_error_rms_mm is None
-    judged = judge.amend(report)
-    assert judged.com_error_rms_mm == pytest.approx(30.0, abs=5.0)
-    assert "CoM tracking error" in judged.table()
+    evaluated = evaluator.amend(report)
+    assert evaluated.com_error_rms_mm == pytest.approx(30.0, abs=5.0)
+    assert "CoM tracking error" in evaluated.table()

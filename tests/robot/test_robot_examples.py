@@ -19,7 +19,7 @@ HUMANOIDS = {
     "g1_29dof_rev_1_0": {},
     "g1_29dof_with_hand_rev_1_0": {},
     "romeo_small": {},
-    # Its fingers weigh nothing, so they are welded.
+    # Its fingers weigh nothing, so they are fixed.
     "romeo_description/urdf/romeo.urdf": {"fixed_joints": ("*Finger*", "*Thumb*", "?Hand")},
     # Its meshes are missing, so its soles are stated.
     "romeo_laas_small": {"fixed_joints": ("*gripper*",), "sole": SOLE},

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from robottools import FEET, changed, inertial
 
 import wbc.robot
-from wbc.robot.inertia import MIN_GYRATION, is_physical, repaired
+from wbc.robot.inertia import MIN_GYRATION, is_physical, physical_inertia
 
 moment = st.floats(-1.0, 2.0)
 angle = st.floats(-3.0, 3.0)
@@ -29,13 +29,13 @@ def test_the_inertia_of_points_is_physical_and_repair_leaves_it(points):
     inertia = sum(float(p @ p) * np.eye(3) - np.outer(p, p) for p in points) / len(points)
     if np.linalg.eigvalsh(0.5 * np.trace(inertia) * np.eye(3) - inertia)[0] > MIN_GYRATION**2:
         assert is_physical(1.0, inertia)
-        np.testing.assert_allclose(repaired(1.0, inertia), inertia, atol=1e-12)
+        np.testing.assert_allclose(physical_inertia(1.0, inertia), inertia, atol=1e-12)
 
 
 @given(st.tuples(moment, moment, moment), st.tuples(angle, angle, angle), st.floats(0.01, 20))
 @settings(max_examples=60)
 def test_repair_makes_any_inertia_physical(moments, angles, mass):
-    inertia = repaired(mass, turned(moments, angles))
+    inertia = physical_inertia(mass, turned(moments, angles))
     assert is_physical(mass, inertia, 1e-9)
     np.testing.assert_allclose(inertia, inertia.T, atol=1e-12)
 
@@ -44,9 +44,9 @@ def test_repair_makes_any_inertia_physical(moments, angles, mass):
 @settings(max_examples=50)
 def test_repair_does_not_depend_on_the_axes(moments, angles):
     R = pin.rpy.rpyToMatrix(*angles)
-    straight = repaired(1.0, np.diag(moments))
+    straight = physical_inertia(1.0, np.diag(moments))
     np.testing.assert_allclose(
-        repaired(1.0, R @ np.diag(moments) @ R.T), R @ straight @ R.T, atol=1e-9
+        physical_inertia(1.0, R @ np.diag(moments) @ R.T), R @ straight @ R.T, atol=1e-9
     )
 
 

@@ -9,9 +9,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import wbc.robot
-from wbc.robot.foot import FootSurface, foot_surface
+from wbc.robot.foot_surface import FootSurface, foot_surface
 from wbc.robot.polygon import convex_hull, inscribed_rectangle
-from wbc.robot.sole import fit_sole
+from wbc.robot.soles import fit_sole
 
 finite = st.floats(-1.0, 1.0)
 points = st.lists(st.tuples(finite, finite), min_size=3, max_size=40)

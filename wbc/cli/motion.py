@@ -13,7 +13,7 @@ from wbc.cli.text import table
 from wbc.motions import Motion, Performer
 from wbc.motions.catalogue import CATALOGUE
 from wbc.motions.motion import Parameter
-from wbc.trials import Judge, Stage
+from wbc.trials import MotionRunner, RunEvaluator
 
 _AT_MOST = 300.0  # s
 
@@ -47,12 +47,12 @@ def execute(options: argparse.Namespace) -> int:
     chosen = {p.name: getattr(options, _destination(p)) for p in motion.parameters()}
     run = simulation.Simulation(options)
     performer = Performer(run.robot, motions=[motion(**chosen)], walker=run.walker)
-    stage = Stage(performer, options.duration or _AT_MOST)
+    runner = MotionRunner(performer, options.duration or _AT_MOST)
     return run.perform(
         performer,
         options.duration or _AT_MOST + 1.0,
-        stage,
-        Judge(),
+        runner,
+        RunEvaluator(),
         expected=options.duration or math.inf,  # it is over when it is over
     )
 

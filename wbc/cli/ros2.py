@@ -223,13 +223,13 @@ def _hz(options: argparse.Namespace) -> int:
 
 
 def _joint_publisher(options: argparse.Namespace) -> int:
-    from wbc.robot.catalogue import data_folder
+    from wbc.robot.registry import data_file_folder
     from wbc.ros import Node
     from wbc.ros.joint_publisher import JointPublisher
     from wbc.ros.rosout import speaking
 
     with Node("joint_publisher", network=network(options)) as node, speaking(node):
-        JointPublisher(node, options.rate, data_folder() / "simple_humanoid.urdf")
+        JointPublisher(node, options.rate, data_file_folder() / "simple_humanoid.urdf")
         print(f"[INFO] [joint_publisher]: Joint publisher started at {options.rate} Hz", flush=True)
         node.spin(timeout=options.duration or float("inf"))
     return 0

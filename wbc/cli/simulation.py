@@ -20,7 +20,7 @@ from wbc.runtime.loop import StopRun
 from wbc.runtime.protocols import Controller, Recorder
 from wbc.runtime.statistics import Progress
 from wbc.sim import Flat, Mujoco, Terrain, Tiles
-from wbc.trials import Judge
+from wbc.trials import RunEvaluator
 from wbc.view import Meshcat
 
 _REACH = 1.5  # m/s: tiles are laid as far as this takes the robot, and a bit
@@ -100,7 +100,7 @@ class Simulation:
         controller: Controller,
         duration: float,
         before_tick: Callable[[float, Mujoco], None],
-        judge: Judge | None = None,
+        evaluator: RunEvaluator | None = None,
         expected: float | None = None,
     ) -> int:
         """Run a controller, show, report; returns the exit code.
@@ -109,7 +109,7 @@ class Simulation:
             controller: that steps with the walker's period.
             duration: s, at most.
             before_tick: called with time and plant before each tick, see `wbc.run`.
-            judge: adds its figures to the report.
+            evaluator: adds its figures to the report.
             expected: how long it will take as far as is known, s; the duration if left out.
 
         Raises:
@@ -124,8 +124,8 @@ class Simulation:
             if not options.no_view:
                 viewer = stack.enter_context(Meshcat(self.robot, boxes=terrain.boxes()))
             logs: list[Recorder] = [*keepsakes.logs(stack)]
-            if judge is not None:
-                logs.append(judge)
+            if evaluator is not None:
+                logs.append(evaluator)
             line = ProgressLine()
             stack.callback(line.close)
             interrupted = stack.enter_context(interruptible())
@@ -153,8 +153,8 @@ class Simulation:
             except PlantError as error:
                 line.note(f"the run ended: {error}")
                 return FELL
-        if judge is not None:
-            report = judge.amend(report)
+        if evaluator is not None:
+            report = evaluator.amend(report)
         print(report.table())
         if options.json is not None:
             report.save(options.json)

@@ -1,10 +1,10 @@
 """Robots: the loader, the model with its soles and limits, and the model doctor."""
 
-from wbc.robot.catalogue import available, examples
 from wbc.robot.doctor import check_file
 from wbc.robot.finding import Fact, Finding
-from wbc.robot.load import load
+from wbc.robot.loader import load
+from wbc.robot.registry import available, examples
 from wbc.robot.robot import Robot
-from wbc.robot.sole import Sole
+from wbc.robot.soles import Sole
 
 __all__ = ["Fact", "Finding", "Robot", "Sole", "available", "check_file", "examples", "load"]

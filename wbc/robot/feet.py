@@ -63,7 +63,7 @@ def mirror(name: str) -> str | None:
     return None
 
 
-def foot_link(urdf: Urdf, name: str, side: str) -> str:
+def checked_foot_link(urdf: Urdf, name: str, side: str) -> str:
     """The foot's link, checked.
 
     Raises:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,6 +10,9 @@ Severity = Literal["error", "warning", "note"]
 Origin = Literal["derived", "stated"]
 
 SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
+
+# A message of the loader begins with its file, which a finding's subject names already.
+_FILE = re.compile(r"^\S+\.(urdf|srdf|toml|xml|xacro)(: |, )")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -26,6 +30,15 @@ class Fact:
     value: str
     origin: Origin
     source: str
+
+    @classmethod
+    def of(cls, name: str, value: str, stated_in: str | None, rule: str) -> Fact:
+        """A fact stated in the file or argument `stated_in`, or derived by `rule` if None."""
+        return (
+            cls(name, value, "stated", stated_in)
+            if stated_in
+            else cls(name, value, "derived", rule)
+        )
 
     def __repr__(self) -> str:
         return f"Fact({self.name!r}, {self.value!r}, {self.origin})"
@@ -54,6 +67,13 @@ class Finding:
     consequence: str
     cure: str
     code: str = ""
+
+    @classmethod
+    def from_error(cls, error: Exception, subject: str, code: str) -> Finding:
+        """An exception of the loader as a finding; its text reads `file: what; cure`."""
+        what, _, cure = _FILE.sub("", str(error)).partition("; ")
+        consequence = "the robot cannot be loaded"
+        return cls("error", subject, what, consequence, cure or "correct the description", code)
 
     def __repr__(self) -> str:
         return f"Finding({self.severity}, {self.subject!r}, {self.code!r})"

@@ -8,13 +8,13 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError, did_you_mean
-from wbc.robot.data import RobotData
+from wbc.robot.data_file import RobotData
 from wbc.robot.finding import Finding
 
 # A substitute limit lets a joint carry this many times the weight of what hangs on it.
 STRENGTH = 2.0
 # ... and never less than this, N·m or N, so that massless fingers move too.
-LEAST_EFFORT = 1.0
+MIN_EFFORT = 1.0
 
 
 def set_armature(model: pin.Model, data: RobotData) -> None:
@@ -88,7 +88,7 @@ def default_effort(model: pin.Model, joint: int, in_leg: bool) -> float:
         mass = sum(body.mass for body in model.inertias)
     lever = max(reach, 0.25)
     gravity = float(np.linalg.norm(model.gravity.linear))
-    return float(max(STRENGTH * gravity * mass * lever, LEAST_EFFORT))
+    return float(max(STRENGTH * gravity * mass * lever, MIN_EFFORT))
 
 
 def velocity_index(model: pin.Model, name: str, source: str) -> int:

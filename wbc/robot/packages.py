@@ -94,7 +94,7 @@ def resolve(address: str, urdf: Path, folders: Iterable[Path]) -> Path | None:
     return next((path for path in candidates if path.is_file()), None)
 
 
-def up_axis_turn(mesh: Path) -> np.ndarray:
+def up_axis_rotation(mesh: Path) -> np.ndarray:
     """(3, 3) rotation from a Collada file's own axes to axes with z up.
 
     ROS tools and Pinocchio read Collada coordinates as they stand and ignore

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from wbc.robot.data import RobotData
+from wbc.robot.data_file import RobotData
 from wbc.robot.limits import velocity_index
-from wbc.robot.sole import Sole
-from wbc.robot.srdf import Reference, beside, read_reference
+from wbc.robot.soles import Sole
+from wbc.robot.srdf import GroupState, find_srdf, read_group_state
 from wbc.robot.stance import posture_range, settle, unevenness
 
 KNEE_BEND = 0.4
@@ -47,8 +47,8 @@ def starting_posture(model: pin.Model, data: RobotData) -> Posture:
         for name, value in data.nominal_posture.items():
             q[velocity_index(model, name, data.source) + 1] = value
         return Posture(q, "stated joints", True, data.source)
-    srdf = data.srdf or beside(data.urdf)
-    reference = read_reference(srdf, data.reference) if srdf is not None else None
+    srdf = data.srdf or find_srdf(data.urdf)
+    reference = read_group_state(srdf, data.reference) if srdf is not None else None
     if reference is not None:
         _apply(model, q, reference)
         return Posture(q, f"'{reference.name}'", False, reference.source)
@@ -76,7 +76,7 @@ def stand_base_up(model: pin.Model, q: np.ndarray, feet: tuple[int, int]) -> Non
     q[3:7] = turn.coeffs()
 
 
-def _apply(model: pin.Model, q: np.ndarray, reference: Reference) -> None:
+def _apply(model: pin.Model, q: np.ndarray, reference: GroupState) -> None:
     # An SRDF serves several variants of a robot: joints that this one lacks are no mistake.
     for name, value in reference.joints.items():
         if model.existJointName(name) and model.getJointId(name) > 1:

@@ -13,7 +13,7 @@ import pinocchio as pin
 from wbc.errors import FrameNotFound, JointNotFound
 from wbc.robot.finding import Fact, Finding
 from wbc.robot.geometry import load_geometry
-from wbc.robot.sole import Side, Sole
+from wbc.robot.soles import Side, Sole
 from wbc.robot.urdf import Urdf
 from wbc.state import State
 

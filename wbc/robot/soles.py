@@ -2,23 +2,68 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError, did_you_mean
-from wbc.robot.data import SOLE_KEYS, RobotData
+from wbc.robot.data_file import SOLE_KEYS, RobotData
 from wbc.robot.finding import Fact
-from wbc.robot.foot import foot_surface
-from wbc.robot.sole import Side, Sole, SoleFit, fit_sole
-from wbc.robot.trunk import moving_joint
+from wbc.robot.foot_surface import foot_surface
+from wbc.robot.sole_fitting import SoleFit, fit_sole
+from wbc.robot.topology import parent_joint
 from wbc.robot.urdf import Urdf
 
+Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
 
 
-def make_soles(
+@dataclass(frozen=True, slots=True, repr=False)
+class Sole:
+    """A contact rectangle on a foot.
+
+    Its frame has the origin at the rectangle's centre, z up (the normal, away
+    from the ground) and x forward when the robot stands.
+
+    Attributes:
+        name: `left_sole` or `right_sole`, also the name of the model's frame.
+        side: `left` or `right`.
+        frame_id: of the frame in the model.
+        joint_id: of the joint that moves the foot.
+        placement: T_joint_sole, from sole to joint coordinates.
+        half_length: along x, m.
+        half_width: along y, m.
+        link: name of the foot link.
+    """
+
+    name: str
+    side: Side
+    frame_id: int
+    joint_id: int
+    placement: pin.SE3
+    half_length: float
+    half_width: float
+    link: str
+
+    def __repr__(self) -> str:
+        return f"Sole('{self.name}', {self.size_text}, on '{self.link}')"
+
+    @property
+    def size_text(self) -> str:
+        """Length and width for people, e.g. `200 × 120 mm`."""
+        return f"{2e3 * self.half_length:.0f} × {2e3 * self.half_width:.0f} mm"
+
+    @property
+    def corners(self) -> np.ndarray:
+        """(4, 3) corners in the sole frame, counter-clockwise seen from above, m."""
+        x, y = self.half_length, self.half_width
+        return np.array([[x, y, 0.0], [-x, y, 0.0], [-x, -y, 0.0], [x, -y, 0.0]])
+
+
+def add_soles(
     model: pin.Model,
     urdf: Urdf,
     data: RobotData,
@@ -36,7 +81,7 @@ def make_soles(
     forward = _forward(model, kinematics, links)
     soles, facts = [], []
     for side, link in zip(SIDES, links, strict=True):
-        joint = moving_joint(model, link)
+        joint = parent_joint(model, link)
         to_joint = kinematics.oMi[joint].rotation.T
         frame = model.frames[model.getFrameId(link, pin.BODY)]
         up = to_joint @ np.array([0.0, 0.0, 1.0])
@@ -70,7 +115,7 @@ def make_soles(
 
 def _forward(model: pin.Model, kinematics: pin.Data, links: tuple[str, str]) -> np.ndarray:
     """(3,) level unit vector that has the left foot on its left."""
-    left, right = (kinematics.oMi[moving_joint(model, link)].translation for link in links)
+    left, right = (kinematics.oMi[parent_joint(model, link)].translation for link in links)
     across = left - right
     forward = np.cross([across[0], across[1], 0.0], [0.0, 0.0, 1.0])
     length = float(np.linalg.norm(forward))

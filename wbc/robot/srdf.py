@@ -1,4 +1,4 @@
-"""Reference postures from a semantic description (SRDF)."""
+"""GroupState postures from a semantic description (SRDF)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ STANDING_NAMES = ("half_sitting", "standing", "stand", "half_sit", "default", "h
 
 
 @dataclass(frozen=True, slots=True)
-class Reference:
+class GroupState:
     """A named posture: joint name to position (rad or m), from the file `source`."""
 
     name: str
@@ -21,7 +21,7 @@ class Reference:
     source: str
 
 
-def beside(urdf: Path) -> Path | None:
+def find_srdf(urdf: Path) -> Path | None:
     """The SRDF that belongs to a URDF by the usual layout of packages, if there is one.
 
     `<package>/urdf/talos_reduced.urdf` goes with `<package>/srdf/talos.srdf`:
@@ -36,7 +36,7 @@ def beside(urdf: Path) -> Path | None:
     return found[0] if len(found) == 1 else None
 
 
-def read_reference(srdf: Path, wanted: str | None = None) -> Reference | None:
+def read_group_state(srdf: Path, wanted: str | None = None) -> GroupState | None:
     """The wanted posture of an SRDF, or the one to stand in; None if it has none.
 
     Raises:
@@ -64,4 +64,4 @@ def read_reference(srdf: Path, wanted: str | None = None) -> Reference | None:
                     f"{srdf}, line {lines[element]}: joint '{element.get('name')}' "
                     f"has the value '{words[0]}', which is no number"
                 ) from error
-    return Reference(name, joints, srdf.name)
+    return GroupState(name, joints, srdf.name)

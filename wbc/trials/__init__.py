@@ -1,14 +1,14 @@
 """Seeded closed-loop trials in physics."""
 
-from wbc.trials.judge import Judge
-from wbc.trials.motion_trial import Stage, run_motions
+from wbc.trials.evaluator import RunEvaluator
+from wbc.trials.motion_trial import MotionRunner, run_motions
 from wbc.trials.scenario import Scenario, circle, forward, sideways, stop_and_stand, turn
 from wbc.trials.trial import run_scenario
 
 __all__ = [
-    "Judge",
+    "MotionRunner",
+    "RunEvaluator",
     "Scenario",
-    "Stage",
     "circle",
     "forward",
     "run_motions",

@@ -27,7 +27,7 @@ class _Instant:
     spin: np.ndarray  # angular momentum about the CoM
 
 
-class FlightWatch:
+class FlightDetector:
     """Watches whether both soles leave the ground, and what becomes of it.
 
     That the ground lets go, and when, the foot sensors tell; everything else is the truth.

@@ -10,12 +10,12 @@ from wbc.robot import Robot
 from wbc.runtime.loop import RunComplete, StopRun, run
 from wbc.runtime.report import Report
 from wbc.sim import Mujoco
-from wbc.trials.judge import Judge
+from wbc.trials.evaluator import RunEvaluator
 
 _LAST = 1.0  # s of standing after, in which it may still fall
 
 
-class Stage:
+class MotionRunner:
     """What a performer needs around it in a simulation; called before each tick.
 
     Grants the pushes that a motion asks for, and ends the run when the performer has been
@@ -60,7 +60,7 @@ def run_motions(
     at_most: float = 600.0,
     before_tick: Callable[[float, Performer, Mujoco], None] | None = None,
 ) -> Report:
-    """Play motions in MuJoCo with noisy sensors and the estimator; judged by the truth.
+    """Play motions in MuJoCo with noisy sensors and the estimatorand compare with the truth.
 
     Args:
         robot: the robot.
@@ -73,13 +73,13 @@ def run_motions(
         MotionError: the robot cannot do one of them.
     """
     performer = Performer(robot, motions=motions)
-    judge, stage = Judge(), Stage(performer, at_most)
+    evaluator, runner = RunEvaluator(), MotionRunner(performer, at_most)
     with Mujoco(robot, dt=performer.dt, seed=seed) as plant:
 
         def tick(time: float) -> None:
             if before_tick is not None:
                 before_tick(time, performer, plant)
-            stage(time, plant)
+            runner(time, plant)
 
-        report = run(performer, plant, at_most + 1.0, log=judge, before_tick=tick)
-    return judge.amend(report)
+        report = run(performer, plant, at_most + 1.0, log=evaluator, before_tick=tick)
+    return evaluator.amend(report)

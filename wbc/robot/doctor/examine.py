@@ -14,28 +14,25 @@ from typing import TYPE_CHECKING, Any
 import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError, RobotNotFound
-from wbc.robot.build import build, feet_links
-from wbc.robot.catalogue import find
-from wbc.robot.data import RobotData
+from wbc.robot.data_file import RobotData
+from wbc.robot.doctor.geometry import check_meshes, check_shapes
 from wbc.robot.doctor.limits import check_limits
 from wbc.robot.doctor.links import check_links, check_masses
-from wbc.robot.doctor.meshes import check_meshes
-from wbc.robot.doctor.report import finding_from
-from wbc.robot.doctor.shapes import check_shapes
 from wbc.robot.doctor.stance import check_stance
 from wbc.robot.doctor.tree import check_tree
 from wbc.robot.finding import SEVERITIES, Finding
-from wbc.robot.masses import massless_joints
+from wbc.robot.inertia import massless_joints
+from wbc.robot.loader import build_robot, feet_links
 from wbc.robot.model import build_model
 from wbc.robot.packages import search_folders
-from wbc.robot.stated import with_stated
+from wbc.robot.registry import find_robot
 from wbc.robot.urdf import Urdf, read_urdf
 
 if TYPE_CHECKING:
     from wbc.robot.robot import Robot
 
 # What the loader reports itself, knowing what a data file states and what it substituted.
-LOADERS_OWN = ("no-effort-limit", "no-velocity-limit")
+REPORTED_BY_LOADER = ("no-effort-limit", "no-velocity-limit")
 
 
 def check_file(
@@ -52,21 +49,21 @@ def check_file(
         RobotNotFound: there is no such file.
     """
     try:
-        data = with_stated(find(path), stated)
+        data = find_robot(path).with_overrides(**stated)
         folders = search_folders(data.urdf, (*package_dirs, *data.package_dirs))
         urdf = read_urdf(data.urdf)
     except RobotNotFound:
         raise
     except RobotDescriptionError as error:
-        return [finding_from(error, Path(path).name, "unreadable")]
+        return [Finding.from_error(error, Path(path).name, "unreadable")]
     findings = _examine(urdf, folders)
     if not _broken(findings):
         findings += _feet_and_masses(data, urdf)
     if not _broken(findings):
         try:
-            robot = build(data, folders)
+            robot = build_robot(data, folders)
         except RobotDescriptionError as error:
-            findings.append(finding_from(error, urdf.path.name, "unloadable"))
+            findings.append(Finding.from_error(error, urdf.path.name, "unloadable"))
         else:
             return check_robot(robot)
     return _sorted(findings)
@@ -74,7 +71,9 @@ def check_file(
 
 def check_robot(robot: Robot) -> list[Finding]:
     """Everything that is wrong with a loaded robot's description, worst first."""
-    found = [f for f in _examine(robot.urdf, robot.package_dirs) if f.code not in LOADERS_OWN]
+    found = [
+        f for f in _examine(robot.urdf, robot.package_dirs) if f.code not in REPORTED_BY_LOADER
+    ]
     return _sorted([*robot.findings, *found, *check_stance(robot)])
 
 
@@ -93,12 +92,12 @@ def _feet_and_masses(data: RobotData, urdf: Urdf) -> list[Finding]:
     try:
         model = build_model(urdf, data.fixed_joints)
     except RobotDescriptionError as error:
-        return [finding_from(error, urdf.path.name, "unloadable")]
+        return [Finding.from_error(error, urdf.path.name, "unloadable")]
     findings = check_masses(urdf, massless_joints(model, pin.neutral(model)))
     try:
         feet_links(data, urdf)
     except RobotDescriptionError as error:
-        findings.append(finding_from(error, urdf.path.name, "feet-not-found"))
+        findings.append(Finding.from_error(error, urdf.path.name, "feet-not-found"))
     return findings
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from wbc.errors import RobotDescriptionError
-from wbc.robot.doctor.report import finding_from
 from wbc.robot.finding import Finding
 from wbc.robot.model import has_no_range
 from wbc.robot.urdf import Urdf, UrdfJoint
@@ -20,7 +19,7 @@ def check_limits(urdf: Urdf) -> list[Finding]:
             try:
                 findings += _limits(urdf, joint)
             except RobotDescriptionError as error:
-                findings.append(finding_from(error, joint.name, "unreadable-number"))
+                findings.append(Finding.from_error(error, joint.name, "unreadable-number"))
     return findings + _dummies(urdf)
 
 

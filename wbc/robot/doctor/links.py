@@ -7,7 +7,6 @@ import xml.etree.ElementTree as ET
 import numpy as np
 
 from wbc.errors import RobotDescriptionError
-from wbc.robot.doctor.report import finding_from
 from wbc.robot.finding import Finding
 from wbc.robot.inertia import is_physical
 from wbc.robot.urdf import Urdf
@@ -37,7 +36,7 @@ def check_links(urdf: Urdf) -> list[Finding]:
             elif link.find("visual") is not None or link.find("collision") is not None:
                 findings.append(_massless_shape(name, urdf.line(link)))
         except RobotDescriptionError as error:
-            findings.append(finding_from(error, name, "unreadable-number"))
+            findings.append(Finding.from_error(error, name, "unreadable-number"))
     return findings
 
 

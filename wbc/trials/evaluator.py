@@ -14,13 +14,13 @@ from wbc.runtime.protocols import Controller, Plant
 from wbc.runtime.report import Report
 from wbc.runtime.tick import Tick
 from wbc.state import State
-from wbc.trials.flight import FlightWatch
+from wbc.trials.flight import FlightDetector
 
 _REACHED = 0.01  # m
 _LOADED = 0.05  # share of the weight that the command puts on a sole that stands
 
 
-class Judge:
+class RunEvaluator:
     """A recorder of a run that knows the truth; `amend` adds its figures to the report.
 
     The CoM and the targets are compared relative to the true soles, so that an estimate that
@@ -32,7 +32,7 @@ class Judge:
         self._robot: Robot = plant.robot
         self._data = plant.robot.model.createData()
         self._performer = controller if isinstance(controller, Performer) else None
-        self._flights = FlightWatch(plant.robot)
+        self._flights = FlightDetector(plant.robot)
         self._squares, self._ticks = 0.0, 0
         self._slip = 0.0
         self._anchors: dict[str, np.ndarray] = {}

@@ -38,6 +38,6 @@ def link_of(model: pin.Model, urdf: Urdf, joint: int) -> str:
     return next(str(f.name) for f in model.frames if f.parentJoint == 1 and f.type == pin.BODY)
 
 
-def moving_joint(model: pin.Model, link: str) -> int:
+def parent_joint(model: pin.Model, link: str) -> int:
     """The joint of the model that moves a link."""
     return int(model.frames[model.getFrameId(link, pin.BODY)].parentJoint)

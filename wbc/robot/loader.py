@@ -1,28 +1,87 @@
-"""From stated data to a `Robot`: the steps of loading, in order."""
+"""`load`: from a name or a path to a `Robot`, step by step."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import Any
 
 import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError, did_you_mean
-from wbc.robot.data import RobotData
-from wbc.robot.feet import find_feet, foot_link
+from wbc.robot.data_file import RobotData
+from wbc.robot.feet import checked_foot_link, find_feet
 from wbc.robot.finding import Fact, Finding
-from wbc.robot.inertia import repair_model
+from wbc.robot.inertia import add_placeholder_masses, check_mass_matrix, repair_model
 from wbc.robot.limits import set_armature, set_limits
-from wbc.robot.masses import check_mass_matrix, fill_massless
 from wbc.robot.model import build_model
+from wbc.robot.packages import search_folders
 from wbc.robot.posture import com_offset, nominal_posture, stand_base_up, starting_posture
+from wbc.robot.registry import find_robot
 from wbc.robot.robot import Robot
-from wbc.robot.soles import make_soles
-from wbc.robot.trunk import find_torso, leg_joints, link_of, moving_joint
+from wbc.robot.soles import add_soles
+from wbc.robot.topology import find_torso, leg_joints, link_of, parent_joint
 from wbc.robot.urdf import Urdf, read_urdf
 
 
-def build(data: RobotData, folders: tuple[Path, ...]) -> Robot:
+def load(
+    name_or_path: str | Path,
+    *,
+    srdf: str | Path | None = None,
+    left_foot: str | None = None,
+    right_foot: str | None = None,
+    torso: str | None = None,
+    imu: str | None = None,
+    nominal_posture: Mapping[str, float] | None = None,
+    armature: float | Mapping[str, float] | None = None,
+    sole: Mapping[str, Any] | None = None,
+    fixed_joints: Iterable[str] | None = None,
+    package_dirs: Iterable[str | Path] = (),
+    name: str | None = None,
+) -> Robot:
+    """Load a robot.
+
+    Args:
+        name_or_path: a robot with a data file (`available()`), a URDF of
+            example-robot-data by name (`examples()`), or the path of a URDF or
+            of a robot data file.
+        srdf: semantic description with a posture to stand in.
+        left_foot: link that carries the left sole; guessed from the names of
+            the links if they leave no doubt.
+        right_foot: link that carries the right sole.
+        torso: link of the upper trunk; the link from which the arms branch.
+        imu: frame of the inertial unit; the base link.
+        nominal_posture: joint name to position, rad or m; joints left out stay at 0.
+        armature: rotor inertia at the joints, kg·m², one for all or by joint name.
+        sole: `height` of the sole plane in the foot links, `length`, `width` and, if
+            not zero, `center` (x, y) of its rectangle, m, in the foot links' axes; for
+            feet that have no shape.
+        fixed_joints: joints to weld at zero, by name or pattern (`*Finger*`).
+        package_dirs: folders that hold packages, for `package://`.
+        name: the robot's name.
+
+    Raises:
+        RobotNotFound: no such name and no such file.
+        RobotDescriptionError: the description is malformed or makes no usable
+            model; the text names the link, joint or line and the cure.
+    """
+    data = find_robot(name_or_path).with_overrides(
+        srdf=srdf,
+        left_foot=left_foot,
+        right_foot=right_foot,
+        torso=torso,
+        imu=imu,
+        nominal_posture=nominal_posture,
+        armature=armature,
+        sole=sole,
+        fixed_joints=fixed_joints,
+        name=name,
+    )
+    return build_robot(data, search_folders(data.urdf, (*package_dirs, *data.package_dirs)))
+
+
+def build_robot(data: RobotData, folders: tuple[Path, ...]) -> Robot:
     """Build the robot that the data describe; `folders` may hold its packages.
 
     Raises:
@@ -32,16 +91,16 @@ def build(data: RobotData, folders: tuple[Path, ...]) -> Robot:
     model = build_model(urdf, _known_joints(data, urdf))
     model.name = data.name
     base = link_of(model, urdf, 1)
-    facts = [_fact("base", base, None, "root of the tree")]
+    facts = [Fact("base", base, "derived", "root of the tree")]
     # Before any repair, which would give a massless end a little inertia and hide it.
     check_mass_matrix(model, pin.neutral(model), str(urdf.path))
     findings = _repaired(model, urdf)
-    fill_massless(model)
+    add_placeholder_masses(model)
 
     links, guessed = feet_links(data, urdf)
     for side, link in zip(("left", "right"), links, strict=True):
-        facts.append(_fact(f"{side} foot", link, None if guessed else data.source, "its name"))
-    feet = (moving_joint(model, links[0]), moving_joint(model, links[1]))
+        facts.append(Fact.of(f"{side} foot", link, None if guessed else data.source, "its name"))
+    feet = (parent_joint(model, links[0]), parent_joint(model, links[1]))
     if feet[0] == feet[1]:
         raise RobotDescriptionError(
             f"{urdf.path}: the feet '{links[0]}' and '{links[1]}' hang on the same joint; "
@@ -53,7 +112,7 @@ def build(data: RobotData, folders: tuple[Path, ...]) -> Robot:
     start = starting_posture(model, data)
     stand_base_up(model, start.q, feet)
     set_armature(model, data)
-    soles, sole_facts = make_soles(model, urdf, data, folders, start.q, links)
+    soles, sole_facts = add_soles(model, urdf, data, folders, start.q, links)
     posture = nominal_posture(model, start, soles, legs)
     offset = 1e3 * com_offset(model, posture.q)
     facts += sole_facts
@@ -70,9 +129,9 @@ def build(data: RobotData, folders: tuple[Path, ...]) -> Robot:
     imu = _frame(model, data, "imu", data.imu) or base
     armature = float(model.armature.max())
     facts += [
-        _fact("torso", torso, data.source if data.torso else None, "where the limbs branch off"),
-        _fact("imu", imu, data.source if data.imu else None, "the base link"),
-        _fact(
+        Fact.of("torso", torso, data.source if data.torso else None, "where the limbs branch off"),
+        Fact.of("imu", imu, data.source if data.imu else None, "the base link"),
+        Fact.of(
             "armature",
             f"{armature:g} kg·m²" if armature else "none",
             data.source if armature else None,
@@ -96,12 +155,6 @@ def build(data: RobotData, folders: tuple[Path, ...]) -> Robot:
     )
 
 
-def _fact(name: str, value: str, stated_in: str | None, rule: str) -> Fact:
-    if stated_in:
-        return Fact(name, value, "stated", stated_in)
-    return Fact(name, value, "derived", rule)
-
-
 def _repaired(model: pin.Model, urdf: Urdf) -> list[Finding]:
     return [
         Finding(
@@ -119,8 +172,8 @@ def _repaired(model: pin.Model, urdf: Urdf) -> list[Finding]:
 def feet_links(data: RobotData, urdf: Urdf) -> tuple[tuple[str, str], bool]:
     """The (left, right) foot links, and whether they were guessed."""
     if data.left_foot is not None and data.right_foot is not None:
-        left = foot_link(urdf, data.left_foot, "left")
-        return (left, foot_link(urdf, data.right_foot, "right")), False
+        left = checked_foot_link(urdf, data.left_foot, "left")
+        return (left, checked_foot_link(urdf, data.right_foot, "right")), False
     guess = find_feet(urdf)
     if data.left_foot is not None or data.right_foot is not None or guess is None:
         raise RobotDescriptionError(

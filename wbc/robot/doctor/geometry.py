@@ -1,4 +1,4 @@
-"""Can the meshes be found?"""
+"""Can the visual and collision shapes be read, and their meshes be found?"""
 
 from __future__ import annotations
 
@@ -6,8 +6,27 @@ from collections import defaultdict
 from pathlib import Path
 
 from wbc.robot.finding import Finding
+from wbc.robot.geometry import shape_defect
 from wbc.robot.packages import package_folder, resolve
 from wbc.robot.urdf import Urdf
+
+
+def check_shapes(urdf: Urdf) -> list[Finding]:
+    """Shapes without geometry, size or readable numbers."""
+    return [
+        Finding(
+            "warning",
+            name,
+            what,
+            "the shape is left out: it is not drawn, and a foot does not stand on it",
+            "state a box, cylinder, sphere or mesh with its sizes in m",
+            "broken-shape",
+        )
+        for name, link in urdf.links.items()
+        for tag in ("visual", "collision")
+        for element in link.findall(tag)
+        if (what := shape_defect(urdf, element)) is not None
+    ]
 
 
 def check_meshes(urdf: Urdf, folders: tuple[Path, ...]) -> list[Finding]:

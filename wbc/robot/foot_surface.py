@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from wbc.robot.packages import resolve, up_axis_turn
-from wbc.robot.shapes import fault, shape_of
+from wbc.robot.geometry import shape_defect, shape_of
+from wbc.robot.packages import resolve, up_axis_rotation
 from wbc.robot.urdf import Urdf
 
 RIM_POINTS = 24
@@ -59,7 +59,7 @@ def foot_surface(
             if frame.parentJoint != joint_id:
                 continue
             for element in link.findall(kind):
-                if fault(urdf, element) is not None:
+                if shape_defect(urdf, element) is not None:
                     continue
                 placement = frame.placement * _origin(element, urdf)
                 cloud = _cloud(element, urdf, folders, missing, respect_up_axis)
@@ -118,7 +118,7 @@ def _cloud(
         if path is None or vertices is None:
             missing.append(address)
             return None
-        return (vertices @ up_axis_turn(path).T if respect_up_axis else vertices), 0.0
+        return (vertices @ up_axis_rotation(path).T if respect_up_axis else vertices), 0.0
     return None
 
 

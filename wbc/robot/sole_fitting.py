@@ -1,17 +1,14 @@
-"""Soles: the rectangle on which a foot rests, found from the foot's own shape."""
+"""The rectangle on which a foot rests, fitted to the foot's own shape."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import pinocchio as pin
 
-from wbc.robot.foot import FootSurface
+from wbc.robot.foot_surface import FootSurface
 from wbc.robot.polygon import convex_hull, inscribed_rectangle
-
-Side = Literal["left", "right"]
 
 # Foot points this far above the lowest one still count as sole, m (rounded edges).
 SOLE_THICKNESS = 0.004
@@ -23,48 +20,6 @@ HEADING_SNAP = np.deg2rad(20.0)
 AREA_TIE = 0.02
 # Thicknesses of the layers in which planes are compared, m.
 LAYERS = (2e-3, 1e-3, 5e-4, 2e-4)
-
-
-@dataclass(frozen=True, slots=True, repr=False)
-class Sole:
-    """A contact rectangle on a foot.
-
-    Its frame has the origin at the rectangle's centre, z up (the normal, away
-    from the ground) and x forward when the robot stands.
-
-    Attributes:
-        name: `left_sole` or `right_sole`, also the name of the model's frame.
-        side: `left` or `right`.
-        frame_id: of the frame in the model.
-        joint_id: of the joint that moves the foot.
-        placement: T_joint_sole, from sole to joint coordinates.
-        half_length: along x, m.
-        half_width: along y, m.
-        link: name of the foot link.
-    """
-
-    name: str
-    side: Side
-    frame_id: int
-    joint_id: int
-    placement: pin.SE3
-    half_length: float
-    half_width: float
-    link: str
-
-    def __repr__(self) -> str:
-        return f"Sole('{self.name}', {self.size_text}, on '{self.link}')"
-
-    @property
-    def size_text(self) -> str:
-        """Length and width for people, e.g. `200 × 120 mm`."""
-        return f"{2e3 * self.half_length:.0f} × {2e3 * self.half_width:.0f} mm"
-
-    @property
-    def corners(self) -> np.ndarray:
-        """(4, 3) corners in the sole frame, counter-clockwise seen from above, m."""
-        x, y = self.half_length, self.half_width
-        return np.array([[x, y, 0.0], [-x, y, 0.0], [-x, -y, 0.0], [x, -y, 0.0]])
 
 
 @dataclass(frozen=True, slots=True)

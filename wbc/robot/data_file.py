@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +46,7 @@ class RobotData:
         sole: rectangle stated for both feet when they have no geometry:
             `height` (sole plane in the foot link, m), `length`, `width`, and
             `center` (x, y).
-        fixed_joints: joints to hold at zero as if welded, by name or pattern (`*Finger*`).
+        fixed_joints: joints to weld at zero, by name or pattern (`*Finger*`).
         respect_up_axis: whether the Collada meshes mean their `<up_axis>`.
         package_dirs: folders that hold packages.
         source: where these things are stated, for messages.
@@ -69,6 +69,17 @@ class RobotData:
     respect_up_axis: bool = False
     package_dirs: tuple[str, ...] = ()
     source: str = "argument"
+
+    def with_overrides(self, **overrides: Any) -> RobotData:
+        """These data with what a caller states instead; None leaves a value as it is."""
+        changes = {key: value for key, value in overrides.items() if value is not None}
+        if "srdf" in changes:
+            changes["srdf"] = Path(changes["srdf"]).expanduser().resolve()
+            # An SRDF is given for its posture; the data file's own would hide it.
+            changes.setdefault("nominal_posture", {})
+        if "fixed_joints" in changes:
+            changes["fixed_joints"] = tuple(changes["fixed_joints"])
+        return replace(self, **changes) if changes else self
 
 
 SOLE_KEYS = ("height", "length", "width", "center")

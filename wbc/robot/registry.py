@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from wbc.errors import RobotDescriptionError, RobotNotFound, did_you_mean
-from wbc.robot.data import RobotData, read_data
+from wbc.robot.data_file import RobotData, read_data
 from wbc.robot.packages import example_robot_data
 
 _HERE = Path(__file__).resolve().parent
 
 
-def data_folder() -> Path:
+def data_file_folder() -> Path:
     """`robots/`: beside this file in a wheel, at the root of a checkout."""
     inside = _HERE / "data"
     return inside if inside.is_dir() else _HERE.parents[1] / "robots"
@@ -19,7 +19,7 @@ def data_folder() -> Path:
 
 def available() -> tuple[str, ...]:
     """Names of the robots that have a data file, sorted."""
-    return tuple(sorted(path.stem for path in data_folder().glob("*.toml")))
+    return tuple(sorted(path.stem for path in data_file_folder().glob("*.toml")))
 
 
 def examples() -> tuple[str, ...]:
@@ -31,7 +31,7 @@ def examples() -> tuple[str, ...]:
     return tuple(sorted(_examples()))
 
 
-def find(name_or_path: str | Path) -> RobotData:
+def find_robot(name_or_path: str | Path) -> RobotData:
     """What is stated about the robot of that name, or at that path.
 
     Raises:
@@ -40,8 +40,8 @@ def find(name_or_path: str | Path) -> RobotData:
     """
     text = str(name_or_path)
     path = Path(text).expanduser()
-    if isinstance(name_or_path, str) and (data_folder() / f"{text}.toml").is_file():
-        return read_data(data_folder() / f"{text}.toml")
+    if isinstance(name_or_path, str) and (data_file_folder() / f"{text}.toml").is_file():
+        return read_data(data_file_folder() / f"{text}.toml")
     if path.is_file():
         if path.suffix == ".toml":
             return read_data(path.resolve())
