@@ -62,17 +62,17 @@ class Idle:
     """Controller and estimator with nothing to do."""
 
     def __init__(self, robot: wbc.Robot) -> None:
-        self._state = robot.standing()
+        self._estimate = wbc.Estimate(robot.standing())
         zero = np.zeros(robot.na)
         self._command = wbc.Command(zero, np.zeros(robot.nv), {}, zero, zero)
 
     def reset(self, state: wbc.State) -> None:
         """Nothing to do."""
 
-    def update(self, measurement: wbc.Measurement, *, acceleration: object = None) -> wbc.State:
-        return self._state
+    def update(self, measurement: wbc.Measurement, *, acceleration: object = None) -> wbc.Estimate:
+        return self._estimate
 
-    def step(self, state: wbc.State, foot_wrenches: object = None) -> wbc.Command:
+    def step(self, estimate: wbc.Estimate) -> wbc.Command:
         return self._command
 
 

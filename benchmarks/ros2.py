@@ -110,13 +110,13 @@ def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
     robot = wbc.load(name)
     performer = Performer(robot, dt=1.0 / RATE)
     plant = wbc.sim.Mujoco(robot, dt=1.0 / RATE)
-    measurement, state = plant.measure(), robot.standing()
-    command = performer.step(state, measurement.foot_wrenches)
+    measurement, estimate = plant.measure(), wbc.Estimate(robot.standing())
+    command = performer.step(estimate)
     number = int(RATE * seconds)
     records, helms, both = (np.zeros(number) for _ in range(3))
     with Bridge(performer, plant, network=Network(domain)) as bridge:
         bridge.begin(performer, plant)
-        tick = Tick(0.0, measurement, state, command, None, 1e-4, 2e-4)
+        tick = Tick(0.0, measurement, estimate, command, None, 1e-4, 2e-4)
         due = time.perf_counter()
         gc.collect()
         gc.disable()
@@ -132,7 +132,7 @@ def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
             helms[i], records[i], both[i] = middle - start, end - middle, end - start
         gc.enable()
     moving = MovingLinks([link for link in links(robot) if link.joint is not None])
-    kinematics = each("tf", lambda: moving.at(state.q[7:]), 2000)["tf_us"]
+    kinematics = each("tf", lambda: moving.at(estimate.state.q[7:]), 2000)["tf_us"]
     rows = [
         {"what": what, **spread(1e-3 * values)}
         for what, values in (("helm", helms), ("record", records), ("both", both))

@@ -20,13 +20,14 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 
 import argparse
+import copy
 import gc
 import json
 import resource
 import sys
 import time
 import tracemalloc
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +47,6 @@ STAGES = {
     "recovery": "accelerations, torques, wrenches and targets from the solution",
     "diagnostics": "bookkeeping: choice of the assembly, checks that all is finite, status",
 }
-Tick = tuple[wbc.State, dict[str, np.ndarray] | None]
 
 
 class Recorder:
@@ -54,18 +54,15 @@ class Recorder:
 
     def __init__(self, walker: wbc.Walker) -> None:
         self.walker = walker
-        self.ticks: list[Tick] = []
+        self.ticks: list[wbc.Estimate] = []
 
     def reset(self, state: wbc.State) -> None:
         self.start = state
         self.walker.reset(state)
 
-    def step(
-        self, state: wbc.State, foot_wrenches: Mapping[str, np.ndarray] | None = None
-    ) -> wbc.Command:
-        wrenches = {k: w.copy() for k, w in foot_wrenches.items()} if foot_wrenches else None
-        self.ticks.append((wbc.State(state.q.copy(), state.v.copy()), wrenches))
-        return self.walker.step(state, foot_wrenches)
+    def step(self, estimate: wbc.Estimate) -> wbc.Command:
+        self.ticks.append(copy.deepcopy(estimate))
+        return self.walker.step(estimate)
 
 
 class Stopwatch:
@@ -98,7 +95,7 @@ def record(robot: wbc.Robot, speed: float, duration: float) -> Recorder:
     recorder = Recorder(wbc.Walker(robot))
     recorder.walker.velocity = (speed, 0.0, 0.0)
     with Mujoco(robot, ground_truth=True) as plant:
-        report = wbc.run(recorder, plant, duration, estimator=wbc.GroundTruthEstimator())
+        report = wbc.run(recorder, plant, duration, estimator=wbc.GroundTruthEstimator(robot))
     if not report.survived:
         raise SystemExit(f"{robot.name} fell at {report.fell_at_s:.2f} s: {report.fell_why}")
     return recorder
@@ -122,9 +119,9 @@ def replay(
     rows, contacts = [], []
     gc.collect()
     gc.disable()
-    for state, wrenches in recorder.ticks:
+    for estimate in recorder.ticks:
         watch.spent.clear()
-        walker.step(state, wrenches)
+        walker.step(estimate)
         rows.append(dict(watch.spent))
         contacts.append(len(walker.controller.contacts))
     gc.enable()
@@ -147,9 +144,9 @@ def allocations(robot: wbc.Robot, recorder: Recorder, speed: float) -> dict[str,
     walker = wbc.Walker(robot)
     walker.reset(recorder.start)
     walker.velocity = (speed, 0.0, 0.0)
-    for state, wrenches in recorder.ticks:
-        walker.step(state, wrenches)
-    kin = Kinematics(robot, recorder.ticks[-1][0])
+    for estimate in recorder.ticks:
+        walker.step(estimate)
+    kin = Kinematics(robot, recorder.ticks[-1].state)
     controller, ticks = walker.controller, 2000
     controller.solve(kin)
     gc.collect()
@@ -182,8 +179,8 @@ def memory(robot: wbc.Robot, recorder: Recorder, speed: float, duration: float) 
             print(f"{k * len(recorder.ticks):>10}{sys.getallocatedblocks():>12}{rss:>18.1f}")
         if k < rounds:
             walker.reset(recorder.start)
-            for state, wrenches in recorder.ticks:
-                walker.step(state, wrenches)
+            for estimate in recorder.ticks:
+                walker.step(estimate)
 
 
 def table_of(

@@ -23,9 +23,9 @@ with wbc.sim.Mujoco(robot, dt=0.002) as plant:
     home = wbc.Kinematics(robot, robot.standing()).p_com.copy()
     way = []
     while plant.time < DURATION:
-        state = estimator.update(plant.measure())
+        estimate = estimator.update(plant.measure())
         com.target = home + np.array([0.0, SWAY * np.sin(np.pi * plant.time), 0.0])
-        command = controller.step(state)
+        command = controller.step(estimate.state)
         plant.step(command)
         assert controller.kinematics is not None
         way.append(controller.kinematics.p_com[1] - home[1])

@@ -1,4 +1,4 @@
-"""A controller of your own in `wbc.run`: anything with `reset(state)` and `step(state, wrenches)`.
+"""A controller of your own in `wbc.run`: anything with `reset(state)` and `step(estimate)`.
 
 This one knows nothing of balance: it holds every joint where it was, with springs and dampers,
 around the torques that carry the weight.
@@ -26,8 +26,9 @@ class HoldPosture:
         loads = np.linalg.lstsq(J[:, :6].T, kin.bias_forces[:6], rcond=None)[0]
         self.tau = kin.bias_forces[6:] - J[:, 6:].T @ loads
 
-    def step(self, state, foot_wrenches=None):
-        """One tick."""
+    def step(self, estimate):
+        """Return the command of one tick."""
+        state = estimate.state
         tau = self.tau + self.kp * (self.q - state.q[7:]) - self.kd * state.v[6:]
         tau = np.clip(tau, -self.robot.tau_max, self.robot.tau_max)
         still = np.zeros(self.robot.na)

@@ -25,6 +25,7 @@ from .contacts import PointContact as PointContact
 from .contacts import SurfaceContact as SurfaceContact
 from .controller import WholeBodyController as WholeBodyController
 from .errors import WbcError as WbcError
+from .estimation import Estimate as Estimate
 from .estimation import Estimator as Estimator
 from .estimation import GroundTruthEstimator as GroundTruthEstimator
 from .gait import GaitParameters as GaitParameters

@@ -44,13 +44,11 @@ class Recorder:
         """See `wbc.Walker.reset`."""
         self.walker.reset(state)
 
-    def step(
-        self, state: wbc.State, foot_wrenches: Mapping[str, np.ndarray] | None = None
-    ) -> wbc.Command:
+    def step(self, estimate: wbc.Estimate) -> wbc.Command:
         """See `wbc.Walker.step`."""
-        command = self.walker.step(state, foot_wrenches)
+        command = self.walker.step(estimate)
         if self.walker.steps >= 1:
-            self.rows.append(self._row(state))
+            self.rows.append(self._row(estimate.state))
         return command
 
     def _row(self, state: wbc.State) -> dict[str, object]:
@@ -91,7 +89,7 @@ def record_walk(robot: wbc.Robot, speed: float, duration: float) -> Ticks:
     recorder = Recorder(wbc.Walker(robot, DT))
     recorder.walker.velocity = (speed, 0.0, 0.0)
     with Mujoco(robot, ground_truth=True) as plant:
-        report = wbc.run(recorder, plant, duration, estimator=wbc.GroundTruthEstimator())
+        report = wbc.run(recorder, plant, duration, estimator=wbc.GroundTruthEstimator(robot))
     if not report.survived:
         raise RuntimeError(f"{robot.name} fell at {report.fell_at_s:.2f} s: {report.fell_why}")
     return stack(recorder.rows, recorder.walker.posture.target.copy())

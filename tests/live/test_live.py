@@ -190,7 +190,7 @@ class Notes:
         self.dcm.append(self.performer.balance.dcm[:2].copy())
         self.playing.append(self.helm.playing)
         self.steps.append(self.performer.steps)
-        self._joints.append(tick.state.q[7:].copy())
+        self._joints.append(tick.estimate.state.q[7:].copy())
 
     def end(self, report):
         pass
@@ -348,13 +348,13 @@ def test_nothing_is_checked_or_planned_in_the_loop(helm, performer, plant, monke
         monkeypatch.setattr(kind, "check", None)
     monkeypatch.setattr("wbc.motions.posing.Posing.find", None)
     helm.begin()
-    state = performer.robot.standing()
+    estimate = wbc.Estimate(performer.robot.standing())
     for data in packed:
         helm.requests.begin()[:] = (Kind.MOTION, helm.shelf.put(data), len(data))
         helm.requests.publish()
         for _ in range(1500):
             helm(0.0)
-            performer.step(state)
+            performer.step(estimate)
             if helm.playing >= 0:
                 break
         assert helm.playing >= 0

@@ -19,6 +19,7 @@ from needs import need
 
 import wbc
 from wbc.command import Status
+from wbc.estimation import Estimate
 from wbc.log import FlightRecorder, LogError
 from wbc.log.layout import Layout
 from wbc.log.reader import Log
@@ -78,8 +79,8 @@ def walk(tmp_path_factory):
 def test_what_was_computed_with_is_kept_bit_by_bit(humanoid, made_up):
     ticks, plans, log = made_up
     run = LoggedRun(log)
-    assert (run.q == [t.state.q for t in ticks]).all()
-    assert (run.v == [t.state.v for t in ticks]).all()
+    assert (run.q == [t.estimate.state.q for t in ticks]).all()
+    assert (run.v == [t.estimate.state.v for t in ticks]).all()
     assert (run.tau == [t.command.tau for t in ticks]).all()
     for i, sole in enumerate(s.name for s in humanoid.soles):
         logged = run.foot_wrenches[sole]
@@ -159,7 +160,7 @@ def test_plans_are_kept_thirty_times_a_second(made_up):
 def test_a_snapshot_of_a_log_is_what_a_viewer_was_shown(humanoid, made_up):
     ticks, plans, log = made_up
     snapshot = LoggedRun(log).snapshot(17)
-    assert (snapshot.q == ticks[17].state.q).all()
+    assert (snapshot.q == ticks[17].estimate.state.q).all()
     assert (snapshot.telemetry.dcm == plans[17].dcm).all()
     assert snapshot.telemetry.phase == "left"
     assert set(snapshot.wrenches) == {s.name for s in humanoid.soles}
@@ -197,7 +198,7 @@ def test_a_centre_of_pressure_comes_from_both_feet(humanoid, tmp_path):
         right: np.array([0.0, 0.0, 100.0, 0.0, 0.0, 0.0]),
     }
     tick.measurement.foot_wrenches.update(wrenches)
-    ticks = [replace(tick, time=t, state=state, truth=None) for t in (0.0, 0.002)]
+    ticks = [replace(tick, time=t, estimate=Estimate(state), truth=None) for t in (0.0, 0.002)]
     path = tmp_path / "cop.mcap"
     with FlightRecorder(path, humanoid) as log:
         log.record(ticks[0], Pretender())
@@ -338,7 +339,7 @@ def test_a_plant_that_has_lost_itself_is_logged_to_the_end(humanoid, tmp_path):
         for k in range(4):
             tick = random_tick(humanoid, rng, 0.002 * k if k < 2 else float("nan"))
             nowhere = wbc.State(np.full(humanoid.nq, np.nan), np.full(humanoid.nv, np.inf))
-            log.record(tick if k < 2 else replace(tick, state=nowhere), Pretender())
+            log.record(tick if k < 2 else replace(tick, estimate=Estimate(nowhere)), Pretender())
     run = LoggedRun.read(path)
     assert len(run) == 4
     assert np.isnan(run.q[2:]).all()

@@ -102,7 +102,7 @@ def test_pilot_is_shown_while_it_flies():
     jumper = Jumper(body.robot, JUMP.plan(body.robot), body.dt)
     jumper.reset(body.robot.standing())
     body.take_over(jumper)
-    jumper.step(body.robot.standing())
+    jumper.step(wbc.Estimate(body.robot.standing()))
     assert performer.telemetry.com == pytest.approx(jumper.telemetry.com)
     assert performer.dcm_error == jumper.dcm_error
 
@@ -112,7 +112,7 @@ def test_it_is_solved_by_the_walkers_solver():
     performer = Performer(body_of, walker=Walker(body_of, solver="daqp"))
     performer.play(JUMP)
     for _ in range(1000):
-        performer.step(body_of.standing())
+        performer.step(wbc.Estimate(body_of.standing()))
         if performer.body.pilot is not None:
             break
     assert performer.body.pilot._limbs.controller.solver.name == "daqp"

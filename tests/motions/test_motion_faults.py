@@ -126,9 +126,9 @@ def test_a_motion_with_a_fault_is_given_up_and_the_robot_stands(robot, script, w
 
 def test_a_fault_of_a_script_is_logged_with_its_traceback(robot, caplog):
     performer = Performer(robot, motions=[scripted(key_error)])
-    state = robot.standing()
+    estimate = wbc.Estimate(robot.standing())
     for _ in range(200):
-        performer.step(state)
+        performer.step(estimate)
     (record,) = caplog.records
     assert "the motion 'scripted' has a fault" in record.getMessage()
     assert record.exc_info[0] is KeyError

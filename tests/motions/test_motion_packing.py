@@ -50,8 +50,8 @@ def torques(robot, motion, ticks=60):
     """Of a robot that stays where it is, whatever is ordered."""
     performer = Performer(robot)
     performer.play(motion)
-    state = robot.standing()
-    return np.array([performer.step(state).tau for _ in range(ticks)])
+    estimate = wbc.Estimate(robot.standing())
+    return np.array([performer.step(estimate).tau for _ in range(ticks)])
 
 
 @pytest.mark.parametrize("motion", [Squat(depth=4.0), Wave(), Look()], ids=lambda m: m.name)

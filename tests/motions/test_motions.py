@@ -218,16 +218,14 @@ PROGRAMME = (
 OTHERS = (Squat(), Bow(), Look(), Wave(), Reach(random=1), Sway(), Sine(balanced=True))
 
 
-def answer(
-    performer: Performer, order: Callable[[], None], state: wbc.State, wrenches: dict
-) -> np.ndarray:
+def answer(performer: Performer, order: Callable[[], None], estimate: wbc.Estimate) -> np.ndarray:
     """Torques of this tick if an order were given; in a process of its own, so none is."""
     end, begin = os.pipe()
     child = os.fork()
     if child == 0:
         try:
             order()
-            os.write(begin, performer.step(state, wrenches).tau.tobytes())
+            os.write(begin, performer.step(estimate).tau.tobytes())
         finally:
             os._exit(0)
     os.close(begin)
@@ -255,12 +253,11 @@ def test_at_no_tick_of_any_motion_does_an_order_change_a_torque_by_more_than_the
         expected = before = None
         while not performer.idle and not fall_reason(one, plant.ground_truth()):
             measurement = plant.measure()
-            state = estimator.update(measurement, acceleration=expected)
-            wrenches = measurement.foot_wrenches
+            estimate = estimator.update(measurement, acceleration=expected)
             playing, tried = performer.playing, None
             if playing is not None and random.random() < 0.012:
-                tried = answer(performer, random.choice(orders), state, wrenches)
-            command = performer.step(state, wrenches)
+                tried = answer(performer, random.choice(orders), estimate)
+            command = performer.step(estimate)
             expected = command.acceleration
             plant.step(command)
             if tried is not None:
@@ -283,9 +280,10 @@ def test_changing_contacts_keeps_forces_and_torques_where_they_are():
     changes, before = [], None
     with Mujoco(one, noise=quiet, ground_truth=True) as plant:
         performer.reset(plant.ground_truth())
+        estimator = wbc.GroundTruthEstimator(one)
         while plant.time < 9.0 and not performer.idle:
             measurement = plant.measure()
-            command = performer.step(measurement.ground_truth, measurement.foot_wrenches)
+            command = performer.step(estimator.update(measurement))
             plant.step(command)
             now = (
                 set(command.wrenches),

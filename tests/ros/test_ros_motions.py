@@ -251,9 +251,9 @@ def order(helm, mailbox, motion, robot):
 def until(helm, performer, stage, robot):
     """Ticks of a robot that does not move, until the motion has come so far."""
     assert helm.stage is not stage
-    state = robot.standing()
+    estimate = wbc.Estimate(robot.standing())
     for _ in range(round(20.0 / performer.dt)):
-        performer.step(state)
+        performer.step(estimate)
         helm(0.0)
         if helm.stage is stage:
             return

@@ -64,7 +64,7 @@ class Still:
             self.time, self.robot.q_nominal[7:], np.zeros(na), np.zeros(3), up, {}, self._state
         )
 
-    def step(self, given: object, foot_wrenches: object = None) -> wbc.Command:
+    def step(self, given: object) -> wbc.Command:
         if isinstance(given, wbc.Command):
             self.time += self.dt
         else:
@@ -79,7 +79,7 @@ def robot() -> wbc.Robot:
 
 def run(robot: wbc.Robot, **options: object) -> tuple[wbc.Report, Still]:
     still = Still(robot)
-    estimator = wbc.GroundTruthEstimator()
+    estimator = wbc.GroundTruthEstimator(robot)
     return wbc.run(still, still, 0.02, estimator=estimator, **options), still
 
 
@@ -119,7 +119,7 @@ def test_conditions_are_told_before_the_first_tick_and_in_the_report(robot):
         still,
         still,
         0.02,
-        estimator=wbc.GroundTruthEstimator(),
+        estimator=wbc.GroundTruthEstimator(robot),
         real_time=True,
         announce=lambda conditions: told.append((conditions, still.time)),
     )

@@ -31,7 +31,8 @@ class HoldPosture:
         J = sum(self._kin.jacobian(s.name)[2] for s in self._robot.soles)
         self._gravity = self._kin.bias_forces[6:] - half * np.asarray(J)[6:]
 
-    def step(self, state: wbc.State, foot_wrenches: object = None) -> wbc.Command:
+    def step(self, estimate: wbc.Estimate) -> wbc.Command:
+        state = estimate.state
         self.states.append(state)
         robot = self._robot
         stiff = 20.0 * robot.tau_max
@@ -147,8 +148,8 @@ def test_progress_is_told_about_ten_times_a_second(robot: wbc.Robot) -> None:
 
 def test_failed_ticks_are_counted_and_explained(robot: wbc.Robot) -> None:
     class Failing(HoldPosture):
-        def step(self, state: wbc.State, foot_wrenches: object = None) -> wbc.Command:
-            c = super().step(state, foot_wrenches)
+        def step(self, estimate: wbc.Estimate) -> wbc.Command:
+            c = super().step(estimate)
             return wbc.Command(
                 c.tau,
                 c.acceleration,

@@ -8,6 +8,7 @@ import numpy as np
 
 import wbc
 from wbc.command import Command, Status
+from wbc.estimation import Estimate
 from wbc.measurement import Measurement
 from wbc.robot import Robot
 from wbc.runtime.tick import Tick
@@ -89,9 +90,9 @@ def random_tick(
         accelerometer=rng.normal(size=3),
         foot_wrenches={s.name: rng.normal((0, 0, 400, 0, 0, 0)) for s in robot.soles},
     )
-    state = random_state(robot, rng)
+    estimate = Estimate(random_state(robot, rng))
     true_state = random_state(robot, rng) if truth else None
-    return Tick(time, measurement, state, command, true_state, 1e-5 + 1e-6 * time, 3e-4)
+    return Tick(time, measurement, estimate, command, true_state, 1e-5 + 1e-6 * time, 3e-4)
 
 
 def robot() -> Robot:

@@ -136,12 +136,13 @@ class Simulation:
                 if interrupted:
                     raise StopRun("interrupted")
 
+            estimator = wbc.GroundTruthEstimator(self.robot) if options.ground_truth else None
             try:
                 report = wbc.run(
                     controller,
                     plant,
                     duration,
-                    estimator=wbc.GroundTruthEstimator() if options.ground_truth else None,
+                    estimator=estimator,
                     viewer=viewer,
                     recording=keepsakes.recording,
                     log=logs,

@@ -1,8 +1,15 @@
-"""Which soles stand on the ground, told from their forces."""
+"""Which soles stand on the ground and what they carry, from the foot force sensors."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+
+import numpy as np
+
+from wbc.errors import MeasurementError
+from wbc.robot import Robot
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,3 +34,62 @@ class ContactTrigger:
     def slip_factor(self, share: float) -> float:
         """Factor on the wandering of a sole that carries `share` of the weight."""
         return max(1.0, self.full / max(share, 0.02))
+
+
+class ContactDetector:
+    """Validates foot wrenches once per tick and decides which soles stand.
+
+    Args:
+        robot: its soles and weight.
+        trigger: the thresholds.
+
+    Attributes:
+        names: of the soles, in the order of all lists here.
+        stands: per sole, whether it stands.
+    """
+
+    def __init__(self, robot: Robot, trigger: ContactTrigger | None = None) -> None:
+        self.names = tuple(sole.name for sole in robot.soles)
+        self.trigger = ContactTrigger() if trigger is None else trigger
+        self._weight = robot.weight
+        self.reset()
+
+    @property
+    def contacts(self) -> tuple[str, ...]:
+        """Names of the soles that stand."""
+        return tuple(name for name, stands in zip(self.names, self.stands, strict=True) if stands)
+
+    def reset(self) -> None:
+        """Start with all soles in the air."""
+        self.stands = [False] * len(self.names)
+
+    def loads(self, wrenches: Mapping[str, np.ndarray]) -> dict[str, float] | None:
+        """Normal force of each sole as a share of the weight; None without any wrench.
+
+        Args:
+            wrenches: sole name -> (6,) wrench from the ground in sole axes; N, N·m.
+
+        Raises:
+            MeasurementError: a sole is missing, or a wrench has a wrong shape or is not finite.
+        """
+        if not wrenches:
+            return None
+        loads: dict[str, float] = {}
+        for name in self.names:
+            wrench = wrenches.get(name)
+            if wrench is None or wrench.shape != (6,) or not math.isfinite(wrench.dot(wrench)):
+                raise MeasurementError(
+                    f"measurement.foot_wrenches['{name}'] is {wrench!r}: it needs six finite "
+                    "numbers for every sole, or no entries at all without foot sensors"
+                )
+            loads[name] = wrench.item(2) / self._weight
+        return loads
+
+    def update(self, loads: Mapping[str, float]) -> list[bool]:
+        """Decide from the loads; returns `stands`, a new list."""
+        trigger = self.trigger
+        self.stands = [
+            trigger.stands(loads[name], before)
+            for name, before in zip(self.names, self.stands, strict=True)
+        ]
+        return self.stands

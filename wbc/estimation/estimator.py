@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 
 import numpy as np
 import pinocchio as pin
 
 from wbc.errors import ContactError, MeasurementError
-from wbc.estimation.contact import ContactTrigger
+from wbc.estimation.contact import ContactDetector, ContactTrigger
+from wbc.estimation.estimate import Estimate
 from wbc.estimation.inekf import InvariantFilter
 from wbc.estimation.joints import JointFilter
 from wbc.estimation.legs import Legs, leg_covariance
@@ -65,11 +66,10 @@ class Estimator:
         self.robot = robot
         self.dt = dt
         self._noise = EstimatorNoise() if noise is None else noise
-        self._trigger = ContactTrigger() if trigger is None else trigger
+        self._detector = ContactDetector(robot, trigger)
         self._model = robot.model
         self._legs = Legs(robot)
         gravity = np.array(robot.model.gravity.linear)
-        self._weight = robot.weight
         self.filter = InvariantFilter(
             len(robot.soles),
             dt,
@@ -86,7 +86,6 @@ class Estimator:
             joint_acceleration,
             joint_surprise,
         )
-        self._names = [s.name for s in robot.soles]
         self._joint_shape = (robot.na,)
         self._T_world_imu, self._twist = pin.SE3.Identity(), pin.Motion.Zero()
         self.reset(robot.standing())
@@ -94,7 +93,7 @@ class Estimator:
     @property
     def contacts(self) -> tuple[str, ...]:
         """Names of the soles that are taken to stand."""
-        return tuple(n for n, stands in zip(self._names, self._stands, strict=True) if stands)
+        return self._detector.contacts
 
     def reset(self, state: State) -> None:
         """Start at a state whose place, heading and posture are taken as true.
@@ -115,7 +114,7 @@ class Estimator:
         self.filter.reset(world.rotation, world.rotation @ twist.linear)
         self._origin = np.array(world.translation)
         self._joints.reset()
-        self._stands = [False] * len(self._names)
+        self._detector.reset()
         self._gyro: np.ndarray | None = None
 
     def update(
@@ -123,8 +122,8 @@ class Estimator:
         measurement: Measurement,
         contacts: Collection[str] | None = None,
         acceleration: np.ndarray | None = None,
-    ) -> State:
-        """The state at the time of a measurement.
+    ) -> Estimate:
+        """Return state, contacts and foot loads at the time of a measurement.
 
         The first measurement after a reset belongs to the reset's instant; each next one
         comes a period later.
@@ -136,24 +135,23 @@ class Estimator:
                 (`Command.acceleration`); takes the lag out of the joint filter.
 
         Returns:
-            State with new arrays: base pose in the world, base twist in the base frame,
-            filtered joints.
+            An estimate whose state has new arrays: base pose in the world, base twist in the
+            base frame, filtered joints.
 
         Raises:
-            MeasurementError: a wrong size or a reading that is not finite.
+            MeasurementError: a wrong size, a reading that is not finite, or foot wrenches of
+                some soles only.
             ContactError: an unknown sole in `contacts`.
         """
         self._check(measurement)
-        shares = self._shares(measurement)
+        detector = self._detector
+        loads = detector.loads(measurement.foot_wrenches)
+        before = detector.stands
         gyro = measurement.gyro
         due = False
         if self._gyro is not None:
-            slip = [
-                self._trigger.slip_factor(share) if stands else 0.0
-                for share, stands in zip(shares, self._stands, strict=True)
-            ]
             mean = 0.5 * (gyro + self._gyro)
-            due = self.filter.propagate(mean, measurement.accelerometer, slip)
+            due = self.filter.propagate(mean, measurement.accelerometer, self._slip(loads))
         self._gyro = gyro
         position, velocity = self._joints.update(
             measurement.joint_position,
@@ -162,16 +160,18 @@ class Estimator:
         )
         self._legs.update(position, velocity)
         if contacts is not None:
-            stands = self._told(contacts)
-        elif measurement.foot_wrenches:
-            stands = [
-                self._trigger.stands(share, before)
-                for share, before in zip(shares, self._stands, strict=True)
-            ]
+            detector.stands = self._told(contacts)
+        elif loads is not None:
+            detector.update(loads)
         else:
-            stands = self._lowest()
-        self._correct(stands, due)
-        return self._state(gyro, position, velocity)
+            detector.stands = self._lowest()
+        self._correct(before, detector.stands, due)
+        return Estimate(
+            self._state(gyro, position, velocity),
+            detector.contacts,
+            loads,
+            measurement.foot_wrenches,
+        )
 
     def _check(self, measurement: Measurement) -> None:
         q, v = measurement.joint_position, measurement.joint_velocity
@@ -201,36 +201,29 @@ class Estimator:
             if not np.isfinite(reading).all():
                 raise MeasurementError(f"measurement.{name} has entries that are not finite")
 
-    def _shares(self, measurement: Measurement) -> list[float]:
-        """Normal force of each sole over the weight; equal shares without sensors."""
-        wrenches = measurement.foot_wrenches
-        if not wrenches:
-            return [1.0 / len(self._names)] * len(self._names)
-        shares = []
-        for name in self._names:
-            wrench = wrenches.get(name)
-            if wrench is None or wrench.shape != (6,) or not math.isfinite(wrench.dot(wrench)):
-                raise MeasurementError(
-                    f"measurement.foot_wrenches['{name}'] is {wrench!r}: it needs six finite "
-                    "numbers for every sole, or no entries at all without foot sensors"
-                )
-            shares.append(float(wrench[2]) / self._weight)
-        return shares
+    def _slip(self, loads: Mapping[str, float] | None) -> list[float]:
+        """Per sole, a factor on its wandering; 0 in the air, equal loads without sensors."""
+        names, trigger = self._detector.names, self._detector.trigger
+        equal = 1.0 / len(names)
+        return [
+            trigger.slip_factor(equal if loads is None else loads[name]) if stands else 0.0
+            for name, stands in zip(names, self._detector.stands, strict=True)
+        ]
 
     def _told(self, contacts: Collection[str]) -> list[bool]:
-        unknown = [c for c in contacts if c not in self._names]
+        names = self._detector.names
+        unknown = [c for c in contacts if c not in names]
         if unknown:
-            raise ContactError(f"no sole is called '{unknown[0]}'; there are: {self._names}")
-        return [name in contacts for name in self._names]
+            raise ContactError(f"no sole is called '{unknown[0]}'; there are: {list(names)}")
+        return [name in contacts for name in names]
 
     def _lowest(self) -> list[bool]:
         up = self.filter.R[2]
-        heights = [self._legs.sole_height(i, up) for i in range(len(self._names))]
+        heights = [self._legs.sole_height(i, up) for i in range(len(self._detector.names))]
         return [height < min(heights) + _LEVEL for height in heights]
 
-    def _correct(self, stands: list[bool], due: bool) -> None:
+    def _correct(self, before: list[bool], stands: list[bool], due: bool) -> None:
         """Correct by the soles that stood and stand; take in those that came down."""
-        before, self._stands = self._stands, stands
         if due:
             held = tuple(i for i, now in enumerate(stands) if now and before[i])
             if held:

@@ -146,8 +146,8 @@ class FlightRecorder(Closeable):
         balance: Balance = plan or _balance(controller)
         truth, feet = tick.truth, measurement.foot_wrenches
         pieces = [
-            tick.state.q,
-            tick.state.v,
+            tick.estimate.state.q,
+            tick.estimate.state.v,
             command.tau,
             command.acceleration,
             command.q_target,
@@ -231,7 +231,7 @@ class FlightRecorder(Closeable):
 
     def _misfit(self, tick: Tick, balance: Balance) -> str:
         """Which array has the wrong size."""
-        places = (tick.state, tick.command, tick.measurement, balance)
+        places = (tick.estimate.state, tick.command, tick.measurement, balance)
         for name, size in self._layout.body:
             for place in places:
                 if not hasattr(place, name):

@@ -8,6 +8,7 @@ import numpy as np
 
 from wbc.command import Command
 from wbc.errors import MotionError
+from wbc.estimation import Estimate
 from wbc.gait.planar import ground_point, planar_rotation
 from wbc.limits.limit import default_braking
 from wbc.motions.com_reference import ComReference
@@ -239,9 +240,9 @@ class Body(Handwork):
 
     # What the performer calls.
 
-    def sense(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None) -> None:
-        """Before the script's tick."""
-        self.state, self.foot_wrenches = state, foot_wrenches or {}
+    def sense(self, estimate: Estimate) -> None:
+        """Take the tick's estimate, before the script's tick."""
+        self.state, self.foot_wrenches = estimate.state, estimate.foot_wrenches
 
     def advance(self) -> None:
         """One tick: move the references on and hand them to the walker."""

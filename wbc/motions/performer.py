@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from wbc.command import Command
 from wbc.errors import MotionError
+from wbc.estimation import Estimate
 from wbc.motions.body import Body
 from wbc.motions.intent import Intent
 from wbc.motions.motion import Motion, Script
@@ -134,17 +135,17 @@ class Performer:
         self._queue.clear()
         self._queue.extend(self._program)
 
-    def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
+    def step(self, estimate: Estimate) -> Command:
         """One tick; see `Walker.step`."""
         body = self.body
-        body.sense(state, foot_wrenches)
+        body.sense(estimate)
         self._go_on()
         if body.pilot is not None:
             body.time += self.dt
-            command = body.pilot.step(state, foot_wrenches)
+            command = body.pilot.step(estimate)
         else:
             self._advance()
-            command = self.walker.step(state, foot_wrenches)
+            command = self.walker.step(estimate)
         body.observe(command)
         return command
 

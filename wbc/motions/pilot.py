@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Protocol
 
-import numpy as np
-
 from wbc.command import Command
-from wbc.state import State
+from wbc.estimation import Estimate
 from wbc.telemetry import Balance, Telemetry
 
 
 class Pilot(Protocol):
     """Steps in the walker's place, for a motion that leaves the ground."""
 
-    def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
+    def step(self, estimate: Estimate) -> Command:
         """One tick."""
 
     def abandon(self) -> None:

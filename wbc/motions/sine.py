@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,13 +11,13 @@ import pinocchio as pin
 
 from wbc.command import Command
 from wbc.errors import MotionError
+from wbc.estimation import Estimate
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.motions.anatomy import Anatomy
 from wbc.motions.body import Body
 from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
 from wbc.motions.reference import Path, SmoothReference
 from wbc.robot import Robot
-from wbc.state import State
 from wbc.telemetry import Balance, Telemetry
 
 _LEAD_IN = 1.0  # s from standing into the pattern; likewise back, and at rest there
@@ -155,9 +154,9 @@ class JointSprings:
         self._before = body.last_torque
         self._fading: np.ndarray | None = None  # what the torques of standing had more
 
-    def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
+    def step(self, estimate: Estimate) -> Command:
         """One tick."""
-        reference = self._reference
+        reference, state = self._reference, estimate.state
         reference.advance(self._dt)
         q, v = reference.value, reference.velocity
         tau = self._kp * (q - state.q[7:]) + self._kd * (v - state.v[6:])

@@ -55,7 +55,7 @@ def run(
         controller: e.g. a `Walker`.
         plant: e.g. `wbc.sim.Mujoco`.
         duration: s of plant time.
-        estimator: measurement to state; `Estimator(plant.robot, plant.dt)` when left out.
+        estimator: measurement to estimate; `Estimator(plant.robot, plant.dt)` when left out.
         viewer: shown a snapshot 30 times per second of plant time.
         recording: likewise.
         log: told every tick, e.g. `wbc.log.FlightRecorder`; or several such.
@@ -98,19 +98,19 @@ def run(
                     before_tick(plant.time)
                 measurement = plant.measure()
                 t0 = time.perf_counter()
-                state = estimator.update(measurement, acceleration=expected)
+                estimate = estimator.update(measurement, acceleration=expected)
                 t1 = time.perf_counter()
-                command = controller.step(state, measurement.foot_wrenches or None)
+                command = controller.step(estimate)
                 t2 = time.perf_counter()
                 now = plant.time
                 expected = command.acceleration
                 plant.step(command)
                 true_state = _truth(plant)
-                truth = true_state or state
+                truth = true_state or estimate.state
                 book.note(now, t1 - t0, t2 - t1, command, truth, controller)
                 showing = observers if tick % show_every == 0 else ()
                 if logs or showing:
-                    seen = Tick(now, measurement, state, command, true_before, t1 - t0, t2 - t1)
+                    seen = Tick(now, measurement, estimate, command, true_before, t1 - t0, t2 - t1)
                     for one in logs:
                         one.record(seen, controller)
                     if showing:

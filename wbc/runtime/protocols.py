@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
 
 from wbc.command import Command
+from wbc.estimation import Estimate
 from wbc.measurement import Measurement
 from wbc.robot import Robot
 from wbc.runtime.report import Report
@@ -27,8 +27,8 @@ class Controller(Protocol):
     def reset(self, state: State) -> None:
         """Start anew from a state."""
 
-    def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
-        """One tick."""
+    def step(self, estimate: Estimate) -> Command:
+        """Return the command of one tick."""
 
 
 class Plant(Protocol):
@@ -53,13 +53,20 @@ class Plant(Protocol):
 
 
 class StateEstimator(Protocol):
-    """Turns measurements into states."""
+    """Turns measurements into estimates of state, contacts and foot loads."""
 
     def reset(self, state: State) -> None:
         """Start anew at a known state."""
 
-    def update(self, measurement: Measurement, *, acceleration: np.ndarray | None = None) -> State:
-        """The state now; `acceleration` (nv,) is what the last command was to bring about."""
+    def update(
+        self, measurement: Measurement, *, acceleration: np.ndarray | None = None
+    ) -> Estimate:
+        """Return the estimate now.
+
+        Args:
+            measurement: of this tick.
+            acceleration: (nv,) what the last command was to bring about, m/s² and rad/s².
+        """
 
 
 class Observer(Protocol):

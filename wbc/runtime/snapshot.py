@@ -47,7 +47,7 @@ class Snapshot:
         telemetry = getattr(controller, "telemetry", None)
         return Snapshot(
             tick.time,
-            tick.state.q,
+            tick.estimate.state.q,
             tick.measurement.foot_wrenches or command.wrenches,
             _UNKNOWN if telemetry is None else telemetry,
             command.status,

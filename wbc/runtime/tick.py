@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wbc.command import Command
+from wbc.estimation import Estimate
 from wbc.measurement import Measurement
 from wbc.state import State
 
@@ -19,8 +20,8 @@ class Tick:
         time: of the plant when it was measured, s. A time before the previous tick's begins
             a new run.
         measurement: sensor readings.
-        state: estimated from them.
-        command: what the controller made of the state.
+        estimate: state, contacts and foot loads, estimated from them.
+        command: what the controller made of the estimate.
         truth: the state at that time, if the plant tells it.
         estimator_time: that the estimator took, s.
         controller_time: that the controller took, s.
@@ -28,7 +29,7 @@ class Tick:
 
     time: float
     measurement: Measurement
-    state: State
+    estimate: Estimate
     command: Command
     truth: State | None
     estimator_time: float

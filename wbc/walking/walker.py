@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
@@ -12,6 +12,7 @@ import pinocchio as pin
 from wbc.command import Command
 from wbc.controller import WholeBodyController
 from wbc.errors import GaitError
+from wbc.estimation import Estimate
 from wbc.gait import (
     DcmReference,
     Feet,
@@ -31,7 +32,7 @@ from wbc.state import State
 from wbc.tasks import AngularMomentumTask, ComTask, PostureTask, Task
 from wbc.telemetry import Balance, Footstep, Telemetry
 from wbc.walking.contact_manager import ContactManager, rotation_about_z
-from wbc.walking.feet import foot_placements, loads
+from wbc.walking.feet import foot_placements, loads_by_side
 from wbc.walking.gains import WalkerGains
 from wbc.walking.reference_offset import ReferenceOffset
 from wbc.walking.stabilizer import footstep_adjustment, zmp_from_dcm_error
@@ -192,27 +193,23 @@ class Walker:
         self._reference = DcmReference(self._dcm, 0j, self._zmp)
         self.posture.target = state.q[7:].copy()
 
-    def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
+    def step(self, estimate: Estimate) -> Command:
         """One tick.
 
         Args:
-            state: estimated state.
-            foot_wrenches: sole name -> (6,) wrench from the ground in sole axes, N and N·m;
-                None or empty when the robot has no foot sensors: then contact goes by time.
+            estimate: state, and loads of the feet; without loads contact goes by time.
 
         Raises:
             StateError: see `State.checked`.
-            ContactError: a foot wrench of the wrong shape or name, or not finite.
         """
-        shares = loads(self.robot, foot_wrenches)
         kin = self._kin
-        kin.update(state)
+        kin.update(estimate.state)
         self._balance_told = None
         feet = foot_placements(kin)
         state_machine = self.state_machine
         if self.reference_offset is not None:
             state_machine.weight_shift = self.reference_offset.weight_shift
-        state_machine.update(self.dt, feet, self._wanted, shares)
+        state_machine.update(self.dt, feet, self._wanted, loads_by_side(self.robot, estimate))
         self._balance(kin, feet)
         self._keep_upright(feet)
         self._contact_manager.update(state_machine)

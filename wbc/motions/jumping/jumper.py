@@ -9,6 +9,7 @@ from enum import Enum
 import numpy as np
 
 from wbc.command import Command
+from wbc.estimation import Estimate
 from wbc.gait import Feet
 from wbc.gait.planar import ground_point, wrap_angle
 from wbc.gait.polygon import clamp_to_polygon, convex_hull, sole_corners
@@ -22,7 +23,7 @@ from wbc.motions.jumping.profile import Glide, Moment, Profile, stroke
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.telemetry import Balance, Telemetry
-from wbc.walking.feet import foot_placements, loads
+from wbc.walking.feet import foot_placements, loads_by_side
 
 _GROUND_TIME = 0.15  # s, smoothing of the ground's height under the robot
 _SETTLED = 0.005  # m, of the DCM
@@ -114,21 +115,18 @@ class Jumper:
         """Rise from the crouch without a jump; what has left the crouch is carried through."""
         self._abandoned = True
 
-    def step(self, state: State, foot_wrenches: Mapping[str, np.ndarray] | None = None) -> Command:
+    def step(self, estimate: Estimate) -> Command:
         """One tick.
 
         Args:
-            state: estimated state.
-            foot_wrenches: sole name -> (6,) wrench from the ground in sole axes, N and N·m;
-                None or empty without foot sensors: then touchdown goes by time.
+            estimate: state, and loads of the feet; without loads touchdown goes by time.
 
         Raises:
             StateError: see `State.checked`.
-            ContactError: a foot wrench of the wrong shape or name, or not finite.
         """
-        shares = loads(self.robot, foot_wrenches)
+        shares = loads_by_side(self.robot, estimate)
         kin = self._kin
-        kin.update(state)
+        kin.update(estimate.state)
         feet = foot_placements(kin)
         self._advance(kin, feet, self._touching(shares))
         self._time += self.dt

@@ -176,8 +176,8 @@ class Bridge(Closeable):
         record = self._ring.begin()
         np.concatenate(
             (
-                tick.state.q,
-                tick.state.v,
+                tick.estimate.state.q,
+                tick.estimate.state.v,
                 tick.command.tau,
                 balance.com,
                 balance.dcm,
