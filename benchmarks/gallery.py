@@ -25,8 +25,8 @@ from wbc.motions import (
     Keyframes,
     Look,
     Motion,
+    MotionPlayer,
     OneLeg,
-    Performer,
     Reach,
     Sine,
     Squat,
@@ -34,7 +34,7 @@ from wbc.motions import (
     Sway,
     Wave,
 )
-from wbc.motions.jumping import Jumper, JumpPhase
+from wbc.motions.jumping import JumpController, JumpPhase
 from wbc.runtime.loop import RunComplete
 from wbc.trials import MotionRunner
 from wbc.view import Recording
@@ -54,7 +54,7 @@ LOOK = """([turn, nearer, lower]) => {
   viewer.set_dirty();
 }"""
 
-Moment = Callable[[float, Performer], bool]
+Moment = Callable[[float, MotionPlayer], bool]
 
 
 @dataclass(frozen=True)
@@ -86,27 +86,30 @@ class Scene:
 
 def after(seconds: float) -> Moment:
     """A time of the run."""
-    return lambda time, performer: time >= seconds
+    return lambda time, player: time >= seconds
 
 
-def at_the_top(time: float, performer: Performer) -> bool:
+def at_the_top(time: float, player: MotionPlayer) -> bool:
     """In flight, on the way down."""
-    body = performer.body
-    if not isinstance(body.pilot, Jumper) or body.pilot.phase is not JumpPhase.FLIGHT:
+    context = player.context
+    if (
+        not isinstance(context.override, JumpController)
+        or context.override.phase is not JumpPhase.FLIGHT
+    ):
         return False
-    assert body.state is not None
-    return bool(wbc.Kinematics(body.robot, body.state).v_com[2] <= 0.0)
+    assert context.state is not None
+    return bool(wbc.Kinematics(context.robot, context.state).v_com[2] <= 0.0)
 
 
-def on_one_leg(time: float, performer: Performer) -> bool:
+def on_one_leg(time: float, player: MotionPlayer) -> bool:
     """A foot is held up."""
-    return performer.body.lifted is not None and len(performer.body.pushes) > 0
+    return player.context.lifted is not None and len(player.context.pushes) > 0
 
 
-def stepping(time: float, performer: Performer) -> bool:
+def stepping(time: float, player: MotionPlayer) -> bool:
     """In the middle of the third step."""
-    swings = performer.telemetry.phase in ("left", "right")
-    return performer.steps == 2 and swings and performer.walker.state_machine.progress > 0.5
+    swings = player.telemetry.phase in ("left", "right")
+    return player.steps == 2 and swings and player.walker.state_machine.progress > 0.5
 
 
 SCENES = (
@@ -219,16 +222,16 @@ SCENES = (
 def photograph(scene: Scene, path: Path) -> None:
     """Play a scene up to its moment, and take the picture."""
     robot = wbc.load(scene.robot)
-    performer = Performer(robot, motions=[scene.motion])
-    runner, recording = MotionRunner(performer), Recording(robot)
+    player = MotionPlayer(robot, motions=[scene.motion])
+    runner, recording = MotionRunner(player), Recording(robot)
 
     def tick(time: float) -> None:
-        if scene.moment(time, performer):
+        if scene.moment(time, player):
             raise RunComplete
         runner(time, plant)
 
     with wbc.sim.Mujoco(robot, seed=1) as plant:
-        report = wbc.run(performer, plant, LONGEST, recording=recording, before_tick=tick)
+        report = wbc.run(player, plant, LONGEST, recording=recording, before_tick=tick)
     print(f"{scene.name}: {robot.name} at {report.duration_s:.2f} s", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory() as folder, new_page(*SIZE) as page:
         page.set_default_timeout(PATIENCE)
@@ -275,7 +278,7 @@ def write_page(scenes: Sequence[Scene], path: Path) -> None:
         "Each in MuJoCo with the robot's torque limits, noisy sensors and the estimator in the",
         "loop, at its most telling moment. Pictures and page are made by",
         "`python benchmarks/gallery.py`. `wbc motion --list` names all motions, `wbc motion NAME",
-        "--help` tells what may be chosen, and `wbc motion show` plays everything in a row.",
+        "--help` tells what may be chosen, and `wbc motion demo` plays everything in a row.",
         "A motion of your own takes a page of code: `examples/motions/13_own_motion.py`.",
         "",
         "Red arrows are contact forces; black is the centre of mass with the way that it came,",

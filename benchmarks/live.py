@@ -29,7 +29,7 @@ from wbc.errors import MotionError
 from wbc.live import Live
 from wbc.live.helm import Helm
 from wbc.live.panel import Kind
-from wbc.motions import CATALOGUE, Performer, pack
+from wbc.motions import MOTIONS, MotionPlayer, pack
 from wbc.runtime.real_time import RealTime, punctual
 from wbc.runtime.report import Report
 from wbc.runtime.tick import Tick
@@ -111,11 +111,11 @@ class Watch:
         """See `wbc.runtime.protocols.Recorder`."""
 
 
-def stand(live: Live, performer: Performer, plant: Mujoco, seconds: float) -> Watch:
+def stand(live: Live, player: MotionPlayer, plant: Mujoco, seconds: float) -> Watch:
     """A real-time run from the start."""
     watch = Watch(live)
     plant.reset()
-    wbc.run(performer, plant, seconds, log=(watch, live), before_tick=watch.before_tick)
+    wbc.run(player, plant, seconds, log=(watch, live), before_tick=watch.before_tick)
     return watch
 
 
@@ -127,12 +127,12 @@ def slider(robot: wbc.Robot, repeats: int) -> tuple[list[Row], dict[str, list[fl
         "to the command that differs": [],
         "to a frame of it at a page": [],
     }
-    performer = Performer(robot)
-    plant = Mujoco(robot, dt=performer.dt)
+    player = MotionPlayer(robot)
+    plant = Mujoco(robot, dt=player.dt)
     seconds = _SETTLE + 0.5
-    with Live(performer, plant, port=0, announce=False) as live, punctual(RealTime()):
+    with Live(player, plant, port=0, announce=False) as live, punctual(RealTime()):
         page = Page(live.url)
-        quiet = stand(live, performer, plant, seconds)
+        quiet = stand(live, player, plant, seconds)
         while not page.ready.is_set():
             live.helm.lie()
         for k in range(repeats):
@@ -146,7 +146,7 @@ def slider(robot: wbc.Robot, repeats: int) -> tuple[list[Row], dict[str, list[fl
             wait = _SETTLE + float(rng.uniform(0.0, 0.05))
             timer = threading.Timer(wait, move, [0.1 + 1e-4 * k])
             timer.start()
-            watch = stand(live, performer, plant, seconds)
+            watch = stand(live, player, plant, seconds)
             timer.join()
             took = int(np.argmax(np.array(watch.taken) > watch.taken[0]))
             differs = [
@@ -173,13 +173,13 @@ def slider(robot: wbc.Robot, repeats: int) -> tuple[list[Row], dict[str, list[fl
 
 def torques(robot: wbc.Robot, slower: float, faster: float, at: float) -> list[np.ndarray]:
     """Of a walk whose velocity changes at a time, from there on for a second; not in real time."""
-    performer = Performer(robot)
-    plant = Mujoco(robot, dt=performer.dt)
+    player = MotionPlayer(robot)
+    plant = Mujoco(robot, dt=player.dt)
     found: list[np.ndarray] = []
 
     class Keeper:
         def begin(self, controller: Any, plant: Any) -> None:
-            performer.velocity = (slower, 0.0, 0.0)
+            player.velocity = (slower, 0.0, 0.0)
 
         def record(self, tick: Tick, controller: Any) -> None:
             if tick.time > at - 1e-9:
@@ -190,15 +190,15 @@ def torques(robot: wbc.Robot, slower: float, faster: float, at: float) -> list[n
 
     def before_tick(now: float) -> None:
         if abs(now - at) < 1e-9:
-            performer.velocity = (faster, 0.0, 0.0)
+            player.velocity = (faster, 0.0, 0.0)
 
-    wbc.run(performer, plant, at + 1.0, log=Keeper(), before_tick=before_tick)
+    wbc.run(player, plant, at + 1.0, log=Keeper(), before_tick=before_tick)
     return found
 
 
 def walking(robot: wbc.Robot, phases: int) -> Row:
     """From a velocity set while it walks to the command that differs, ms of the robot's time."""
-    gait = Performer(robot).walker.gait
+    gait = MotionPlayer(robot).walker.gait
     slower, faster = 0.3 * gait.max_velocity[0], 0.4 * gait.max_velocity[0]
     waits = []
     for k in range(phases):
@@ -218,11 +218,11 @@ def walking(robot: wbc.Robot, phases: int) -> Row:
 
 def cost(robot: wbc.Robot, ticks: int) -> list[Row]:
     """CPU time per tick of what the page asks of the loop, µs."""
-    performer = Performer(robot)
-    plant = Mujoco(robot, dt=performer.dt)
+    player = MotionPlayer(robot)
+    plant = Mujoco(robot, dt=player.dt)
     looking: list[float] = []
     showing: list[float] = []
-    with Live(performer, plant, port=0, announce=False) as live:
+    with Live(player, plant, port=0, announce=False) as live:
         helm = live.helm
 
         class Timed:
@@ -244,8 +244,8 @@ def cost(robot: wbc.Robot, ticks: int) -> list[Row]:
             helm._steer()
             looking.append(1e-3 * (time.thread_time_ns() - start))
 
-        performer.velocity = (0.1, 0.0, 0.0)
-        wbc.run(performer, plant, ticks * performer.dt, log=Timed(), before_tick=before_tick)
+        player.velocity = (0.1, 0.0, 0.0)
+        wbc.run(player, plant, ticks * player.dt, log=Timed(), before_tick=before_tick)
     rows: list[Row] = []
     for what, values in (("looking for requests", looking), ("showing a tick", showing)):
         p50, p99, mean = *np.percentile(values, [50, 99]), np.mean(values)
@@ -256,18 +256,18 @@ def cost(robot: wbc.Robot, ticks: int) -> list[Row]:
 def starts(robot: wbc.Robot, seconds: float) -> list[Row]:
     """CPU time of the worst tick after each motion was asked for, ms: helm and controller."""
     rows: list[Row] = []
-    for kind in CATALOGUE:
+    for kind in MOTIONS:
         try:
             packed = pack(kind(), robot)  # as the page's process does it
         except MotionError as error:
             print(f"left out: {error}")
             continue
-        performer = Performer(robot)
-        plant = Mujoco(robot, dt=performer.dt)
-        helm = Helm(performer, plant, CATALOGUE, lambda: None)
+        player = MotionPlayer(robot)
+        plant = Mujoco(robot, dt=player.dt)
+        helm = Helm(player, plant, MOTIONS, lambda: None)
         spent: list[float] = []
-        asked = performer.dt * round(1.0 / performer.dt)
-        step = performer.step
+        asked = player.dt * round(1.0 / player.dt)
+        step = player.step
 
         def timed_step(*arguments: Any, step: Any = step, spent: list[float] = spent) -> Any:
             start = time.thread_time_ns()
@@ -291,9 +291,9 @@ def starts(robot: wbc.Robot, seconds: float) -> list[Row]:
             helm._steer()
             spent.append(1e-6 * (time.thread_time_ns() - start))
 
-        performer.step = timed_step  # type: ignore[method-assign]
-        wbc.run(performer, plant, asked + seconds, before_tick=before_tick)
-        first = round(asked / performer.dt)
+        player.step = timed_step  # type: ignore[method-assign]
+        wbc.run(player, plant, asked + seconds, before_tick=before_tick)
+        first = round(asked / player.dt)
         standing, playing = spent[100:first], spent[first:]
         rows.append(
             {

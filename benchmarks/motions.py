@@ -33,10 +33,10 @@ from pathlib import Path
 import wbc
 from wbc.errors import MotionError
 from wbc.motions import Motion
+from wbc.motions.demo import Demo
 from wbc.motions.jump import Jump
 from wbc.motions.one_leg import OneLeg
 from wbc.motions.reach import Reach
-from wbc.motions.show import Show
 from wbc.motions.squat import Squat
 from wbc.motions.sway import Sway
 from wbc.motions.wave import Wave
@@ -82,7 +82,7 @@ class Row:
         slip = math.inf if report.foot_slip_mm is None else report.foot_slip_mm
         return (
             report.survived
-            and not report.given_up
+            and not report.aborted_motions
             and self.whole(robot, report)
             and self.good(robot, self.figure(report))
             and report.qp_failures == 0
@@ -152,8 +152,8 @@ ROWS = (
         jumps=True,
     ),
     Row(
-        "show, everything in a row: no fall",
-        lambda robot, seed: [Show()],
+        "demo, everything in a row: no fall",
+        lambda robot, seed: [Demo()],
         whole=lambda robot, report: not any(n.startswith("left out") for n in report.notes),
     ),
 )
@@ -229,7 +229,7 @@ def line(row: Row, robot: str, seed: int, result: Report | str) -> str:
     figure = "" if not row.unit else f"{row.figure(result):6.1f} {row.unit}"
     slip = result.foot_slip_mm or 0.0
     failure = result.explanation[:80] if result.qp_failures else ""
-    why = result.fell_why or ", ".join(f"gave up {m}" for m in result.given_up) or failure
+    why = result.fell_why or ", ".join(f"gave up {m}" for m in result.aborted_motions) or failure
     return (
         f"{mark} {head}  {figure}  CoM {com_error(result):.1f} mm, slip {slip:.1f} mm, torque "
         f"{100 * result.torque_peak_ratio:.0f} %, joints {result.joint_limit_excess_rad:.0e}  {why}"

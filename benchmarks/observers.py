@@ -1,6 +1,6 @@
 """What observers cost the 500 Hz walking loop: viewer, log, ROS 2, live page, and all of them.
 
-The loop is `wbc.run` in real time with the performer's own work in every tick; a walk in MuJoCo is
+The loop is `wbc.run` in real time with the player's own work in every tick; a walk in MuJoCo is
 recorded once and replayed, so that the physics takes no part. Each observer has its audience: a
 page that takes every frame, a ROS 2 node that takes joint states and transforms at 50 Hz.
 
@@ -52,7 +52,7 @@ from stopwatch import Stopwatch
 from watched import OBSERVERS, Loop, Watcher, watched
 
 import wbc
-from wbc.motions import Performer
+from wbc.motions import MotionPlayer
 
 DT = 0.002  # s
 TURN = 100  # ticks of a cell at a time
@@ -117,14 +117,14 @@ class Case:
 
     def __init__(self, robot: wbc.Robot, seconds: float, speed: float, domain: int) -> None:
         self.robot, self.speed, self.domain = robot, speed, domain
-        self.walk = record(robot, DT, speed, seconds, Performer(robot, DT))
+        self.walk = record(robot, DT, speed, seconds, MotionPlayer(robot, DT))
         self.conditions = ""
 
     @contextlib.contextmanager
     def _loop(self, names: tuple[str, ...]) -> Iterator[Loop]:
         plant = Replay(self.robot, DT, self.walk)
         with tempfile.TemporaryDirectory(prefix="wbc-observers-") as folder:
-            loop = Loop(Performer(self.robot, DT), plant, Path(folder), self.domain)
+            loop = Loop(MotionPlayer(self.robot, DT), plant, Path(folder), self.domain)
             loop.velocity = (self.speed, 0.0, 0.0)
             with watched(loop, tuple(name for name in names if name != BUSY)):
                 yield loop

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 import wbc
-from wbc.motions import Performer
+from wbc.motions import MotionPlayer
 
-Walking = wbc.Walker | Performer
+Walking = wbc.Walker | MotionPlayer
 MORE = 10.0  # periods: after a longer hold-up the loop does not catch up
 
 

@@ -25,7 +25,7 @@ import numpy as np
 
 import wbc
 from wbc.messages import Template, message_type
-from wbc.motions import Performer
+from wbc.motions import MotionPlayer
 from wbc.ros import Network, Node, Qos
 from wbc.ros.bridge import Bridge
 from wbc.ros.bridge.transforms import MovingLinks, links
@@ -108,14 +108,14 @@ def each(name: str, action: Callable[[], object], number: int) -> dict[str, floa
 def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
     """What a tick of a 500 Hz loop pays, µs of CPU."""
     robot = wbc.load(name)
-    performer = Performer(robot, dt=1.0 / RATE)
+    player = MotionPlayer(robot, dt=1.0 / RATE)
     plant = wbc.sim.Mujoco(robot, dt=1.0 / RATE)
     measurement, estimate = plant.measure(), wbc.Estimate(robot.standing())
-    command = performer.step(estimate)
+    command = player.step(estimate)
     number = int(RATE * seconds)
     records, helms, both = (np.zeros(number) for _ in range(3))
-    with Bridge(performer, plant, network=Network(domain)) as bridge:
-        bridge.begin(performer, plant)
+    with Bridge(player, plant, network=Network(domain)) as bridge:
+        bridge.begin(player, plant)
         tick = Tick(0.0, measurement, estimate, command, None, 1e-4, 2e-4)
         due = time.perf_counter()
         gc.collect()
@@ -127,7 +127,7 @@ def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
             start = time.thread_time_ns()
             bridge.helm(0.0)
             middle = time.thread_time_ns()
-            bridge.record(tick, performer)
+            bridge.record(tick, player)
             end = time.thread_time_ns()
             helms[i], records[i], both[i] = middle - start, end - middle, end - start
         gc.enable()

@@ -66,7 +66,7 @@ class Loop:
     """A loop and who watches it.
 
     Attributes:
-        controller: what it runs; the live page and ROS 2 need a performer.
+        controller: what it runs; the live page and ROS 2 need a player.
         plant: what it plays in.
         folder: for files.
         domain: of ROS 2; the next one may be used, too.

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 import wbc
-from wbc.motions import Body, Motion, Script, parameter
+from wbc.motions import Motion, MotionContext, Script, parameter
 from wbc.trials import run_motions
 
 
@@ -24,21 +24,21 @@ class KickTheAir(Motion):
     kicks: int = parameter(3, "how many")
     reach: float = parameter(0.12, "of the foot to the front and to the back, m")
 
-    def play(self, body: Body) -> Script:
+    def play(self, context: MotionContext) -> Script:
         """The script."""
-        for arm in body.anatomy.arms:
+        for arm in context.upper_body.arms:
             side = 1.0 if arm.side == "left" else -1.0
-            body.reach(arm.side, (0.3, side * 0.4, 1.2), duration=1.5, counts=False)
-        yield from body.lift("right", height=0.08)
+            context.reach(arm.side, (0.3, side * 0.4, 1.2), duration=1.5, counts=False)
+        yield from context.lift("right", height=0.08)
         for _ in range(self.kicks):
-            body.turn_trunk((0.0, -0.08, 0.0), duration=0.6)
-            yield from body.move_foot(forward=self.reach, up=0.1, duration=0.6)
-            body.turn_trunk((0.0, 0.08, 0.0), duration=0.6)
-            yield from body.move_foot(forward=-self.reach, up=0.1, duration=0.6)
-        yield from body.put_down()
-        body.com.follow(lambda t: np.array([0.0, 0.02 * np.sin(6.0 * t), 0.0]))  # a small sway
-        yield from body.wait(1.5)
-        body.note(f"{self.kicks} kicks")
+            context.turn_trunk((0.0, -0.08, 0.0), duration=0.6)
+            yield from context.move_foot(forward=self.reach, up=0.1, duration=0.6)
+            context.turn_trunk((0.0, 0.08, 0.0), duration=0.6)
+            yield from context.move_foot(forward=-self.reach, up=0.1, duration=0.6)
+        yield from context.put_down()
+        context.com.follow(lambda t: np.array([0.0, 0.02 * np.sin(6.0 * t), 0.0]))  # a small sway
+        yield from context.wait(1.5)
+        context.note(f"{self.kicks} kicks")
 
 
 if __name__ == "__main__":

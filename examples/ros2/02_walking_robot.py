@@ -6,7 +6,7 @@
 import argparse
 
 import wbc
-from wbc.motions import Performer
+from wbc.motions import MotionPlayer
 from wbc.ros.bridge import Bridge
 
 parser = argparse.ArgumentParser(description=__doc__)
@@ -15,11 +15,11 @@ parser.add_argument("--duration", type=float, default=3.0, help="s (default: 3)"
 options = parser.parse_args()
 
 robot = wbc.load(options.robot)
-performer = Performer(robot)
+player = MotionPlayer(robot)
 
-with wbc.sim.Mujoco(robot) as plant, Bridge(performer, plant) as bridge:
+with wbc.sim.Mujoco(robot) as plant, Bridge(player, plant) as bridge:
     report = wbc.run(
-        performer, plant, options.duration, log=bridge, before_tick=bridge.helm, real_time=True
+        player, plant, options.duration, log=bridge, before_tick=bridge.helm, real_time=True
     )
 
 print(report.table())

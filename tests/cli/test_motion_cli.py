@@ -7,19 +7,19 @@ import json
 import pytest
 
 from wbc.cli import main
-from wbc.motions import CATALOGUE
+from wbc.motions import MOTIONS
 
 
 def test_list_names_every_motion_and_fits_a_terminal(capsys):
     assert main(["motion", "--list"]) == 0
     said = capsys.readouterr().out
-    for motion in CATALOGUE:
+    for motion in MOTIONS:
         assert f"\n{motion.name} " in said
         assert motion.summary in said
     assert max(map(len, said.splitlines())) <= 100
 
 
-@pytest.mark.parametrize("motion", CATALOGUE, ids=lambda motion: motion.name)
+@pytest.mark.parametrize("motion", MOTIONS, ids=lambda motion: motion.name)
 def test_each_motion_explains_its_options(motion, capsys):
     assert main(["motion", motion.name, "--help"]) == 0
     said = capsys.readouterr().out

@@ -10,7 +10,7 @@ import pytest
 
 import wbc
 from wbc.cli import main
-from wbc.motions import CATALOGUE, Show
+from wbc.motions import MOTIONS, Demo
 
 FOLDER = Path(__file__).resolve().parents[2] / "examples" / "motions"
 EXAMPLES = sorted(FOLDER.glob("*.py"))
@@ -61,7 +61,7 @@ def test_example_is_short_and_uses_what_there_is(script):
 
 def test_every_motion_has_an_example():
     text = "".join(script.read_text("utf-8") for script in EXAMPLES)
-    for motion in CATALOGUE:
+    for motion in MOTIONS:
         assert f"{motion.__name__}(" in text
 
 
@@ -79,5 +79,5 @@ def test_the_gallery_shows_every_motion_by_a_command_that_there_is(monkeypatch):
             assert main(line.split()[1:]) == 0, line
         if line.startswith("<img"):
             assert (docs / line.split('"')[1]).is_file()
-    assert {options.motion for options in played} == {*CATALOGUE} - {Show}
+    assert {options.motion for options in played} == {*MOTIONS} - {Demo}
     assert (docs / "motions.png").stat().st_size < 1.5e6

@@ -25,9 +25,9 @@ from wbc.live.errors import BadRequest
 from wbc.live.gauges import SIZE, Gauges, Mode
 from wbc.live.helm import Helm
 from wbc.live.panel import LONGEST, Kind
-from wbc.motions import Motion, Performer, Reach, Squat, pack
-from wbc.motions.catalogue import CATALOGUE
-from wbc.motions.motion import parameter
+from wbc.motions import Motion, MotionPlayer, Reach, Squat, pack
+from wbc.motions.engine.motion import parameter
+from wbc.motions.registry import MOTIONS
 
 
 def motion(name, **parameters):
@@ -143,8 +143,8 @@ def robot():
 
 
 @pytest.fixture
-def performer(robot):
-    return Performer(robot)
+def player(robot):
+    return MotionPlayer(robot)
 
 
 @pytest.fixture
@@ -153,9 +153,9 @@ def plant(robot):
 
 
 @pytest.fixture
-def helm(performer, plant, monkeypatch):
+def helm(player, plant, monkeypatch):
     monkeypatch.setattr("wbc.live.helm.Clock.wait", lambda clock: None)
-    return Helm(performer, plant, CATALOGUE, lambda: None)
+    return Helm(player, plant, MOTIONS, lambda: None)
 
 
 def ask(helm, control, value=None):
@@ -172,8 +172,8 @@ def ask(helm, control, value=None):
 class Notes:
     """Keeps what happens in a run, tick by tick."""
 
-    def __init__(self, performer, helm):
-        self.performer, self.helm = performer, helm
+    def __init__(self, player, helm):
+        self.player, self.helm = player, helm
         self.time, self.tau, self.dcm, self.playing, self.steps = [], [], [], [], []
         self._joints = []
 
@@ -187,18 +187,18 @@ class Notes:
     def record(self, tick, controller):
         self.time.append(tick.time)
         self.tau.append(tick.command.tau.copy())
-        self.dcm.append(self.performer.balance.dcm[:2].copy())
+        self.dcm.append(self.player.balance.dcm[:2].copy())
         self.playing.append(self.helm.playing)
-        self.steps.append(self.performer.steps)
+        self.steps.append(self.player.steps)
         self._joints.append(tick.estimate.state.q[7:].copy())
 
     def end(self, report):
         pass
 
 
-def run(helm, performer, plant, duration, script):
+def run(helm, player, plant, duration, script):
     """Run, asking (time, control, value) on the way."""
-    notes, script = Notes(performer, helm), list(script)
+    notes, script = Notes(player, helm), list(script)
 
     def before_tick(now):
         while script and now >= script[0][0] - 1e-9:
@@ -206,7 +206,7 @@ def run(helm, performer, plant, duration, script):
         helm(now)
 
     plant.reset()
-    report = wbc.run(performer, plant, duration, log=notes, before_tick=before_tick)
+    report = wbc.run(player, plant, duration, log=notes, before_tick=before_tick)
     return notes, report
 
 
@@ -236,195 +236,191 @@ def test_a_message_within_the_bounds_is_understood(helm):
 
 
 def test_every_motion_can_be_asked_for_with_all_that_it_offers(helm):
-    for told, kind in zip(helm.panel.describe()["motions"], CATALOGUE, strict=True):
+    for told, kind in zip(helm.panel.describe()["motions"], MOTIONS, strict=True):
         values = {p["name"]: p["default"] for p in json.loads(json.dumps(told["parameters"]))}
         assert list(values) == [p.name for p in kind.parameters()]
         assert helm.panel.request(motion(kind.name, **values)).motion == kind()
 
 
-def test_there_is_a_knob_for_each_task_and_a_button_for_each_motion(helm, performer):
+def test_there_is_a_knob_for_each_task_and_a_button_for_each_motion(helm, player):
     names = {knob.name for knob in helm.panel.knobs}
-    for task in performer.walker.tasks:
+    for task in player.walker.tasks:
         assert f"{task.name}.weight" in names
     assert {"velocity.forward", "velocity.left", "velocity.turn", "speed"} <= names
     assert {"gait.single_support", "gait.swing_height", "gait.step_width"} <= names
     assert len(names) == len(helm.panel.knobs)
     buttons = [motion["name"] for motion in helm.panel.describe()["motions"]]
-    assert buttons == [motion.name for motion in CATALOGUE]
+    assert buttons == [motion.name for motion in MOTIONS]
 
 
 # What the loop does.
 
 
-def test_a_velocity_changes_the_command_of_the_very_tick_after_it(helm, performer, plant):
-    still, _ = run(helm, performer, plant, 0.2, ())
-    moved, _ = run(helm, performer, plant, 0.2, [(0.1, "velocity.forward", 0.1)])
+def test_a_velocity_changes_the_command_of_the_very_tick_after_it(helm, player, plant):
+    still, _ = run(helm, player, plant, 0.2, ())
+    moved, _ = run(helm, player, plant, 0.2, [(0.1, "velocity.forward", 0.1)])
     differs = [(a != b).any() for a, b in zip(still.tau, moved.tau, strict=True)]
     assert differs.index(True) == 50
 
 
-def test_a_push_moves_the_dcm_to_the_robots_left_and_is_counted_when_survived(
-    helm, performer, plant
-):
-    impulse = 0.1 * performer.robot.mass
-    still, _ = run(helm, performer, plant, 0.4, ())
-    pushed, report = run(helm, performer, plant, 3.4, [(0.2, "push", [0.0, impulse])])
+def test_a_push_moves_the_dcm_to_the_robots_left_and_is_counted_when_survived(helm, player, plant):
+    impulse = 0.1 * player.robot.mass
+    still, _ = run(helm, player, plant, 0.4, ())
+    pushed, report = run(helm, player, plant, 3.4, [(0.2, "push", [0.0, impulse])])
     k = 170  # 0.14 s after the push set in
     moved = pushed.dcm[k] - still.dcm[k]
-    omega = performer.walker.gait.omega
+    omega = player.walker.gait.omega
     assert moved[1] == pytest.approx(0.1 / omega, rel=0.5)  # Δξ = J / (m ω)
     assert abs(moved[0]) < 0.3 * moved[1]
     assert report.survived
     assert (helm.pushes.survived, helm.pushes.decided) == (1, 1)
 
 
-def test_a_push_that_fells_it_is_not_survived(helm, performer, plant):
+def test_a_push_that_fells_it_is_not_survived(helm, player, plant):
     script = [(0.1, "push", [0.0, helm.panel.max_impulse]), (0.2, "push", [0.0, 5.0])]
-    _, report = run(helm, performer, plant, 3.0, script)
+    _, report = run(helm, player, plant, 3.0, script)
     helm.pushes.fell()
     assert not report.survived
     assert (helm.pushes.survived, helm.pushes.decided) == (0, 2)
 
 
-def test_one_thing_at_a_time_walking_a_motion_and_walking_again(helm, performer, plant):
-    sway = [motion.name for motion in CATALOGUE].index("sway")
+def test_one_thing_at_a_time_walking_a_motion_and_walking_again(helm, player, plant):
+    sway = [motion.name for motion in MOTIONS].index("sway")
     script = [
         (0.0, "velocity.forward", 0.1),
         (0.8, "motion", "sway"),
         (2.8, "velocity.forward", 0.15),
     ]
-    notes, report = run(helm, performer, plant, 5.4, script)
+    notes, report = run(helm, player, plant, 5.4, script)
     assert report.survived
     playing = np.array(notes.playing)
     begin, end = np.flatnonzero(playing == sway)[[0, -1]]
     assert 1.2 < notes.time[begin] < 2.7  # first it comes to a stand
     assert notes.time[end] == pytest.approx(2.8, abs=0.01)  # it is left off at once
-    assert performer.velocity == (0.15, 0.0, 0.0)
+    assert player.velocity == (0.15, 0.0, 0.0)
     assert notes.steps[-1] > notes.steps[end]
 
 
-def test_arms_wave_while_it_walks_and_the_slider_goes_on_counting(helm, performer, plant):
-    wave = [motion.name for motion in CATALOGUE].index("wave")
+def test_arms_wave_while_it_walks_and_the_slider_goes_on_counting(helm, player, plant):
+    wave = [motion.name for motion in MOTIONS].index("wave")
     script = [
         (0.0, "velocity.forward", 0.1),
         (1.0, "motion", {"name": "wave", "parameters": {"seconds": 0.5}}),
         (2.5, "velocity.forward", 0.15),
     ]
-    notes, report = run(helm, performer, plant, 5.5, script)
+    notes, report = run(helm, player, plant, 5.5, script)
     assert report.survived
     playing = np.array(notes.playing) == wave
     begin, end = np.flatnonzero(playing)[[0, -1]]
     assert begin == 500
     assert notes.time[end] > 2.6
     assert not playing[-1]
-    assert performer.velocity == (0.15, 0.0, 0.0)
+    assert player.velocity == (0.15, 0.0, 0.0)
     assert notes.steps[begin] < notes.steps[end] < notes.steps[-1]
-    arms = performer.body.anatomy.both_arms()
-    home = performer.body.posture.home
+    arms = player.context.upper_body.both_arms()
+    home = player.context.posture.home
     raised = max(abs(notes.joints - home)[begin:end][:, list(arm.joints)].max() for arm in arms)
     assert raised > 0.5
 
 
-def test_the_push_that_a_motion_asks_for_is_granted_and_counted(helm, performer, plant):
+def test_the_push_that_a_motion_asks_for_is_granted_and_counted(helm, player, plant):
     pushed = []
     plant_push = plant.push
     helm._push_torso = lambda impulse: (pushed.append(impulse), plant_push(impulse))
     parameters = {"leg": "left", "hold": 0.4, "impulse": 0.02}
     script = [(0.0, "motion", {"name": "one-leg", "parameters": parameters})]
-    _, report = run(helm, performer, plant, 8.0, script)
+    _, report = run(helm, player, plant, 8.0, script)
     assert report.survived
     assert len(pushed) == 1
-    assert np.linalg.norm(pushed[0]) == pytest.approx(0.02 * performer.robot.mass)
+    assert np.linalg.norm(pushed[0]) == pytest.approx(0.02 * player.robot.mass)
     assert (helm.pushes.survived, helm.pushes.decided) == (1, 1)
 
 
-def test_nothing_is_checked_or_planned_in_the_loop(helm, performer, plant, monkeypatch):
+def test_nothing_is_checked_or_planned_in_the_loop(helm, player, plant, monkeypatch):
     script = [(0.0, "motion", "squat"), (0.1, "motion", "reach"), (0.3, "motion", "wave")]
     requests = [
         (at, control, helm.panel.request(motion(name)).motion) for at, control, name in script
     ]
-    packed = [pack(m, performer.robot) for _, _, m in requests]
-    for kind in CATALOGUE:
+    packed = [pack(m, player.robot) for _, _, m in requests]
+    for kind in MOTIONS:
         monkeypatch.setattr(kind, "check", None)
-    monkeypatch.setattr("wbc.motions.posing.Posing.find", None)
+    monkeypatch.setattr("wbc.ik.posture_ik.PostureIK.find", None)
     helm.begin()
-    estimate = wbc.Estimate(performer.robot.standing())
+    estimate = wbc.Estimate(player.robot.standing())
     for data in packed:
         helm.requests.begin()[:] = (Kind.MOTION, helm.shelf.put(data), len(data))
         helm.requests.publish()
         for _ in range(1500):
             helm(0.0)
-            performer.step(estimate)
+            player.step(estimate)
             if helm.playing >= 0:
                 break
         assert helm.playing >= 0
 
 
-def test_stand_leaves_everything_off(helm, performer, plant):
+def test_stand_leaves_everything_off(helm, player, plant):
     script = [(0.0, "motion", "sway"), (0.5, "motion", "squat"), (0.6, "stand")]
-    notes, _ = run(helm, performer, plant, 2.5, script)
+    notes, _ = run(helm, player, plant, 2.5, script)
     assert notes.playing[-1] == -1
     assert set(notes.playing[400:]) <= {-1, -2}
 
 
-def test_a_motion_that_turns_out_impossible_leaves_it_standing(
-    robot, performer, plant, monkeypatch
-):
+def test_a_motion_that_turns_out_impossible_leaves_it_standing(robot, player, plant, monkeypatch):
     monkeypatch.setattr("wbc.live.helm.Clock.wait", lambda clock: None)
 
-    helm = Helm(performer, plant, (Trip,), lambda: None)
-    notes, report = run(helm, performer, plant, 3.0, [(0.0, "motion", "trip")])
+    helm = Helm(player, plant, (Trip,), lambda: None)
+    notes, report = run(helm, player, plant, 3.0, [(0.0, "motion", "trip")])
     assert report.survived
     assert notes.playing[-1] == -1
-    assert performer.body.at_home
-    assert "over its own feet" in performer.body.notes[0]
+    assert player.context.at_home
+    assert "over its own feet" in player.context.notes[0]
 
 
-def test_pause_stops_time_and_requests_are_still_taken(helm, performer, plant):
+def test_pause_stops_time_and_requests_are_still_taken(helm, player, plant):
     seen = []
 
     def idle():
-        seen.append((plant.time, performer.walker.com.weight[0]))
+        seen.append((plant.time, player.walker.com.weight[0]))
         if len(seen) == 3:
             ask(helm, "com.weight", 1000.0)
         if len(seen) == 6:
             ask(helm, "pause", False)
 
     helm._idle = idle
-    notes, _ = run(helm, performer, plant, 0.1, [(0.04, "pause", True)])
+    notes, _ = run(helm, player, plant, 0.1, [(0.04, "pause", True)])
     assert len(seen) >= 6
     assert {time for time, _ in seen} == {0.04}
     assert seen[-1][1] == 1000.0
     assert len(notes.time) == 50
 
 
-def test_slow_motion_makes_ticks_rarer(performer, plant):
-    helm = Helm(performer, plant, CATALOGUE, lambda: None)
+def test_slow_motion_makes_ticks_rarer(player, plant):
+    helm = Helm(player, plant, MOTIONS, lambda: None)
     ask(helm, "speed", 0.05)
     start = time.perf_counter()
-    run(helm, performer, plant, 0.02, ())
+    run(helm, player, plant, 0.02, ())
     assert time.perf_counter() - start > 9 * 0.002 / 0.05 - 0.01
 
 
-def test_a_reset_ends_the_run_once(helm, performer, plant):
+def test_a_reset_ends_the_run_once(helm, player, plant):
     script = [(0.05, "reset"), (0.05, "reset")]
-    _, report = run(helm, performer, plant, 0.2, script)
+    _, report = run(helm, player, plant, 0.2, script)
     assert helm.reset_wanted
     assert report.duration_s == pytest.approx(0.048, abs=1e-6)
-    _, report = run(helm, performer, plant, 0.1, [(0.0, "reset")])  # it is as good as reset
+    _, report = run(helm, player, plant, 0.1, [(0.0, "reset")])  # it is as good as reset
     assert report.survived
 
 
-def test_a_gain_keeps_the_ratios_of_its_rows(helm, performer, plant):
-    posture = performer.walker.posture
+def test_a_gain_keeps_the_ratios_of_its_rows(helm, player, plant):
+    posture = player.walker.posture
     before = posture.weight.copy()
     top = before.max()
-    _, report = run(helm, performer, plant, 0.1, [(0.02, "posture.weight", 3.0 * top)])
+    _, report = run(helm, player, plant, 0.1, [(0.02, "posture.weight", 3.0 * top)])
     assert report.qp_failures == 0
     np.testing.assert_allclose(posture.weight, 3.0 * before)
 
 
-def test_gait_parameters_may_be_turned_to_their_ends_while_it_walks(helm, performer, plant):
+def test_gait_parameters_may_be_turned_to_their_ends_while_it_walks(helm, player, plant):
     knobs = [knob for knob in helm.panel.knobs if knob.group == "gait"]
     script = [(0.0, "velocity.forward", 0.15)]
     at = 1.5
@@ -432,9 +428,9 @@ def test_gait_parameters_may_be_turned_to_their_ends_while_it_walks(helm, perfor
         for value in (knob.high, knob.low, knob.value):
             script.append((at, knob.name, value))
             at += 0.4
-    _, report = run(helm, performer, plant, at + 0.5, script)
+    _, report = run(helm, player, plant, at + 0.5, script)
     assert report.survived, report.fell_why
-    assert performer.walker.gait == wbc.gait.GaitParameters.for_robot(performer.robot)
+    assert player.walker.gait == wbc.gait.GaitParameters.for_robot(player.robot)
 
 
 # The page's process.
@@ -496,9 +492,9 @@ class Client:
 
 
 @pytest.fixture
-def live(performer, plant):
+def live(player, plant):
     motions = (Squat, Shrug, Doze, Fly)
-    with Live(performer, plant, port=0, motions=motions, announce=False) as live:
+    with Live(player, plant, port=0, motions=motions, announce=False) as live:
         yield live
 
 
@@ -562,7 +558,7 @@ def test_a_motion_is_planned_with_its_parameters_before_the_loop_hears_of_it(liv
     assert "cannot go down by 90 %" in page.hear("error")["error"]
     page.say(motion("shrug", duration=0.2))
     taken(live, 1)
-    assert live.helm.conductor.waiting == Shrug(0.2)
+    assert live.helm.manager.waiting == Shrug(0.2)
 
 
 def test_a_motion_that_is_still_being_planned_is_forgotten_for_something_else(live, tmp_path):
@@ -576,7 +572,7 @@ def test_a_motion_that_is_still_being_planned_is_forgotten_for_something_else(li
     assert page.hear("planning")["planning"] == "shrug"
     (tmp_path / "alarm").touch()
     taken(live, 2)
-    assert live.helm.conductor.waiting == Shrug(0.3)
+    assert live.helm.manager.waiting == Shrug(0.3)
 
 
 def test_a_motion_whose_planning_breaks_is_told_and_the_page_goes_on(live):
@@ -639,12 +635,12 @@ def test_a_page_open_to_the_network_is_asked_for_by_address_not_by_any_name(list
     assert bool(re.fullmatch(_names(listening), name)) is known
 
 
-def test_a_motion_that_another_process_could_not_find_is_refused_with_the_cure(performer, plant):
+def test_a_motion_that_another_process_could_not_find_is_refused_with_the_cure(player, plant):
     class Hidden(Shrug):
         name = "hidden"
 
     with pytest.raises(MotionError, match=r"'hidden' is defined where .* module of its own"):
-        Live(performer, plant, port=0, motions=(Hidden,), announce=False)
+        Live(player, plant, port=0, motions=(Hidden,), announce=False)
 
 
 def test_the_page_needs_nothing_from_elsewhere(live):
@@ -658,14 +654,14 @@ def test_the_page_needs_nothing_from_elsewhere(live):
         assert "https://" not in text
 
 
-def test_a_port_that_is_taken_is_told(live, performer, plant):
+def test_a_port_that_is_taken_is_told(live, player, plant):
     port = int(live.url.split(":")[2].split("/")[0])
     with pytest.raises(LiveError, match=f"port {port} is in use"):
-        Live(performer, plant, port=port, announce=False)
+        Live(player, plant, port=port, announce=False)
 
 
 def test_the_run_goes_on_when_the_pages_process_dies_and_says_so_once(
-    live, performer, plant, monkeypatch, caplog
+    live, player, plant, monkeypatch, caplog
 ):
     monkeypatch.setattr("wbc.live.helm.Clock.wait", lambda clock: None)
     monkeypatch.setattr("wbc.process.child._CHECK_PERIOD", 0.0)
@@ -678,7 +674,7 @@ def test_the_run_goes_on_when_the_pages_process_dies_and_says_so_once(
                 time.sleep(0.01)
         live.helm(now)
 
-    report = wbc.run(performer, plant, 0.2, log=live, before_tick=die)
+    report = wbc.run(player, plant, 0.2, log=live, before_tick=die)
     assert report.survived
     assert report.duration_s == pytest.approx(0.198)
     assert [record.message.count("the live page") for record in caplog.records] == [1]
@@ -704,13 +700,13 @@ def test_pages_that_come_and_go_leave_nothing_behind(live):
 
 
 @contextmanager
-def driven(live, performer, plant, duration):
+def driven(live, player, plant, duration):
     """The run on a thread; its notes on the way."""
     told = []
     stop = threading.Event()
     thread = threading.Thread(
         target=drive,
-        args=(live, performer, plant, duration),
+        args=(live, player, plant, duration),
         kwargs={"told": told.append, "stop": stop.is_set},
         daemon=True,
     )
@@ -721,7 +717,7 @@ def driven(live, performer, plant, duration):
     assert not thread.is_alive()
 
 
-def test_it_falls_lies_and_is_set_on_its_feet_and_gauges_tell(live, performer, plant, monkeypatch):
+def test_it_falls_lies_and_is_set_on_its_feet_and_gauges_tell(live, player, plant, monkeypatch):
     monkeypatch.setattr("wbc.live.helm.Clock.wait", lambda clock: None)
     page = Client(live.url)
 
@@ -730,7 +726,7 @@ def test_it_falls_lies_and_is_set_on_its_feet_and_gauges_tell(live, performer, p
             pass
         return gauges
 
-    with driven(live, performer, plant, 1000.0) as told:
+    with driven(live, player, plant, 1000.0) as told:
         first = until(lambda g: g["mode"] == "running" and g["time"] > 0.1)
         assert 0.0 < first["tick_time"] < 1.0
         page.ask("velocity.forward", 0.1)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from wbc.log import Log, LoggedRun
-from wbc.motions.catalogue import CATALOGUE
+from wbc.motions.registry import MOTIONS
 
 pytestmark = pytest.mark.browser
 
@@ -171,7 +171,7 @@ def test_a_push_makes_the_dcm_jump_and_is_counted(page):
 
 def test_every_motion_has_a_button_that_plays_it(page):
     names = page.locator("[data-action^='motion ']").all_inner_texts()
-    assert names == names_of(CATALOGUE)
+    assert names == names_of(MOTIONS)
     page.click("[data-action='motion sway']")
     page.wait_for_function(f"wbc.live.gauges.playing === {names.index('sway')}")
     page.wait_for_function(
@@ -194,7 +194,7 @@ def test_parameters_unfold_below_their_button_and_what_cannot_be_is_answered_the
     page.evaluate("wbc.live.errors.length = 0")
     page.fill("[data-parameter='squat.depth']", "4")
     page.press("[data-parameter='squat.depth']", "Enter")
-    page.wait_for_function(f"wbc.live.gauges.playing === {names_of(CATALOGUE).index('squat')}")
+    page.wait_for_function(f"wbc.live.gauges.playing === {names_of(MOTIONS).index('squat')}")
     page.click("[data-form=squat] >> text=as it was")
     page.wait_for_function("document.querySelectorAll('.moved').length === 0")
     page.click("[data-more=reach]")
@@ -221,7 +221,7 @@ def test_it_waves_while_it_walks(page):
     turn(page, "velocity.forward", 0.7)
     page.wait_for_function("wbc.live.gauges.velocity[0] > 0.05")
     page.click("[data-action='motion wave']")
-    page.wait_for_function(f"wbc.live.gauges.playing === {names_of(CATALOGUE).index('wave')}")
+    page.wait_for_function(f"wbc.live.gauges.playing === {names_of(MOTIONS).index('wave')}")
     pass_time(page, 0.5)
     assert page.evaluate("wbc.live.gauges.velocity[0]") > 0.05
     page.click("[data-action=stand]")

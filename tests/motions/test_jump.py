@@ -5,9 +5,9 @@ from functools import cache
 import pytest
 
 import wbc
-from wbc.motions import Performer
+from wbc.motions import MotionPlayer
 from wbc.motions.jump import Jump
-from wbc.motions.jumping import Jumper, JumpPhase
+from wbc.motions.jumping import JumpController, JumpPhase
 from wbc.runtime.report import Report
 from wbc.sim import Mujoco
 from wbc.trials import run_motions
@@ -51,10 +51,14 @@ def test_robot_jumps_clear_and_lands_standing(name):
 
 
 def interrupt_in(phase: JumpPhase) -> Report:
-    def interrupt(_: float, performer: Performer, plant: Mujoco) -> None:
-        pilot = performer.body.pilot
-        if isinstance(pilot, Jumper) and pilot.phase is phase and performer.playing is not None:
-            performer.interrupt()
+    def interrupt(_: float, player: MotionPlayer, plant: Mujoco) -> None:
+        override = player.context.override
+        if (
+            isinstance(override, JumpController)
+            and override.phase is phase
+            and player.playing is not None
+        ):
+            player.interrupt()
 
     return run_motions(robot("simple_humanoid"), [JUMP], seed=2, before_tick=interrupt)
 
@@ -76,11 +80,11 @@ def test_interrupted_flight_is_carried_through():
 def test_pushed_in_the_air_it_puts_its_soles_where_they_catch_it():
     push = 0.03 * robot("simple_humanoid").mass  # N·s, forward
 
-    def shove(_: float, performer: Performer, plant: Mujoco) -> None:
-        pilot = performer.body.pilot
+    def shove(_: float, player: MotionPlayer, plant: Mujoco) -> None:
+        override = player.context.override
         if (
-            isinstance(pilot, Jumper)
-            and pilot.phase is JumpPhase.FLIGHT
+            isinstance(override, JumpController)
+            and override.phase is JumpPhase.FLIGHT
             and not plant.push_force.any()
         ):
             if not pushed:
@@ -97,22 +101,22 @@ def test_pushed_in_the_air_it_puts_its_soles_where_they_catch_it():
 
 
 def test_pilot_is_shown_while_it_flies():
-    performer = Performer(robot("simple_humanoid"), motions=[])
-    body = performer.body
-    jumper = Jumper(body.robot, JUMP.plan(body.robot), body.dt)
-    jumper.reset(body.robot.standing())
-    body.take_over(jumper)
-    jumper.step(wbc.Estimate(body.robot.standing()))
-    assert performer.telemetry.com == pytest.approx(jumper.telemetry.com)
-    assert performer.dcm_error == jumper.dcm_error
+    player = MotionPlayer(robot("simple_humanoid"), motions=[])
+    context = player.context
+    controller = JumpController(context.robot, JUMP.plan(context.robot), context.dt)
+    controller.reset(context.robot.standing())
+    context.start_override(controller)
+    controller.step(wbc.Estimate(context.robot.standing()))
+    assert player.telemetry.com == pytest.approx(controller.telemetry.com)
+    assert player.dcm_error == controller.dcm_error
 
 
 def test_it_is_solved_by_the_walkers_solver():
     body_of = robot("simple_humanoid")
-    performer = Performer(body_of, walker=Walker(body_of, solver="daqp"))
-    performer.play(JUMP)
+    player = MotionPlayer(body_of, walker=Walker(body_of, solver="daqp"))
+    player.play(JUMP)
     for _ in range(1000):
-        performer.step(wbc.Estimate(body_of.standing()))
-        if performer.body.pilot is not None:
+        player.step(wbc.Estimate(body_of.standing()))
+        if player.context.override is not None:
             break
-    assert performer.body.pilot._limbs.controller.solver.name == "daqp"
+    assert player.context.override._limbs.controller.solver.name == "daqp"

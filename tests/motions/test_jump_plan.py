@@ -16,10 +16,10 @@ from wbc.motions.jumping import (
     jump_paths,
     plan_jump,
     take_off_bound,
-    trace,
+    trace_path,
 )
 from wbc.motions.jumping.path import gravity_of
-from wbc.motions.jumping.profile import Glide, Hop, stroke
+from wbc.motions.jumping.profile import HopProfile, MinimumJerk, stroke
 
 ROBOTS = ("talos", "g1", "simple_humanoid")
 STILLNESS = 2e-5
@@ -33,7 +33,7 @@ def robot(name: str) -> wbc.Robot:
 @cache
 def path(name: str) -> JumpPath:
     height = robot(name).com_height
-    found = trace(robot(name), 0.9 * height, 0.2 * height, STILLNESS)
+    found = trace_path(robot(name), 0.9 * height, 0.2 * height, STILLNESS)
     assert found is not None
     return found
 
@@ -131,7 +131,7 @@ def test_stroke_ends_where_and_as_it_should(start, speed, end, begin):
 
 @pytest.mark.parametrize(
     "curve",
-    [stroke(0.7, 0.0, (0.8, 0.9, -9.81)), Glide(0.3, 0.7, 0.8), Hop(0.16, 0.05, 0.1)],
+    [stroke(0.7, 0.0, (0.8, 0.9, -9.81)), MinimumJerk(0.3, 0.7, 0.8), HopProfile(0.16, 0.05, 0.1)],
     ids=lambda c: type(c).__name__,
 )
 def test_velocity_and_acceleration_are_derivatives(curve):
@@ -142,7 +142,7 @@ def test_velocity_and_acceleration_are_derivatives(curve):
 
 
 def test_hop_leaves_the_ground_smoothly_clears_it_and_comes_down_slowly():
-    hop = Hop(0.16, 0.05, 0.1)
+    hop = HopProfile(0.16, 0.05, 0.1)
     np.testing.assert_allclose(hop.at(0.0), 0.0, atol=1e-12)
     assert hop.at(0.08)[0] == pytest.approx(0.05, abs=0.002)
     np.testing.assert_allclose(hop.at(0.16)[:2], [0.0, -0.1], atol=1e-9)
@@ -174,7 +174,7 @@ def test_plan_keeps_torque_and_velocity_limits_by_inverse_dynamics(name):
         assert (np.abs(v[6:]) <= bot.v_max).all()
     assert worst <= 1.0
     assert worst <= jump.torque_share + 0.1, "the path is straight between its points"
-    assert jump.effort <= 0.95
+    assert jump.holding_effort <= 0.95
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -230,7 +230,9 @@ def test_weak_robot_is_told_the_bound_and_the_limiting_joint():
     assert isinstance(told.value, MotionError)
     assert 0.0 < told.value.bound.rise < 0.2
     asked = float(str(told.value).split("ask for ")[1].split(" mm")[0]) / 1e3
-    assert plan_jump(weak, 0.95 * asked).effort <= 0.95, "what it is told to ask for, it can do"
+    assert plan_jump(weak, 0.95 * asked).holding_effort <= 0.95, (
+        "what it is told to ask for, it can do"
+    )
 
 
 def test_robot_that_cannot_even_rise_is_told_so():

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wbc.errors import MotionError
-from wbc.motions import CATALOGUE, Keyframes, OneLeg, Reach, Sine, Squat
-from wbc.motions.choice import spoken
+from wbc.motions import MOTIONS, Keyframes, OneLeg, Reach, Sine, Squat
+from wbc.motions.engine.parsing import parse_motion
 
 
 @pytest.mark.parametrize(
@@ -25,7 +25,7 @@ from wbc.motions.choice import spoken
     ],
 )
 def test_a_line_of_text_means_a_motion(text, motion):
-    assert spoken(text, CATALOGUE) == motion
+    assert parse_motion(text, MOTIONS) == motion
 
 
 @pytest.mark.parametrize(
@@ -50,10 +50,10 @@ def test_a_line_of_text_means_a_motion(text, motion):
 )
 def test_a_line_that_means_none_is_refused_with_the_reason(text, why):
     with pytest.raises(MotionError, match=why):
-        spoken(text, CATALOGUE)
+        parse_motion(text, MOTIONS)
 
 
 @given(st.text(max_size=40) | st.text(max_size=30).map(lambda rest: f"squat {rest}"))
 def test_whatever_is_said_is_a_motion_or_is_refused(text):
     with contextlib.suppress(MotionError):
-        assert type(spoken(text, CATALOGUE)) in CATALOGUE
+        assert type(parse_motion(text, MOTIONS)) in MOTIONS

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 import wbc
 from wbc.errors import MotionError
-from wbc.motions import Motion, Performer
-from wbc.motions.com_reference import ComReference
+from wbc.motions import Motion, MotionPlayer
+from wbc.motions.engine.com_reference import ComReference
 
 pytest.importorskip("mujoco")
 
@@ -32,17 +32,17 @@ def scripted(script):
         name = "scripted"
         summary = "for a test"
 
-        def play(self, body):
-            yield from script(body)
+        def play(self, context):
+            yield from script(context)
 
     return Scripted()
 
 
 def play(robot, script, duration):
-    performer = Performer(robot, motions=[scripted(script)])
+    player = MotionPlayer(robot, motions=[scripted(script)])
     with wbc.sim.Mujoco(robot, seed=3) as plant:
-        report = wbc.run(performer, plant, duration)
-    return performer, report
+        report = wbc.run(player, plant, duration)
+    return player, report
 
 
 def from_half_a_second_on(value):
@@ -50,50 +50,50 @@ def from_half_a_second_on(value):
 
 
 def com_path(value):
-    def script(body):
-        body.com.follow(from_half_a_second_on(value))
-        yield from body.wait(3.0)
+    def script(context):
+        context.com.follow(from_half_a_second_on(value))
+        yield from context.wait(3.0)
 
     return script
 
 
 def hand_path(value):
-    def script(body):
-        body.lead("left", lambda t: np.array([0.3, 0.3, 1.0]) + from_half_a_second_on(value)(t))
-        yield from body.wait(3.0)
+    def script(context):
+        context.lead("left", lambda t: np.array([0.3, 0.3, 1.0]) + from_half_a_second_on(value)(t))
+        yield from context.wait(3.0)
 
     return script
 
 
-def key_error(body):
-    yield from body.wait(0.3)
+def key_error(context):
+    yield from context.wait(0.3)
     _ = {}["nobody"]
 
 
-def shaken(body):
-    body.com.follow(lambda t: np.array([0.03 * np.sin(18.0 * t), 0.0, 0.0]))
-    yield from body.wait(3.0)
+def shaken(context):
+    context.com.follow(lambda t: np.array([0.03 * np.sin(18.0 * t), 0.0, 0.0]))
+    yield from context.wait(3.0)
 
 
 def com_to(*place):
-    def script(body):
-        yield from body.wait(0.2)
-        body.com.go(place, 0.1)
-        yield from body.wait(3.0)
+    def script(context):
+        yield from context.wait(0.2)
+        context.com.go(place, 0.1)
+        yield from context.wait(3.0)
 
     return script
 
 
-def bend(body):
-    yield from body.wait(0.2)
-    body.turn_trunk([0.0, 1.5, 0.0])
-    yield from body.wait(3.0)
+def bend(context):
+    yield from context.wait(0.2)
+    context.turn_trunk([0.0, 1.5, 0.0])
+    yield from context.wait(3.0)
 
 
-def far_off(body):
-    yield from body.wait(0.2)
-    body.posture.go(1e6)
-    yield from body.wait(3.0)
+def far_off(context):
+    yield from context.wait(0.2)
+    context.posture.go(1e6)
+    yield from context.wait(3.0)
 
 
 FAULTS = {
@@ -114,21 +114,21 @@ FAULTS = {
 
 @pytest.mark.parametrize(("script", "why"), FAULTS.values(), ids=FAULTS)
 def test_a_motion_with_a_fault_is_given_up_and_the_robot_stands(robot, script, why, caplog):
-    with caplog.at_level(logging.CRITICAL, "wbc.motions.performer"):
-        performer, report = play(robot, script, 3.5)
-    assert performer.given_up == ("scripted",)
-    assert why in performer.body.notes[-1]
+    with caplog.at_level(logging.CRITICAL, "wbc.motions.engine.player"):
+        player, report = play(robot, script, 3.5)
+    assert player.aborted_motions == ("scripted",)
+    assert why in player.context.notes[-1]
     assert report.survived, report.fell_why
     assert report.qp_failures == 0
-    assert performer.idle
-    assert performer.body.at_home
+    assert player.idle
+    assert player.context.at_home
 
 
 def test_a_fault_of_a_script_is_logged_with_its_traceback(robot, caplog):
-    performer = Performer(robot, motions=[scripted(key_error)])
+    player = MotionPlayer(robot, motions=[scripted(key_error)])
     estimate = wbc.Estimate(robot.standing())
     for _ in range(200):
-        performer.step(estimate)
+        player.step(estimate)
     (record,) = caplog.records
     assert "the motion 'scripted' has a fault" in record.getMessage()
     assert record.exc_info[0] is KeyError
@@ -136,23 +136,23 @@ def test_a_fault_of_a_script_is_logged_with_its_traceback(robot, caplog):
 
 @pytest.mark.parametrize("place", [(0.07, 0.0, 0.0), (-0.05, 0.05, -0.05), (0.0, 0.1, 0.0)])
 def test_a_hasty_order_within_the_feet_takes_the_time_that_it_needs(robot, place):
-    performer, report = play(robot, com_to(*place), 4.0)
-    assert performer.given_up == ()
+    player, report = play(robot, com_to(*place), 4.0)
+    assert player.aborted_motions == ()
     assert report.survived, report.fell_why
 
 
 def test_a_foot_held_far_out_is_brought_back_before_it_is_put_down(robot):
-    def script(body):
-        yield from body.lift("left", 0.15)
-        yield from body.move_foot(forward=0.1, left=0.2, up=0.2)
+    def script(context):
+        yield from context.lift("left", 0.15)
+        yield from context.move_foot(forward=0.1, left=0.2, up=0.2)
         raise MotionError("enough")
 
-    performer, report = play(robot, script, 10.0)
-    assert performer.given_up == ("scripted",)
+    player, report = play(robot, script, 10.0)
+    assert player.aborted_motions == ("scripted",)
     assert report.survived, report.fell_why
     assert report.qp_failures == 0
-    assert performer.idle
-    feet = performer.walker.feet
+    assert player.idle
+    feet = player.walker.feet
     stance = wbc.Walker(robot).feet
     apart, before = (abs(f.left.point - f.right.point) for f in (feet, stance))
     assert apart == pytest.approx(before, abs=0.02)
@@ -161,32 +161,32 @@ def test_a_foot_held_far_out_is_brought_back_before_it_is_put_down(robot):
 def at_random(seed):
     """A script of orders that nobody in their senses would give."""
 
-    def script(body):
+    def script(context):
         rng = np.random.default_rng(seed)
-        leg = body.robot.leg_length
+        leg = context.robot.leg_length
         for _ in range(5):
             time = rng.uniform(0.1, 1.0)
             order = rng.integers(7)
             if order == 0:
-                body.com.go(rng.uniform([-0.1, -0.15, -0.2], [0.1, 0.15, 0.05]), time)
+                context.com.go(rng.uniform([-0.1, -0.15, -0.2], [0.1, 0.15, 0.05]), time)
             elif order == 1:
                 size, rate = rng.uniform(0.0, 0.05, 3), rng.uniform(1.0, 12.0)
-                body.com.follow(lambda t, size=size, rate=rate: size * np.sin(rate * t))
+                context.com.follow(lambda t, size=size, rate=rate: size * np.sin(rate * t))
             elif order == 2:
-                body.turn_trunk(rng.uniform(-1.0, 1.0, 3) * [0.6, 0.9, 1.2], time)
+                context.turn_trunk(rng.uniform(-1.0, 1.0, 3) * [0.6, 0.9, 1.2], time)
             elif order == 3:
-                for side in body.hands:
+                for side in context.hands:
                     place = rng.uniform([-0.5, -1.0, 0.2], [1.0, 1.0, 2.0])
-                    body.reach(side, place, time, counts=False)
-            elif order == 4 and body.standing:
-                yield from body.lift(
+                    context.reach(side, place, time, counts=False)
+            elif order == 4 and context.standing:
+                yield from context.lift(
                     ("left", "right")[rng.integers(2)], rng.uniform(0.03, 0.35) * leg
                 )
-            elif order == 5 and body.lifted:
-                yield from body.move_foot(*(rng.uniform(-0.2, 0.3, 3) * leg), time)
-            elif order == 6 and body.may_walk:
-                body.walk(rng.uniform(-1.0, 1.0, 3) * [0.3, 0.1, 0.2])
-            yield from body.wait(rng.uniform(0.1, 0.6))
+            elif order == 5 and context.lifted:
+                yield from context.move_foot(*(rng.uniform(-0.2, 0.3, 3) * leg), time)
+            elif order == 6 and context.may_walk:
+                context.walk(rng.uniform(-1.0, 1.0, 3) * [0.3, 0.1, 0.2])
+            yield from context.wait(rng.uniform(0.1, 0.6))
 
     return script
 

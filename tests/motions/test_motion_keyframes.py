@@ -12,12 +12,12 @@ from coretools import robot
 
 import wbc
 from wbc.errors import MissingExtra, MotionError
+from wbc.ik.objective import PostureObjective
+from wbc.ik.posture_ik import PostureIK
 from wbc.motions.keyframes import Keyframes
 from wbc.motions.keyframing import KeyframeError, read_keyframes
 from wbc.motions.keyframing.limits import check_limits
-from wbc.motions.keyframing.plan import Planner
-from wbc.motions.posing import Posing
-from wbc.motions.wish import Wish
+from wbc.motions.keyframing.plan import KeyframePlanner
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -202,10 +202,10 @@ def test_a_plan_passes_its_keyframes_from_standing_to_rest(tmp_path):
         "time [s], torso_yaw [deg], left_hand.x [m], left_hand.y [m], left_hand.z [m]\n"
         "1.5, 10, 0.3, 0.25, 1.0\n3, -10, 0.2, 0.4, 1.1\n",
     )
-    planner = Planner(one, read_keyframes(path), "frames.csv")
+    planner = KeyframePlanner(one, read_keyframes(path), "frames.csv")
     plan = planner.plan()
     check_limits(planner, plan)
-    posing = Posing(one)
+    ik = PostureIK(one)
     legs = {j - 6 for leg in one.legs for j in leg}
     upper = [j for j in range(one.na) if j not in legs]
     assert plan.posture(0.0)[upper] == pytest.approx(one.q_nominal[7:][upper], abs=0.02)
@@ -215,22 +215,22 @@ def test_a_plan_passes_its_keyframes_from_standing_to_rest(tmp_path):
         assert plan.places["left"](time) == pytest.approx(place)
         q = one.q_nominal.copy()
         q[7:] = plan.posture(time)
-        on_soles, miss, _ = posing.on_soles(q)
+        on_soles, miss, _ = ik.on_soles(q)
         assert miss < 1e-3
-        assert posing.place("left_hand", on_soles) == pytest.approx(place, abs=2e-3)
-        assert posing.attitude(on_soles)[0] == pytest.approx(plan.com(time), abs=1e-3)
+        assert ik.place("left_hand", on_soles) == pytest.approx(place, abs=2e-3)
+        assert ik.attitude(on_soles)[0] == pytest.approx(plan.com(time), abs=1e-3)
     assert plan.posture.derivatives(3.0)[1] == pytest.approx(np.zeros(one.na))
 
 
 def test_a_posture_of_the_legs_moves_the_com_with_it(tmp_path):
     one = robot("simple_humanoid")
-    posing = Posing(one)
-    down = posing.find(Wish(com=np.array([0.0, 0.0, -0.05]), firm=True, firm_com=True))
+    ik = PostureIK(one)
+    down = ik.find(PostureObjective(com=np.array([0.0, 0.0, -0.05]), firm=True, firm_com=True))
     names = [n for n in one.joint_names if "hip_pitch" in n or "knee" in n or "ankle_pitch" in n]
     angles = [down.q[7 + one.joint_index(n)] for n in names]
     head = ", ".join(f"{n} [rad]" for n in names)
     text = f"time [s], {head}\n1.5, {', '.join(f'{a:.9f}' for a in angles)}\n"
-    plan = Planner(one, read_keyframes(written(tmp_path, text)), "frames.csv").plan()
+    plan = KeyframePlanner(one, read_keyframes(written(tmp_path, text)), "frames.csv").plan()
     assert plan.com(1.5) == pytest.approx([0.0, 0.0, -0.05], abs=1e-3)
     assert plan.pelvis(1.5) == pytest.approx(np.zeros(3), abs=1e-3)
 

@@ -12,7 +12,7 @@ from wbc.motions import (
     Jump,
     Look,
     Motion,
-    Performer,
+    MotionPlayer,
     Squat,
     Wave,
     once_per_robot,
@@ -42,16 +42,16 @@ class Hum(Motion):
     def _tune(self, robot):
         return lambda time: time
 
-    def play(self, body):
+    def play(self, context):
         yield
 
 
 def torques(robot, motion, ticks=60):
     """Of a robot that stays where it is, whatever is ordered."""
-    performer = Performer(robot)
-    performer.play(motion)
+    player = MotionPlayer(robot)
+    player.play(motion)
     estimate = wbc.Estimate(robot.standing())
-    return np.array([performer.step(estimate).tau for _ in range(ticks)])
+    return np.array([player.step(estimate).tau for _ in range(ticks)])
 
 
 @pytest.mark.parametrize("motion", [Squat(depth=4.0), Wave(), Look()], ids=lambda m: m.name)
@@ -60,7 +60,7 @@ def test_what_is_unpacked_is_played_alike_and_not_planned_again(robot, motion, m
     assert len(data) < 5000  # the robot stays at home
     expected = torques(robot, motion)
     monkeypatch.setattr(type(motion), "check", None)
-    monkeypatch.setattr("wbc.motions.posing.Posing.find", None)
+    monkeypatch.setattr("wbc.ik.posture_ik.PostureIK.find", None)
     found = unpack(data, robot)
     assert found == motion
     np.testing.assert_array_equal(torques(robot, found), expected)
@@ -69,9 +69,9 @@ def test_what_is_unpacked_is_played_alike_and_not_planned_again(robot, motion, m
 def test_a_motion_is_checked_once_per_robot(robot):
     Hum.checks.clear()
     motion = Hum()
-    performer = Performer(robot, motions=[motion])
-    performer.play(motion)
-    performer.blend(motion)
+    player = MotionPlayer(robot, motions=[motion])
+    player.play(motion)
+    player.blend(motion)
     assert motion.checks == [robot]
 
 
@@ -86,11 +86,11 @@ def test_what_a_robot_cannot_do_is_not_packed(robot):
 
 
 def test_a_push_that_is_asked_for_is_due_once_in_world_axes(robot):
-    performer = Performer(robot)
+    player = MotionPlayer(robot)
     state = robot.standing()
     state.q[3:7] = 0.0, 0.0, np.sin(np.pi / 4), np.cos(np.pi / 4)  # heading +y
-    performer.reset(state)
-    performer.body.be_pushed(np.array([0.1, 0.0, 0.0]))
-    (due,) = performer.pushes_due()
+    player.reset(state)
+    player.context.request_push(np.array([0.1, 0.0, 0.0]))
+    (due,) = player.pop_pushes()
     np.testing.assert_allclose(due, [0.0, 0.1 * robot.mass, 0.0], atol=1e-9)
-    assert performer.pushes_due() == []
+    assert player.pop_pushes() == []

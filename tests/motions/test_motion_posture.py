@@ -9,24 +9,24 @@ from coretools import robot
 
 import wbc
 from wbc.errors import MotionError
-from wbc.motions.anatomy import Anatomy
-from wbc.motions.posing import Posing
-from wbc.motions.sine import joints_of, pattern
-from wbc.motions.statics import effort, support_half
-from wbc.motions.wish import Wish
+from wbc.ik.objective import PostureObjective
+from wbc.ik.posture_ik import PostureIK
+from wbc.motions.engine.statics import holding_effort, support_half_size
+from wbc.motions.sine import match_joints, pattern
+from wbc.robot.upper_body import UpperBody
 
 ROBOTS = ("talos", "g1", "simple_humanoid", "romeo", "icub")
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_arms_are_found_on_both_sides_and_end_in_hands(name):
-    anatomy = Anatomy.of(robot(name))
+    upper_body = UpperBody.of(robot(name))
     kin = wbc.Kinematics(robot(name), robot(name).standing())
-    left, right = anatomy.both_arms()
+    left, right = upper_body.both_arms()
     assert len(left.joints) == len(right.joints) >= 3
     assert not set(left.joints) & set(right.joints)
     in_legs = {j - 6 for leg in robot(name).legs for j in leg}
-    assert not in_legs & {*left.joints, *right.joints, *anatomy.waist}
+    assert not in_legs & {*left.joints, *right.joints, *upper_body.waist}
     assert left.length == pytest.approx(right.length, rel=1e-3)
     places = [kin.frame(arm.hand).translation for arm in (left, right)]
     assert places[0][1] > 0.1 > -0.1 > places[1][1]
@@ -37,7 +37,7 @@ def test_arms_are_found_on_both_sides_and_end_in_hands(name):
 
 
 def test_head_and_waist_are_what_the_models_have():
-    talos, g1, own = (Anatomy.of(robot(n)) for n in ("talos", "g1", "simple_humanoid"))
+    talos, g1, own = (UpperBody.of(robot(n)) for n in ("talos", "g1", "simple_humanoid"))
     assert [robot("talos").joint_names[j] for j in talos.head.joints] == [
         "head_1_joint",
         "head_2_joint",
@@ -56,8 +56,8 @@ def test_head_and_waist_are_what_the_models_have():
 
 
 def test_a_missing_arm_is_said():
-    anatomy = Anatomy.of(robot("talos"))
-    lame = Anatomy(anatomy.robot, anatomy.arms[:1], None, (), np.zeros((3, 2)))
+    upper_body = UpperBody.of(robot("talos"))
+    lame = UpperBody(upper_body.robot, upper_body.arms[:1], None, (), np.zeros((3, 2)))
     with pytest.raises(MotionError, match=r"no right arm \(it has: left\)"):
         lame.both_arms()
 
@@ -65,46 +65,44 @@ def test_a_missing_arm_is_said():
 @pytest.mark.parametrize("name", ROBOTS)
 def test_hands_are_posed_where_some_posture_of_the_arms_had_them(name):
     one, random = robot(name), np.random.default_rng(4)
-    posing = Posing(one)
-    arms = posing.anatomy.both_arms()
+    ik = PostureIK(one)
+    arms = ik.upper_body.both_arms()
     for _ in range(3):
         q = one.q_nominal.copy()
         for arm in arms:
             joints = np.array(arm.joints)
             low, high = one.q_min[joints], one.q_max[joints]
             q[7 + joints] = low + random.uniform(0.2, 0.8, joints.size) * (high - low)
-        hands = {arm.hand: posing.place(arm.hand, q) for arm in arms}
-        pose = posing.find(Wish(hands=hands))
+        hands = {arm.hand: ik.place(arm.hand, q) for arm in arms}
+        pose = ik.find(PostureObjective(hands=hands))
         assert max(pose.misses.values()) < 1e-3
         for arm in arms:
-            assert posing.place(arm.hand, pose.q) == pytest.approx(hands[arm.hand], abs=1e-3)
+            assert ik.place(arm.hand, pose.q) == pytest.approx(hands[arm.hand], abs=1e-3)
         assert (pose.q[7:] >= one.q_min - 1e-9).all()
         assert (pose.q[7:] <= one.q_max + 1e-9).all()
         for sole in one.soles:  # the feet have not moved
-            assert posing.place(sole.name, pose.q) == pytest.approx(
-                posing.place(sole.name), abs=1e-3
-            )
+            assert ik.place(sole.name, pose.q) == pytest.approx(ik.place(sole.name), abs=1e-3)
 
 
 def test_a_place_out_of_reach_is_missed_by_what_is_left():
-    posing = Posing(robot("talos"))
-    arm = posing.anatomy.arm("left")
-    far = posing.place(arm.shoulder) + np.array([arm.length + 1.0, 0.0, 0.0])
-    pose = posing.find(Wish(hands={arm.hand: far}))
-    nearest = posing.place(arm.hand, pose.q)
-    assert pose.misses[arm.hand] == pytest.approx(np.linalg.norm(far - nearest), abs=1e-6)
+    ik = PostureIK(robot("talos"))
+    arm = ik.upper_body.arm("left")
+    far = ik.place(arm.shoulder) + np.array([arm.length + 1.0, 0.0, 0.0])
+    pose = ik.find(PostureObjective(hands={arm.hand: far}))
+    closest_posture = ik.place(arm.hand, pose.q)
+    assert pose.misses[arm.hand] == pytest.approx(np.linalg.norm(far - closest_posture), abs=1e-6)
     assert 0.3 < pose.misses[arm.hand] < 1.0  # it leans forward, but only so far
 
 
 @pytest.mark.parametrize("name", ["talos", "g1", "simple_humanoid"])
 def test_a_squat_lowers_the_com_and_nothing_else(name):
-    posing = Posing(robot(name))
+    ik = PostureIK(robot(name))
     down = np.array([0.0, 0.0, -0.1 * robot(name).leg_length])
-    pose = posing.find(Wish(com=down, firm=True, firm_com=True))
+    pose = ik.find(PostureObjective(com=down, firm=True, firm_com=True))
     assert pose.com_miss < 1e-4
     assert np.abs(pose.torso).max() < 1e-3
     assert np.abs(pose.pelvis).max() < 1e-3
-    _, miss, tilt = posing.on_soles(pose.q)
+    _, miss, tilt = ik.on_soles(pose.q)
     assert miss < 1e-4
     assert tilt < 1e-4
 
@@ -112,7 +110,7 @@ def test_a_squat_lowers_the_com_and_nothing_else(name):
 @pytest.mark.parametrize("name", ["talos", "g1"])
 def test_static_torques_hold_the_robot_still(name):
     one = robot(name)
-    need = effort(one, one.q_nominal)
+    need = holding_effort(one, one.q_nominal)
     # With these torques and some forces under the soles nothing accelerates.
     kin = wbc.Kinematics(one, one.standing())
     J = np.vstack([kin.jacobian(sole.name) for sole in one.soles])
@@ -121,19 +119,19 @@ def test_static_torques_hold_the_robot_still(name):
     assert J.T @ force == pytest.approx(kin.bias_forces - tau, abs=1e-6)
     assert force[2] + force[8] == pytest.approx(one.weight)
     assert need.ratio == pytest.approx((np.abs(need.torque) / one.tau_max).max())
-    one_leg = effort(one, one.q_nominal, lean=1.0)
+    one_leg = holding_effort(one, one.q_nominal, lean=1.0)
     assert one_leg.ratio > need.ratio
 
 
 def test_the_support_is_the_rectangle_around_both_soles():
-    half = support_half(robot("simple_humanoid"))
+    half = support_half_size(robot("simple_humanoid"))
     assert half == pytest.approx([0.11, 0.15], abs=0.002)
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_the_sine_pattern_finds_its_fifteen_joints(name):
     one = robot(name)
-    joints, missing = joints_of(one)
+    joints, missing = match_joints(one)
     assert {*joints, *missing} == set(pattern(0.0))
     assert len({index for index, _ in joints.values()}) == len(joints)
     if name == "simple_humanoid":

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from wbc.errors import MotionError
 from wbc.motions import SmoothReference
-from wbc.motions.spline import Spline
+from wbc.motions.keyframing.spline import Spline
 
 DT = 0.002
 JERK = 250.0  # per s³: what the orders below may ask, from rest or in mid-motion

@@ -13,19 +13,18 @@ from coretools import robot
 
 import wbc
 from wbc.errors import MotionError
-from wbc.motions import Body, Intent, Motion, Performer, Script
+from wbc.motions import Motion, MotionContext, MotionPlayer, MotionReference, Script
 from wbc.motions.bow import Bow
-from wbc.motions.catalogue import CATALOGUE, find
+from wbc.motions.demo import DEMO_MOTIONS, Demo
 from wbc.motions.jump import Jump
 from wbc.motions.keyframes import Keyframes
 from wbc.motions.look import Look
 from wbc.motions.one_leg import OneLeg
 from wbc.motions.reach import Reach
-from wbc.motions.repertoire import REPERTOIRE
-from wbc.motions.show import Show
+from wbc.motions.registry import MOTIONS, find_motion
 from wbc.motions.sine import Sine
 from wbc.motions.squat import Squat
-from wbc.motions.stepping import StepInPlace
+from wbc.motions.step_in_place import StepInPlace
 from wbc.motions.sway import Sway
 from wbc.motions.wave import Wave
 from wbc.runtime.fall import fall_reason
@@ -60,27 +59,27 @@ def assert_clean(report: wbc.Report) -> None:
     ids=lambda x: x.name if isinstance(x, Motion) else str(x),
 )
 def test_motion_tracks_its_com_and_returns_to_standing(name, motion, error):
-    performers = []
+    players = []
     report = run_motions(
         robot(name),
         [motion],
         seed=3,
-        before_tick=lambda t, performer, _: performers.append(performer),
+        before_tick=lambda t, player, _: players.append(player),
     )
     assert_clean(report)
     assert report.com_error_rms_mm < error
     assert report.steps == 0
-    body = performers[-1].body
-    assert body.at_home
-    assert performers[-1].idle
-    assert np.abs(body.walker.kinematics.state.v).max() < 0.3
+    context = players[-1].context
+    assert context.at_home
+    assert players[-1].idle
+    assert np.abs(context.walker.kinematics.state.v).max() < 0.3
 
 
 def test_squat_goes_as_deep_as_it_was_told_and_locks_no_knee():
     one, depths, knees = robot("simple_humanoid"), [], []
     knee = one.joint_index("left_knee")
 
-    def look(time, performer, plant):
+    def look(time, player, plant):
         truth = plant.ground_truth()
         depths.append(wbc.Kinematics(one, truth).p_com[2])
         knees.append(truth.q[7 + knee])
@@ -96,10 +95,10 @@ def test_squat_goes_as_deep_as_it_was_told_and_locks_no_knee():
 def test_one_leg_lifts_holds_against_a_push_and_puts_down():
     one, heights, pushed = robot("simple_humanoid"), [], []
 
-    def look(time, performer, plant):
+    def look(time, player, plant):
         truth = wbc.Kinematics(one, plant.ground_truth())
         heights.append(truth.frame("left_sole").translation[2])
-        pushed.extend(performer.body.pushes)
+        pushed.extend(player.context.pushes)
 
     motion = OneLeg(leg="right", hold=1.6, towards=-90.0)
     report = run_motions(one, [motion], seed=1, before_tick=look)
@@ -115,7 +114,7 @@ def test_one_leg_lifts_holds_against_a_push_and_puts_down():
 def test_hands_wave_above_the_shoulders_while_it_walks():
     one, above = robot("simple_humanoid"), []
 
-    def look(time, performer, plant):
+    def look(time, player, plant):
         truth = wbc.Kinematics(one, plant.ground_truth())
         above.append(
             min(
@@ -147,16 +146,16 @@ class TwoSteps(Motion):
     name: ClassVar[str] = "two-steps"
     summary: ClassVar[str] = "walk until two feet have landed"
 
-    def play(self, body: Body) -> Script:
-        body.walk((0.2, 0.0, 0.0))
+    def play(self, context: MotionContext) -> Script:
+        context.walk((0.2, 0.0, 0.0))
         for step in (1, 2):
-            yield from body.touchdown()
-            body.note(f"{step}: {body.walker.steps} after {body.time:.2f} s")
-        body.walk((0.0, 0.0, 0.0))
-        yield from body.until(lambda: body.standing)
-        began = body.time
-        yield from body.touchdown(at_most=0.5)  # none comes
-        body.note(f"waited {body.time - began:.2f} s")
+            yield from context.touchdown()
+            context.note(f"{step}: {context.walker.steps} after {context.time:.2f} s")
+        context.walk((0.0, 0.0, 0.0))
+        yield from context.until(lambda: context.standing)
+        began = context.time
+        yield from context.touchdown(at_most=0.5)  # none comes
+        context.note(f"waited {context.time - began:.2f} s")
 
 
 def test_a_motion_waits_for_touchdowns():
@@ -190,15 +189,15 @@ class Mixture(Motion):
     name: ClassVar[str] = "mixture"
     summary: ClassVar[str] = "for these tests"
 
-    def play(self, body: Body) -> Script:
-        body.com.follow(lambda t: 0.02 * np.array([np.sin(3 * t), np.cos(3 * t), np.sin(4 * t)]))
-        body.turn_trunk((0.0, 0.15, 0.3), 0.6)
-        body.reach("left", (0.35, 0.2, 1.1), 0.8, counts=False)
-        yield from body.wait(1.3)
-        body.hands["left"].release()
-        body.com.go(0.0, 0.6)
-        yield from body.lift("left", 0.05, 0.6)
-        yield from body.wait(1.0)
+    def play(self, context: MotionContext) -> Script:
+        context.com.follow(lambda t: 0.02 * np.array([np.sin(3 * t), np.cos(3 * t), np.sin(4 * t)]))
+        context.turn_trunk((0.0, 0.15, 0.3), 0.6)
+        context.reach("left", (0.35, 0.2, 1.1), 0.8, counts=False)
+        yield from context.wait(1.3)
+        context.hands["left"].release()
+        context.com.go(0.0, 0.6)
+        yield from context.lift("left", 0.05, 0.6)
+        yield from context.wait(1.0)
 
 
 #: Every motion, shortened; the open-loop one comes last, for it may fall.
@@ -218,14 +217,14 @@ PROGRAMME = (
 OTHERS = (Squat(), Bow(), Look(), Wave(), Reach(random=1), Sway(), Sine(balanced=True))
 
 
-def answer(performer: Performer, order: Callable[[], None], estimate: wbc.Estimate) -> np.ndarray:
+def answer(player: MotionPlayer, order: Callable[[], None], estimate: wbc.Estimate) -> np.ndarray:
     """Torques of this tick if an order were given; in a process of its own, so none is."""
     end, begin = os.pipe()
     child = os.fork()
     if child == 0:
         try:
             order()
-            os.write(begin, performer.step(estimate).tau.tobytes())
+            os.write(begin, player.step(estimate).tau.tobytes())
         finally:
             os._exit(0)
     os.close(begin)
@@ -240,24 +239,24 @@ def test_at_no_tick_of_any_motion_does_an_order_change_a_torque_by_more_than_the
     one, random, asked = robot("simple_humanoid"), np.random.default_rng(7), {}
     for motion in OTHERS:
         motion.prepare(one)
-    performer = Performer(one, motions=PROGRAMME)
+    player = MotionPlayer(one, motions=PROGRAMME)
 
     def blend(motion: Motion) -> Callable[[], None]:
-        return lambda: performer.blend(motion)
+        return lambda: player.blend(motion)
 
-    orders = (*[performer.interrupt] * len(OTHERS), *map(blend, OTHERS))
+    orders = (*[player.interrupt] * len(OTHERS), *map(blend, OTHERS))
     with Mujoco(one, seed=4) as plant:
         estimator = wbc.Estimator(one, plant.dt)
         estimator.reset(plant.ground_truth())
-        performer.reset(plant.ground_truth())
+        player.reset(plant.ground_truth())
         expected = before = None
-        while not performer.idle and not fall_reason(one, plant.ground_truth()):
+        while not player.idle and not fall_reason(one, plant.ground_truth()):
             measurement = plant.measure()
             estimate = estimator.update(measurement, acceleration=expected)
-            playing, tried = performer.playing, None
+            playing, tried = player.playing, None
             if playing is not None and random.random() < 0.012:
-                tried = answer(performer, random.choice(orders), estimate)
-            command = performer.step(estimate)
+                tried = answer(player, random.choice(orders), estimate)
+            command = player.step(estimate)
             expected = command.acceleration
             plant.step(command)
             if tried is not None:
@@ -275,15 +274,15 @@ def test_at_no_tick_of_any_motion_does_an_order_change_a_torque_by_more_than_the
 
 def test_changing_contacts_keeps_forces_and_torques_where_they_are():
     one = robot("simple_humanoid")
-    performer = Performer(one, motions=[Mixture()])
+    player = MotionPlayer(one, motions=[Mixture()])
     quiet = wbc.sim.SensorNoise.none()
     changes, before = [], None
     with Mujoco(one, noise=quiet, ground_truth=True) as plant:
-        performer.reset(plant.ground_truth())
+        player.reset(plant.ground_truth())
         estimator = wbc.GroundTruthEstimator(one)
-        while plant.time < 9.0 and not performer.idle:
+        while plant.time < 9.0 and not player.idle:
             measurement = plant.measure()
-            command = performer.step(estimator.update(measurement))
+            command = player.step(estimator.update(measurement))
             plant.step(command)
             now = (
                 set(command.wrenches),
@@ -293,7 +292,7 @@ def test_changing_contacts_keeps_forces_and_torques_where_they_are():
             if before is not None and before[0] != now[0]:
                 changes.append((now[0], now[1] - before[1], now[2] - before[2]))
             before = now
-        assert performer.idle
+        assert player.idle
     assert [len(contacts) for contacts, _, _ in changes] == [1, 2]  # lifted, put down
     for _, force, torque in changes:
         # The weight is carried by whatever is left, and no joint feels the change.
@@ -314,9 +313,9 @@ def test_changing_contacts_keeps_forces_and_torques_where_they_are():
     ids=lambda x: getattr(x, "name", str(x)),
 )
 def test_interrupted_anywhere_it_stands_again_and_goes_on(motion, moment):
-    def interrupt(time, performer, plant):
+    def interrupt(time, player, plant):
         if abs(time - moment) < 1e-6:
-            performer.interrupt(Squat(times=1, frequency=1.0, depth=6.0))
+            player.interrupt(Squat(times=1, frequency=1.0, depth=6.0))
 
     one = robot("simple_humanoid")
     report = run_motions(one, [motion], seed=int(1000 * moment), before_tick=interrupt)
@@ -327,13 +326,13 @@ def test_interrupted_anywhere_it_stands_again_and_goes_on(motion, moment):
 def test_motions_follow_one_another_and_one_may_take_the_others_place():
     one, seen = robot("simple_humanoid"), []
 
-    def look(time, performer, plant):
-        if performer.playing is not None and performer.playing.name not in seen:
-            seen.append(performer.playing.name)
+    def look(time, player, plant):
+        if player.playing is not None and player.playing.name not in seen:
+            seen.append(player.playing.name)
         if abs(time - 0.5) < 1e-6:
-            performer.play(Bow(angle=15.0, seconds=0.8, hold=0.1))
+            player.play(Bow(angle=15.0, seconds=0.8, hold=0.1))
         if abs(time - 1.2) < 1e-6:
-            performer.blend(Squat(times=1, frequency=1.0, depth=6.0))
+            player.blend(Squat(times=1, frequency=1.0, depth=6.0))
 
     report = run_motions(one, [Sway(rounds=2)], before_tick=look)
     assert_clean(report)
@@ -342,17 +341,17 @@ def test_motions_follow_one_another_and_one_may_take_the_others_place():
 
 def test_the_performer_walks_like_the_walker():
     one = robot("simple_humanoid")
-    performer = Performer(one)
+    player = MotionPlayer(one)
 
     def steer(time):
-        performer.velocity = (0.3, 0.0, 0.0) if 0.2 < time < 2.5 else (0.0, 0.0, 0.0)
+        player.velocity = (0.3, 0.0, 0.0) if 0.2 < time < 2.5 else (0.0, 0.0, 0.0)
 
     with Mujoco(one, seed=3) as plant:
-        report = wbc.run(performer, plant, 5.2, before_tick=steer)
+        report = wbc.run(player, plant, 5.2, before_tick=steer)
     assert report.survived
     assert report.displacement_m[0] > 0.4
-    assert performer.body.at_home
-    assert performer.telemetry.phase == "stand"
+    assert player.context.at_home
+    assert player.telemetry.phase == "stand"
 
 
 def test_the_bias_of_the_com_is_found_from_the_centre_of_pressure():
@@ -367,9 +366,9 @@ def test_the_bias_of_the_com_is_found_from_the_centre_of_pressure():
 
 def test_motions_that_a_robot_cannot_do_are_refused_with_the_bound():
     with pytest.raises(MotionError, match=r"squat: g1 .*ankle_pitch.* limit; 2\d\.\d % is the"):
-        Performer(robot("g1"), motions=[Squat(depth=40.0)])
+        MotionPlayer(robot("g1"), motions=[Squat(depth=40.0)])
     with pytest.raises(MotionError, match=r"sway: the circle .* size at most 0\.0\d\d m"):
-        Performer(robot("g1")).play(Sway(size=0.2))
+        MotionPlayer(robot("g1")).play(Sway(size=0.2))
     with pytest.raises(MotionError, match=r"bow: romeo cannot bow by 80°"):
         Bow(angle=80.0).check(robot("romeo"))
     with pytest.raises(MotionError, match=r"look: talos .* 7\d° down, which is \d+° more"):
@@ -387,41 +386,41 @@ def test_motions_that_a_robot_cannot_do_are_refused_with_the_bound():
 
 
 def test_orders_at_the_wrong_moment_are_refused():
-    body = Performer(robot("simple_humanoid")).body
+    context = MotionPlayer(robot("simple_humanoid")).context
     with pytest.raises(MotionError, match="no foot is lifted"):
-        next(body.move_foot())
-    body.lean.go(1.0, 0.1)
+        next(context.move_foot())
+    context.lean.go(1.0, 0.1)
     for _ in range(5):
-        body.lean.advance(0.002)
+        context.lean.advance(0.002)
     with pytest.raises(MotionError, match="weight in the middle"):
-        body.walk((0.2, 0.0, 0.0))
+        context.walk((0.2, 0.0, 0.0))
 
 
 def test_the_catalogue_names_every_motion_once_and_the_show_plays_all_of_them():
-    names = [motion.name for motion in CATALOGUE]
+    names = [motion.name for motion in MOTIONS]
     assert len(set(names)) == len(names)
     asked = ("sway", "squat", "wave", "reach", "look", "one-leg", "bow", "step-in-place")
-    assert {*asked, "sine", "jump", "show", "keyframes"} <= set(names)
-    assert set(CATALOGUE) - set(REPERTOIRE) == {Show, Keyframes}
-    assert all(motion.summary and motion.__doc__ for motion in CATALOGUE)
+    assert {*asked, "sine", "jump", "demo", "keyframes"} <= set(names)
+    assert set(MOTIONS) - set(DEMO_MOTIONS) == {Demo, Keyframes}
+    assert all(motion.summary and motion.__doc__ for motion in MOTIONS)
     with pytest.raises(MotionError, match="no motion 'squad'; did you mean 'squat'"):
-        find("squad")
+        find_motion("squad")
 
 
-class Boaster(Performer):
+class Boaster(MotionPlayer):
     """Promises to lean three centimetres forward, and stands."""
 
     @property
-    def intent(self) -> Intent:
-        promised = super().intent
+    def reference(self) -> MotionReference:
+        promised = super().reference
         return replace(promised, com=promised.com + np.array([0.03, 0.0, 0.0]))
 
 
 def test_the_evaluator_compares_promises_with_the_truth():
     one = robot("simple_humanoid")
-    performer, evaluator = Boaster(one), RunEvaluator()
+    player, evaluator = Boaster(one), RunEvaluator()
     with Mujoco(one, seed=0) as plant:
-        report = wbc.run(performer, plant, 1.0, log=evaluator)
+        report = wbc.run(player, plant, 1.0, log=evaluator)
     assert report.com_error_rms_mm is None
     evaluated = evaluator.amend(report)
     assert evaluated.com_error_rms_mm == pytest.approx(30.0, abs=5.0)

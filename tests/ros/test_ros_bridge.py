@@ -16,7 +16,7 @@ from rostools import PATIENCE, SHORT_LIVED, Hearer, Peer, new_domain, node, star
 
 import wbc
 from wbc.messages import message_type
-from wbc.motions import Performer
+from wbc.motions import MotionPlayer
 from wbc.process import RecordRing
 from wbc.ros import Network, Qos
 from wbc.ros.actions import ActionClient, GoalState
@@ -449,10 +449,10 @@ def test_the_node_goes_when_its_loop_is_killed(walking, driver, odom):
 
 
 def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
-    performer = Performer(robot)
+    player = MotionPlayer(robot)
     plant = wbc.sim.Mujoco(robot)
     domain = new_domain()
-    with Bridge(performer, plant, network=Network(domain)) as bridge, node("d", domain) as driver:
+    with Bridge(player, plant, network=Network(domain)) as bridge, node("d", domain) as driver:
         velocity = driver.publisher(Twist.type_name, "cmd_vel")
         assert driver.spin(lambda: velocity.subscriptions > 0, PATIENCE)
         command = Twist()
@@ -463,15 +463,15 @@ def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
         def before_tick(now):
             if now < 0.7:
                 velocity.publish(command)
-            if 0.7 <= now < 0.7 + 1.5 * performer.dt and bridge.alive:
+            if 0.7 <= now < 0.7 + 1.5 * player.dt and bridge.alive:
                 os.kill(bridge.pid, signal.SIGKILL)
             bridge.helm(now)
-            wanted.append(performer.velocity[0])
+            wanted.append(player.velocity[0])
             ticks.extend(Sample.of(layout, record) for record in reader.read())
 
         # In real time: a velocity lasts half a second of the wall clock.
         start = time.perf_counter()
-        report = wbc.run(performer, plant, 1.8, log=bridge, before_tick=before_tick, real_time=True)
+        report = wbc.run(player, plant, 1.8, log=bridge, before_tick=before_tick, real_time=True)
         took = time.perf_counter() - start
         assert max(wanted) == pytest.approx(0.2)
         assert wanted[-1] == 0.0
@@ -482,9 +482,9 @@ def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
     # At 50 Hz it is shown 100 ticks per second, and told of every one how it went.
     assert np.median(np.diff([tick.time for tick in ticks])) == pytest.approx(0.01)
     timing = np.concatenate([tick.timing for tick in ticks])
-    assert len(timing) == round(1.8 / performer.dt)
+    assert len(timing) == round(1.8 / player.dt)
     # What came late is made up for by shorter periods: only their sum is sure.
-    assert 1.8 - 1.5 * performer.dt < timing[:, 1].sum() < took
+    assert 1.8 - 1.5 * player.dt < timing[:, 1].sum() < took
     assert (timing[:, 1] > 0.0).all()
     assert (timing[:, 0] > 0.0).all()
     assert not timing[:, 2].any()
@@ -526,30 +526,30 @@ class Pushed:
 
 @pytest.fixture
 def helm(robot):
-    mailbox, performer, plant = Mailbox(robot.na), Performer(robot), Pushed()
-    made = Helm(mailbox, performer, plant)
+    mailbox, player, plant = Mailbox(robot.na), MotionPlayer(robot), Pushed()
+    made = Helm(mailbox, player, plant)
     made.begin()
     made(0.0)
-    yield made, mailbox, performer, plant
+    yield made, mailbox, player, plant
     made.close()
 
 
 def test_a_velocity_lasts_as_long_as_it_says(helm, robot, monkeypatch):
-    steer, mailbox, performer, _ = helm
+    steer, mailbox, player, _ = helm
     orders = Orders.none(robot.na)
     orders.velocity, orders.velocity_until = (0.1, 0.0, 0.0), 5.0
     mailbox.post(orders)
     now = 4.99
     monkeypatch.setattr("wbc.ros.bridge.helm.time", SimpleNamespace(monotonic=lambda: now))
     steer(0.0)
-    assert performer.velocity == (0.1, 0.0, 0.0)
+    assert player.velocity == (0.1, 0.0, 0.0)
     now = 5.01
     steer(0.0)
-    assert performer.velocity == (0.0, 0.0, 0.0)
+    assert player.velocity == (0.0, 0.0, 0.0)
 
 
 def test_a_velocity_of_before_a_reset_is_forgotten(helm, robot):
-    steer, mailbox, performer, _ = helm
+    steer, mailbox, player, _ = helm
     orders = Orders.none(robot.na)
     orders.velocity, orders.velocity_until = (0.1, 0.0, 0.0), time.monotonic() + 100.0
     mailbox.post(orders)
@@ -558,17 +558,17 @@ def test_a_velocity_of_before_a_reset_is_forgotten(helm, robot):
     mailbox.post(orders)
     for _ in range(2):
         steer(0.0)
-        assert performer.velocity == (0.0, 0.0, 0.0)
+        assert player.velocity == (0.0, 0.0, 0.0)
     orders.velocity_until += 1.0
     mailbox.post(orders)
     steer(0.0)
-    assert performer.velocity == (0.1, 0.0, 0.0)
+    assert player.velocity == (0.1, 0.0, 0.0)
 
 
 def test_a_stick_that_is_pushed_and_let_go_at_random_makes_nobody_fall(robot):
-    performer, plant = Performer(robot), wbc.sim.Mujoco(robot)
+    player, plant = MotionPlayer(robot), wbc.sim.Mujoco(robot)
     mailbox = Mailbox(robot.na)
-    steer = Helm(mailbox, performer, plant)
+    steer = Helm(mailbox, player, plant)
     steer.begin()
     orders, rng, due = Orders.none(robot.na), np.random.default_rng(2), 0.3
 
@@ -581,21 +581,21 @@ def test_a_stick_that_is_pushed_and_let_go_at_random_makes_nobody_fall(robot):
             due = now + rng.uniform(0.02, 0.5)
         steer(now)
 
-    report = wbc.run(performer, plant, 7.0, before_tick=before_tick)
+    report = wbc.run(player, plant, 7.0, before_tick=before_tick)
     assert report.survived, report.fell_why
     assert report.steps > 2
 
 
 def test_joints_move_no_faster_than_they_may_and_arrive(helm, robot):
-    steer, mailbox, performer, _ = helm
-    elbow, posture = robot.joint_index("left_elbow"), performer.body.posture
+    steer, mailbox, player, _ = helm
+    elbow, posture = robot.joint_index("left_elbow"), player.context.posture
     start = posture.value.copy()
     orders = Orders.none(robot.na)
     orders.joints[elbow] = start[elbow] + 0.01
     orders.joint_speed = 0.5
     mailbox.post(orders)
     steer(0.0)
-    assert posture.value[elbow] - start[elbow] == pytest.approx(0.5 * performer.dt)
+    assert posture.value[elbow] - start[elbow] == pytest.approx(0.5 * player.dt)
     for _ in range(20):
         steer(0.0)
     assert posture.value[elbow] == pytest.approx(start[elbow] + 0.01)
@@ -604,8 +604,8 @@ def test_joints_move_no_faster_than_they_may_and_arrive(helm, robot):
 
 
 def test_joints_take_their_time_when_they_have_it(helm, robot):
-    steer, mailbox, performer, _ = helm
-    elbow, posture = robot.joint_index("left_elbow"), performer.body.posture
+    steer, mailbox, player, _ = helm
+    elbow, posture = robot.joint_index("left_elbow"), player.context.posture
     start = posture.value[elbow]
     orders = Orders.none(robot.na)
     orders.joints[elbow] = start + 0.1

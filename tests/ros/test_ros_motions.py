@@ -8,9 +8,9 @@ from rostools import PATIENCE, SHORT_LIVED, Hearer, Peer, start_example
 
 import wbc
 from wbc.messages import message_type
-from wbc.motions import CATALOGUE, Performer
-from wbc.motions.conductor import Stage
-from wbc.motions.packing import pack
+from wbc.motions import MOTIONS, MotionPlayer
+from wbc.motions.engine.manager import MotionStatus
+from wbc.motions.engine.packing import pack
 from wbc.motions.squat import Squat
 from wbc.ros import Qos
 from wbc.ros.actions import ActionClient, GoalState
@@ -96,7 +96,7 @@ def stands(com):
 def test_a_ros_system_learns_which_motions_there_are(driver, com):
     listing = service(driver, "play_motion2_msgs/srv/ListMotions", f"{NAME}/list_motions")
     names = listing.call(listing.request_type(), PATIENCE).motion_keys
-    assert names == [motion.name for motion in CATALOGUE]
+    assert names == [motion.name for motion in MOTIONS]
     asking = service(driver, "play_motion2_msgs/srv/IsMotionReady", f"{NAME}/is_motion_ready")
 
     def ready(name):
@@ -231,11 +231,11 @@ def test_the_example_plays_a_motion(walking, com, domain):
 
 @pytest.fixture
 def helm(robot):
-    mailbox, performer = Mailbox(robot.na), Performer(robot)
-    made = Helm(mailbox, performer, None)
+    mailbox, player = Mailbox(robot.na), MotionPlayer(robot)
+    made = Helm(mailbox, player, None)
     made.begin()
     made(0.0)
-    yield made, mailbox, performer
+    yield made, mailbox, player
     made.close()
 
 
@@ -248,12 +248,12 @@ def order(helm, mailbox, motion, robot):
     return orders
 
 
-def until(helm, performer, stage, robot):
+def until(helm, player, stage, robot):
     """Ticks of a robot that does not move, until the motion has come so far."""
     assert helm.stage is not stage
     estimate = wbc.Estimate(robot.standing())
-    for _ in range(round(20.0 / performer.dt)):
-        performer.step(estimate)
+    for _ in range(round(20.0 / player.dt)):
+        player.step(estimate)
         helm(0.0)
         if helm.stage is stage:
             return
@@ -261,32 +261,32 @@ def until(helm, performer, stage, robot):
 
 
 def test_joints_wait_until_a_motion_is_over(helm, robot):
-    steer, mailbox, performer = helm
-    elbow, posture = robot.joint_index("left_elbow"), performer.body.posture
+    steer, mailbox, player = helm
+    elbow, posture = robot.joint_index("left_elbow"), player.context.posture
     home = posture.home[elbow]
     orders = order(steer, mailbox, Squat(), robot)
-    until(steer, performer, Stage.PLAYING, robot)
+    until(steer, player, MotionStatus.PLAYING, robot)
     orders.joints[elbow], orders.joint_speed = home + 0.2, 0.5
     mailbox.post(orders)
     steer(0.0)
-    assert not performer.idle
+    assert not player.idle
     assert posture.home[elbow] == home
-    performer.reset(robot.standing())
+    player.reset(robot.standing())
     steer(0.0)
-    assert posture.home[elbow] == pytest.approx(home + 0.5 * performer.dt)
+    assert posture.home[elbow] == pytest.approx(home + 0.5 * player.dt)
 
 
 def test_the_node_is_told_what_becomes_of_a_motion(helm, robot):
-    steer, mailbox, performer = helm
-    assert (steer.motions, steer.stage) == (0, Stage.NONE)
+    steer, mailbox, player = helm
+    assert (steer.motions, steer.stage) == (0, MotionStatus.NONE)
     orders = order(steer, mailbox, Squat(), robot)
-    assert (steer.motions, steer.stage) == (1, Stage.WAITING)
-    until(steer, performer, Stage.PLAYING, robot)
+    assert (steer.motions, steer.stage) == (1, MotionStatus.WAITING)
+    until(steer, player, MotionStatus.PLAYING, robot)
     orders.stands = 1
     mailbox.post(orders)
     steer(0.0)
-    assert steer.stage is Stage.RETURNING
-    until(steer, performer, Stage.LEFT_OFF, robot)
+    assert steer.stage is MotionStatus.RETURNING
+    until(steer, player, MotionStatus.CANCELED, robot)
 
 
 def test_why_a_motion_was_given_up_is_told(helm, robot, monkeypatch):
@@ -297,8 +297,8 @@ def test_why_a_motion_was_given_up_is_told(helm, robot, monkeypatch):
         raise MotionError("squat: the knees hurt")
 
     monkeypatch.setattr(Squat, "play", play)
-    steer, mailbox, performer = helm
+    steer, mailbox, player = helm
     order(steer, mailbox, Squat(), robot)
-    until(steer, performer, Stage.GAVE_UP, robot)
+    until(steer, player, MotionStatus.ABORTED, robot)
     assert steer.slip.read(1) == "squat: the knees hurt"
     assert steer.slip.read(2) == ""

@@ -13,7 +13,7 @@ from wbc.cli.parser import FELL, INTERRUPTED, seconds, seed
 from wbc.cli.progress import ProgressLine
 from wbc.cli.robot_options import add_robot_options, stated
 from wbc.driving import drive
-from wbc.motions import Performer
+from wbc.motions import MotionPlayer
 from wbc.sim import Flat, Mujoco, Tiles
 
 _DURATION = 3600.0
@@ -61,14 +61,14 @@ def execute(options: argparse.Namespace) -> int:
     from wbc.live import Live
 
     robot = wbc.load(options.robot, **stated(options))
-    performer = Performer(robot, walker=wbc.Walker(robot, solver=options.solver))
+    player = MotionPlayer(robot, walker=wbc.Walker(robot, solver=options.solver))
     terrain = Flat() if options.terrain == "flat" else Tiles(seed=options.seed, extent=_TILES)
-    plant = Mujoco(robot, dt=performer.dt, terrain=terrain, seed=options.seed)
+    plant = Mujoco(robot, dt=player.dt, terrain=terrain, seed=options.seed)
     keepsakes = Keepsakes(options, robot, terrain.boxes())
     with contextlib.ExitStack() as stack:
         logs = keepsakes.logs(stack)
         live = stack.enter_context(
-            Live(performer, plant, host=options.host, port=options.port, boxes=terrain.boxes())
+            Live(player, plant, host=options.host, port=options.port, boxes=terrain.boxes())
         )
         if options.open:
             import webbrowser
@@ -79,7 +79,7 @@ def execute(options: argparse.Namespace) -> int:
         interrupted = stack.enter_context(interruptible())
         report = drive(
             live,
-            performer,
+            player,
             plant,
             options.duration,
             log=logs,

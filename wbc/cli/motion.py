@@ -10,9 +10,9 @@ from typing import Any
 from wbc.cli import simulation
 from wbc.cli.parser import number
 from wbc.cli.text import table
-from wbc.motions import Motion, Performer
-from wbc.motions.catalogue import CATALOGUE
-from wbc.motions.motion import Parameter
+from wbc.motions import Motion, MotionPlayer
+from wbc.motions.engine.motion import MotionParameter
+from wbc.motions.registry import MOTIONS
 from wbc.trials import MotionRunner, RunEvaluator
 
 _AT_MOST = 300.0  # s
@@ -29,7 +29,7 @@ def add_to(subcommands: Any) -> None:
     parser.add_argument("--list", action="store_true", help="list the motions")
     parser.set_defaults(execute=execute, motion=None)
     names = parser.add_subparsers(title="motions", metavar="NAME")
-    for motion in CATALOGUE:
+    for motion in MOTIONS:
         one = names.add_parser(motion.name, help=motion.summary, description=inspect.getdoc(motion))
         group = one.add_argument_group("the motion")
         for parameter in motion.parameters():
@@ -46,10 +46,10 @@ def execute(options: argparse.Namespace) -> int:
         return 0
     chosen = {p.name: getattr(options, _destination(p)) for p in motion.parameters()}
     run = simulation.Simulation(options)
-    performer = Performer(run.robot, motions=[motion(**chosen)], walker=run.walker)
-    runner = MotionRunner(performer, options.duration or _AT_MOST)
+    player = MotionPlayer(run.robot, motions=[motion(**chosen)], walker=run.walker)
+    runner = MotionRunner(player, options.duration or _AT_MOST)
     return run.perform(
-        performer,
+        player,
         options.duration or _AT_MOST + 1.0,
         runner,
         RunEvaluator(),
@@ -57,15 +57,15 @@ def execute(options: argparse.Namespace) -> int:
     )
 
 
-def _destination(parameter: Parameter) -> str:
+def _destination(parameter: MotionParameter) -> str:
     return f"motion_{parameter.name}"
 
 
-def _option(parameter: Parameter) -> str:
+def _option(parameter: MotionParameter) -> str:
     return "--" + parameter.name.replace("_", "-")
 
 
-def _add_option(group: Any, parameter: Parameter) -> None:
+def _add_option(group: Any, parameter: MotionParameter) -> None:
     default = parameter.default
     settings: dict[str, Any] = {"dest": _destination(parameter), "default": default}
     if isinstance(default, bool):
@@ -95,7 +95,7 @@ def _text(value: object) -> str:
 
 
 def _catalogue() -> str:
-    rows = [(motion.name, motion.summary) for motion in CATALOGUE]
+    rows = [(motion.name, motion.summary) for motion in MOTIONS]
     return (
         f"{table(('motion', 'what it does'), rows)}\n\n"
         "wbc motion NAME --robot ROBOT      plays it:  wbc motion squat --robot g1 --depth 15\n"

@@ -56,13 +56,13 @@ def add_to(verbs: Any) -> None:
 
 
 def _walk(options: argparse.Namespace) -> int:
-    from wbc.motions import Performer
+    from wbc.motions import MotionPlayer
     from wbc.ros.bridge import Bridge
 
     robot = wbc.load(options.robot, **stated(options))
-    performer = Performer(robot)
+    player = MotionPlayer(robot)
     terrain = Flat() if options.terrain == "flat" else Tiles(seed=options.seed, extent=_TILES)
-    plant = Mujoco(robot, dt=performer.dt, terrain=terrain, seed=options.seed)
+    plant = Mujoco(robot, dt=player.dt, terrain=terrain, seed=options.seed)
     keepsakes = Keepsakes(options, robot, terrain.boxes())
     with contextlib.ExitStack() as stack:
         viewer = None
@@ -70,7 +70,7 @@ def _walk(options: argparse.Namespace) -> int:
             viewer = stack.enter_context(wbc.view.Meshcat(robot, boxes=terrain.boxes()))
         bridge = stack.enter_context(
             Bridge(
-                performer,
+                player,
                 plant,
                 network=network(options),
                 update_rate=options.rate,
@@ -84,7 +84,7 @@ def _walk(options: argparse.Namespace) -> int:
         interrupted = stack.enter_context(interruptible())
         report = drive(
             bridge,
-            performer,
+            player,
             plant,
             options.duration,
             viewer=viewer,

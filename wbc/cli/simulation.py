@@ -162,7 +162,7 @@ class Simulation:
         keepsakes.finish()
         if interrupted:
             return INTERRUPTED
-        return 0 if report.survived and not report.given_up else FELL
+        return 0 if report.survived and not report.aborted_motions else FELL
 
     def _terrain(self, duration: float) -> Terrain:
         if self._options.terrain == "flat":

@@ -15,8 +15,8 @@ from wbc.live.helm import RECORD
 from wbc.live.order import Order
 from wbc.live.panel import Kind, Request
 from wbc.motions import Motion
-from wbc.motions.planner import Plan, Planner
-from wbc.motions.shelf import SLOTS, Shelf
+from wbc.motions.engine.blob_buffer import SLOTS, BlobBuffer
+from wbc.motions.engine.planning import MotionPlanner, PlannedMotion
 from wbc.process import RecordRing
 
 _OPEN = SLOTS - 1  # requests that the loop may owe
@@ -52,7 +52,7 @@ class Desk:
         self.panel = order.panel
         self._gauges = RecordRing(SIZE, order.gauges)
         self._requests = RecordRing(RECORD, order.requests)
-        self._shelf = Shelf(order.shelf)
+        self._shelf = BlobBuffer(order.shelf)
         self._sent = self._taken = 0
         self._run = 0
         self.values = {knob.name: knob.value for knob in order.panel.knobs}
@@ -60,7 +60,7 @@ class Desk:
         #: Motion -> why the robot cannot do it as it is by default.
         self.unable: dict[str, str] = {}
         self._wish: _Wish | None = None
-        self._planner = Planner(
+        self._planner = MotionPlanner(
             order.robot, order.panel.motions, lambda plan: later(lambda: self._planned(plan))
         )
 
@@ -87,9 +87,9 @@ class Desk:
             self._planned(plan)
             return
         _answer(sender, {"planning": motion.name})
-        self._planner.wish(motion)
+        self._planner.request(motion)
 
-    def _planned(self, plan: Plan) -> None:
+    def _planned(self, plan: PlannedMotion) -> None:
         name = plan.motion.name
         if plan.why and name not in self.unable and self._planner.known(plan.motion):
             self.unable[name] = plan.why
@@ -112,7 +112,7 @@ class Desk:
 
     def _forget_wish(self) -> None:
         if self._wish is not None:
-            self._planner.wish(None)
+            self._planner.request(None)
             _answer(self._wish.sender, {"planning": None})
             self._wish = None
 

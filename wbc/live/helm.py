@@ -11,9 +11,9 @@ import numpy as np
 from wbc.live.knobs import Setting, gain_knobs, gait_knobs, speed_knob, velocity_knobs
 from wbc.live.panel import Kind, Panel
 from wbc.live.pushes import PushCount
-from wbc.motions import Motion, Performer, unpack
-from wbc.motions.conductor import Conductor
-from wbc.motions.shelf import Shelf
+from wbc.motions import Motion, MotionPlayer, unpack
+from wbc.motions.engine.blob_buffer import BlobBuffer
+from wbc.motions.engine.manager import MotionManager
 from wbc.process import RecordRing
 from wbc.runtime.clock import Clock
 from wbc.runtime.loop import StopRun
@@ -25,19 +25,19 @@ NO_MOTION, RETURNING = -1, -2
 
 
 class Helm:
-    """Steers a performer by requests, and paces its ticks; `before_tick` of `wbc.run`.
+    """Steers a player by requests, and paces its ticks; `before_tick` of `wbc.run`.
 
-    One thing at a time, see `Conductor`. Motions come packed with their plans: none is checked or
-    planned here.
+    One thing at a time, see `MotionManager`. Motions come packed with their plans: none is
+    checked or planned here.
 
     Args:
-        performer: whom to steer.
+        player: whom to steer.
         plant: what it is in; it may have `push` and `reset`.
         motions: that may be asked for.
         idle: called while it is paused or lies, every few milliseconds.
 
     Attributes:
-        conductor: through which.
+        manager: through which.
         panel: what may be asked for.
         requests: where it is asked.
         shelf: where motions lie that are asked for.
@@ -50,33 +50,33 @@ class Helm:
 
     def __init__(
         self,
-        performer: Performer,
+        player: MotionPlayer,
         plant: Any,
         motions: Sequence[type[Motion]],
         idle: Callable[[], None],
     ) -> None:
-        self._performer, self._plant, self._idle = performer, plant, idle
-        walker = performer.walker
+        self._performer, self._plant, self._idle = player, plant, idle
+        walker = player.walker
         self._settings: list[Setting] = [
             *velocity_knobs(walker, self._turn_velocity),
             speed_knob(self._turn_speed),
             *gait_knobs(walker),
-            *gain_knobs(performer),
+            *gain_knobs(player),
         ]
-        hardest = _HARDEST * performer.robot.mass
+        hardest = _HARDEST * player.robot.mass
         self.panel = Panel(
             tuple(setting.knob for setting in self._settings),
             tuple(motions),
             float(f"{hardest:.2g}"),
         )
         self.requests = RecordRing(RECORD)
-        self.shelf = Shelf()
+        self.shelf = BlobBuffer()
         self.pushes = PushCount()
         self.paused = self.reset_wanted = False
         self.taken = 0
-        self.conductor = Conductor(performer)
+        self.manager = MotionManager(player)
         self._push_torso = getattr(plant, "push", None)
-        self._clock = Clock(performer.dt, 1)
+        self._clock = Clock(player.dt, 1)
         self._fresh = True
         self.stop: Callable[[], bool] = lambda: False
 
@@ -87,7 +87,7 @@ class Helm:
             if kind == Kind.KNOB:
                 self._settings[int(first)].turn(float(second))
         self.pushes.restart()
-        self.conductor.begin()
+        self.manager.begin()
         self.paused = self.reset_wanted = False
         self._fresh = True
 
@@ -109,8 +109,8 @@ class Helm:
         if self._reset_due():
             raise StopRun("reset")
         self._fresh = False
-        self.conductor.steer()
-        for impulse in self._performer.pushes_due():
+        self.manager.steer()
+        for impulse in self._performer.pop_pushes():
             self._push(impulse)
         self.pushes.tick(self._plant.time)
 
@@ -143,18 +143,18 @@ class Helm:
                 self._push(heading @ np.array([first, second, 0.0]))
             elif kind == Kind.MOTION:
                 data = self.shelf.take(int(first), int(second))
-                self.conductor.play(unpack(data, self._performer.robot))
+                self.manager.play(unpack(data, self._performer.robot))
             elif kind == Kind.STAND:
-                self.conductor.stand()
+                self.manager.stand()
             elif kind == Kind.PAUSE:
                 self.paused = bool(first)
             else:
                 self.reset_wanted = True
 
     def _turn_velocity(self, i: int, value: float) -> None:
-        wanted = list(self.conductor.velocity)
+        wanted = list(self.manager.velocity)
         wanted[i] = value
-        self.conductor.velocity = wanted
+        self.manager.velocity = wanted
 
     def _turn_speed(self, value: float) -> None:
         self._clock = Clock(self._performer.dt / value, 1)

@@ -1,4 +1,4 @@
-"""The knobs of a performer, and what turning one does in the loop."""
+"""The knobs of a player, and what turning one does in the loop."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from wbc.live.panel import Knob
-from wbc.motions import Performer
+from wbc.motions import MotionPlayer
 from wbc.tasks import Task
 from wbc.walking import Walker
 
@@ -75,14 +75,14 @@ def gait_knobs(walker: Walker) -> list[Setting]:
     return found
 
 
-def gain_knobs(performer: Performer) -> list[Setting]:
+def gain_knobs(player: MotionPlayer) -> list[Setting]:
     """Weight and gains of each of the walker's tasks.
 
     Where a task's rows differ, the knob stands at the largest of them, and the others keep
     their ratios.
     """
     found = []
-    for task in performer.walker.tasks:
+    for task in player.walker.tasks:
         for what, unit in (("weight", ""), ("kp", "1/s²"), ("kd", "1/s")):
             base = np.array(getattr(task, what))
             most = float(base.max())

@@ -14,9 +14,9 @@ from wbc.live.errors import LiveError
 from wbc.live.gauges import SIZE, Mode
 from wbc.live.helm import RETURNING, Helm
 from wbc.live.order import Order
-from wbc.motions import Motion, Performer
-from wbc.motions.catalogue import CATALOGUE
-from wbc.motions.packing import check_importable
+from wbc.motions import Motion, MotionPlayer
+from wbc.motions.engine.packing import check_importable
+from wbc.motions.registry import MOTIONS
 from wbc.process import ChildProcess, ProcessStartError, RecordRing
 from wbc.runtime.snapshot import Snapshot
 from wbc.view.due import next_due
@@ -42,11 +42,11 @@ class Live(Closeable):
     tick; it never waits, and goes on when the other process has died.
 
     Example:
-        >>> with Live(performer, plant) as live:
-        ...     drive(live, performer, plant, 3600.0)
+        >>> with Live(player, plant) as live:
+        ...     drive(live, player, plant, 3600.0)
 
     Args:
-        performer: whom to drive.
+        player: whom to drive.
         plant: what it is in; it may have `push` and `reset`.
         host: address to listen on; by default only this machine can reach the page.
         port: None takes the first free one from 7000 on, 0 any free one.
@@ -70,22 +70,22 @@ class Live(Closeable):
 
     def __init__(
         self,
-        performer: Performer,
+        player: MotionPlayer,
         plant: Any,
         *,
         host: str = "127.0.0.1",
         port: int | None = None,
         boxes: np.ndarray | None = None,
-        motions: Sequence[type[Motion]] = CATALOGUE,
+        motions: Sequence[type[Motion]] = MOTIONS,
         announce: bool = True,
     ) -> None:
         for motion in motions:
             check_importable(motion)
-        robot = performer.robot
-        self._performer, self._plant = performer, plant
+        robot = player.robot
+        self._performer, self._plant = player, plant
         self._snapshots = Ring(Layout.of(robot.model))
         self._gauges = RecordRing(SIZE)
-        self.helm = Helm(performer, plant, motions, self._idle)
+        self.helm = Helm(player, plant, motions, self._idle)
         self._mode = Mode.RUNNING
         self._run = 0
         self._due = self._gauges_due = self._noted_until = 0.0
@@ -174,7 +174,7 @@ class Live(Closeable):
         playing = self.helm.playing
         if playing >= 0:
             return self.helm.panel.motions[playing].name
-        notes = self._performer.body.notes
+        notes = self._performer.context.notes
         if len(notes) != self._notes:
             self._notes, self._noted_until = len(notes), now + _NOTED
         if notes and now < self._noted_until:

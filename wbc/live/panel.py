@@ -13,7 +13,7 @@ from wbc.errors import MotionError, did_you_mean, shown
 from wbc.live.errors import BadRequest
 from wbc.live.words import checked_number
 from wbc.motions import Motion
-from wbc.motions.choice import choose, describe
+from wbc.motions.engine.parsing import create_motion, describe_motion
 
 LONGEST = 1000  # characters of a message
 
@@ -89,7 +89,7 @@ class Panel:
         """For the page."""
         return {
             "knobs": [dataclasses.asdict(knob) for knob in self.knobs],
-            "motions": [describe(motion) for motion in self.motions],
+            "motions": [describe_motion(motion) for motion in self.motions],
             "max_impulse": self.max_impulse,
         }
 
@@ -133,7 +133,7 @@ class Panel:
         for motion in self.motions:
             if motion.name == name:
                 try:
-                    return Request(Kind.MOTION, motion=choose(motion, parameters))
+                    return Request(Kind.MOTION, motion=create_motion(motion, parameters))
                 except MotionError as error:
                     raise BadRequest(str(error)) from error
         names = [motion.name for motion in self.motions]

@@ -19,7 +19,7 @@ import tornado.websocket
 
 from wbc.live.desk import Desk
 from wbc.live.order import Order
-from wbc.motions.planner import SWITCH
+from wbc.motions.engine.planning import SWITCH_INTERVAL
 from wbc.process import parent
 from wbc.view.errors import ViewerError
 from wbc.view.order import Order as ViewOrder
@@ -141,7 +141,7 @@ def _shown(host: str) -> str:
 
 def main() -> None:
     """Read the order and serve it."""
-    sys.setswitchinterval(SWITCH)
+    sys.setswitchinterval(SWITCH_INTERVAL)
     asyncio.run(serve(parent.receive_config()))
 
 

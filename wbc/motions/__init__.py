@@ -1,40 +1,40 @@
 """Motions: what a humanoid does besides walking, on the walker's balance."""
 
-from wbc.motions.body import Body
 from wbc.motions.bow import Bow
-from wbc.motions.catalogue import CATALOGUE, find
-from wbc.motions.intent import Intent, Target
+from wbc.motions.demo import Demo
+from wbc.motions.engine.context import MotionContext
+from wbc.motions.engine.motion import Motion, MotionParameter, Script, once_per_robot, parameter
+from wbc.motions.engine.motion_reference import MotionReference, Target
+from wbc.motions.engine.packing import pack, unpack
+from wbc.motions.engine.player import MotionPlayer
+from wbc.motions.engine.reference import SmoothReference
 from wbc.motions.jump import Jump
 from wbc.motions.keyframes import Keyframes
 from wbc.motions.look import Look
-from wbc.motions.motion import Motion, Parameter, Script, once_per_robot, parameter
 from wbc.motions.one_leg import OneLeg
-from wbc.motions.packing import pack, unpack
-from wbc.motions.performer import Performer
 from wbc.motions.reach import Reach
-from wbc.motions.reference import SmoothReference
-from wbc.motions.show import Show
+from wbc.motions.registry import MOTIONS, find_motion
 from wbc.motions.sine import Sine
 from wbc.motions.squat import Squat
-from wbc.motions.stepping import StepInPlace
+from wbc.motions.step_in_place import StepInPlace
 from wbc.motions.sway import Sway
 from wbc.motions.wave import Wave
 
 __all__ = [
-    "CATALOGUE",
-    "Body",
+    "MOTIONS",
     "Bow",
-    "Intent",
+    "Demo",
     "Jump",
     "Keyframes",
     "Look",
     "Motion",
+    "MotionContext",
+    "MotionParameter",
+    "MotionPlayer",
+    "MotionReference",
     "OneLeg",
-    "Parameter",
-    "Performer",
     "Reach",
     "Script",
-    "Show",
     "Sine",
     "SmoothReference",
     "Squat",
@@ -42,7 +42,7 @@ __all__ = [
     "Sway",
     "Target",
     "Wave",
-    "find",
+    "find_motion",
     "once_per_robot",
     "pack",
     "parameter",

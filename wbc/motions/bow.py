@@ -9,13 +9,13 @@ from typing import ClassVar
 import numpy as np
 
 from wbc.errors import MotionError
-from wbc.motions.anatomy import Anatomy
-from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
-from wbc.motions.posing import Posing
-from wbc.motions.statics import effort, stoop
-from wbc.motions.wish import Pose, Wish
+from wbc.ik.objective import PostureObjective, PostureSolution
+from wbc.ik.posture_ik import PostureIK
+from wbc.motions.engine.context import MotionContext
+from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
+from wbc.motions.engine.statics import holding_effort, pelvis_violation
 from wbc.robot import Robot
+from wbc.robot.upper_body import UpperBody
 
 _STRENGTH = 0.9
 _MISS = 0.02  # rad, and m
@@ -37,12 +37,12 @@ class Bow(Motion):
         positive(self, "angle", "seconds")
         pose = self._pose(robot)
         short = abs(math.degrees(pose.torso[1]) - self.angle) > math.degrees(_MISS)
-        why = stoop(robot, pose.q)
+        why = pelvis_violation(robot, pose.q)
         if not why and (short or pose.com_miss > _MISS):
-            why = Posing(robot).stops(pose)
+            why = PostureIK(robot).stops(pose)
         if why:
             raise MotionError(f"bow: {robot.name} cannot bow by {self.angle:g}°: {why}")
-        need = effort(robot, pose.q)
+        need = holding_effort(robot, pose.q)
         if need.ratio > _STRENGTH:
             raise MotionError(
                 f"bow: {robot.name} cannot bow by {self.angle:g}°: '{need.joint}' would need "
@@ -50,14 +50,16 @@ class Bow(Motion):
             )
 
     @once_per_robot
-    def _pose(self, robot: Robot) -> Pose:
+    def _pose(self, robot: Robot) -> PostureSolution:
         turn = np.array([0.0, math.radians(self.angle), 0.0])
-        pelvis = Anatomy.of(robot).hips_share(turn)
-        return Posing(robot).find(Wish(torso=turn, pelvis=pelvis, firm=True, firm_com=True))
+        pelvis = UpperBody.of(robot).hips_share(turn)
+        return PostureIK(robot).find(
+            PostureObjective(torso=turn, pelvis=pelvis, firm=True, firm_com=True)
+        )
 
-    def play(self, body: Body) -> Script:
+    def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
-        body.take(self._pose(body.robot), self.seconds)
-        yield from body.arrive(body.torso, body.posture)
-        yield from body.wait(self.hold)
-        yield from body.go_home(self.seconds)
+        context.go_to_posture(self._pose(context.robot), self.seconds)
+        yield from context.arrive(context.torso, context.posture)
+        yield from context.wait(self.hold)
+        yield from context.go_home(self.seconds)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from wbc.motions.body import Body
-from wbc.motions.jumping import Jumper, JumpPlan, plan_jump
-from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
+from wbc.motions.engine.context import MotionContext
+from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
+from wbc.motions.jumping import JumpController, JumpPlan, plan_jump
 from wbc.robot import Robot
 
 
@@ -39,20 +39,22 @@ class Jump(Motion):
         positive(self, "clearance")
         self.plan(robot)
 
-    def play(self, body: Body) -> Script:
+    def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
-        plan = self.plan(body.robot)
-        jumper = Jumper(body.robot, plan, body.dt, solver=body.walker.controller.solver.name)
+        plan = self.plan(context.robot)
+        controller = JumpController(
+            context.robot, plan, context.dt, solver=context.walker.controller.solver.name
+        )
         yield  # making it takes a tick, and so does its first step
-        yield from body.until(lambda: body.standing)
-        yield from body.settle()
-        assert body.state is not None
-        jumper.reset(body.state)
-        body.take_over(jumper)
-        yield from body.until(lambda: jumper.done)
-        body.hand_back()
-        yield from body.until(lambda: body.at_home)
-        body.note(
+        yield from context.until(lambda: context.standing)
+        yield from context.settle()
+        assert context.state is not None
+        controller.reset(context.state)
+        context.start_override(controller)
+        yield from context.until(lambda: controller.done)
+        context.resume_walker()
+        yield from context.until(lambda: context.at_home)
+        context.note(
             f"planned: the CoM rises {1e3 * plan.rise:.0f} mm after leaving the ground with "
             f"{plan.speed:.2f} m/s, both soles clear {1e3 * plan.clearance:.0f} mm; it takes "
             f"{100.0 * plan.torque_share:.0f} % of the torque of '{plan.torque_joint}' and "

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import ClassVar
 
 from wbc.errors import MotionError
-from wbc.motions.body import Body
+from wbc.motions.engine.context import MotionContext
+from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter
 from wbc.motions.keyframing import read_keyframes
 from wbc.motions.keyframing.limits import check_limits
-from wbc.motions.keyframing.plan import Plan, Planner
-from wbc.motions.motion import Motion, Script, once_per_robot, parameter
+from wbc.motions.keyframing.plan import KeyframePlan, KeyframePlanner
 from wbc.robot import Robot
 
 _BLEND = 0.3  # s
@@ -41,21 +41,21 @@ class Keyframes(Motion):
         self._plan(robot)
 
     @once_per_robot
-    def _plan(self, robot: Robot) -> Plan:
+    def _plan(self, robot: Robot) -> KeyframePlan:
         path = Path(self.file).expanduser()
-        planner = Planner(robot, read_keyframes(path), path.name)
+        planner = KeyframePlanner(robot, read_keyframes(path), path.name)
         plan = planner.plan()
         check_limits(planner, plan)
         return plan
 
-    def play(self, body: Body) -> Script:
+    def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
-        plan = self._plan(body.robot)
-        body.posture.follow(plan.posture, _BLEND)
-        body.com.follow(plan.com, _BLEND)
-        body.torso.follow(plan.torso, _BLEND)
-        body.pelvis.follow(plan.pelvis, _BLEND)
+        plan = self._plan(context.robot)
+        context.posture.follow(plan.posture, _BLEND)
+        context.com.follow(plan.com, _BLEND)
+        context.torso.follow(plan.torso, _BLEND)
+        context.pelvis.follow(plan.pelvis, _BLEND)
         for side, place in plan.places.items():
-            body.lead(side, place)
-        yield from body.wait(plan.duration + self.hold)
-        yield from body.go_home()
+            context.lead(side, place)
+        yield from context.wait(plan.duration + self.hold)
+        yield from context.go_home()

@@ -10,10 +10,10 @@ import numpy as np
 
 from wbc.errors import MotionError
 from wbc.kinematics import Kinematics
-from wbc.motions.anatomy import Anatomy
-from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
+from wbc.motions.engine.context import MotionContext
+from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
 from wbc.robot import Robot
+from wbc.robot.upper_body import UpperBody
 
 _AHEAD = 1.5  # m: where the point is by default, at the height of the eyes
 _ALONG = 0.7  # cosine from which on a joint's axis counts as pitch or yaw
@@ -66,10 +66,10 @@ class Look(Motion):
                     )
 
     @once_per_robot
-    def _gaze(self, robot: Robot) -> Gaze:
-        return Gaze(robot)
+    def _gaze(self, robot: Robot) -> GazeAllocation:
+        return GazeAllocation(robot)
 
-    def _point(self, gaze: Gaze, time: float) -> np.ndarray:
+    def _point(self, gaze: GazeAllocation, time: float) -> np.ndarray:
         """(3,) place of the point, standing frame, m."""
         middle = (
             gaze.eye + np.array([_AHEAD, 0.0, 0.0]) if self.point is None else np.array(self.point)
@@ -78,29 +78,31 @@ class Look(Motion):
         way = np.array([0.0, math.sin(angle), -0.5 * math.cos(angle)])
         return np.asarray(middle + self.radius * way)
 
-    def play(self, body: Body) -> Script:
+    def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
-        gaze = self._gaze(body.robot)
-        home = body.posture.home
+        gaze = self._gaze(context.robot)
+        home = context.posture.home
 
         def angles(time: float) -> tuple[float, float]:
             return gaze.angles(self._point(gaze, time))
 
-        body.posture.follow(lambda t: home + gaze.joints(*angles(t)), blend=1.0)
-        body.torso.follow(lambda t: gaze.trunk(*angles(t)), blend=1.0)
-        body.pelvis.follow(lambda t: body.anatomy.hips_share(gaze.trunk(*angles(t))), blend=1.0)
-        end = body.time + self.seconds
-        squares, ticks, start = 0.0, 0, body.time
-        while body.time < end:
+        context.posture.follow(lambda t: home + gaze.joints(*angles(t)), blend=1.0)
+        context.torso.follow(lambda t: gaze.trunk(*angles(t)), blend=1.0)
+        context.pelvis.follow(
+            lambda t: context.upper_body.hips_share(gaze.trunk(*angles(t))), blend=1.0
+        )
+        end = context.time + self.seconds
+        squares, ticks, start = 0.0, 0, context.time
+        while context.time < end:
             yield
-            if body.time - start > 1.5:
-                error = gaze.error(body, self._point(gaze, body.time - start))
+            if context.time - start > 1.5:
+                error = gaze.error(context, self._point(gaze, context.time - start))
                 squares, ticks = squares + error * error, ticks + 1
-        body.note(f"gaze off by {math.degrees(math.sqrt(squares / max(ticks, 1))):.1f}° rms")
-        yield from body.compose(1.0)
+        context.note(f"gaze off by {math.degrees(math.sqrt(squares / max(ticks, 1))):.1f}° rms")
+        yield from context.settle_upper_body(1.0)
 
 
-class Gaze:
+class GazeAllocation:
     """Shares the angles of a gaze between the joints of the neck and the trunk.
 
     A joint takes `limit · tanh(angle / limit)`, smooth up to its limit; the trunk the rest.
@@ -117,8 +119,8 @@ class Gaze:
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        anatomy = Anatomy.of(robot)
-        head = anatomy.head
+        upper_body = UpperBody.of(robot)
+        head = upper_body.head
         self._frame = robot.torso if head is None else head.frame
         here = Kinematics(robot, robot.standing()).motion(self._frame)
         self._forward = here.rotation.T @ np.array([1.0, 0.0, 0.0])
@@ -134,7 +136,7 @@ class Gaze:
                 self._yaw = found
             elif abs(axis[1]) > _ALONG and self._pitch[0] < 0:
                 self._pitch = found
-        waist = _PLAY * anatomy.waist_range[2]
+        waist = _PLAY * upper_body.waist_range[2]
         trunk_yaw = min(abs(waist[0]), waist[1]) + _HIPS_YAW
         self.most_yaw = min(abs(self._yaw[2]), self._yaw[3]) + trunk_yaw
         self.most_down = self._pitch[3] + _HIPS_PITCH
@@ -161,10 +163,10 @@ class Gaze:
         ]
         return np.array([0.0, left[1], left[0]])
 
-    def error(self, body: Body, point: np.ndarray) -> float:
+    def error(self, context: MotionContext, point: np.ndarray) -> float:
         """Angle between the gaze and the way to a point, as estimated, rad."""
-        at = body.walker.kinematics.frame(self._frame)
-        frame = body.walker.standing_frame
+        at = context.walker.kinematics.frame(self._frame)
+        frame = context.walker.standing_frame
         way = frame.act(point) - at.translation
         gaze = at.rotation @ self._forward
         return math.atan2(float(np.linalg.norm(np.cross(gaze, way))), float(gaze @ way))

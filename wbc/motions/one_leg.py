@@ -10,10 +10,10 @@ from typing import ClassVar
 import numpy as np
 
 from wbc.errors import MotionError
-from wbc.motions.anatomy import SIDES, Side
-from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, parameter, positive
+from wbc.motions.engine.context import MotionContext
+from wbc.motions.engine.motion import Motion, Script, parameter, positive
 from wbc.robot import Robot
+from wbc.robot.upper_body import SIDES, Side
 
 
 @dataclass(frozen=True)
@@ -38,18 +38,18 @@ class OneLeg(Motion):
         if self.height > 30.0:
             raise MotionError(f"one-leg: height = {self.height} % is beyond 30 % of the leg")
 
-    def play(self, body: Body) -> Script:
+    def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
         carrying: Sequence[Side] = SIDES if self.leg == "both" else (self._side(),)
         angle = math.radians(self.towards)
         push = self.impulse * np.array([math.cos(angle), math.sin(angle), 0.0])
         for leg in carrying:
             up: Side = "right" if leg == "left" else "left"
-            yield from body.lift(up, 0.01 * self.height * body.robot.leg_length)
-            yield from body.wait(0.5 * self.hold)
-            body.be_pushed(push)
-            yield from body.wait(0.5 * self.hold)
-            yield from body.put_down()
+            yield from context.lift(up, 0.01 * self.height * context.robot.leg_length)
+            yield from context.wait(0.5 * self.hold)
+            context.request_push(push)
+            yield from context.wait(0.5 * self.hold)
+            yield from context.put_down()
 
     def _side(self) -> Side:
         return "left" if self.leg == "left" else "right"

@@ -9,15 +9,15 @@ from typing import ClassVar
 import numpy as np
 
 from wbc.errors import MotionError
-from wbc.motions.anatomy import Anatomy, Side
-from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
-from wbc.motions.nearest import nearest
-from wbc.motions.posing import Posing
-from wbc.motions.reachable import Draw, Drawn
-from wbc.motions.ways import Ways
-from wbc.motions.wish import Pose
+from wbc.ik.objective import PostureSolution
+from wbc.ik.posture_ik import PostureIK
+from wbc.motions.engine.context import MotionContext
+from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
+from wbc.motions.reaching.arm_paths import ArmPaths
+from wbc.motions.reaching.closest_posture import closest_posture
+from wbc.motions.reaching.place_sampler import PlaceSampler, SampledPlaces
 from wbc.robot import Robot
+from wbc.robot.upper_body import Side, UpperBody
 
 _LAST = 0.4  # s
 _XYZ = ("X", "Y", "Z")
@@ -45,11 +45,11 @@ class Reach(Motion):
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
         positive(self, "random", "seconds", "hold")
-        anatomy = Anatomy.of(robot)
+        upper_body = UpperBody.of(robot)
         if self.left is None and self.right is None:
-            anatomy.both_arms()
+            upper_body.both_arms()
         for side, place in self._given():
-            anatomy.arm(side)
+            upper_body.arm(side)
             if len(place) != 3 or not np.isfinite(place).all():
                 raise MotionError(f"reach: {side} = {place} must be three finite numbers, m")
         self._plan(robot)
@@ -59,46 +59,46 @@ class Reach(Motion):
         return [(side, place) for side, place in both if place is not None]
 
     @once_per_robot
-    def _plan(self, robot: Robot) -> Itinerary:
-        posing = Posing(robot)
-        ways = Ways(posing)
-        given = {posing.anatomy.arm(s).hand: np.array(p) for s, p in self._given()}
-        draw = Draw(posing, self.draw)
-        goals: list[Goal] = []
-        before = posing.home
-        for one in [Drawn(given, None)] if given else draw.places(self.random):
-            goals.append(Goal.of(posing, ways, one, before))
+    def _plan(self, robot: Robot) -> ReachPlan:
+        ik = PostureIK(robot)
+        ways = ArmPaths(ik)
+        given = {ik.upper_body.arm(s).hand: np.array(p) for s, p in self._given()}
+        draw = PlaceSampler(ik, self.draw)
+        goals: list[ReachTarget] = []
+        before = ik.home
+        for one in [SampledPlaces(given, None)] if given else draw.places(self.random):
+            goals.append(ReachTarget.of(ik, ways, one, before))
             before = goals[-1].pose
-        back = ways.between(before, posing.home)[:-1]
-        return Itinerary(tuple(goals), back, "" if given else str(draw))
+        back = ways.between(before, ik.home)[:-1]
+        return ReachPlan(tuple(goals), back, "" if given else str(draw))
 
-    def play(self, body: Body) -> Script:
+    def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
-        plan = self._plan(body.robot)
+        plan = self._plan(context.robot)
         if plan.note:
-            body.note(plan.note)
+            context.note(plan.note)
         for goal in plan.goals:
             for side, text in goal.misses.items():
-                body.note(f"{side} hand: {text}")
+                context.note(f"{side} hand: {text}")
             # The joints lead the hands there, without singularities on the way; then the hands
             # are led the last millimetres.
-            yield from self._go(body, goal.way)
+            yield from self._go(context, goal.way)
             for side, place in goal.places.items():
-                body.reach(side, place, _LAST, counts=goal.counts or side not in goal.misses)
-            yield from body.wait(_LAST + self.hold)
-        yield from self._go(body, plan.back)
-        yield from body.go_home(self.seconds)
+                context.reach(side, place, _LAST, counts=goal.counts or side not in goal.misses)
+            yield from context.wait(_LAST + self.hold)
+        yield from self._go(context, plan.back)
+        yield from context.go_home(self.seconds)
 
-    def _go(self, body: Body, way: Sequence[Pose]) -> Script:
-        for hand in body.hands.values():
+    def _go(self, context: MotionContext, way: Sequence[PostureSolution]) -> Script:
+        for hand in context.hands.values():
             hand.release(_LAST)
         for pose in way:
-            body.take(pose, self.seconds)
-            yield from body.arrive(body.posture)
+            context.go_to_posture(pose, self.seconds)
+            yield from context.arrive(context.posture)
 
 
 @dataclass(frozen=True)
-class Itinerary:
+class ReachPlan:
     """What is reached for one after the other.
 
     Attributes:
@@ -107,13 +107,13 @@ class Itinerary:
         note: how the places were drawn.
     """
 
-    goals: tuple[Goal, ...]
-    back: tuple[Pose, ...]
+    goals: tuple[ReachTarget, ...]
+    back: tuple[PostureSolution, ...]
     note: str
 
 
 @dataclass(frozen=True)
-class Goal:
+class ReachTarget:
     """Places for the hands, as near as the robot can.
 
     Attributes:
@@ -125,19 +125,21 @@ class Goal:
         counts: whether even then they count as targets: they are known to be within reach.
     """
 
-    pose: Pose
-    way: Sequence[Pose]
+    pose: PostureSolution
+    way: Sequence[PostureSolution]
     places: Mapping[Side, np.ndarray]
     misses: Mapping[Side, str]
     counts: bool
 
     @classmethod
-    def of(cls, posing: Posing, ways: Ways, wished: Drawn, before: Pose) -> Goal:
+    def of(
+        cls, ik: PostureIK, ways: ArmPaths, wished: SampledPlaces, before: PostureSolution
+    ) -> ReachTarget:
         """The posture nearest to wished places, coming from another posture."""
-        found = nearest(posing, wished)
+        found = closest_posture(ik, wished)
         places: dict[Side, np.ndarray] = {}
         misses: dict[Side, str] = {}
-        for arm in posing.anatomy.arms:
+        for arm in ik.upper_body.arms:
             if arm.hand in found.said:
                 misses[arm.side] = found.said[arm.hand]
             if arm.hand in found.places:

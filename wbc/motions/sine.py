@@ -13,11 +13,11 @@ from wbc.command import Command
 from wbc.errors import MotionError
 from wbc.estimation import Estimate
 from wbc.gait.leg_workspace import LegWorkspace
-from wbc.motions.anatomy import Anatomy
-from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
-from wbc.motions.reference import Path, SmoothReference
+from wbc.motions.engine.context import MotionContext
+from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
+from wbc.motions.engine.reference import Path, SmoothReference
 from wbc.robot import Robot
+from wbc.robot.upper_body import UpperBody
 from wbc.telemetry import Balance, Telemetry
 
 _LEAD_IN = 1.0  # s from standing into the pattern; likewise back, and at rest there
@@ -89,19 +89,19 @@ class Sine(Motion):
 
     @once_per_robot
     def _joints(self, robot: Robot) -> tuple[Joints, tuple[str, ...]]:
-        return joints_of(robot)
+        return match_joints(robot)
 
     @classmethod
-    def shown(cls) -> Motion:
-        """See `Motion.shown`."""
+    def for_demo(cls) -> Motion:
+        """See `Motion.for_demo`."""
         return cls(balanced=True, seconds=2.0 * math.pi)
 
-    def play(self, body: Body) -> Script:
+    def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
-        joints, missing = self._joints(body.robot)
+        joints, missing = self._joints(context.robot)
         if missing:
-            body.note(f"{body.robot.name} has no joint for {', '.join(missing)}: left out")
-        home = body.posture.home
+            context.note(f"{context.robot.name} has no joint for {', '.join(missing)}: left out")
+        home = context.posture.home
 
         def posture(time: float) -> np.ndarray:
             q = home.copy()
@@ -112,46 +112,46 @@ class Sine(Motion):
             return q
 
         if self.balanced:
-            yield from self._balanced(body, posture)
+            yield from self._balanced(context, posture)
         else:
-            yield from self._open_loop(body, posture)
+            yield from self._open_loop(context, posture)
 
-    def _balanced(self, body: Body, posture: Path) -> Script:
-        body.posture.go(posture(0.0), _LEAD_IN)
-        yield from body.arrive(body.posture)
-        body.posture.follow(posture)
-        yield from body.wait(self.seconds)
-        yield from body.go_home(1.0)
+    def _balanced(self, context: MotionContext, posture: Path) -> Script:
+        context.posture.go(posture(0.0), _LEAD_IN)
+        yield from context.arrive(context.posture)
+        context.posture.follow(posture)
+        yield from context.wait(self.seconds)
+        yield from context.go_home(1.0)
 
-    def _open_loop(self, body: Body, posture: Path) -> Script:
-        body.take_over(JointSprings(body, posture))
-        yield from body.wait(_LEAD_IN + self.seconds)
-        yield from body.relieve()
-        yield from body.go_home(1.5)
+    def _open_loop(self, context: MotionContext, posture: Path) -> Script:
+        context.start_override(JointPdController(context, posture))
+        yield from context.wait(_LEAD_IN + self.seconds)
+        yield from context.release_override()
+        yield from context.go_home(1.5)
 
 
-class JointSprings:
-    """Springs and dampers at the joints: a pilot that knows nothing of balance.
+class JointPdController:
+    """Springs and dampers at the joints: a override that knows nothing of balance.
 
     Args:
-        body: whose joints these are; they set out from where they are.
+        context: whose joints these are; they set out from where they are.
         posture: time, s -> (na,) rad; from 0 on after a lead-in of 1 s, exactly.
     """
 
     dcm_error = math.nan  #: no DCM is planned
 
-    def __init__(self, body: Body, posture: Path) -> None:
-        robot = self._robot = body.robot
-        self._dt = body.dt
-        self._home = body.posture.home
+    def __init__(self, context: MotionContext, posture: Path) -> None:
+        robot = self._robot = context.robot
+        self._dt = context.dt
+        self._home = context.posture.home
         self._reference = SmoothReference(
-            body.posture.value, speed=robot.v_max, acceleration=_ACCELERATION
+            context.posture.value, speed=robot.v_max, acceleration=_ACCELERATION
         )
         self._reference.follow(lambda time: posture(time - _LEAD_IN), blend=_LEAD_IN)
         self._rest: float | None = None
         self._kp = _STIFFNESS * robot.tau_max
         self._kd = _DAMPING * robot.tau_max
-        self._before = body.last_torque
+        self._before = context.last_torque
         self._fading: np.ndarray | None = None  # what the torques of standing had more
 
     def step(self, estimate: Estimate) -> Command:
@@ -191,7 +191,7 @@ class JointSprings:
         return Telemetry()
 
 
-def joints_of(robot: Robot) -> tuple[Joints, tuple[str, ...]]:
+def match_joints(robot: Robot) -> tuple[Joints, tuple[str, ...]]:
     """The pattern's joints on a robot: name -> (index into (na,), sign); and names that it lacks.
 
     A joint of that very name counts; else the one that does the same: the waist's that turns
@@ -205,7 +205,7 @@ def joints_of(robot: Robot) -> tuple[Joints, tuple[str, ...]]:
     data = robot.model.createData()
     pin.computeJointJacobians(robot.model, data, robot.q_nominal)
     axes = np.array(data.J[3:, 6:])
-    anatomy = Anatomy.of(robot)
+    upper_body = UpperBody.of(robot)
 
     def about(axis: int, joints: tuple[int, ...]) -> tuple[int, float] | None:
         best = max(joints, key=lambda j: abs(axes[axis, j]), default=-1)
@@ -213,7 +213,7 @@ def joints_of(robot: Robot) -> tuple[Joints, tuple[str, ...]]:
             return None
         return best, float(np.sign(axes[axis, best]))
 
-    roles: dict[str, tuple[int, float] | None] = {"torso_yaw": about(_Z, anatomy.waist)}
+    roles: dict[str, tuple[int, float] | None] = {"torso_yaw": about(_Z, upper_body.waist)}
     for side, leg, knee in zip(
         ("left", "right"), robot.legs, LegWorkspace(robot).knees, strict=True
     ):
@@ -226,8 +226,8 @@ def joints_of(robot: Robot) -> tuple[Joints, tuple[str, ...]]:
             f"{side}_ankle_pitch": about(_Y, ankle),
             f"{side}_ankle_roll": about(_X, ankle),
         }
-    for arm in anatomy.arms:
-        elbow = anatomy.elbow(arm)
+    for arm in upper_body.arms:
+        elbow = upper_body.elbow(arm)
         before = arm.joints[: arm.joints.index(elbow)]
         roles[f"{arm.side}_shoulder_pitch"] = about(_Y, before)
         middle = robot.q_min[elbow] + robot.q_max[elbow]

@@ -9,11 +9,11 @@ from typing import ClassVar
 import numpy as np
 
 from wbc.errors import MotionError
-from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
-from wbc.motions.posing import Posing
-from wbc.motions.statics import effort, stoop
-from wbc.motions.wish import Pose, Wish
+from wbc.ik.objective import PostureObjective, PostureSolution
+from wbc.ik.posture_ik import PostureIK
+from wbc.motions.engine.context import MotionContext
+from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
+from wbc.motions.engine.statics import holding_effort, pelvis_violation
 from wbc.robot import Robot
 
 _GRAVITY = 9.81
@@ -37,16 +37,16 @@ class Squat(Motion):
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
         positive(self, "depth", "frequency", "times")
-        posing = Posing(robot)
+        ik = PostureIK(robot)
         self._bends(robot)
-        why = self._hindrance(posing, self._pose(posing, robot, self.depth), self.depth)
+        why = self._hindrance(ik, self._pose(ik, robot, self.depth), self.depth)
         if not why:
             return
         low, high = 0.0, self.depth
         while high - low > 0.1:
             middle = 0.5 * (low + high)
-            pose = self._pose(posing, robot, middle)
-            low, high = (low, middle) if self._hindrance(posing, pose, middle) else (middle, high)
+            pose = self._pose(ik, robot, middle)
+            low, high = (low, middle) if self._hindrance(ik, pose, middle) else (middle, high)
         raise MotionError(
             f"squat: {robot.name} cannot go down by {self.depth:g} % of its leg: {why}; "
             f"{max(low, 0.1):.1f} % is the most"
@@ -55,23 +55,23 @@ class Squat(Motion):
     @once_per_robot
     def _bends(self, robot: Robot) -> np.ndarray:
         """(k, na) polynomial, highest power first: what the joints add at a share of the depth."""
-        posing = Posing(robot)
+        ik = PostureIK(robot)
         shares = np.linspace(0.0, 1.0, _DEPTHS)
-        poses = [self._pose(posing, robot, self.depth * share).q[7:] for share in shares]
+        poses = [self._pose(ik, robot, self.depth * share).q[7:] for share in shares]
         return np.asarray(np.polyfit(shares, np.array(poses) - poses[0], _DEGREE))
 
-    def _pose(self, posing: Posing, robot: Robot, depth: float) -> Pose:
+    def _pose(self, ik: PostureIK, robot: Robot, depth: float) -> PostureSolution:
         down = np.array([0.0, 0.0, -0.01 * depth * robot.leg_length])
-        return posing.find(Wish(com=down, firm=True, firm_com=True))
+        return ik.find(PostureObjective(com=down, firm=True, firm_com=True))
 
-    def _hindrance(self, posing: Posing, pose: Pose, depth: float) -> str:
+    def _hindrance(self, ik: PostureIK, pose: PostureSolution, depth: float) -> str:
         """What keeps the robot from going so deep; empty when nothing does."""
-        robot = posing.robot
+        robot = ik.robot
         if pose.com_miss > _MISS:
-            return posing.stops(pose)
-        if low := stoop(robot, pose.q):
+            return ik.stops(pose)
+        if low := pelvis_violation(robot, pose.q):
             return low
-        lowest = effort(robot, pose.q)
+        lowest = holding_effort(robot, pose.q)
         amplitude = 0.005 * depth * robot.leg_length
         swing = 1.0 + amplitude * (2.0 * math.pi * self.frequency) ** 2 / _GRAVITY
         if lowest.ratio * swing > _STRENGTH:
@@ -81,11 +81,11 @@ class Squat(Motion):
             )
         return ""
 
-    def play(self, body: Body) -> Script:
+    def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
-        depth = 0.01 * self.depth * body.robot.leg_length
-        fit = self._bends(body.robot)
-        home = body.posture.home
+        depth = 0.01 * self.depth * context.robot.leg_length
+        fit = self._bends(context.robot)
+        home = context.posture.home
 
         def share(time: float) -> float:
             return 0.5 * (1.0 - math.cos(2.0 * math.pi * self.frequency * time))
@@ -97,9 +97,9 @@ class Squat(Motion):
                 bent = bent * s + coefficient
             return np.asarray(home + bent)
 
-        body.com.follow(lambda t: np.array([0.0, 0.0, -depth * share(t)]))
-        body.posture.follow(joints)
-        yield from body.wait(self.times / self.frequency)
-        body.com.go(0.0, 0.8)
-        body.posture.go(home, 0.8)
-        yield from body.arrive(body.com, body.posture)
+        context.com.follow(lambda t: np.array([0.0, 0.0, -depth * share(t)]))
+        context.posture.follow(joints)
+        yield from context.wait(self.times / self.frequency)
+        context.com.go(0.0, 0.8)
+        context.posture.go(home, 0.8)
+        yield from context.arrive(context.com, context.posture)

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from wbc.errors import MotionError
-from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, parameter, positive
-from wbc.motions.statics import support_half
+from wbc.motions.engine.context import MotionContext
+from wbc.motions.engine.motion import Motion, Script, parameter, positive
+from wbc.motions.engine.statics import support_half_size
 from wbc.robot import Robot
 
 _SUPPORT = 0.86  # share of the support that the motion may use
@@ -32,7 +32,7 @@ class Sway(Motion):
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
         positive(self, "size", "frequency", "rounds")
-        support, share = support_half(robot), 0.0
+        support, share = support_half_size(robot), 0.0
         for angle in np.linspace(0.0, 2.0 * math.pi, 33):
             share = max(share, float((np.abs(self._zmp(robot, angle)) / support).max()))
         if share > _SUPPORT:
@@ -51,12 +51,12 @@ class Sway(Motion):
         doubled = np.array([1.0, 1.0 if self.shape == "circle" else 4.0])
         return np.asarray(c * (1.0 + swing * doubled))
 
-    def play(self, body: Body) -> Script:
+    def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
-        body.com.follow(self.place, blend=1.0 / self.frequency)
-        yield from body.wait(self.rounds / self.frequency)
-        body.com.go(0.0, 1.0)
-        yield from body.arrive(body.com)
+        context.com.follow(self.place, blend=1.0 / self.frequency)
+        yield from context.wait(self.rounds / self.frequency)
+        context.com.go(0.0, 1.0)
+        yield from context.arrive(context.com)
 
     def place(self, time: float) -> np.ndarray:
         """(3,) offset of the CoM at a time, m."""

@@ -9,12 +9,12 @@ from typing import ClassVar
 import numpy as np
 
 from wbc.errors import MotionError
-from wbc.motions.anatomy import Anatomy
-from wbc.motions.body import Body
-from wbc.motions.motion import Motion, Script, once_per_robot, parameter, positive
-from wbc.motions.posing import Posing
-from wbc.motions.wish import Wish
+from wbc.ik.objective import PostureObjective
+from wbc.ik.posture_ik import PostureIK
+from wbc.motions.engine.context import MotionContext
+from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
 from wbc.robot import Robot
+from wbc.robot.upper_body import UpperBody
 
 # Shares of the arm's length: forward, outward and up from the shoulder, and the way to and fro.
 _PLACE = np.array([0.2, 0.35, 0.5])
@@ -49,21 +49,20 @@ class Wave(Motion):
     @once_per_robot
     def _postures(self, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
         """(na,) with the hands up, and (na,) half of the way to and fro, rad."""
-        anatomy, posing = Anatomy.of(robot), Posing(robot)
-        arms = anatomy.both_arms()
+        upper_body, ik = UpperBody.of(robot), PostureIK(robot)
+        arms = upper_body.both_arms()
         moving = np.array([j for arm in arms for j in arm.joints])
         for place in (_PLACE, _LOWER):
             middle = {}
             for arm in arms:
-                shoulder = posing.place(arm.shoulder)
+                shoulder = ik.place(arm.shoulder)
                 outward = 1.0 if arm.side == "left" else -1.0
                 middle[arm.hand] = shoulder + arm.length * place * [1.0, outward, 1.0]
-            pose = posing.find(Wish(hands=middle, firm=True, firm_com=True))
+            pose = ik.find(PostureObjective(hands=middle, firm=True, firm_com=True))
             if max(pose.misses.values()) < _NEAR:
                 break
         above = min(
-            float(posing.place(arm.hand, pose.q)[2] - posing.place(arm.shoulder, pose.q)[2])
-            for arm in arms
+            float(ik.place(arm.hand, pose.q)[2] - ik.place(arm.shoulder, pose.q)[2]) for arm in arms
         )
         if above <= 0.0:
             raise MotionError(f"wave: {robot.name} cannot bring both hands above its shoulders")
@@ -73,37 +72,39 @@ class Wave(Motion):
             for arm in arms:
                 outward = sign if arm.side == "left" else -sign
                 travel = np.array([0.0, outward * _TRAVEL * arm.length, 0.0])
-                hands[arm.hand] = posing.place(arm.hand, pose.q) + travel
-            wish = Wish(hands=hands, firm=True, firm_com=True)
-            ends.append(posing.find(wish, pose.q, elsewhere=False).q[7:])
+                hands[arm.hand] = ik.place(arm.hand, pose.q) + travel
+            objective = PostureObjective(hands=hands, firm=True, firm_com=True)
+            ends.append(ik.find(objective, pose.q, elsewhere=False).q[7:])
         up, swing = robot.q_nominal[7:].copy(), np.zeros(robot.na)
         up[moving] = 0.5 * (ends[0] + ends[1])[moving]
         swing[moving] = 0.5 * (ends[0] - ends[1])[moving]
         return up, swing
 
-    def _speed(self, body: Body) -> float:
+    def _speed(self, context: MotionContext) -> float:
         """Forward, m/s: raised arms make the body slow to turn, which the fastest steps need."""
-        most = _SPEED * body.walker.gait.max_velocity[0]
+        most = _SPEED * context.walker.gait.max_velocity[0]
         if abs(self.walk) > most:
-            body.note(
+            context.note(
                 f"walks at {most:.2f} m/s instead of {self.walk:g} m/s: with raised arms at "
                 f"{100.0 * _SPEED:.0f} % of its fastest"
             )
         return max(-most, min(most, self.walk))
 
-    def play(self, body: Body) -> Script:
+    def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
-        up, swing = self._postures(body.robot)
+        up, swing = self._postures(context.robot)
         if self.walk:
-            body.walk((self._speed(body), 0.0, 0.0))
-        body.posture.go(up, _RAISE)
-        yield from body.arrive(body.posture)
+            context.walk((self._speed(context), 0.0, 0.0))
+        context.posture.go(up, _RAISE)
+        yield from context.arrive(context.posture)
         rate = 2.0 * math.pi * self.frequency
-        body.posture.follow(lambda t: up + math.sin(rate * t) * swing, blend=0.5 / self.frequency)
-        yield from body.wait(self.seconds)
-        body.posture.go(body.posture.home, _RAISE)
+        context.posture.follow(
+            lambda t: up + math.sin(rate * t) * swing, blend=0.5 / self.frequency
+        )
+        yield from context.wait(self.seconds)
+        context.posture.go(context.posture.home, _RAISE)
         if self.walk:
-            body.walk((0.0, 0.0, 0.0))
-        yield from body.arrive(body.posture)
+            context.walk((0.0, 0.0, 0.0))
+        yield from context.arrive(context.posture)
         if self.walk:
-            yield from body.until(lambda: body.standing)
+            yield from context.until(lambda: context.standing)

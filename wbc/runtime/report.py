@@ -80,7 +80,7 @@ class Report:
         targets_reached: how many of them within 1 cm, in truth.
         target_error_max_mm: the worst of them.
         notes: what a motion has to say.
-        given_up: names of motions that were broken off; the notes say why.
+        aborted_motions: names of motions that were broken off; the notes say why.
         flights: when both soles were off the ground.
     """
 
@@ -115,7 +115,7 @@ class Report:
     targets_reached: int = 0
     target_error_max_mm: float | None = None
     notes: tuple[str, ...] = ()
-    given_up: tuple[str, ...] = ()
+    aborted_motions: tuple[str, ...] = ()
     flights: tuple[Flight, ...] = ()
 
     def to_json(self) -> str:
@@ -130,8 +130,8 @@ class Report:
         """The result for human eyes."""
         if self.survived:
             fate = f"survived {self.duration_s:.1f} s"
-            if self.given_up:
-                fate += f", but GAVE UP: {', '.join(self.given_up)}"
+            if self.aborted_motions:
+                fate += f", but GAVE UP: {', '.join(self.aborted_motions)}"
         elif self.fell_at_s is not None:
             fate = f"FELL at {self.fell_at_s:.2f} s: {self.fell_why}"
         else:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from wbc.motions import Intent, Performer
+from wbc.motions import MotionPlayer, MotionReference
 from wbc.robot import Robot
 from wbc.runtime.protocols import Controller, Plant
 from wbc.runtime.report import Report
@@ -31,7 +31,7 @@ class RunEvaluator:
         """See `wbc.runtime.protocols.Recorder`."""
         self._robot: Robot = plant.robot
         self._data = plant.robot.model.createData()
-        self._performer = controller if isinstance(controller, Performer) else None
+        self._performer = controller if isinstance(controller, MotionPlayer) else None
         self._flights = FlightDetector(plant.robot)
         self._squares, self._ticks = 0.0, 0
         self._slip = 0.0
@@ -53,7 +53,7 @@ class RunEvaluator:
             anchor = self._anchors.setdefault(sole.name, place)
             self._slip = max(self._slip, math.hypot(*(place - anchor)))
         if self._performer is not None:
-            self._compare(self._performer.intent)
+            self._compare(self._performer.reference)
 
     def end(self, report: Report) -> None:
         """See `wbc.runtime.protocols.Recorder`."""
@@ -62,7 +62,7 @@ class RunEvaluator:
         """The report with what was found."""
         errors = [1e3 * e for e in self._errors.values()]
         rms = 1e3 * math.sqrt(self._squares / self._ticks) if self._ticks else None
-        performer = self._performer
+        player = self._performer
         return replace(
             report,
             com_error_rms_mm=rms,
@@ -70,20 +70,20 @@ class RunEvaluator:
             targets=len(errors),
             targets_reached=sum(e <= 1e3 * _REACHED for e in errors),
             target_error_max_mm=max(errors) if errors else None,
-            notes=() if performer is None else tuple(performer.body.notes),
-            given_up=() if performer is None else performer.given_up,
+            notes=() if player is None else tuple(player.context.notes),
+            aborted_motions=() if player is None else player.aborted_motions,
             flights=self._flights.flights,
         )
 
-    def _compare(self, intent: Intent) -> None:
+    def _compare(self, reference: MotionReference) -> None:
         left, right = (self._place(sole.name) for sole in self._robot.soles)
         heading = self._heading()
-        if intent.com is not None:
-            origin = right + intent.lean * (left - right)
-            error = heading.T @ (self._data.com[0] - origin) - intent.com
+        if reference.com is not None:
+            origin = right + reference.lean * (left - right)
+            error = heading.T @ (self._data.com[0] - origin) - reference.com
             self._squares += float(error @ error)
             self._ticks += 1
-        for target in intent.targets:  # the last tick of each target stays
+        for target in reference.targets:  # the last tick of each target stays
             place = heading.T @ (self._place(target.frame) - 0.5 * (left + right))
             error = float(np.linalg.norm(place - target.place))
             self._errors[target.frame, target.number] = error

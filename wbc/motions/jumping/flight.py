@@ -13,12 +13,12 @@ from wbc.gait.planar import ground_point
 from wbc.kinematics import Kinematics
 from wbc.motions.jumping.path import gravity_of
 from wbc.motions.jumping.plan import JumpPlan
-from wbc.motions.jumping.profile import Glide, Moment
+from wbc.motions.jumping.profile import MinimumJerk, Moment
 from wbc.tasks import FrameTask
 from wbc.walking.contact_manager import rotation_about_z
 
 
-class SoleFlight:
+class SoleFlightReference:
     """The soles' hop from where they leave the ground to where they will catch the CoM.
 
     Duration and landing place follow from the CoM as it takes off: it flies for
@@ -61,7 +61,7 @@ class SoleFlight:
         """From take-off to touchdown, s."""
         return self._hop.duration
 
-    def refer(self, kin: Kinematics, time: float) -> Moment:
+    def write_reference(self, kin: Kinematics, time: float) -> Moment:
         """Set the soles' references at a time since take-off, s.
 
         The landing place is found anew from the CoM as it is.
@@ -78,7 +78,7 @@ class SoleFlight:
             - self._middle
         )
         shift *= min(1.0, self._reach / max(abs(shift), 1e-9))
-        way = Glide(0.0, 1.0, self.duration).at(time)
+        way = MinimumJerk(0.0, 1.0, self.duration).at(time)
         for side, task in self._soles.items():
             start = self._start[side]
             x, y = start.translation[:2]

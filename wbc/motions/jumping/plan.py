@@ -10,8 +10,8 @@ import numpy as np
 from wbc.errors import MotionError
 from wbc.motions.jumping.bound import TakeOffBound, take_off_bound
 from wbc.motions.jumping.path import JumpPath, gravity_of
-from wbc.motions.jumping.profile import Hop, Profile, stroke
-from wbc.motions.jumping.tracer import trace
+from wbc.motions.jumping.path_search import trace_path
+from wbc.motions.jumping.profile import HeightProfile, HopProfile, stroke
 from wbc.robot import Robot
 
 _SAMPLES = np.linspace(0.0, 1.0, 31)
@@ -21,7 +21,7 @@ _RISES = np.linspace(0.4, 1.0, 7)  # shares of the clearance that come from the 
 _REACH = 0.35  # of the standing height: how far down a path goes
 _SHORTEST = 0.4  # of the push-off, in units of √(height / g): motors need time for their ramps
 _TOUCHDOWN = 0.1  # m/s, downward speed of the soles
-STILLNESS = (2e-5, 5e-6, 1e-6)  #: of waist and arms, see `trace`: tried one after the other
+STILLNESS = (2e-5, 5e-6, 1e-6)  #: of waist and arms, see `trace_path`: tried one after the other
 _WORTH = 0.003  # m: a clearance below is none
 _MOST_EFFORT = 0.95  # share of a limit that a plan may use: the rest is for feedback
 _HALVINGS = 5  # of the interval in which the highest jump is looked for
@@ -60,9 +60,9 @@ class JumpPlan:
     path: JumpPath
     lowest: float
     speed: float
-    push_off: Profile
-    flight: Hop
-    landing: Profile
+    push_off: HeightProfile
+    flight: HopProfile
+    landing: HeightProfile
     torque_share: float
     torque_joint: str
     speed_share: float
@@ -84,7 +84,7 @@ class JumpPlan:
         return self.speed**2 / (2.0 * gravity_of(self.path.robot))
 
     @property
-    def effort(self) -> float:
+    def holding_effort(self) -> float:
         """The largest share of a limit of torque or velocity."""
         return max(self.torque_share, self.speed_share)
 
@@ -95,7 +95,7 @@ class JumpPlan:
         speed = float(np.sqrt(2.0 * g * rise))
         push_off = stroke(lowest, 0.0, (path.top, speed, -g))
         landing = stroke(path.top, -speed, (lowest, 0.0, 0.0), begin=-g)
-        flight = Hop(2.0 * speed / g, clearance, _TOUCHDOWN)
+        flight = HopProfile(2.0 * speed / g, clearance, _TOUCHDOWN)
         up, down = (s.sample(_SAMPLES * s.duration) for s in (push_off, landing))
         t = _SAMPLES * flight.duration
         z, rate, acceleration = flight.sample(t)
@@ -121,10 +121,10 @@ def jump_paths(robot: Robot, stillness: float = STILLNESS[0]) -> list[JumpPath]:
 
     Args:
         robot: the robot.
-        stillness: of waist and arms, see `trace`.
+        stillness: of waist and arms, see `trace_path`.
     """
     height = robot.com_height
-    traced = (trace(robot, share * height, _REACH * height, stillness) for share in _TAKE_OFFS)
+    traced = (trace_path(robot, share * height, _REACH * height, stillness) for share in _TAKE_OFFS)
     return [path for path in traced if path is not None]
 
 
@@ -143,7 +143,7 @@ def plan_jump(robot: Robot, clearance: float) -> JumpPlan:
     for stillness in STILLNESS:
         more = jump_paths(robot, stillness)
         plan = _gentlest(more, clearance)
-        if plan is not None and plan.effort <= _MOST_EFFORT:
+        if plan is not None and plan.holding_effort <= _MOST_EFFORT:
             return plan
         paths += more
     if not paths:
@@ -174,7 +174,7 @@ def _too_high(robot: Robot, paths: Sequence[JumpPath], clearance: float) -> Jump
 
 
 def _gentlest(paths: Sequence[JumpPath], clearance: float) -> JumpPlan | None:
-    return min(_candidates(paths, clearance), key=lambda plan: plan.effort, default=None)
+    return min(_candidates(paths, clearance), key=lambda plan: plan.holding_effort, default=None)
 
 
 def _candidates(paths: Sequence[JumpPath], clearance: float) -> Iterator[JumpPlan]:
@@ -199,7 +199,7 @@ def _highest(paths: Sequence[JumpPath], beyond: float) -> float:
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         plan = _gentlest(paths, middle) if middle > _WORTH else None
-        if plan is not None and plan.effort <= _MOST_EFFORT:
+        if plan is not None and plan.holding_effort <= _MOST_EFFORT:
             low = middle
         else:
             high = middle

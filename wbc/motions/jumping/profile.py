@@ -10,7 +10,7 @@ import numpy as np
 Moment = tuple[float, float, float]  # position m, velocity m/s, acceleration m/s²
 
 
-class Profile:
+class HeightProfile:
     """A height over time whose acceleration is piecewise linear.
 
     Args:
@@ -65,7 +65,7 @@ _RISE = 0.3  # share of a stroke in which its acceleration builds up
 _FALL = 0.2  # share in which it goes over to the final one
 
 
-def stroke(start: float, velocity: float, end: Moment, begin: float = 0.0) -> Profile:
+def stroke(start: float, velocity: float, end: Moment, begin: float = 0.0) -> HeightProfile:
     """From a height and velocity to others by one burst of acceleration.
 
     The acceleration goes linearly from `begin` to a plateau and from there to its final value.
@@ -91,7 +91,7 @@ def stroke(start: float, velocity: float, end: Moment, begin: float = 0.0) -> Pr
     duration = _least_positive_root(square, linear, start - height)
     a = ((speed - velocity) / duration - rest[0]) / plateau[0]
     knots = np.array([0.0, _RISE, 1.0 - _FALL, 1.0])
-    return Profile(start, velocity, duration * knots, np.array([begin, a, a, final]))
+    return HeightProfile(start, velocity, duration * knots, np.array([begin, a, a, final]))
 
 
 def _least_positive_root(a: float, b: float, c: float) -> float:
@@ -104,7 +104,7 @@ def _least_positive_root(a: float, b: float, c: float) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Glide:
+class MinimumJerk:
     """From rest to rest with least jerk: a quintic.
 
     Attributes:
@@ -130,7 +130,7 @@ class Glide:
 
 
 @dataclass(frozen=True, slots=True)
-class Hop:
+class HopProfile:
     """Height of the soles in flight: `64 c x³ (1 − x)³ + v T x³ (1 − x)`, x = t / T.
 
     It leaves the ground at rest and without acceleration, as the push-off ends, is c high in

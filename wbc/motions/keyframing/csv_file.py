@@ -16,10 +16,10 @@ from dataclasses import dataclass
 
 from wbc.motions.keyframing.keyframe import (
     COM,
+    FilePosition,
+    FileValue,
     Keyframe,
     KeyframeError,
-    Value,
-    Where,
     number,
     scale,
 )
@@ -36,7 +36,7 @@ class _Column:
     axis: str
     quantity: str
     scale: float
-    where: Where
+    where: FilePosition
 
 
 def from_csv(text: str, source: str) -> list[Keyframe]:
@@ -51,7 +51,9 @@ def from_csv(text: str, source: str) -> list[Keyframe]:
         if line.strip() and not line.lstrip().startswith("#")
     ]
     if len(lines) < 2:
-        raise KeyframeError(source, Where(1, 1), "a head line and at least one keyframe are needed")
+        raise KeyframeError(
+            source, FilePosition(1, 1), "a head line and at least one keyframe are needed"
+        )
     head = _cells(*lines[0])
     if (first := _HEAD.match(head[0][0])) is None or first["name"].strip() != "time":
         raise KeyframeError(
@@ -67,19 +69,19 @@ def from_csv(text: str, source: str) -> list[Keyframe]:
     return [_row(k, line, columns, source) for k, line in lines[1:]]
 
 
-def _cells(number: int, line: str) -> list[tuple[str, Where]]:
+def _cells(number: int, line: str) -> list[tuple[str, FilePosition]]:
     cells, start = [], 0
     for piece in line.split(","):
         indent = len(piece) - len(piece.lstrip())
         cell = piece.strip()
         if len(cell) > 1 and cell[0] == cell[-1] == '"':
             cell = cell[1:-1].strip()
-        cells.append((cell, Where(number, start + indent + 1)))
+        cells.append((cell, FilePosition(number, start + indent + 1)))
         start += len(piece) + 1
     return cells
 
 
-def _column(cell: str, where: Where, source: str) -> _Column:
+def _column(cell: str, where: FilePosition, source: str) -> _Column:
     if not cell:
         raise KeyframeError(source, where, "a column without a name: a comma too many?")
     match = _HEAD.match(cell)
@@ -114,17 +116,17 @@ def _check_columns(columns: list[_Column], source: str) -> None:
 def _row(k: int, line: str, columns: list[_Column], source: str) -> Keyframe:
     cells = _cells(k, line)
     if len(cells) != len(columns):
-        at = cells[len(columns)][1] if len(cells) > len(columns) else Where(k, len(line) + 1)
+        at = cells[len(columns)][1] if len(cells) > len(columns) else FilePosition(k, len(line) + 1)
         raise KeyframeError(source, at, f"{len(cells)} cells where the head has {len(columns)}")
-    joints: dict[str, Value] = {}
-    parts: dict[str, dict[str, Value]] = {}
-    time: Value | None = None
+    joints: dict[str, FileValue] = {}
+    parts: dict[str, dict[str, FileValue]] = {}
+    time: FileValue | None = None
     for (cell, where), column in zip(cells, columns, strict=True):
         if not cell:
             if column.name == "time":
                 raise KeyframeError(source, where, "a keyframe needs its time")
             continue
-        value = Value(column.scale * number(cell, where, source), column.quantity, where)
+        value = FileValue(column.scale * number(cell, where, source), column.quantity, where)
         if column.name == "time":
             time = value
         elif column.axis:
@@ -136,12 +138,14 @@ def _row(k: int, line: str, columns: list[_Column], source: str) -> Keyframe:
     return Keyframe(time, joints, places)
 
 
-def _place(name: str, part: dict[str, Value], source: str) -> tuple[Value, Value, Value]:
+def _place(
+    name: str, part: dict[str, FileValue], source: str
+) -> tuple[FileValue, FileValue, FileValue]:
     first = next(iter(part.values()))
     missing = [axis for axis in _AXES if axis not in part]
     if missing and name != COM:
         raise KeyframeError(
             source, first.where, f"'{name}' has no {missing[0]} here: give all three, or none"
         )
-    x, y, z = (part.get(axis, Value(0.0, "length", first.where)) for axis in _AXES)
+    x, y, z = (part.get(axis, FileValue(0.0, "length", first.where)) for axis in _AXES)
     return x, y, z

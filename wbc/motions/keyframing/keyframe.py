@@ -21,12 +21,12 @@ COM = "com"
 class KeyframeError(MotionError):
     """A keyframe file cannot be used; the text begins with file, line and column."""
 
-    def __init__(self, source: str, where: Where, text: str) -> None:
+    def __init__(self, source: str, where: FilePosition, text: str) -> None:
         super().__init__(f"{source}:{where.line}:{where.column}: {text}")
 
 
 @dataclass(frozen=True, slots=True)
-class Where:
+class FilePosition:
     """A place in a file; both count from 1."""
 
     line: int
@@ -34,12 +34,12 @@ class Where:
 
 
 @dataclass(frozen=True, slots=True)
-class Value:
+class FileValue:
     """A number of a file in SI units, its quantity (see `UNITS`), and where it is written."""
 
     number: float
     quantity: str
-    where: Where
+    where: FilePosition
 
 
 @dataclass(frozen=True)
@@ -52,12 +52,12 @@ class Keyframe:
         places: frame name, or `com` -> x, y, z, m.
     """
 
-    time: Value
-    joints: dict[str, Value] = field(default_factory=dict)
-    places: dict[str, tuple[Value, Value, Value]] = field(default_factory=dict)
+    time: FileValue
+    joints: dict[str, FileValue] = field(default_factory=dict)
+    places: dict[str, tuple[FileValue, FileValue, FileValue]] = field(default_factory=dict)
 
 
-def number(text: str, where: Where, source: str) -> float:
+def number(text: str, where: FilePosition, source: str) -> float:
     """A finite number.
 
     Raises:
@@ -72,7 +72,9 @@ def number(text: str, where: Where, source: str) -> float:
     return value
 
 
-def scale(unit: str, quantities: tuple[str, ...], where: Where, source: str) -> tuple[str, float]:
+def scale(
+    unit: str, quantities: tuple[str, ...], where: FilePosition, source: str
+) -> tuple[str, float]:
     """Quantity and factor of a unit.
 
     Raises:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from wbc.motions.engine.statics import holding_effort, pelvis_violation, support_half_size
 from wbc.motions.keyframing.keyframe import KeyframeError
-from wbc.motions.keyframing.plan import Plan, Planner
-from wbc.motions.statics import effort, stoop, support_half
+from wbc.motions.keyframing.plan import KeyframePlan, KeyframePlanner
 
 _STEP = 0.01  # s
 _EVERY = 10  # of these for the torques
@@ -16,7 +16,7 @@ _GRAVITY = 9.81
 _SUPPORT = 0.8  # share of the soles over which the ZMP may be planned
 
 
-def check_limits(planner: Planner, plan: Plan) -> None:
+def check_limits(planner: KeyframePlanner, plan: KeyframePlan) -> None:
     """Positions and velocities of all joints, torques, pelvis and ZMP, along the whole way.
 
     Torques are those of the motion on a base that is held, and for the legs those at rest. The
@@ -26,7 +26,7 @@ def check_limits(planner: Planner, plan: Plan) -> None:
         KeyframeError: with the line and column that lead there.
     """
     robot = planner.robot
-    half = support_half(robot)
+    half = support_half_size(robot)
     _check_keyed(planner)
     for k in range(int(plan.duration / _STEP) + 1):
         time = k * _STEP
@@ -40,7 +40,7 @@ def check_limits(planner: Planner, plan: Plan) -> None:
         _check_zmp(planner, plan, time, half)
 
 
-def _check_keyed(planner: Planner) -> None:
+def _check_keyed(planner: KeyframePlanner) -> None:
     """The positions as they are written, before those on the way."""
     robot = planner.robot
     for frame in planner.frames:
@@ -52,14 +52,14 @@ def _check_keyed(planner: Planner) -> None:
             _refuse(planner, frame.time.number, bad, q, robot.q_min, robot.q_max, "position")
 
 
-def _check_stoop(planner: Planner, time: float, posture: np.ndarray) -> None:
-    low = stoop(planner.robot, planner.on_soles(posture))
+def _check_stoop(planner: KeyframePlanner, time: float, posture: np.ndarray) -> None:
+    low = pelvis_violation(planner.robot, planner.on_soles(posture))
     if low:
         raise KeyframeError(planner.source, planner.cell(0, time).where, f"at {time:.2f} s {low}")
 
 
 def _refuse(
-    planner: Planner,
+    planner: KeyframePlanner,
     time: float,
     bad: np.ndarray,
     value: np.ndarray,
@@ -80,7 +80,7 @@ def _refuse(
 
 
 def _check_torques(
-    planner: Planner, time: float, q: np.ndarray, v: np.ndarray, a: np.ndarray
+    planner: KeyframePlanner, time: float, q: np.ndarray, v: np.ndarray, a: np.ndarray
 ) -> None:
     robot = planner.robot
     whole = robot.q_nominal.copy()
@@ -91,12 +91,12 @@ def _check_torques(
         6:
     ]
     legs = [j - 6 for leg in robot.legs for j in leg]
-    torque[legs] = effort(robot, whole).torque[legs]
+    torque[legs] = holding_effort(robot, whole).torque[legs]
     limit = _STRENGTH * robot.tau_max
     _refuse(planner, time, np.abs(torque) > limit, torque, -limit, limit, "torque")
 
 
-def _check_zmp(planner: Planner, plan: Plan, time: float, half: np.ndarray) -> None:
+def _check_zmp(planner: KeyframePlanner, plan: KeyframePlan, time: float, half: np.ndarray) -> None:
     robot = planner.robot
     c, _, a = plan.com.derivatives(time)
     zmp = (c - a * robot.com_height / _GRAVITY)[:2]

@@ -9,12 +9,12 @@ from itertools import pairwise
 import numpy as np
 
 from wbc.errors import did_you_mean
-from wbc.motions.anatomy import Side
-from wbc.motions.keyframing.keyframe import COM, Keyframe, KeyframeError, Value
-from wbc.motions.posing import Posing
-from wbc.motions.spline import Spline
-from wbc.motions.wish import Pose, Wish
+from wbc.ik.objective import PostureObjective, PostureSolution
+from wbc.ik.posture_ik import PostureIK
+from wbc.motions.keyframing.keyframe import COM, FileValue, Keyframe, KeyframeError
+from wbc.motions.keyframing.spline import Spline
 from wbc.robot import Robot
+from wbc.robot.upper_body import Side
 
 _KNOTS = 0.1  # s between the postures that are found for places
 _MISS = 0.003  # m
@@ -25,7 +25,7 @@ _SOLE_MISS, _SOLE_TILT = 0.005, 0.02  # m, rad: how far posture and ground may d
 
 
 @dataclass(frozen=True)
-class Plan:
+class KeyframePlan:
     """References over time, at rest at both ends; in the standing frame.
 
     Attributes:
@@ -45,7 +45,7 @@ class Plan:
     places: Mapping[Side, Spline]
 
 
-class Planner:
+class KeyframePlanner:
     """Turns the keyframes of one file into a plan for one robot.
 
     Args:
@@ -61,9 +61,9 @@ class Planner:
         self.robot = robot
         self.frames = frames
         self.source = source
-        self._posing = Posing(robot)
-        self._hands = {f"{arm.side}_hand": arm for arm in self._posing.anatomy.arms}
-        self._hands |= {arm.hand: arm for arm in self._posing.anatomy.arms}
+        self._posing = PostureIK(robot)
+        self._hands = {f"{arm.side}_hand": arm for arm in self._posing.upper_body.arms}
+        self._hands |= {arm.hand: arm for arm in self._posing.upper_body.arms}
         self._check_names()
         self.joints = self._joint_splines()
         self._legs = {j - 6 for leg in robot.legs for j in leg}
@@ -71,7 +71,7 @@ class Planner:
         self._check_contradictions()
         self.duration = frames[-1].time.number
 
-    def plan(self) -> Plan:
+    def plan(self) -> KeyframePlan:
         """The references.
 
         Raises:
@@ -91,14 +91,14 @@ class Planner:
         posture, com, torso, pelvis = (
             Spline(knots, np.array(column)) for column in zip(*rows, strict=True)
         )
-        return Plan(self.duration, posture, com, torso, pelvis, self._led())
+        return KeyframePlan(self.duration, posture, com, torso, pelvis, self._led())
 
     def on_soles(self, posture: np.ndarray) -> np.ndarray:
         """(nq,) a posture (na,) with the left sole where it stands."""
         q = np.concatenate((self._posing.home.q[:7], posture))
         return self._posing.on_soles(q)[0]
 
-    def cell(self, joint: int, time: float) -> Value:
+    def cell(self, joint: int, time: float) -> FileValue:
         """What in the file has a joint where it is at a time."""
         name = self.robot.joint_names[joint]
         after = [f for f in self.frames if f.time.number >= time - 1e-9] or [self.frames[-1]]
@@ -182,13 +182,13 @@ class Planner:
 
     def _found(self, time: float, q: np.ndarray) -> tuple[Row, np.ndarray]:
         """The posture that has hands and CoM where they are wanted, the keyed joints as given."""
-        wish = Wish(
+        objective = PostureObjective(
             com=self.places[COM](time) if COM in self.places else np.zeros(3),
             hands={self._hands[n].hand: s(time) for n, s in self.places.items() if n != COM},
             kept=tuple(self.joints),
             firm_com=True,
         )
-        pose = self._posing.find(wish, q, elsewhere=False)
+        pose = self._posing.find(objective, q, elsewhere=False)
         for name in self.places:
             if name == COM:
                 continue
@@ -200,7 +200,7 @@ class Planner:
             raise self._place_error(COM, time, text)
         return (pose.q[7:], pose.com, pose.torso, pose.pelvis), pose.q
 
-    def _out_of_reach(self, name: str, time: float, pose: Pose) -> KeyframeError:
+    def _out_of_reach(self, name: str, time: float, pose: PostureSolution) -> KeyframeError:
         """Rather said of the keyframe's own place than of one on the way there."""
         hand = self._hands[name].hand
         place, miss = self.places[name](time), pose.misses[hand]
@@ -208,7 +208,7 @@ class Planner:
             (f for f in self.frames if name in f.places and f.time.number >= time), self.frames[-1]
         )
         goal = np.array([v.number for v in after.places[name]])
-        there = self._posing.find(Wish(hands={hand: goal}, firm_com=True), pose.q)
+        there = self._posing.find(PostureObjective(hands={hand: goal}, firm_com=True), pose.q)
         if there.miss > _MISS:
             time, place, miss = after.time.number, goal, there.miss
         at = " ".join(f"{x:.2f}" for x in place)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from wbc.errors import MotionError
 from wbc.motions.keyframing.csv_file import from_csv
-from wbc.motions.keyframing.keyframe import Keyframe, KeyframeError, Where
+from wbc.motions.keyframing.keyframe import FilePosition, Keyframe, KeyframeError
 from wbc.motions.keyframing.yaml_file import from_yaml
 
 _LONGEST = 600.0  # s
@@ -52,7 +52,7 @@ def _text(path: Path) -> str:
         raise MotionError(f"keyframes: cannot read {path}: {error.strerror}") from None
     except UnicodeDecodeError as error:
         before = error.object[: error.start].decode("utf-8")
-        where = Where(before.count("\n") + 1, len(before) - before.rfind("\n"))
+        where = FilePosition(before.count("\n") + 1, len(before) - before.rfind("\n"))
         wrong = error.object[error.start]
         text = f"byte 0x{wrong:02x} is not UTF-8: save the file as UTF-8 text"
         raise KeyframeError(path.name, where, text) from None

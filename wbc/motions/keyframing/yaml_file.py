@@ -14,10 +14,10 @@ from typing import Any
 from wbc.errors import MissingExtra, did_you_mean
 from wbc.motions.keyframing.keyframe import (
     UNITS,
+    FilePosition,
+    FileValue,
     Keyframe,
     KeyframeError,
-    Value,
-    Where,
     number,
     scale,
 )
@@ -35,14 +35,14 @@ def from_yaml(text: str, source: str) -> list[Keyframe]:
     except ImportError:
         raise MissingExtra("yaml", "yaml") from None
     try:
-        root = yaml.compose(text, Loader=yaml.SafeLoader)
+        root = yaml.settle_upper_body(text, Loader=yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        where = Where(mark.line + 1, mark.column + 1) if mark else Where(1, 1)
+        where = FilePosition(mark.line + 1, mark.column + 1) if mark else FilePosition(1, 1)
         raise KeyframeError(source, where, f"malformed YAML: {error.problem}") from None
     except yaml.reader.ReaderError as error:
         before = text[: error.position]
-        where = Where(before.count("\n") + 1, len(before) - before.rfind("\n"))
+        where = FilePosition(before.count("\n") + 1, len(before) - before.rfind("\n"))
         wrong = f"character {ord(text[error.position]):#04x} is not allowed"
         raise KeyframeError(source, where, f"malformed YAML: {wrong}") from None
     return _Tree(source).keyframes(root)
@@ -106,20 +106,20 @@ class _Tree:
             table[str(key.value)] = value
         return table
 
-    def _value(self, node: Any, factor: float, quantity: str) -> Value:
+    def _value(self, node: Any, factor: float, quantity: str) -> FileValue:
         if factor == 0.0:
             known = ", ".join(UNITS[quantity])
             raise self._error(node, f"units.{quantity} is not stated: one of {known}")
         if node.id != "scalar":
             raise self._error(node, "a number is wanted here")
         value = number(str(node.value), _where(node), self._source)
-        return Value(factor * value, quantity, _where(node))
+        return FileValue(factor * value, quantity, _where(node))
 
     def _error(self, node: Any, text: str) -> KeyframeError:
         return KeyframeError(self._source, _where(node), text)
 
 
-def _where(node: Any) -> Where:
+def _where(node: Any) -> FilePosition:
     if node is None:
-        return Where(1, 1)
-    return Where(node.start_mark.line + 1, node.start_mark.column + 1)
+        return FilePosition(1, 1)
+    return FilePosition(node.start_mark.line + 1, node.start_mark.column + 1)

@@ -12,8 +12,8 @@ import numpy as np
 
 from wbc.closeable import Closeable
 from wbc.command import Status
-from wbc.motions import CATALOGUE, Motion, Performer
-from wbc.motions.packing import check_importable
+from wbc.motions import MOTIONS, Motion, MotionPlayer
+from wbc.motions.engine.packing import check_importable
 from wbc.process import ChildProcess, ProcessStartError, RecordRing
 from wbc.ros.bridge.helm import Helm
 from wbc.ros.bridge.layout import HEAD, MOST, Layout, Mode
@@ -45,11 +45,11 @@ class Bridge(Closeable):
     in all; it never waits, and goes on, standing, when the other process has died.
 
     Example:
-        >>> with Bridge(performer, plant) as bridge:
-        ...     drive(bridge, performer, plant, 3600.0)
+        >>> with Bridge(player, plant) as bridge:
+        ...     drive(bridge, player, plant, 3600.0)
 
     Args:
-        performer: whom to drive.
+        player: whom to drive.
         plant: what it is in; it may have `push` and `reset`.
         name: of the node.
         namespace: of the node.
@@ -74,7 +74,7 @@ class Bridge(Closeable):
 
     def __init__(
         self,
-        performer: Performer,
+        player: MotionPlayer,
         plant: Any,
         *,
         name: str = "wbc",
@@ -82,22 +82,22 @@ class Bridge(Closeable):
         network: Network | None = None,
         update_rate: float = 50.0,
         use_sim_time: bool = False,
-        motions: Sequence[type[Motion]] = CATALOGUE,
+        motions: Sequence[type[Motion]] = MOTIONS,
     ) -> None:
         import_cyclonedds()
         for motion in motions:
             check_importable(motion)
-        robot = performer.robot
+        robot = player.robot
         layout = Layout.of(robot)
         self._soles = [sole.name for sole in robot.soles]
         self._no_wrench = np.full(6, np.nan)
         self._ring = RecordRing(layout.size)
         self._mailbox = Mailbox(robot.na)
-        self.helm = Helm(self._mailbox, performer, plant)
+        self.helm = Helm(self._mailbox, player, plant)
         self._run = 0
         self._before = time.perf_counter()
         self._last: np.ndarray | None = None
-        self._dt, self._to_go = performer.dt, 0  # ticks until one is shown
+        self._dt, self._to_go = player.dt, 0  # ticks until one is shown
         self._timing: list[float] = []  # of the ticks since the last that was shown
         assert self._mailbox.descriptor is not None
         shelf, slip = self.helm.shelf.descriptor, self.helm.slip.descriptor
@@ -113,8 +113,8 @@ class Bridge(Closeable):
             network=network or Network.of(),
             update_rate=update_rate,
             use_sim_time=use_sim_time,
-            dt=performer.dt,
-            max_velocity=performer.walker.gait.max_velocity,
+            dt=player.dt,
+            max_velocity=player.walker.gait.max_velocity,
             motions=tuple(motions),
             may_push=hasattr(plant, "push"),
             may_reset=hasattr(plant, "reset"),

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from wbc.motions import Performer, unpack
-from wbc.motions.conductor import STANDING, Conductor, Stage
-from wbc.motions.shelf import Shelf
+from wbc.motions import MotionPlayer, unpack
+from wbc.motions.engine.blob_buffer import BlobBuffer
+from wbc.motions.engine.manager import STANDING, MotionManager, MotionStatus
 from wbc.ros.bridge.mailbox import Mailbox, Orders
 from wbc.ros.bridge.slip import Slip
 from wbc.runtime.loop import StopRun
@@ -18,34 +18,34 @@ _SHARE = 0.5  # of the joints' speed limits
 
 
 class Helm:
-    """Steers a performer by the orders in a mailbox; `wbc.run` calls it before each tick.
+    """Steers a player by the orders in a mailbox; `wbc.run` calls it before each tick.
 
     A velocity ends by itself when nobody renews it, be it that a client went silent or that
     the node's process died. Joints wait until a motion is over.
 
     Args:
         mailbox: of the orders.
-        performer: whom to steer.
+        player: whom to steer.
         plant: which may have `push` and `reset`.
 
     Attributes:
-        conductor: through which.
+        manager: through which.
         shelf: where motions lie that are ordered.
         slip: tells why a motion was given up.
         motions: how many have been taken from there.
     """
 
-    def __init__(self, mailbox: Mailbox, performer: Performer, plant: Any) -> None:
-        self._mailbox, self._performer, self._plant = mailbox, performer, plant
-        self.conductor = Conductor(performer)
-        self.shelf, self.slip = Shelf(), Slip()
+    def __init__(self, mailbox: Mailbox, player: MotionPlayer, plant: Any) -> None:
+        self._mailbox, self._performer, self._plant = mailbox, player, plant
+        self.manager = MotionManager(player)
+        self.shelf, self.slip = BlobBuffer(), Slip()
         self._push = getattr(plant, "push", None)
         self._velocity = STANDING
         self._forgotten = 0.0  # the end of a velocity that was asked for in the run before
         self._pushes = self._resets = self._stands = 0
         self.motions = 0
-        robot = performer.robot
-        self._slowest = _SHARE * np.minimum(robot.v_max, 1e3) * performer.dt
+        robot = player.robot
+        self._slowest = _SHARE * np.minimum(robot.v_max, 1e3) * player.dt
         self._orders: Orders | None = None
         self._moving = self._begun = False
 
@@ -63,7 +63,7 @@ class Helm:
         lasts = now < orders.velocity_until and orders.velocity_until != self._forgotten
         velocity = orders.velocity if lasts else STANDING
         if velocity != self._velocity:
-            self._velocity = self.conductor.velocity = velocity
+            self._velocity = self.manager.velocity = velocity
         if orders is not self._orders:
             self._orders = orders
             self._moving = True
@@ -80,7 +80,7 @@ class Helm:
         self._pushes, self._resets = orders.pushes, orders.resets
         self.motions, self._stands = orders.motions, orders.stands
         self._velocity = STANDING
-        self.conductor.begin()
+        self.manager.begin()
         self._begun = False
 
     @property
@@ -89,9 +89,9 @@ class Helm:
         return self._mailbox.look().resets != self._resets
 
     @property
-    def stage(self) -> Stage:
+    def stage(self) -> MotionStatus:
         """What became of the last of the `motions`."""
-        return self.conductor.stage
+        return self.manager.status
 
     def close(self) -> None:
         """Give up what is shared with the node."""
@@ -106,25 +106,25 @@ class Helm:
             raise StopRun("reset")
         if orders.stands != self._stands:
             self._stands = orders.stands
-            self.conductor.stand()
+            self.manager.stand()
         if orders.motions != self.motions:
             self.motions = orders.motions
             packed = self.shelf.take(orders.slot, orders.size)
-            self.conductor.play(unpack(packed, self._performer.robot))
+            self.manager.play(unpack(packed, self._performer.robot))
 
     def _steer(self) -> None:
-        conductor, performer = self.conductor, self._performer
-        before = conductor.stage
-        conductor.steer()
-        if conductor.stage is not before and performer.body.notes:
-            self.slip.write(self.motions, performer.body.notes[-1])
-        for impulse in performer.pushes_due():
+        manager, player = self.manager, self._performer
+        before = manager.status
+        manager.steer()
+        if manager.status is not before and player.context.notes:
+            self.slip.write(self.motions, player.context.notes[-1])
+        for impulse in player.pop_pushes():
             if self._push is not None:
                 self._push(impulse)
 
     def _move_joints(self, orders: Orders, now: float) -> None:
         """Lead the posture to where it is wanted, never faster than it may go."""
-        posture, dt = self._performer.body.posture, self._performer.dt
+        posture, dt = self._performer.context.posture, self._performer.dt
         missing = orders.joints - posture.home
         missing[np.isnan(missing)] = 0.0
         step = missing * (dt / max(orders.arrival - now, dt))

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from wbc.motions.conductor import Stage
+from wbc.motions.engine.manager import MotionStatus
 from wbc.robot import Robot
 from wbc.telemetry import PHASES
 
@@ -109,7 +109,7 @@ class Sample:
     steps: int
     dcm_error: float
     motions: int
-    stage: Stage
+    stage: MotionStatus
     q: np.ndarray
     v: np.ndarray
     tau: np.ndarray
@@ -141,7 +141,7 @@ class Sample:
             int(steps),
             error,
             int(motions),
-            Stage(int(stage)),
+            MotionStatus(int(stage)),
             **arrays,
         )
 

@@ -14,10 +14,10 @@ from typing import Any
 from wbc.errors import MotionError
 from wbc.messages import message_type
 from wbc.motions import Motion
-from wbc.motions.choice import spoken
-from wbc.motions.conductor import Stage
-from wbc.motions.planner import Plan, Planner
-from wbc.motions.shelf import Shelf
+from wbc.motions.engine.blob_buffer import BlobBuffer
+from wbc.motions.engine.manager import MotionStatus
+from wbc.motions.engine.parsing import parse_motion
+from wbc.motions.engine.planning import MotionPlanner, PlannedMotion
 from wbc.ros.actions import ActionServer, Goal, GoalState
 from wbc.ros.bridge.layout import Mode, Sample
 from wbc.ros.bridge.mailbox import Mailbox, Orders
@@ -59,9 +59,9 @@ class PlayMotion:
         self._steering, self._walk_to = steering, walk_to
         self._orders, self._mailbox = orders, mailbox
         self._motions = order.motions
-        self._shelf, self._slip = Shelf(order.shelf), Slip(order.slip)
-        self._plans: queue.SimpleQueue[Plan] = queue.SimpleQueue()
-        self._planner = Planner(order.robot, (), self._plans.put)
+        self._shelf, self._slip = BlobBuffer(order.shelf), Slip(order.slip)
+        self._plans: queue.SimpleQueue[PlannedMotion] = queue.SimpleQueue()
+        self._planner = MotionPlanner(order.robot, (), self._plans.put)
         self._planner.start()
         self._server = ActionServer(node, TYPE, NAME, self._accept, self._begin, self._cancel)
         self._listed = message_type(f"{_LIST}_Response")(
@@ -100,7 +100,7 @@ class PlayMotion:
     def _is_ready(self, request: Any) -> Any:
         """Whether a goal would be begun now, as far as its text goes."""
         try:
-            spoken(request.motion_key, self._motions)
+            parse_motion(request.motion_key, self._motions)
         except MotionError:
             return self._ready(is_ready=False)
         return self._ready(is_ready=self._accept(request))
@@ -110,14 +110,14 @@ class PlayMotion:
 
     def _begin(self, goal: Goal) -> None:
         try:
-            motion = spoken(goal.request.motion_name, self._motions)
+            motion = parse_motion(goal.request.motion_name, self._motions)
         except MotionError as error:  # what goes on goes on
             goal.finish(GoalState.ABORTED, self._server.result_type(error=str(error)))
             return
         self._orphaned = self._goal is not None and (self._motion is None or self._orphaned)
         self.stop("another goal took its place")
         self._goal, self._motion, self._ending = goal, motion, None
-        self._planner.wish(motion)
+        self._planner.request(motion)
 
     def _look(self) -> None:
         """Have the loop play what has been planned."""
@@ -126,7 +126,7 @@ class PlayMotion:
             if plan.motion == self._motion:
                 self._order(plan)
 
-    def _order(self, plan: Plan) -> None:
+    def _order(self, plan: PlannedMotion) -> None:
         try:
             if plan.why:
                 raise MotionError(plan.why)
@@ -174,12 +174,12 @@ class PlayMotion:
 
     def _follow(self, goal: Goal, sample: Sample) -> None:
         """See what the loop makes of it."""
-        if sample.stage is Stage.DONE:
+        if sample.stage is MotionStatus.DONE:
             self._finish(GoalState.SUCCEEDED, "")
-        elif sample.stage is Stage.GAVE_UP:
+        elif sample.stage is MotionStatus.ABORTED:
             why = self._slip.read(sample.motions)
             self._finish(GoalState.ABORTED, f"the robot gave it up: {why}")
-        elif sample.stage is Stage.LEFT_OFF:
+        elif sample.stage is MotionStatus.CANCELED:
             self._finish(
                 *(self._ending or (GoalState.ABORTED, "it was left off for another order"))
             )
@@ -192,7 +192,7 @@ class PlayMotion:
     def _finish(self, state: GoalState, error: str) -> None:
         goal, self._goal, self._motion = self._goal, None, None
         assert goal is not None
-        self._planner.wish(None)
+        self._planner.request(None)
         done = state is GoalState.SUCCEEDED
         logger.info("%s %s: %s", NAME, goal.request.motion_name, error or "done")
         goal.finish(state, self._server.result_type(success=done, error=error))

@@ -10,7 +10,7 @@ import contextlib
 import sys
 
 from wbc.errors import WbcError
-from wbc.motions.planner import SWITCH
+from wbc.motions.engine.planning import SWITCH_INTERVAL
 from wbc.process import RecordRing, parent
 from wbc.ros.bridge.layout import Layout
 from wbc.ros.bridge.mailbox import Mailbox
@@ -22,7 +22,7 @@ from wbc.ros.rosout import speaking
 
 def main() -> None:
     """Serve until the parent is gone."""
-    sys.setswitchinterval(SWITCH)
+    sys.setswitchinterval(SWITCH_INTERVAL)
     order: Order = parent.receive_config()
     layout = Layout.of(order.robot)
     ring = RecordRing(layout.size, order.ring)

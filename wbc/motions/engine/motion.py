@@ -1,0 +1,191 @@
+"""The base of all motions: parameters, and a script that is played tick by tick."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from weakref import WeakKeyDictionary
+
+from wbc.errors import MotionError, did_you_mean
+from wbc.robot import Robot
+
+if TYPE_CHECKING:
+    from wbc.motions.engine.context import MotionContext
+
+M = TypeVar("M", bound="Motion")
+P = TypeVar("P")
+
+#: What `Motion.play` is: each `yield` is one tick.
+Script = Generator[None, None, None]
+
+
+@dataclass(frozen=True)
+class Motion(ABC):
+    """Something to do, from standing to standing.
+
+    A motion is a frozen dataclass: its fields are its parameters, and the command line's
+    options. `play` is a generator that gives orders to the body; each `yield` lets one tick
+    pass, and `yield from context.wait(…)`, `context.until(…)`, `context.shift_weight(…)` and
+    the like pass several. Being a generator, it can be interrupted at any `yield`; the player then
+    brings the body home. It should leave the body at home when it ends; what it forgets is
+    brought home for it.
+
+    Attributes:
+        name: one word, as on the command line.
+        summary: one line.
+    """
+
+    name: ClassVar[str]
+    summary: ClassVar[str]
+
+    @property
+    def while_walking(self) -> bool:
+        """Whether the robot may walk meanwhile: legs and CoM are none of this motion's business.
+
+        Such a motion neither starts nor ends walking; others begin when the robot stands.
+        """
+        return False
+
+    def check(self, robot: Robot) -> None:  # noqa: B027 - most have nothing to check
+        """Refuse what this robot cannot do, before it starts; plan what is `once_per_robot`.
+
+        Raises:
+            MotionError: with the bound, and what sets it.
+        """
+
+    def prepare(self, robot: Robot) -> None:
+        """Check, and plan, once per robot. It may take a second: never in a running loop.
+
+        What has been prepared starts without delay: prepare it before the loop, or in another
+        process, and hand it over (`wbc.motions.pack`).
+
+        Raises:
+            MotionError: the robot cannot do it.
+        """
+        _checked(self, robot)
+
+    @abstractmethod
+    def play(self, context: MotionContext) -> Script:
+        """The script.
+
+        Raises:
+            MotionError: it gives up; the player notes why and brings the body home.
+        """
+
+    @classmethod
+    def for_demo(cls) -> Motion:
+        """Return the motion as `Demo` plays it: with its default parameters unless overridden."""
+        return cls()
+
+    @classmethod
+    def parameters(cls) -> tuple[MotionParameter, ...]:
+        """What may be chosen, in order."""
+        found = []
+        for field in dataclasses.fields(cls):
+            default = field.default
+            if default is dataclasses.MISSING:
+                assert field.default_factory is not dataclasses.MISSING
+                default = field.default_factory()
+            found.append(
+                MotionParameter(
+                    field.name,
+                    default,
+                    field.metadata.get("about", ""),
+                    tuple(field.metadata.get("choices", ())),
+                    tuple(field.metadata.get("names", ())),
+                )
+            )
+        return tuple(found)
+
+
+@dataclass(frozen=True, slots=True)
+class MotionParameter:
+    """A parameter of a motion.
+
+    Attributes:
+        name: of the field.
+        default: its type is the parameter's.
+        about: what it is, with its unit.
+        choices: the values that it may have; any when empty.
+        names: of the components of a vector; empty for anything else.
+    """
+
+    name: str
+    default: Any
+    about: str
+    choices: tuple[str, ...]
+    names: tuple[str, ...]
+
+
+def parameter(
+    default: Any, about: str, *, choices: Sequence[str] = (), names: Sequence[str] = ()
+) -> Any:
+    """A field of a motion that is a parameter, with its unit said in `about`.
+
+    Args:
+        default: its type is the parameter's.
+        about: what it is, with its unit.
+        choices: for a text, the values that it may have.
+        names: for a vector, one name per component.
+    """
+    metadata = {"about": about, "choices": tuple(choices), "names": tuple(names)}
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+class _PerRobot(WeakKeyDictionary[Robot, P]):
+    """Plans by robot; they go with a motion that is pickled."""
+
+    def __reduce__(self) -> tuple[type, tuple[dict[Robot, P]]]:
+        return _PerRobot, (dict(self),)
+
+
+def once_per_robot(plan: Callable[[M, Robot], P]) -> Callable[[M, Robot], P]:
+    """A method of a motion that plans for a robot: computed once, in `check`, before it starts.
+
+    `play` runs inside the control loop, where there is no time to plan.
+    """
+    key = f"_{plan.__name__}_per_robot"
+
+    @functools.wraps(plan)
+    def remembered(motion: M, robot: Robot) -> P:
+        found: _PerRobot[P] = motion.__dict__.setdefault(key, _PerRobot())
+        if robot not in found:
+            found[robot] = plan(motion, robot)
+        return found[robot]
+
+    return remembered
+
+
+@once_per_robot
+def _checked(motion: Motion, robot: Robot) -> None:
+    _check_values(motion)
+    motion.check(robot)
+
+
+def _check_values(motion: Motion) -> None:
+    """Texts are of those that may be chosen, numbers are finite."""
+    for parameter in motion.parameters():
+        value = getattr(motion, parameter.name)
+        if parameter.choices and value not in parameter.choices:
+            near = did_you_mean(str(value), parameter.choices)
+            raise MotionError(f"{motion.name}: no {parameter.name} '{value}'{near}")
+        numbers = value if isinstance(value, tuple) else (value,)
+        if not all(math.isfinite(x) for x in numbers if isinstance(x, float)):
+            raise MotionError(f"{motion.name}: {parameter.name} = {value} must be finite")
+
+
+def positive(motion: Motion, *names: str) -> None:
+    """Refuse parameters that are not positive and finite.
+
+    Raises:
+        MotionError: names the parameter and its value.
+    """
+    for name in names:
+        value = getattr(motion, name)
+        if not 0.0 < value < float("inf"):
+            raise MotionError(f"{motion.name}: {name} = {value} must be positive and finite")

@@ -1,0 +1,151 @@
+"""A motion chosen by name, with its parameters as JSON or a line of text has them."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from typing import Any
+
+from wbc.errors import MotionError, did_you_mean, shown
+from wbc.motions.engine.motion import Motion, MotionParameter
+
+# Of a number: seconds, percent, degrees, N·s/kg. What is nearer to zero counts as a slip: a
+# script divides by it in the loop, where nobody looks for overflows.
+_LEAST, _MOST = 1e-6, 1e4
+_MANY = 100  # of a whole number: each of them may be planned
+_LONGEST = 300  # characters
+
+
+def describe_motion(motion: type[Motion]) -> dict[str, Any]:
+    """A motion for the page."""
+    parameters = [
+        {
+            "name": p.name,
+            "kind": _kind(p),
+            "default": p.default,
+            "about": p.about,
+            "choices": p.choices,
+            "names": p.names,
+        }
+        for p in motion.parameters()
+    ]
+    return {"name": motion.name, "summary": motion.summary, "parameters": parameters}
+
+
+def create_motion(motion: type[Motion], values: Any) -> Motion:
+    """The motion with these parameters, the others as they are by default.
+
+    Args:
+        motion: which.
+        values: name -> value, as they come from JSON.
+
+    Raises:
+        MotionError: there is no such parameter, or it cannot be that; the text says why.
+    """
+    known = {p.name: p for p in motion.parameters()}
+    if not isinstance(values, dict):
+        raise MotionError(f"parameters of {motion.name} are {shown(values)}; they are an object")
+    for name in values:
+        if name not in known:
+            raise MotionError(
+                f"{motion.name} has no parameter {shown(name)}{did_you_mean(name, known)}"
+            )
+    return motion(**{name: _value(motion, known[name], value) for name, value in values.items()})
+
+
+def parse_motion(text: str, motions: Sequence[type[Motion]]) -> Motion:
+    """The motion that a line of text means.
+
+    Example:
+        >>> parse_motion("squat depth=15 times=2", MOTIONS)
+        >>> parse_motion("reach left=0.3,0.2,1", MOTIONS)
+
+    Args:
+        text: a name, then parameters; a value with spaces is quoted.
+        motions: among which.
+
+    Raises:
+        MotionError: it means none; the text says why.
+    """
+    try:
+        name, *words = shlex.split(text) or [""]
+    except ValueError as error:
+        raise MotionError(f"{shown(text)} cannot be read: {error}") from None
+    kinds = {motion.name: motion for motion in motions}
+    if name not in kinds:
+        raise MotionError(f"no motion {shown(name)}{did_you_mean(name, kinds)}")
+    known = {p.name: p for p in kinds[name].parameters()}
+    values = {}
+    for word in words:
+        key, equals, value = word.partition("=")
+        if not equals:
+            raise MotionError(f"{name}: {shown(word)} is no parameter=value")
+        if key in values:
+            raise MotionError(f"{name}: {key} is given twice")
+        values[key] = _read(known[key], value) if key in known else value
+    return create_motion(kinds[name], values)
+
+
+def _read(parameter: MotionParameter, text: str) -> Any:
+    """A value as JSON would have it; what cannot be read stays a text, and is refused as such."""
+    kind = _kind(parameter)
+    if kind == "switch":
+        return {"true": True, "false": False}.get(text, text)
+    try:
+        if kind == "vector":
+            return [float(part) for part in text.split(",")]
+        return float(text) if kind in ("number", "whole") else text
+    except ValueError:
+        return text
+
+
+def _kind(parameter: MotionParameter) -> str:
+    if parameter.choices:
+        return "choice"
+    if parameter.names:
+        return "vector"
+    kinds = ((bool, "switch"), (int, "whole"), (float, "number"))
+    return next((name for kind, name in kinds if isinstance(parameter.default, kind)), "text")
+
+
+def _value(motion: type[Motion], parameter: MotionParameter, value: Any) -> Any:
+    name, kind = f"{motion.name}: {parameter.name}", _kind(parameter)
+    if kind == "choice":
+        if value not in parameter.choices:
+            raise MotionError(f"{name} is {shown(value)}; it is {' or '.join(parameter.choices)}")
+        return value
+    if kind == "vector":
+        if value is None and parameter.default is None:
+            return None
+        size = len(parameter.names)
+        if not (isinstance(value, list) and len(value) == size and None not in value):
+            raise MotionError(f"{name} is {shown(value)}; it is {size} numbers")
+        return tuple(_number(name, x, _MOST) for x in value)
+    if kind == "switch":
+        if not isinstance(value, bool):
+            raise MotionError(f"{name} is {shown(value)}; it is true or false")
+        return value
+    if kind == "whole":
+        number = _number(name, value, _MANY)
+        if number != int(number):
+            raise MotionError(f"{name} is {shown(value)}; it is a whole number")
+        return int(number)
+    if kind == "number":
+        number = _number(name, value, _MOST)
+        if 0.0 < abs(number) < _LEAST:
+            raise MotionError(f"{name} = {number:g} is too small: 0, or {_LEAST:g} and more")
+        return number
+    if not (isinstance(value, str) and len(value) <= _LONGEST and value.isprintable()):
+        raise MotionError(
+            f"{name} is {shown(value)}; it is a text of {_LONGEST} characters or less"
+        )
+    return value
+
+
+def _number(name: str, value: Any, most: float) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise MotionError(f"{name} is {shown(value)}; it is a number")
+    # Compared as it is: a whole number may be too large for a float.
+    if not -most <= value <= most:
+        raise MotionError(f"{name} = {shown(value)} is out of range: {-most:g} to {most:g}")
+    return float(value)

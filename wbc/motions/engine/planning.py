@@ -1,0 +1,97 @@
+"""Checks and plans motions in another process than the loop's, so that a tick never has to."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from wbc.errors import WbcError
+from wbc.motions.engine.motion import Motion
+from wbc.motions.engine.packing import pack
+from wbc.robot import Robot
+
+#: s, for `sys.setswitchinterval` of a process that plans: its other threads get through so soon.
+SWITCH_INTERVAL = 2e-4
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class PlannedMotion:
+    """What became of planning a motion.
+
+    Attributes:
+        motion: the motion.
+        packed: it with its plans, see `wbc.motions.pack`; empty if it cannot be done.
+        why: the robot cannot do it; empty if it can.
+    """
+
+    motion: Motion
+    packed: bytes
+    why: str
+
+
+class MotionPlanner:
+    """Plans one motion after the other, in a thread that nobody waits for in the end.
+
+    It begins with `start`.
+
+    Args:
+        robot: who is to play them.
+        motions: planned as they are by default, as soon as there is nothing else to do; kept.
+        done: told of each plan, from that thread.
+    """
+
+    def __init__(
+        self, robot: Robot, motions: Sequence[type[Motion]], done: Callable[[PlannedMotion], None]
+    ) -> None:
+        self._robot, self._done = robot, done
+        self._kept: dict[type[Motion], PlannedMotion] = {}
+        self._left = [kind() for kind in reversed(motions)]
+        self._requested: Motion | None = None
+        self._changed = threading.Condition()
+
+    def start(self) -> None:
+        """Begin."""
+        threading.Thread(target=self._work, daemon=True).start()
+
+    def known(self, motion: Motion) -> PlannedMotion | None:
+        """The plan, if there is one already."""
+        with self._changed:
+            plan = self._kept.get(type(motion))
+        return plan if plan is not None and plan.motion == motion else None
+
+    def request(self, motion: Motion | None) -> None:
+        """Plan this motion next, instead of the one requested before."""
+        with self._changed:
+            self._requested = motion
+            self._changed.notify()
+
+    def _work(self) -> None:
+        while True:
+            motion, standard = self._take()
+            plan = self.known(motion) or self._plan(motion)
+            if standard:
+                with self._changed:
+                    self._kept[type(motion)] = plan
+            self._done(plan)
+
+    def _take(self) -> tuple[Motion, bool]:
+        with self._changed:
+            while self._requested is None and not self._left:
+                self._changed.wait()
+            if self._requested is None:
+                return self._left.pop(), True
+            requested, self._requested = self._requested, None
+            return requested, False
+
+    def _plan(self, motion: Motion) -> PlannedMotion:
+        try:
+            return PlannedMotion(motion, pack(motion, self._robot), "")
+        except WbcError as error:
+            return PlannedMotion(motion, b"", str(error))
+        except Exception as error:  # a motion of somebody's own: planning goes on
+            logger.exception("planning %s", motion)
+            return PlannedMotion(motion, b"", f"{motion.name}: {type(error).__name__}: {error}")

@@ -1,0 +1,279 @@
+"""Crouch, push-off, flight, landing, rising: the phases of a jump."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from enum import Enum
+
+import numpy as np
+
+from wbc.command import Command
+from wbc.estimation import Estimate
+from wbc.gait import Feet
+from wbc.gait.planar import ground_point, wrap_angle
+from wbc.gait.polygon import clamp_to_polygon, convex_hull, sole_corners
+from wbc.kinematics import Kinematics
+from wbc.motions.jumping.flight import SoleFlightReference
+from wbc.motions.jumping.gains import JumpGains
+from wbc.motions.jumping.path import gravity_of
+from wbc.motions.jumping.plan import JumpPlan
+from wbc.motions.jumping.profile import HeightProfile, MinimumJerk, Moment, stroke
+from wbc.motions.jumping.tasks import JumpTasks
+from wbc.robot import Robot
+from wbc.state import State
+from wbc.telemetry import Balance, Telemetry
+from wbc.walking.feet import foot_placements, loads_by_side
+
+_GROUND_TIME = 0.15  # s, smoothing of the ground's height under the robot
+_SETTLED = 0.005  # m, of the DCM
+_LEAST_STROKE = 0.03  # m, of a landing
+_LEAST_FORCE = 0.1  # share of the weight: with less, the ZMP moves nothing
+_BOTH = frozenset(("left", "right"))
+
+
+class JumpPhase(Enum):
+    """Where a jump is."""
+
+    CROUCH = "crouch"
+    PUSH_OFF = "push-off"
+    FLIGHT = "flight"
+    LANDING = "landing"
+    RISE = "rise"
+    DONE = "stand"
+
+
+class JumpController:
+    """Jumps once, from standing to standing.
+
+    On the ground, height and posture follow the plan's path, and the ZMP brings the DCM over
+    the middle of the soles, with the force of the moment:
+    `c̈ = (g + z̈)/z (c − p)`. In the air there are no contacts: the CoM falls, angular momentum
+    stays as it is, and the soles follow their hop, to where they will catch the CoM; trunk and
+    arms follow the path, which has no momentum, and so go with the legs of themselves.
+    Touchdown is what the foot sensors feel; from there the landing's stroke is planned anew.
+
+    Args:
+        robot: the robot.
+        plan: of the jump.
+        dt: control period, s.
+        gains: weights, gains and times.
+        solver: QP solver by name, see `WholeBodyController`.
+
+    Attributes:
+        plan: of the jump.
+        phase: where it is.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        plan: JumpPlan,
+        dt: float = 0.002,
+        gains: JumpGains | None = None,
+        *,
+        solver: str | None = None,
+    ) -> None:
+        self.robot = robot
+        self.plan = plan
+        self.dt = dt
+        self._gains = gains or JumpGains()
+        self._gravity = gravity_of(robot)
+        self._kin = Kinematics(robot, robot.standing())
+        self._limbs = JumpTasks(self._kin, dt, self._gains, solver)
+        self.reset(robot.standing())
+
+    @property
+    def done(self) -> bool:
+        """It stands again."""
+        return self.phase is JumpPhase.DONE
+
+    def reset(self, state: State) -> None:
+        """Start from standing, both soles on the ground.
+
+        Raises:
+            StateError: see `State.checked`.
+        """
+        kin, plan = self._kin, self.plan
+        kin.update(state)
+        feet = foot_placements(kin)
+        self._ground = 0.5 * (feet.left.height + feet.right.height)
+        self._heading = feet.left.yaw + 0.5 * wrap_angle(feet.right.yaw - feet.left.yaw)
+        self._standing = float(kin.p_com[2]) - self._ground
+        self._home = state.q[7:].copy()
+        self._down = _BOTH
+        self._abandoned = False
+        self._flight: SoleFlightReference | None = None
+        self._zmp = feet.middle
+        self.dcm_error = 0.0
+        time = self._time_for(self._gains.crouch_time, self._standing - plan.lowest)
+        self._height: HeightProfile | MinimumJerk = MinimumJerk(self._standing, plan.lowest, time)
+        self._bend = MinimumJerk(0.0, 1.0, time)
+        self._enter(JumpPhase.CROUCH)
+
+    def abandon(self) -> None:
+        """Rise from the crouch without a jump; what has left the crouch is carried through."""
+        self._abandoned = True
+
+    def step(self, estimate: Estimate) -> Command:
+        """One tick.
+
+        Args:
+            estimate: state, and loads of the feet; without loads touchdown goes by time.
+
+        Raises:
+            StateError: see `State.checked`.
+        """
+        shares = loads_by_side(self.robot, estimate)
+        kin = self._kin
+        kin.update(estimate.state)
+        feet = foot_placements(kin)
+        self._advance(kin, feet, self._touching(shares))
+        self._time += self.dt
+        if self._flight is None:
+            self._balance(kin, feet)
+        else:
+            self._limbs.stand_on(())
+            self._follow(self._flight.write_reference(kin, self._time))
+        return self._limbs.solve(kin)
+
+    def _enter(self, phase: JumpPhase) -> None:
+        self.phase, self._time = phase, 0.0
+
+    def _time_for(self, least: float, way: float) -> float:
+        """Duration of a glide whose speed stays below half of that at take-off, s."""
+        return max(least, 1.875 * abs(way) / (0.5 * self.plan.speed))
+
+    def _touching(self, shares: Mapping[str, float] | None) -> frozenset[str]:
+        """Sides whose soles carry."""
+        if shares is None:
+            flight = self._flight
+            over = flight is None or self._time >= flight.duration
+            return _BOTH if over else frozenset()
+        return frozenset(s for s, share in shares.items() if share > self._gains.contact_share)
+
+    def _advance(self, kin: Kinematics, feet: Feet, touching: frozenset[str]) -> None:
+        """Enter the next phase when it is time."""
+        gains, plan, phase, time = self._gains, self.plan, self.phase, self._time + 0.5 * self.dt
+        if phase is JumpPhase.CROUCH and time > self._height.duration + gains.pause:
+            if self._abandoned:
+                self._rise(plan.lowest)
+                return
+            self._height = plan.push_off
+            self._enter(JumpPhase.PUSH_OFF)
+        elif phase is JumpPhase.PUSH_OFF and time > plan.push_off.duration:
+            self._leave_ground(kin)
+        elif self._flight is not None:
+            if touching and time > 0.5 * self._flight.duration:
+                self._touch_down(kin, feet, touching)
+        elif phase is JumpPhase.LANDING:
+            self._down = _BOTH if time > gains.catch_time else self._down | touching
+            if time > self._height.duration + gains.pause:
+                self._rise(self._height.at(time)[0])
+        elif phase is JumpPhase.RISE:
+            over = time - self._height.duration
+            if over > gains.settle_time or (over > 0.0 and self.dcm_error < _SETTLED):
+                self._height = MinimumJerk(self._standing, self._standing, 1.0)
+                self._bend = MinimumJerk(0.0, 0.0, 1.0)
+                self._enter(JumpPhase.DONE)
+
+    def _rise(self, lowest: float) -> None:
+        time = self._time_for(self._gains.rise_time, self._standing - lowest)
+        self._height = MinimumJerk(lowest, self._standing, time)
+        self._bend = MinimumJerk(1.0, 0.0, time)
+        self._enter(JumpPhase.RISE)
+
+    def _leave_ground(self, kin: Kinematics) -> None:
+        soles, gains = self._limbs.soles, self._gains
+        self._down = frozenset()
+        self._flight = SoleFlightReference(
+            self.plan, kin, soles, self._ground, 10.0 * self.dt, gains.reach
+        )
+        self._enter(JumpPhase.FLIGHT)
+
+    def _touch_down(self, kin: Kinematics, feet: Feet, touching: frozenset[str]) -> None:
+        self._flight = None
+        self._down = touching
+        self._ground = float(np.mean([feet.of(side).height for side in touching]))
+        height, fall = float(kin.p_com[2]) - self._ground, min(float(kin.v_com[2]), -0.1)
+        lowest = min(self.plan.lowest, height - _LEAST_STROKE)
+        begin = -self._gains.soft * self._gravity
+        self._height = stroke(height, fall, (lowest, 0.0, 0.0), begin)
+        self._enter(JumpPhase.LANDING)
+
+    def _balance(self, kin: Kinematics, feet: Feet) -> None:
+        """References of a phase on the ground."""
+        gains, g, com = self._gains, self._gravity, self._limbs.com
+        self._limbs.stand_on(self._down)
+        moment = self._height.at(self._time)
+        height, rate, acceleration = moment
+        if self._down == _BOTH:
+            ground = 0.5 * (feet.left.height + feet.right.height)
+            self._ground += (ground - self._ground) * min(self.dt / _GROUND_TIME, 1.0)
+        here, speed, middle = ground_point(kin.p_com), ground_point(kin.v_com), feet.middle
+        omega = math.sqrt(g / height)
+        objective = -(omega + gains.dcm_gain) * speed - gains.dcm_gain * omega * (here - middle)
+        stiffness = max(g + acceleration, _LEAST_FORCE * g) / height
+        self._zmp = clamp_to_polygon(
+            here - objective / stiffness, self._support(feet, -gains.zmp_margin), 0.0
+        )
+        push = stiffness * (here - self._zmp)
+        assert com.target is not None
+        com.target[2] = self._ground + height
+        com.velocity[2] = rate
+        com.acceleration[:] = push.real, push.imag, acceleration
+        self.dcm_error = abs(here + speed / omega - middle)
+        self._follow(moment)
+
+    def _support(self, feet: Feet, margin: float) -> list[complex]:
+        return convex_hull(
+            [
+                corner
+                for sole in self.robot.soles
+                for corner in sole_corners(
+                    feet.of(sole.side), sole.half_length + margin, sole.half_width + margin
+                )
+            ]
+        )
+
+    def _follow(self, moment: Moment) -> None:
+        """Trunk and posture along the path; crouching and rising, between it and standing."""
+        path = self.plan.path
+        if self.phase in (JumpPhase.PUSH_OFF, JumpPhase.FLIGHT, JumpPhase.LANDING):
+            lean, posture = path.attitude(moment), path.posture(moment)
+        else:
+            lowest = (self.plan.lowest, 0.0, 0.0)
+            bend = np.array(self._bend.at(self._time))[:, None]
+            lean = bend * path.attitude(lowest)[0]
+            posture = bend * (path.posture(lowest)[0] - self._home)
+            posture[0] += self._home
+        self._limbs.lean(self._heading, lean)
+        self._limbs.pose(posture)
+
+    @property
+    def balance(self) -> Balance:
+        """See `telemetry`."""
+        return self.telemetry
+
+    @property
+    def telemetry(self) -> Telemetry:
+        """What it sees and intends, for observers."""
+        kin, z = self._kin, self._ground
+
+        def at(p: complex) -> np.ndarray:
+            return np.array([p.real, p.imag, z])
+
+        here = ground_point(kin.p_com)
+        omega = math.sqrt(self._gravity / self._standing)
+        feet = foot_placements(kin)
+        flying = self._flight is not None
+        return Telemetry(
+            com=kin.p_com.copy(),
+            dcm=at(here + ground_point(kin.v_com) / omega),
+            dcm_reference=at(feet.middle),
+            zmp=np.full(3, np.nan) if flying else at(self._zmp),
+            phase="flight" if flying else "stand",
+            support=np.empty((0, 3))
+            if flying
+            else np.array([at(p) for p in self._support(feet, 0.0)]),
+        )

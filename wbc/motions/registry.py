@@ -1,0 +1,23 @@
+"""The motion registry: all motions of the library, by name."""
+
+from __future__ import annotations
+
+from wbc.errors import MotionError, did_you_mean
+from wbc.motions.demo import DEMO_MOTIONS, Demo
+from wbc.motions.engine.motion import Motion
+from wbc.motions.keyframes import Keyframes
+
+#: What the command line, the live page and the ROS 2 node offer.
+MOTIONS: tuple[type[Motion], ...] = (*DEMO_MOTIONS, Keyframes, Demo)
+
+
+def find_motion(name: str) -> type[Motion]:
+    """Return the motion type of that name.
+
+    Raises:
+        MotionError: there is none; the message lists similar names.
+    """
+    for motion in MOTIONS:
+        if motion.name == name:
+            return motion
+    raise MotionError(f"no motion '{name}'{did_you_mean(name, [m.name for m in MOTIONS])}")
