@@ -36,7 +36,8 @@ format: .venv/dev.stamp
 	$(BIN)/ruff format .
 
 docs: .venv/dev.stamp
-	$(BIN)/python -m mkdocs build --strict --quiet
+	$(BIN)/python -m sphinx -q -W --keep-going -b html -d out/doctrees docs out/site
+	@echo "open out/site/index.html"
 
 dist: .venv/dev.stamp
 	rm -rf dist
