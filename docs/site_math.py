@@ -1,22 +1,33 @@
-"""Formulas as MathML: the pages need no script, and show them without a network."""
+"""Formulas as SVG: the pages need no script and no network to show them."""
 
 from __future__ import annotations
 
+from html import escape
 from typing import Any
 
+import ziamath
 from docutils import nodes
-from latex2mathml.converter import convert
 
-RENDERER = "mathml"
+RENDERER = "svg"
+SIZE = 17.0  # px
+
+
+def _svg(latex: str, *, inline: bool) -> str:
+    """The drawing of a formula, in the colour of the text around it."""
+    formula = ziamath.Latex(latex, size=SIZE, inline=inline, color="currentColor")
+    style = f"vertical-align:{formula.getyofst():.2f}px" if inline else "max-width:100%"
+    picture = formula.svg().replace("<svg ", f'<svg style="{style}" ', 1)
+    return f'<span role="math" aria-label="{escape(latex, quote=True)}">{picture}</span>'
 
 
 def _inline(translator: Any, node: nodes.math) -> None:
-    translator.body.append(convert(node.astext()))
+    translator.body.append(_svg(node.astext(), inline=True))
     raise nodes.SkipNode
 
 
 def _block(translator: Any, node: nodes.math_block) -> None:
-    translator.body.append(f'<div class="math">{convert(node.astext(), display="block")}</div>')
+    picture = _svg(node.astext(), inline=False)
+    translator.body.append(f'<p style="text-align:center;overflow-x:auto">{picture}</p>')
     raise nodes.SkipNode
 
 
