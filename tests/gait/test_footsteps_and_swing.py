@@ -13,8 +13,7 @@ import wbc
 from wbc.errors import GaitError
 from wbc.gait import GaitParameters, Placement, SwingFoot, Velocity, ZmpSegment, solve_dcm
 from wbc.gait.footsteps import clamp_footstep, lateral_sign, next_footstep, other_side
-from wbc.gait.planar import planar_rotation, wrap_angle
-from wbc.gait.polygon import clamp_to_polygon, convex_hull, is_near_segment, sole_corners
+from wbc.geometry.planar import planar_rotation, wrap_angle
 from wbc.walking.stabilizer import zmp_from_dcm_error
 
 GAIT = GaitParameters(
@@ -209,41 +208,3 @@ def test_path_is_the_way_that_the_swing_foot_then_goes(ticks: int) -> None:
         for _ in range(500):
             swing.advance(dt, swing.target)
         assert math.dist(point, swing.position) < 3e-4
-
-
-@given(st.lists(points, min_size=3, max_size=12, unique=True))
-def test_convex_hull_holds_all_its_points(cloud: list[complex]) -> None:
-    hull = convex_hull(cloud)
-    if len(hull) < 3:
-        return  # all on one line
-    for p in cloud:
-        assert abs(clamp_to_polygon(p, hull, 0.0) - p) < 1e-9
-
-
-@given(points, angles, points)
-def test_clamped_point_lies_within_the_margin_and_is_nearest(
-    centre: complex, yaw: float, p: complex
-) -> None:
-    polygon = sole_corners(Placement(centre, yaw), 0.1, 0.06)
-    clamped = clamp_to_polygon(p, polygon, 0.02)
-    local = (clamped - centre) * planar_rotation(-yaw)
-    gap = math.hypot(max(abs(local.real) - 0.1, 0.0), max(abs(local.imag) - 0.06, 0.0))
-    assert gap <= 0.02 + 1e-9
-    if clamped != p:
-        assert gap == pytest.approx(0.02, abs=1e-9)
-    assert clamp_to_polygon(centre, polygon, 0.0) == centre
-
-
-@given(points, points, angles, angles, points, st.floats(0.0, 1.0))
-def test_what_is_near_the_line_between_two_soles_is_on_their_polygon(
-    left: complex, right: complex, left_yaw: float, right_yaw: float, off: complex, along: float
-) -> None:
-    margin = 0.02
-    p = left + along * (right - left) + 0.05 * off
-    soles = [sole_corners(Placement(left, left_yaw), 0.1, 0.06)]
-    soles.append(sole_corners(Placement(right, right_yaw), 0.1, 0.06))
-    if is_near_segment(p, left, right, 0.06 + margin):
-        hull = convex_hull([*soles[0], *soles[1]])
-        assert abs(clamp_to_polygon(p, hull, margin) - p) < 1e-9
-    assert is_near_segment(p, left, right, 0.05 * abs(off) + 1e-9)
-    assert not is_near_segment(left + 0.08001j, left, left, 0.06 + margin)

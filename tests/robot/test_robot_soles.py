@@ -5,65 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import wbc.robot
+from wbc.geometry.polygon import convex_hull
 from wbc.robot.foot_surface import FootSurface, foot_surface
-from wbc.robot.polygon import convex_hull, inscribed_rectangle
 from wbc.robot.soles import fit_sole
-
-finite = st.floats(-1.0, 1.0)
-points = st.lists(st.tuples(finite, finite), min_size=3, max_size=40)
 
 
 def inside(hull, p, slack=1e-9):
+    hull = np.array([[corner.real, corner.imag] for corner in hull])
     a, b = hull, np.roll(hull, -1, axis=0)
     edge, to = b - a, p - a
     length = np.linalg.norm(edge, axis=1)
     return ((edge[:, 0] * to[:, 1] - edge[:, 1] * to[:, 0]) / length >= -slack).all()
-
-
-@given(points)
-@settings(max_examples=60)
-def test_hull_holds_all_points_and_its_corners_are_among_them(cloud):
-    cloud = np.array(cloud)
-    hull = convex_hull(cloud)
-    assume(len(hull) >= 3)
-    assert all(inside(hull, p, 1e-7) for p in cloud)
-    for corner in hull:
-        assert np.abs(cloud - corner).max(axis=1).min() < 1e-8
-
-
-@given(points)
-@settings(max_examples=60)
-def test_inscribed_rectangle_lies_in_the_hull(cloud):
-    hull = convex_hull(np.array(cloud))
-    assume(len(hull) >= 3)
-    x0, x1, y0, y1 = inscribed_rectangle(hull)
-    assert x0 <= x1
-    assert y0 <= y1
-    for x in (x0, x1):
-        for y in (y0, y1):
-            assert inside(hull, np.array([x, y]), 1e-6)
-
-
-def test_inscribed_rectangle_is_the_largest():
-    assert inscribed_rectangle(np.array([[0, 0], [2, 0], [2, 1], [0, 1.0]])) == pytest.approx(
-        (0, 2, 0, 1)
-    )
-    # In a triangle the best rectangle on the base has half of its area.
-    x0, x1, y0, y1 = inscribed_rectangle(np.array([[0, 0], [1, 0], [0.5, 1.0]]))
-    assert (x1 - x0) * (y1 - y0) == pytest.approx(0.25, rel=1e-3)
-    # In a disc it is the square.
-    angle = np.linspace(0, 2 * np.pi, 200, endpoint=False)
-    x0, x1, y0, y1 = inscribed_rectangle(np.column_stack([np.cos(angle), np.sin(angle)]))
-    assert (x1 - x0) * (y1 - y0) == pytest.approx(2.0, rel=2e-3)
-
-
-def test_points_on_a_line_have_no_rectangle():
-    x0, x1, y0, y1 = inscribed_rectangle(convex_hull(np.array([[0, 0], [1, 1], [2, 2.0]])))
-    assert (x1 - x0, y1 - y0) == (0, 0)
 
 
 def box(length, width, height):
@@ -137,7 +93,7 @@ def test_sole_rectangles_lie_within_the_foots_outline(name):
         low = surface.lowest(sole.placement.rotation[:, 2])
         local = (low - sole.placement.translation) @ sole.placement.rotation
         assert local[:, 2].min() == pytest.approx(0, abs=1e-9)
-        hull = convex_hull(local[:, :2])
+        hull = convex_hull(complex(x, y) for x, y in local[:, :2])
         for corner in sole.corners:
             assert inside(hull, corner[:2], 1e-6)
 

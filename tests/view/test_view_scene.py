@@ -6,9 +6,9 @@ import pytest
 
 import wbc
 from wbc.command import Status
+from wbc.geometry.wrench import centre_of_pressure
 from wbc.telemetry import Footstep, Telemetry
 from wbc.view import Snapshot, ViewerError
-from wbc.view.actors.forces import centre_of_pressure
 from wbc.view.actors.support import lay_triangle
 from wbc.view.scene import Scene
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from wbc.gait.dcm import ZmpSegment, solve_dcm
 from wbc.gait.footsteps import Velocity, are_square, clamp_footstep, next_footstep, other_side
 from wbc.gait.parameters import GaitParameters
-from wbc.gait.planar import Placement
+from wbc.geometry.planar import Placement
 
 _ORIGIN = Placement(0j, 0.0)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from wbc.errors import GaitError
 from wbc.gait.parameters import GaitParameters
-from wbc.gait.planar import Feet, Placement, planar_rotation, wrap_angle
+from wbc.geometry.planar import Feet, Placement, planar_rotation, wrap_angle
 
 SIDES = ("left", "right")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.gait.planar import Placement, planar_rotation, wrap_angle
+from wbc.geometry.planar import Placement, planar_rotation, wrap_angle
 
 _SETTLED = 0.003  # m: a foot without a sensor has landed this far below where it left
 

@@ -11,10 +11,10 @@ from wbc.gait.footstep_preview import FootstepPreview
 from wbc.gait.footsteps import Velocity, first_swing_side, other_side
 from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.parameters import GaitParameters
-from wbc.gait.planar import Feet, Placement
 from wbc.gait.swing_foot import SwingFoot
 from wbc.gait.touchdown import Touchdown
 from wbc.gait.velocity_filter import VelocityFilter
+from wbc.geometry.planar import Feet, Placement
 
 PREVIEW_STEPS = 3  # the influence of later steps on today's DCM is below e^(-3ωT) < 0.1 %
 _SHORTENING = 0.5  # share of the double support that a late touchdown may take off it

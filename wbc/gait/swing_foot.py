@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from wbc.gait.planar import Placement, wrap_angle
+from wbc.geometry.planar import Placement, wrap_angle
+from wbc.geometry.quintic import evaluate_quintic, quintic_coefficients, step_quintic
 
 # Shares of the swing's duration.
 _FREEZE = 0.2  # at its end: the target no longer moves
@@ -25,21 +26,7 @@ class _Axis:
 
     def advance(self, target: complex, speed: complex, remaining: float, dt: float) -> None:
         """One step of dt on the quintic that is at `target`, with `speed`, after `remaining` s."""
-        if remaining <= dt:
-            self.x, self.v, self.a = target, speed, 0.0
-            return
-        T, s = remaining, dt / remaining
-        u = 1.0 - s
-        # Seen from a point that gets to the target at constant speed, the way is
-        # (1 − s)³ P(s) in normalised time s, with P = p₀ + p₁ s + p₂ s².
-        p0 = self.x + speed * T - target
-        v = (self.v - speed) * T
-        p1 = v + 3.0 * p0
-        p2 = 0.5 * T * T * self.a + 3.0 * (v + p0 + p0)
-        P, dP = p0 + s * (p1 + s * p2), p1 + 2.0 * s * p2
-        self.x = target - speed * (T - dt) + u * u * u * P
-        self.v = speed + u * u * (u * dP - 3.0 * P) / T
-        self.a = u * (2.0 * u * u * p2 - 6.0 * (u * dP - P)) / (T * T)
+        self.x, self.v, self.a = step_quintic(self.x, self.v, self.a, target, speed, remaining, dt)
 
     def way(self, target: complex, speed: complex, remaining: float) -> Callable[[float], complex]:
         """The position over time, from now (0) to `remaining` s, on that quintic."""
@@ -47,15 +34,10 @@ class _Axis:
         if remaining <= 0.0:
             return lambda t: start
         T = remaining
-        v0, a0, v1, d = self.v * T, self.a * T * T, speed * T, target - start
-        c2 = 0.5 * a0
-        c3 = 10.0 * d - 6.0 * v0 - 4.0 * v1 - 1.5 * a0
-        c4 = -15.0 * d + 8.0 * v0 + 7.0 * v1 + 1.5 * a0
-        c5 = 6.0 * d - 3.0 * (v0 + v1) - 0.5 * a0
+        c = quintic_coefficients(start, self.v * T, self.a * T * T, target, speed * T)
 
         def position(t: float) -> complex:
-            s = min(max(t / T, 0.0), 1.0)
-            return start + s * (v0 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
+            return complex(evaluate_quintic(c, min(max(t / T, 0.0), 1.0))[0])
 
         return position
 

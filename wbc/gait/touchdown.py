@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wbc.gait.footsteps import clamp_footstep
 from wbc.gait.parameters import GaitParameters
-from wbc.gait.planar import Placement, planar_rotation, wrap_angle
+from wbc.geometry.planar import Placement, planar_rotation, wrap_angle
 
 
 class Touchdown:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from wbc.geometry.polygon import convex_hull, polygon_area
+from wbc.geometry.rectangle import inscribed_rectangle
 from wbc.robot.foot_surface import FootSurface
-from wbc.robot.polygon import convex_hull, inscribed_rectangle
 
 # Foot points this far above the lowest one still count as sole, m (rounded edges).
 SOLE_THICKNESS = 0.004
@@ -60,8 +61,7 @@ def fit_sole(
     points = surface.lowest(normal)
     height = points @ normal
     low = points[height < height.min() + SOLE_THICKNESS]
-    hull = convex_hull(np.column_stack([low @ x_axis, low @ y_axis]))
-    x0, x1, y0, y1 = inscribed_rectangle(hull)
+    x0, x1, y0, y1 = inscribed_rectangle(_hull(np.column_stack([low @ x_axis, low @ y_axis])))
     rotation = np.column_stack([x_axis, y_axis, normal])
     center = rotation @ np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1), height.min()])
     return SoleFit(pin.SE3(rotation, center), 0.5 * (x1 - x0), 0.5 * (y1 - y0), how)
@@ -98,15 +98,12 @@ def _area(surface: FootSurface, normal: np.ndarray, forward: np.ndarray) -> floa
     x_axis = forward - (forward @ normal) * normal
     x_axis /= np.linalg.norm(x_axis)
     plan = np.column_stack([points @ x_axis, points @ np.cross(normal, x_axis)])
-    return float(np.mean([_hull_area(plan[height < layer]) for layer in LAYERS]))
+    return float(np.mean([polygon_area(_hull(plan[height < layer])) for layer in LAYERS]))
 
 
-def _hull_area(points: np.ndarray) -> float:
-    hull = convex_hull(points)
-    if len(hull) < 3:
-        return 0.0
-    x, y = hull.T
-    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+def _hull(points: np.ndarray) -> list[complex]:
+    """Return the convex hull of points (n, 2), m; mesh vertices closer than 1 nm are one."""
+    return convex_hull({complex(x, y) for x, y in np.round(points, 9).tolist()})
 
 
 def _heading(forward: np.ndarray, normal: np.ndarray, axes: np.ndarray) -> np.ndarray:

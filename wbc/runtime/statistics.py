@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wbc.command import Command, Status
-from wbc.gait.planar import wrap_angle
+from wbc.geometry.planar import wrap_angle
 from wbc.robot import Robot
 from wbc.robot.attitude import heading
 from wbc.runtime.clock import Clock

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wbc.estimation import Estimate
 from wbc.gait import Feet, Placement
-from wbc.gait.planar import yaw_of
+from wbc.geometry.planar import yaw_of
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 

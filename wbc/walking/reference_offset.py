@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.gait import DcmReference, Feet
-from wbc.gait.planar import planar_rotation
+from wbc.geometry.planar import planar_rotation
 
 _H = 1e-3  # s, of the differences in time of an attitude
 

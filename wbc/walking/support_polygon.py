@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wbc.gait import Feet, GaitStateMachine, Phase
-from wbc.gait.polygon import clamp_to_polygon, convex_hull, is_near_segment, sole_corners
+from wbc.geometry.polygon import clamp_to_polygon, convex_hull, is_near_segment, sole_corners
 from wbc.robot import Robot, Sole
 
 

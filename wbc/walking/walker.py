@@ -24,8 +24,8 @@ from wbc.gait import (
 )
 from wbc.gait.footsteps import SIDES
 from wbc.gait.leg_workspace import LegWorkspace
-from wbc.gait.planar import ground_point, planar_rotation, wrap_angle
 from wbc.gait.state_machine import PREVIEW_STEPS
+from wbc.geometry.planar import ground_point, planar_rotation, wrap_angle
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 from wbc.state import State

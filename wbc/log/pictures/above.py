@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from wbc.geometry.planar import Placement, ground_point
+from wbc.geometry.polygon import sole_corners
 from wbc.log.pictures.style import COM, COP, DCM, LEFT, RIGHT, ZMP, spans, thin
 from wbc.log.run import LoggedRun
 
@@ -64,7 +66,5 @@ def footprints(run: LoggedRun) -> Iterator[tuple[str, np.ndarray]]:
 def _corners(pose: np.ndarray, half_length: float, half_width: float) -> np.ndarray:
     x, y, z, w = pose[3:]
     yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    forward = np.array([np.cos(yaw), np.sin(yaw)]) * half_length
-    left = np.array([-np.sin(yaw), np.cos(yaw)]) * half_width
-    signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))
-    return np.array([pose[:2] + a * forward + b * left for a, b in signs])
+    corners = sole_corners(Placement(ground_point(pose), float(yaw)), half_length, half_width)
+    return np.array([[corner.real, corner.imag] for corner in corners])

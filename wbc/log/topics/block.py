@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
+from wbc.geometry.wrench import centre_of_pressure
+
 if TYPE_CHECKING:
     from wbc.log.order import Order
 
@@ -75,9 +77,7 @@ class Tracker:
                 soles[name][k] = pin.SE3ToXYZQUAT(placement)
                 wrench = records["foot_wrenches"][k, 6 * i : 6 * i + 6]
                 if wrench[2] > self._least:
-                    # Where the moment about the sole's axes is zero, on the sole's plane.
-                    point = np.array([-wrench[4] / wrench[2], wrench[3] / wrench[2], 0.0])
-                    pressed += wrench[2] * placement.act(point)
+                    pressed += wrench[2] * placement.act(centre_of_pressure(wrench, self._least))
                     force += wrench[2]
             if force > 0.0:
                 cop[k] = pressed / force

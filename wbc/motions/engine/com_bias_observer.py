@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from wbc.gait.planar import ground_point, planar_rotation
+from wbc.geometry.planar import ground_point, planar_rotation
 from wbc.walking import Walker
 from wbc.walking.stabilizer import ComBiasEstimator
 

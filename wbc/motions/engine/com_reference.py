@@ -8,8 +8,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from wbc.errors import MotionError
-from wbc.gait.polygon import clamp_to_polygon
-from wbc.motions.engine.reference import SAMPLES, Path, SmoothReference, quintic
+from wbc.geometry.polygon import clamp_to_polygon
+from wbc.geometry.quintic import evaluate_quintic
+from wbc.motions.engine.reference import SAMPLES, Path, SmoothReference
 
 _REST, _MOVING = 0.9, 0.95  # shares of the support, about the CoM's home, for CoM and DCM
 _EDGE = 0.012  # m from the edge of the support that are left for balance at the least
@@ -142,7 +143,7 @@ class ComReference(SmoothReference):
         low, high = points.min(axis=0), points.max(axis=0)
         time = max(time, 0.1)
         while time < _LONGEST:
-            x, _, bend = quintic(self._way(goal, time), SAMPLES)
+            x, _, bend = evaluate_quintic(self._way(goal, time), SAMPLES)
             zmp = (goal + x - bend / (time * self._omega) ** 2)[:, :2]
             if (zmp >= low).all() and (zmp <= high).all():
                 break

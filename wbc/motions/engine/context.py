@@ -9,7 +9,7 @@ import numpy as np
 from wbc.command import Command
 from wbc.errors import MotionError
 from wbc.estimation import Estimate
-from wbc.gait.planar import ground_point, planar_rotation
+from wbc.geometry.planar import ground_point, planar_rotation
 from wbc.ik.objective import PostureSolution
 from wbc.limits.limit import default_braking
 from wbc.motions.engine.com_bias_observer import ComBiasObserver

@@ -10,8 +10,8 @@ import numpy as np
 from wbc.errors import MotionError
 from wbc.gait import Phase
 from wbc.gait.footsteps import other_side
-from wbc.gait.planar import planar_rotation
-from wbc.gait.polygon import convex_hull, sole_corners
+from wbc.geometry.planar import planar_rotation
+from wbc.geometry.polygon import convex_hull, sole_corners
 from wbc.motions.engine.clock import ScriptClock
 from wbc.motions.engine.com_reference import ComReference
 from wbc.motions.engine.motion import Script

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from wbc.errors import MotionError
+from wbc.geometry.quintic import evaluate_quintic, quintic_coefficients
 
 #: Position of a reference over time since it was begun, s -> (n,).
 Path = Callable[[float], np.ndarray]
@@ -74,7 +75,7 @@ class SmoothReference:
         self._goal = self.home.copy()
         self._path: Path | None = None
         self._since = self._blend = 0.0
-        self._left = np.zeros((6, n))
+        self._left: tuple[np.ndarray, ...] = (self._still,) * 6
         self._points: deque[np.ndarray] = deque()
 
     def start_from(self, value: np.ndarray, velocity: np.ndarray) -> None:
@@ -165,7 +166,7 @@ class SmoothReference:
             if time >= self._blend:
                 self.value, self.velocity, self.acceleration = x, v, a
                 return
-        r, dr, ddr = quintic(self._left, time / self._blend)
+        r, dr, ddr = evaluate_quintic(self._left, time / self._blend)
         self.value = x + r
         self.velocity = v + dr / self._blend
         self.acceleration = a + ddr / self._blend**2
@@ -196,13 +197,16 @@ class SmoothReference:
             )
         return point
 
-    def _way(self, goal: np.ndarray, time: float) -> np.ndarray:
+    def _way(self, goal: np.ndarray, time: float) -> tuple[np.ndarray, ...]:
         """(6, n) coefficients of what is left of the way to a goal, see `quintic`."""
-        return _fading(self.value - goal, self.velocity * time, self.acceleration * time**2)
+        return quintic_coefficients(
+            self.value - goal, self.velocity * time, self.acceleration * time**2, 0.0
+        )
 
     def _rest_at(self, time: float) -> np.ndarray:
         """(n,) what is left then of the difference to the path, see `follow`."""
-        return quintic(self._left, min(max(time / self._blend, 0.0), 1.0))[0]
+        share = min(max(time / self._blend, 0.0), 1.0)
+        return np.asarray(evaluate_quintic(self._left, share)[0])
 
     def _start(
         self,
@@ -211,9 +215,8 @@ class SmoothReference:
         left: _Left,
         blend: float,
     ) -> None:
-        e, v, a = left
         self._path, self._goal = path, goal
-        self._left = _fading(e, v * blend, a * blend**2)
+        self._left = _decay(left, blend)
         self._since, self._blend, self.arrived, self.at_home = 0.0, blend, False, False
 
     def _arrive(self) -> None:
@@ -225,10 +228,9 @@ class SmoothReference:
         Or the one that comes nearest to it: longer is not always gentler, what moves already
         goes on farther meanwhile.
         """
-        e, v, a = left
         best, least = time, np.inf
         while time < _LONGEST:
-            _, dr, ddr = quintic(_fading(e, v * time, a * time**2), SAMPLES)
+            _, dr, ddr = evaluate_quintic(_decay(left, time), SAMPLES)
             speed = float((np.abs(dr) / (self._speed * time)).max())
             excess = max(speed, float((np.abs(ddr) / (self._limit * time**2)).max()))
             if excess < least:
@@ -250,23 +252,7 @@ class SmoothReference:
         return array.copy()
 
 
-def _fading(e: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-    """(6, n) coefficients of the quintic in s from (e, v, a) at 0 to rest at zero at 1."""
-    return np.array(
-        [
-            e,
-            v,
-            0.5 * a,
-            -10.0 * e - 6.0 * v - 1.5 * a,
-            15.0 * e + 8.0 * v + 1.5 * a,
-            -6.0 * e - 3.0 * v - 0.5 * a,
-        ]
-    )
-
-
-def quintic(c: np.ndarray, s: float | np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Value and two derivatives by s, of (6, n) coefficients."""
-    x = c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * (c[4] + s * c[5]))))
-    v = c[1] + s * (2.0 * c[2] + s * (3.0 * c[3] + s * (4.0 * c[4] + s * 5.0 * c[5])))
-    a = 2.0 * c[2] + s * (6.0 * c[3] + s * (12.0 * c[4] + s * 20.0 * c[5]))
-    return x, v, a
+def _decay(difference: _Left, time: float) -> tuple[np.ndarray, ...]:
+    """Return the coefficients of the quintic that brings a difference to rest at 0 in a time."""
+    e, v, a = difference
+    return quintic_coefficients(e, v * time, a * time**2, 0.0)

@@ -11,8 +11,8 @@ import numpy as np
 from wbc.command import Command
 from wbc.estimation import Estimate
 from wbc.gait import Feet
-from wbc.gait.planar import ground_point, wrap_angle
-from wbc.gait.polygon import clamp_to_polygon, convex_hull, sole_corners
+from wbc.geometry.planar import ground_point, wrap_angle
+from wbc.geometry.polygon import clamp_to_polygon, convex_hull, sole_corners
 from wbc.kinematics import Kinematics
 from wbc.motions.jumping.flight import SoleFlightReference
 from wbc.motions.jumping.gains import JumpGains

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from wbc.gait.planar import ground_point
+from wbc.geometry.planar import ground_point
 from wbc.kinematics import Kinematics
 from wbc.motions.jumping.path import gravity_of
 from wbc.motions.jumping.plan import JumpPlan

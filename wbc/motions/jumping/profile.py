@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wbc.geometry.quintic import evaluate_quintic, quintic_coefficients
+
 Moment = tuple[float, float, float]  # position m, velocity m/s, acceleration m/s²
 
 
@@ -120,13 +122,9 @@ class MinimumJerk:
     def at(self, time: float) -> Moment:
         """Position, velocity and acceleration; held within the duration."""
         T = self.duration
-        x = min(max(time / T, 0.0), 1.0)
-        way = self.end - self.start
-        return (
-            self.start + way * x**3 * (10.0 - 15.0 * x + 6.0 * x * x),
-            way / T * 30.0 * (x * (1.0 - x)) ** 2,
-            way / T**2 * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x),
-        )
+        c = quintic_coefficients(self.start, 0.0, 0.0, self.end)
+        x, v, a = evaluate_quintic(c, min(max(time / T, 0.0), 1.0))
+        return x, v / T, a / T**2
 
 
 @dataclass(frozen=True, slots=True)

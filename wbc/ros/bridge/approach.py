@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from wbc.gait.planar import wrap_angle
+from wbc.geometry.planar import wrap_angle
 
 Velocity = tuple[float, float, float]
 

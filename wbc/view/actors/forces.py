@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from wbc.geometry.wrench import centre_of_pressure
 from wbc.view.actors.actor import Actor, Moment, Node, Proportions, hide, stretch
 from wbc.view.colours import FORCE
 from wbc.view.objects import cylinder, mesh, see_through
@@ -46,20 +47,3 @@ class Forces(Actor):
             neck = start + max(length - self._head, 0.0) * way
             stretch(poses[2 * i], start, neck)
             stretch(poses[2 * i + 1], neck, start + length * way)
-
-
-def centre_of_pressure(wrench: np.ndarray) -> np.ndarray:
-    """Where a contact's force acts on its plane, in contact axes.
-
-    `x = −m_y / f_z, y = m_x / f_z`, the centre when the contact bears nothing.
-
-    Args:
-        wrench: (6,) force then moment at the contact's centre, contact axes; N, N·m.
-
-    Returns:
-        (3,) m.
-    """
-    normal = float(wrench[2])
-    if normal < 1.0:
-        return np.zeros(3)
-    return np.array([-wrench[4] / normal, wrench[3] / normal, 0.0])

@@ -1,14 +1,18 @@
-"""Support polygons on the ground."""
+"""Convex polygons in the plane: hulls, support polygons, the nearest point of a polygon.
+
+Points are complex numbers x + iy, m; see `wbc.geometry.planar`. Polygons are lists of corners,
+counter-clockwise.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-from wbc.gait.planar import Placement, planar_rotation
+from wbc.geometry.planar import Placement, planar_rotation
 
 
 def sole_corners(sole: Placement, half_length: float, half_width: float) -> list[complex]:
-    """Corners of a sole's rectangle on the ground, counter-clockwise."""
+    """Return the corners of a sole's rectangle on the ground, counter-clockwise, m."""
     along, across = (
         half_length * planar_rotation(sole.yaw),
         1j * half_width * planar_rotation(sole.yaw),
@@ -17,9 +21,16 @@ def sole_corners(sole: Placement, half_length: float, half_width: float) -> list
     return [front + across, rear + across, rear - across, front - across]
 
 
-def convex_hull(points: Sequence[complex]) -> list[complex]:
-    """Counter-clockwise convex hull (Andrew's monotone chain, 1979)."""
+def convex_hull(points: Iterable[complex]) -> list[complex]:
+    """Return the corners of the convex hull, counter-clockwise.
+
+    Andrew's monotone chain (Andrew, Another efficient algorithm for convex hulls in two
+    dimensions, Information Processing Letters 1979). Points on one line give fewer than three
+    corners.
+    """
     ordered = sorted(points, key=lambda p: (p.real, p.imag))
+    if len(ordered) < 3:
+        return ordered
 
     def half(run: Sequence[complex]) -> list[complex]:
         chain: list[complex] = []
@@ -30,6 +41,12 @@ def convex_hull(points: Sequence[complex]) -> list[complex]:
         return chain[:-1]
 
     return half(ordered) + half(ordered[::-1])
+
+
+def polygon_area(polygon: Sequence[complex]) -> float:
+    """Return the area of a polygon, m²; 0 for fewer than three corners."""
+    sides = zip(polygon, [*polygon[1:], *polygon[:1]], strict=True)
+    return 0.5 * abs(sum(_cross(a, b) for a, b in sides))
 
 
 def is_near_segment(p: complex, a: complex, b: complex, radius: float) -> bool:

@@ -1,50 +1,29 @@
-"""Planar convex geometry: hulls and the rectangles inside them."""
+"""The largest rectangle inside a convex polygon."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-GRID = 80
+_GRID = 80  # positions of either end that each refinement compares
 
 
-def convex_hull(points: np.ndarray) -> np.ndarray:
-    """Corners (m, 2) of the convex hull of points (n, 2), counter-clockwise.
-
-    Andrew's monotone chain; fewer than three corners if the points lie on a line.
-    """
-    ordered = sorted({(round(float(x), 9), round(float(y), 9)) for x, y in points})
-    if len(ordered) < 3:
-        return np.array(ordered).reshape(-1, 2)
-
-    def chain(sequence: list[tuple[float, float]]) -> list[tuple[float, float]]:
-        corners: list[tuple[float, float]] = []
-        for p in sequence:
-            while len(corners) > 1 and _turn(corners[-2], corners[-1], p) <= 0.0:
-                corners.pop()
-            corners.append(p)
-        return corners[:-1]
-
-    return np.array(chain(ordered) + chain(ordered[::-1]))
-
-
-def _turn(a: tuple[float, float], b: tuple[float, float], c: tuple[float, float]) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
-def inscribed_rectangle(hull: np.ndarray) -> tuple[float, float, float, float]:
-    """The largest axis-aligned rectangle in a convex polygon: (x0, x1, y0, y1).
+def inscribed_rectangle(polygon: Sequence[complex]) -> tuple[float, float, float, float]:
+    """Return the largest axis-aligned rectangle in a convex polygon: (x0, x1, y0, y1), m.
 
     Over an interval [x0, x1] a convex polygon's lower edge is highest, and its
     upper edge lowest, at one of the two ends: so the rectangle over it is known
     in closed form, and the two ends are searched on a grid that is then refined.
     A polygon without area gives its bounding interval of zero width.
     """
+    hull = np.array([[p.real, p.imag] for p in polygon])
     low, high = hull.min(axis=0), hull.max(axis=0)
     if len(hull) < 3:
         middle = 0.5 * (low + high)
         return (middle[0], middle[0], middle[1], middle[1])
     edges = _edges(hull)
-    starts = np.linspace(low[0], high[0], GRID)
+    starts = np.linspace(low[0], high[0], _GRID)
     ends, best = starts, (low[0], low[0], low[1], low[1])
     for _ in range(4):
         bottom0, top0 = _section(edges, starts)
@@ -56,8 +35,8 @@ def inscribed_rectangle(hull: np.ndarray) -> tuple[float, float, float, float]:
         i, j = np.unravel_index(int(np.argmax(area)), area.shape)
         best = (starts[i], ends[j], bottom[i, j], top[i, j])
         step0, step1 = starts[1] - starts[0], ends[1] - ends[0]
-        starts = np.clip(np.linspace(best[0] - step0, best[0] + step0, GRID), low[0], high[0])
-        ends = np.clip(np.linspace(best[1] - step1, best[1] + step1, GRID), low[0], high[0])
+        starts = np.clip(np.linspace(best[0] - step0, best[0] + step0, _GRID), low[0], high[0])
+        ends = np.clip(np.linspace(best[1] - step1, best[1] + step1, _GRID), low[0], high[0])
     return (float(best[0]), float(best[1]), float(best[2]), float(best[3]))
 
 

@@ -1,0 +1,1 @@
+"""Plane geometry, smooth polynomials and contact wrenches, without any robot model."""
