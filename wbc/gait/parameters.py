@@ -30,7 +30,6 @@ class GaitParameters:
         max_turn: largest heading change of a step, rad.
         com_height: of the CoM above the soles while walking, m.
         dcm_gain: k of the DCM feedback, 1/s.
-        contact_share: share of the weight on a sole that counts as touchdown.
     """
 
     single_support: float
@@ -45,7 +44,6 @@ class GaitParameters:
     max_turn: float
     com_height: float
     dcm_gain: float = 4.0
-    contact_share: float = 0.05
 
     def __post_init__(self) -> None:
         for field in self.__dataclass_fields__:

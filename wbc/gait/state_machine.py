@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from enum import Enum
 
 from wbc.errors import GaitError
@@ -100,7 +101,7 @@ class GaitStateMachine:
         return self.landing.adjusted(self._feet.of(self.support), self.swing_side, self.gait)
 
     def update(
-        self, dt: float, feet: Feet, velocity: Velocity, loads: dict[str, float] | None
+        self, dt: float, feet: Feet, velocity: Velocity, contacts: Collection[str] | None
     ) -> None:
         """Move on by dt.
 
@@ -108,7 +109,8 @@ class GaitStateMachine:
             dt: s.
             feet: soles as measured.
             velocity: what is wanted now.
-            loads: share of the weight on each side; None when not measured.
+            contacts: sides whose soles stand; None without foot sensors: then contact goes by
+                time.
         """
         self._feet = feet
         self.time += dt
@@ -126,11 +128,11 @@ class GaitStateMachine:
                 self._follow(velocity, dt)
         elif isinstance(self.swing, LiftedFoot):
             self.swing.advance(feet.of(self.support))
-            if self._is_set_down(self.swing, loads):
+            if self._is_set_down(self.swing, contacts):
                 self.swing = None
                 self._enter(Phase.STAND, 0.0)
         elif self.swing is not None:
-            if self._has_landed(loads):
+            if self._has_landed(contacts):
                 self._touch_down(velocity)
             else:
                 self.landing.follow_stance(feet.of(self.support))
@@ -175,10 +177,10 @@ class GaitStateMachine:
         """The foot that is held up, if one is."""
         return self.swing if isinstance(self.swing, LiftedFoot) else None
 
-    def _is_set_down(self, foot: LiftedFoot, loads: dict[str, float] | None) -> bool:
-        if loads is None:
+    def _is_set_down(self, foot: LiftedFoot, contacts: Collection[str] | None) -> bool:
+        if contacts is None:
             return foot.overdue
-        return foot.expects_contact and loads[self.swing_side] > self.gait.contact_share
+        return foot.expects_contact and self.swing_side in contacts
 
     @property
     def _standing_point(self) -> complex:
@@ -237,11 +239,10 @@ class GaitStateMachine:
         stance = self._feet.of(self.support)
         self.landing.plan(stance, self._preview.next(stance, self.swing_side, self.velocity))
 
-    def _has_landed(self, loads: dict[str, float] | None) -> bool:
-        if loads is None:
+    def _has_landed(self, contacts: Collection[str] | None) -> bool:
+        if contacts is None:
             return self.time >= self.duration
-        touching = loads[self.swing_side] > self.gait.contact_share
-        return touching and self.progress >= _EARLY_CONTACT_AFTER
+        return self.swing_side in contacts and self.progress >= _EARLY_CONTACT_AFTER
 
     def _touch_down(self, velocity: Velocity) -> None:
         self.steps += 1

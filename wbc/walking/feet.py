@@ -1,4 +1,4 @@
-"""What the walker reads off its feet: where the soles are and what they carry."""
+"""Where the soles are, and which of them stand."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ def _placement(kin: Kinematics, frame_id: int) -> Placement:
     return Placement(complex(x, y), yaw_of(at.rotation), z)
 
 
-def loads_by_side(robot: Robot, estimate: Estimate) -> dict[str, float] | None:
-    """Share of the weight on each side; None when nothing is measured."""
-    loads = estimate.loads
-    return None if loads is None else {sole.side: loads[sole.name] for sole in robot.soles}
+def sides_in_contact(robot: Robot, estimate: Estimate) -> frozenset[str] | None:
+    """Return the sides whose soles stand; None when the robot has no foot sensors."""
+    if estimate.loads is None:
+        return None
+    return frozenset(sole.side for sole in robot.soles if sole.name in estimate.contacts)

@@ -32,7 +32,7 @@ from wbc.state import State
 from wbc.tasks import AngularMomentumTask, ComTask, PostureTask, Task
 from wbc.telemetry import Balance, Footstep, Telemetry
 from wbc.walking.contact_manager import ContactManager, rotation_about_z
-from wbc.walking.feet import foot_placements, loads_by_side
+from wbc.walking.feet import foot_placements, sides_in_contact
 from wbc.walking.gains import WalkerGains
 from wbc.walking.reference_offset import ReferenceOffset
 from wbc.walking.stabilizer import footstep_adjustment, zmp_from_dcm_error
@@ -197,7 +197,7 @@ class Walker:
         """One tick.
 
         Args:
-            estimate: state, and loads of the feet; without loads contact goes by time.
+            estimate: state and contacts; without foot sensors contact goes by time.
 
         Raises:
             StateError: see `State.checked`.
@@ -209,7 +209,7 @@ class Walker:
         state_machine = self.state_machine
         if self.reference_offset is not None:
             state_machine.weight_shift = self.reference_offset.weight_shift
-        state_machine.update(self.dt, feet, self._wanted, loads_by_side(self.robot, estimate))
+        state_machine.update(self.dt, feet, self._wanted, sides_in_contact(self.robot, estimate))
         self._balance(kin, feet)
         self._keep_upright(feet)
         self._contact_manager.update(state_machine)

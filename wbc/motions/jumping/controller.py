@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from enum import Enum
 
 import numpy as np
@@ -23,7 +22,7 @@ from wbc.motions.jumping.tasks import JumpTasks
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.telemetry import Balance, Telemetry
-from wbc.walking.feet import foot_placements, loads_by_side
+from wbc.walking.feet import foot_placements, sides_in_contact
 
 _GROUND_TIME = 0.15  # s, smoothing of the ground's height under the robot
 _SETTLED = 0.005  # m, of the DCM
@@ -119,16 +118,16 @@ class JumpController:
         """One tick.
 
         Args:
-            estimate: state, and loads of the feet; without loads touchdown goes by time.
+            estimate: state and contacts; without foot sensors touchdown goes by time.
 
         Raises:
             StateError: see `State.checked`.
         """
-        shares = loads_by_side(self.robot, estimate)
+        contacts = sides_in_contact(self.robot, estimate)
         kin = self._kin
         kin.update(estimate.state)
         feet = foot_placements(kin)
-        self._advance(kin, feet, self._touching(shares))
+        self._advance(kin, feet, self._touching(contacts))
         self._time += self.dt
         if self._flight is None:
             self._balance(kin, feet)
@@ -144,13 +143,13 @@ class JumpController:
         """Duration of a glide whose speed stays below half of that at take-off, s."""
         return max(least, 1.875 * abs(way) / (0.5 * self.plan.speed))
 
-    def _touching(self, shares: Mapping[str, float] | None) -> frozenset[str]:
-        """Sides whose soles carry."""
-        if shares is None:
+    def _touching(self, contacts: frozenset[str] | None) -> frozenset[str]:
+        """Return the sides whose soles stand; without foot sensors it goes by time."""
+        if contacts is None:
             flight = self._flight
             over = flight is None or self._time >= flight.duration
             return _BOTH if over else frozenset()
-        return frozenset(s for s, share in shares.items() if share > self._gains.contact_share)
+        return contacts
 
     def _advance(self, kin: Kinematics, feet: Feet, touching: frozenset[str]) -> None:
         """Enter the next phase when it is time."""

@@ -27,7 +27,6 @@ class JumpGains:
         dcm_gain: k of the DCM feedback, 1/s.
         braking: most that the limits of position and velocity count on, rad/s²: a leg in
             the air is stopped faster than one that carries.
-        contact_share: share of the weight on a sole that counts as touchdown.
         crouch_time: s, at least.
         pause: in the crouch, s.
         rise_time: from the landing's crouch to standing, s, at least.
@@ -53,7 +52,6 @@ class JumpGains:
     zmp_margin: float = 0.01
     dcm_gain: float = 4.0
     braking: float = 100.0
-    contact_share: float = 0.05
     crouch_time: float = 1.0
     pause: float = 0.3
     rise_time: float = 1.0
