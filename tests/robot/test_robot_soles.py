@@ -7,11 +7,12 @@ import pinocchio as pin
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from robottools import FEET, changed
 
 import wbc.robot
 from wbc.geometry.polygon import convex_hull
 from wbc.robot.foot_surface import FootSurface, foot_surface
-from wbc.robot.soles import fit_sole
+from wbc.robot.sole_fitting import fit_sole
 
 
 def inside(hull, p, slack=1e-9):
@@ -103,3 +104,46 @@ def test_left_and_right_soles_mirror_each_other(name):
     left, right = wbc.robot.load(name).soles
     assert left.half_length == pytest.approx(right.half_length, abs=1e-3)
     assert left.half_width == pytest.approx(right.half_width, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "posture",
+    [
+        {"left_knee": 0.8, "right_knee": 0.8},
+        {"left_knee": 0.8, "right_knee": 0.8, "left_hip_pitch": 0.3, "right_ankle_roll": -0.3},
+        {"left_elbow": 0.5},
+    ],
+)
+def test_soles_do_not_depend_on_the_nominal_posture(posture):
+    plain = wbc.robot.load("simple_humanoid").soles
+    posed = wbc.robot.load("simple_humanoid", nominal_posture=posture).soles
+    for ours, theirs in zip(plain, posed, strict=True):
+        np.testing.assert_array_equal(theirs.placement.homogeneous, ours.placement.homogeneous)
+        assert (theirs.half_length, theirs.half_width) == (ours.half_length, ours.half_width)
+
+
+def test_soles_are_found_under_feet_that_are_far_from_level_in_the_zero_position(tmp_path):
+    old = '<child link="{0}_ankle"/><origin xyz="0 0 -0.38"/>'
+    new = '<child link="{0}_ankle"/><origin xyz="0 0 -0.38" rpy="0 0.8 0"/>'
+    sides = [(old.format(side), new.format(side)) for side in ("left", "right")]
+    plain = wbc.robot.load("simple_humanoid").soles
+    for ours, theirs in zip(
+        plain, wbc.robot.load(changed(tmp_path, *sides), **FEET).soles, strict=True
+    ):
+        np.testing.assert_allclose(theirs.placement, ours.placement, atol=1e-9)
+        assert theirs.half_length == pytest.approx(ours.half_length, abs=1e-9)
+
+
+def test_a_link_that_is_called_like_a_sole_keeps_its_name(tmp_path):
+    link = (
+        '<link name="left_sole"/><joint name="left_sole_fixed" type="fixed">'
+        '<parent link="left_foot"/><child link="left_sole"/><origin xyz="0 0 -0.08"/></joint>'
+        "</robot>"
+    )
+    robot = wbc.robot.load(changed(tmp_path, ("</robot>", link)), **FEET)
+    left, right = robot.soles
+    assert (left.name, right.name) == ("left_sole_contact", "right_sole_contact")
+    assert robot.frame_id(left.name) == left.frame_id
+    link_frame = robot.model.frames[robot.frame_id("left_sole")]
+    np.testing.assert_allclose(link_frame.placement.translation, [0.0, 0.0, -0.08])
+    assert robot.sole("left") is left

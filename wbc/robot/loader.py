@@ -17,7 +17,13 @@ from wbc.robot.inertia import add_placeholder_masses, check_mass_matrix, repair_
 from wbc.robot.limits import set_armature, set_limits
 from wbc.robot.model import build_model
 from wbc.robot.packages import search_folders
-from wbc.robot.posture import com_offset, nominal_posture, stand_base_up, starting_posture
+from wbc.robot.posture import (
+    com_offset,
+    nominal_posture,
+    stand_base_up,
+    starting_posture,
+    zero_posture,
+)
 from wbc.robot.registry import find_robot
 from wbc.robot.robot import Robot
 from wbc.robot.soles import add_soles
@@ -109,10 +115,11 @@ def build_robot(data: RobotData, folders: tuple[Path, ...]) -> Robot:
     legs = (leg_joints(model, feet[0]), leg_joints(model, feet[1]))
     findings += set_limits(model, data, legs)
 
-    start = starting_posture(model, data)
-    stand_base_up(model, start.q, feet)
     set_armature(model, data)
-    soles, sole_facts = add_soles(model, urdf, data, folders, start.q, links)
+    zero, start = zero_posture(model), starting_posture(model, data)
+    stand_base_up(model, zero, feet)
+    stand_base_up(model, start.q, feet)
+    soles, sole_facts = add_soles(model, urdf, data, folders, links, zero, start.q)
     posture = nominal_posture(model, start, soles, legs)
     offset = 1e3 * com_offset(model, posture.q)
     facts += sole_facts

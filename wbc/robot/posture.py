@@ -27,12 +27,21 @@ POINT = 0.01
 
 @dataclass(frozen=True, slots=True)
 class Posture:
-    """A configuration (nq,) and how it came about."""
+    """A configuration (nq,) and how it came about.
+
+    Attributes:
+        q: (nq,) the configuration.
+        how: what it is made of, for people; empty if nothing is stated anywhere.
+        stated: whether the data file or the caller states it.
+        source: where it is stated.
+        stated_joints: velocity indices of the joints that are stated.
+    """
 
     q: np.ndarray
     how: str
     stated: bool
     source: str
+    stated_joints: frozenset[int] = frozenset()
 
 
 def starting_posture(model: pin.Model, data: RobotData) -> Posture:
@@ -41,19 +50,28 @@ def starting_posture(model: pin.Model, data: RobotData) -> Posture:
     Raises:
         RobotDescriptionError: a malformed SRDF, or a stated joint that does not exist.
     """
-    lower, upper = posture_range(model)
-    q = pin.neutral(model)
     if data.nominal_posture:
-        for name, value in data.nominal_posture.items():
-            q[velocity_index(model, name, data.source) + 1] = value
-        return Posture(q, "stated joints", True, data.source)
+        # Joints left out stay at zero, or at the limit nearest to it.
+        q = pin.neutral(model)
+        q[7:] = np.clip(q[7:], model.lowerPositionLimit[7:], model.upperPositionLimit[7:])
+        stated = {velocity_index(model, n, data.source): x for n, x in data.nominal_posture.items()}
+        q[np.array(list(stated)) + 1] = list(stated.values())
+        return Posture(q, "stated joints", True, data.source, frozenset(stated))
     srdf = data.srdf or find_srdf(data.urdf)
     reference = read_group_state(srdf, data.reference) if srdf is not None else None
     if reference is not None:
+        q = pin.neutral(model)
         _apply(model, q, reference)
         return Posture(q, f"'{reference.name}'", False, reference.source)
+    return Posture(zero_posture(model), "", False, "")
+
+
+def zero_posture(model: pin.Model) -> np.ndarray:
+    """(nq,) every joint at zero, or as near to it as its range with a margin allows."""
+    lower, upper = posture_range(model)
+    q = pin.neutral(model)
     q[7:] = np.clip(q[7:], lower, upper)
-    return Posture(q, "", False, "")
+    return np.asarray(q)
 
 
 def stand_base_up(model: pin.Model, q: np.ndarray, feet: tuple[int, int]) -> None:
@@ -70,7 +88,8 @@ def stand_base_up(model: pin.Model, q: np.ndarray, feet: tuple[int, int]) -> Non
     q[:7] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
     com = pin.centerOfMass(model, data, q)
     rise = com - 0.5 * (data.oMi[feet[0]].translation + data.oMi[feet[1]].translation)
-    axis = int(np.argmax(np.abs(rise)))
+    # z is the usual choice: the two front feet of a quadruped are not below its mass.
+    axis = int(np.argmax(np.abs(rise) * [1.0, 1.0, 2.0]))
     up = np.sign(rise[axis]) * np.eye(3)[axis]
     turn = pin.Quaternion.FromTwoVectors(up, np.array([0.0, 0.0, 1.0]))
     q[3:7] = turn.coeffs()
@@ -95,7 +114,14 @@ def nominal_posture(
     if not start.how:
         q = _bent(model, start.q, soles, legs)
         return Posture(placed(model, q, ids), "knees bent", False, "inverse kinematics")
+    if start.stated and not move & start.stated_joints:
+        q = _bent(model, start.q, soles, legs)
+        return Posture(placed(model, q, ids), f"{start.how}, knees bent", True, start.source)
     q = placed(model, start.q, ids)
+    completed = _completed(model, q, ids, move - start.stated_joints) if start.stated else None
+    if completed is not None:
+        how = f"{start.how}, the other leg joints such that the soles are flat"
+        return Posture(completed, how, True, start.source)
     why = []
     tilt, height = unevenness(model, q, ids)
     if max(tilt, height) > FLAT:
@@ -108,6 +134,22 @@ def nominal_posture(
         q = placed(model, settle(model, q, ids, move, over_soles=True), ids)
     how = f"{start.how}, legs corrected ({', '.join(why)})" if why else start.how
     return Posture(q, how, start.stated, start.source)
+
+
+def _completed(
+    model: pin.Model, q: np.ndarray, soles: tuple[int, int], free: set[int]
+) -> np.ndarray | None:
+    """`q` with the joints `free` (velocity indices) moved such that the soles are flat.
+
+    None if the soles are flat already, or cannot be made flat without the other joints.
+    """
+    if max(unevenness(model, q, soles)) <= FLAT:
+        return None
+    for over_soles in (True, False):
+        moved = settle(model, q, soles, free, align=True, over_soles=over_soles)
+        if max(unevenness(model, moved, soles)) <= EXACT:
+            return placed(model, moved, soles)
+    return None
 
 
 def has_soles(soles: tuple[Sole, Sole]) -> bool:

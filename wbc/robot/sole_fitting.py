@@ -19,24 +19,39 @@ SNAP_ANGLE = np.deg2rad(30.0)
 HEADING_SNAP = np.deg2rad(20.0)
 # Two candidate planes whose contact areas differ by less than this are equally good.
 AREA_TIE = 0.02
+# A foot whose contact area is a smaller share of its outline than this does not lie flat.
+FLAT_SHARE = 0.3
+# Points this near to the ground touch it while a foot topples, m.
+TOUCH = 1e-4
+# A toppling foot of many small facets takes that many turns at most.
+TOPPLING_STEPS = 200
 # Thicknesses of the layers in which planes are compared, m.
 LAYERS = (2e-3, 1e-3, 5e-4, 2e-4)
 
 
 @dataclass(frozen=True, slots=True)
 class SoleFit:
-    """A rectangle fitted to a foot: T_joint_sole, half sizes (m), and how it was found."""
+    """A rectangle fitted to a foot.
+
+    Attributes:
+        placement: T_joint_sole.
+        half_length: along x, m.
+        half_width: along y, m.
+        source: where the normal comes from, for people.
+        flat: whether the foot has a face there, rather than an edge or something round.
+    """
 
     placement: pin.SE3
     half_length: float
     half_width: float
-    how: str
+    source: str
+    flat: bool
 
 
 def fit_sole(
     surface: FootSurface, up: np.ndarray, forward: np.ndarray, axes: np.ndarray
 ) -> SoleFit:
-    """The rectangle on which a foot rests.
+    """Return the rectangle on which a foot rests.
 
     The normal is the candidate (each foot axis within 30° of up, up itself,
     the planes through their lowest points) that lets the foot rest on the largest
@@ -44,34 +59,66 @@ def fit_sole(
 
     Args:
         surface: the foot, in joint coordinates.
-        up: (3,) unit vector against gravity in a posture with the feet about
-            flat, in joint coordinates.
+        up: (3,) unit vector roughly against gravity when the foot stands, in joint coordinates.
         forward: (3,) the robot's forward direction, in joint coordinates.
         axes: (3, n) candidate axes as columns, unit, in joint coordinates.
     """
     best: tuple[float, str, np.ndarray] | None = None
-    for how, normal in _normals(surface, up, axes):
+    for source, normal in _normals(surface, up, axes):
         area = _area(surface, normal, forward)
         if best is None or area > best[0] * (1.0 + AREA_TIE):
-            best = (area, how, normal)
+            best = (area, source, normal)
     assert best is not None
-    _, how, normal = best
+    area, source, normal = best
     x_axis = _heading(forward, normal, axes)
     y_axis = np.cross(normal, x_axis)
     points = surface.lowest(normal)
     height = points @ normal
-    low = points[height < height.min() + SOLE_THICKNESS]
-    x0, x1, y0, y1 = inscribed_rectangle(_hull(np.column_stack([low @ x_axis, low @ y_axis])))
+    plan = np.column_stack([points @ x_axis, points @ y_axis])
+    x0, x1, y0, y1 = inscribed_rectangle(_hull(plan[height < height.min() + SOLE_THICKNESS]))
     rotation = np.column_stack([x_axis, y_axis, normal])
     center = rotation @ np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1), height.min()])
-    return SoleFit(pin.SE3(rotation, center), 0.5 * (x1 - x0), 0.5 * (y1 - y0), how)
+    placement = pin.SE3(rotation, center)
+    flat = area >= FLAT_SHARE * _hull_area(plan)
+    return SoleFit(placement, 0.5 * (x1 - x0), 0.5 * (y1 - y0), source, flat)
+
+
+def resting_normal(surface: FootSurface, up: np.ndarray) -> np.ndarray:
+    """Return the (3,) normal of the face onto which the foot topples from a tilted start.
+
+    The foot, a solid put down on a plane with `up` (3,) upwards, turns about the point or edge
+    that touches in the direction that lowers its centroid, until it rests on a face.
+    """
+    points, normal = surface.points, np.asarray(up)
+    centroid = points.mean(axis=0)
+    for _ in range(TOPPLING_STEPS):
+        height = points @ normal - (points @ normal).min()
+        touching = points[height < TOUCH]
+        pivot = touching.mean(axis=0)
+        toppling = (centroid - pivot) - ((centroid - pivot) @ normal) * normal
+        edge = touching - pivot
+        _, spread, directions = np.linalg.svd(edge, full_matrices=False)
+        if len(touching) > 2 and spread[1] > TOUCH:
+            break
+        if len(touching) > 1:  # only about the edge that touches
+            toppling -= (toppling @ directions[0]) * directions[0]
+        if np.linalg.norm(toppling) < TOUCH:
+            break
+        toppling /= np.linalg.norm(toppling)
+        ahead = (points - pivot) @ toppling
+        coming = (ahead > TOUCH) & (height >= TOUCH)
+        if not coming.any():
+            break
+        angle = float(np.arctan2(height, ahead)[coming].min())
+        normal = np.cos(angle) * normal - np.sin(angle) * toppling
+    return np.asarray(normal / np.linalg.norm(normal))
 
 
 def _normals(
     surface: FootSurface, up: np.ndarray, axes: np.ndarray
 ) -> list[tuple[str, np.ndarray]]:
     near = [axis for axis in np.hstack([axes, -axes]).T if axis @ up > np.cos(SNAP_ANGLE)]
-    found = [("foot axis", axis) for axis in near] + [("nominal posture", up)]
+    found = [("foot axis", axis) for axis in near] + [("upright position", up)]
     for normal in (*near, up):
         plane = _plane(surface, normal)
         if plane is not None:

@@ -13,7 +13,7 @@ from wbc.errors import RobotDescriptionError, did_you_mean
 from wbc.robot.data_file import SOLE_KEYS, RobotData
 from wbc.robot.finding import Fact
 from wbc.robot.foot_surface import foot_surface
-from wbc.robot.sole_fitting import SoleFit, fit_sole
+from wbc.robot.sole_fitting import SoleFit, fit_sole, resting_normal
 from wbc.robot.topology import parent_joint
 from wbc.robot.urdf import Urdf
 
@@ -29,7 +29,8 @@ class Sole:
     from the ground) and x forward when the robot stands.
 
     Attributes:
-        name: `left_sole` or `right_sole`, also the name of the model's frame.
+        name: of the frame in the model: `left_sole` or `right_sole`, or with `_contact` behind
+            where the URDF has a link or joint of that name.
         side: `left` or `right`.
         frame_id: of the frame in the model.
         joint_id: of the joint that moves the foot.
@@ -68,40 +69,49 @@ def add_soles(
     urdf: Urdf,
     data: RobotData,
     folders: tuple[Path, ...],
-    q: np.ndarray,
     links: tuple[str, str],
+    zero: np.ndarray,
+    start: np.ndarray,
 ) -> tuple[tuple[Sole, Sole], list[Fact]]:
-    """Fit both soles at an upright posture `q` (nq,), and add their frames.
+    """Fit both soles to the shapes of the feet, and add their frames to the model.
+
+    A flat sole depends on the shape of the foot only: the upright zero position tells which side
+    is down and where forward is. A round foot touches the ground where its posture lets it.
+
+    Args:
+        model: the robot; gets the frames.
+        urdf: its description.
+        data: what is stated about it.
+        folders: that may hold its packages.
+        links: the left and the right foot.
+        zero: (nq,) the zero position with the base upright.
+        start: (nq,) the posture to stand in, as far as it is known.
 
     Raises:
         RobotDescriptionError: a foot has no geometry and none is stated.
     """
-    kinematics = model.createData()
-    pin.framesForwardKinematics(model, kinematics, q)
-    forward = _forward(model, kinematics, links)
+    names = _frame_names(model)
     soles, facts = [], []
     for side, link in zip(SIDES, links, strict=True):
         joint = parent_joint(model, link)
-        to_joint = kinematics.oMi[joint].rotation.T
-        frame = model.frames[model.getFrameId(link, pin.BODY)]
-        up = to_joint @ np.array([0.0, 0.0, 1.0])
+        foot = model.frames[model.getFrameId(link, pin.BODY)]
         if data.sole:
-            fit = _stated(data, frame.placement)
+            fit = _stated(data, foot.placement)
             facts.append(Fact(f"{side} sole", _size(fit), "stated", data.source))
         else:
             surface = foot_surface(urdf, model, joint, folders, data.respect_up_axis)
             if not len(surface.points):
                 raise RobotDescriptionError(_no_surface(urdf, link, surface.missing))
-            axes = np.hstack([frame.placement.rotation, np.eye(3)])
-            fit = fit_sole(surface, up, to_joint @ forward, axes)
-            source = f"{surface.kind} shapes, normal from the {fit.how}"
+            axes = np.hstack([foot.placement.rotation, np.eye(3)])
+            up, forward = _directions(model, zero, links, joint)
+            fit = fit_sole(surface, up, forward, axes)
+            if not fit.flat:
+                fit = fit_sole(surface, resting_normal(surface, up), forward, axes)
+            if not fit.flat:
+                fit = fit_sole(surface, *_directions(model, start, links, joint), axes)
+            source = f"{surface.kind} shapes, normal from the {fit.source}"
             facts.append(Fact(f"{side} sole", _size(fit), "derived", source))
-        name = f"{side}_sole"
-        if model.existFrame(name):
-            raise RobotDescriptionError(
-                f"{urdf.path}: it already has a frame '{name}', a name that this library gives "
-                "to the sole that it finds; rename that link or joint"
-            )
+        name = names[side]
         parent = model.getFrameId(link, pin.BODY)
         frame_id = model.addFrame(pin.Frame(name, joint, parent, fit.placement, pin.OP_FRAME))
         soles.append(
@@ -113,14 +123,31 @@ def add_soles(
     return (soles[0], soles[1]), facts
 
 
-def _forward(model: pin.Model, kinematics: pin.Data, links: tuple[str, str]) -> np.ndarray:
-    """(3,) level unit vector that has the left foot on its left."""
-    left, right = (kinematics.oMi[parent_joint(model, link)].translation for link in links)
+def _frame_names(model: pin.Model) -> dict[Side, str]:
+    """Names for the frames of the soles that no link, joint or frame of the model has."""
+    suffix = "_sole"
+    while any(model.existFrame(side + suffix) for side in SIDES):
+        suffix += "_contact"
+    return {side: side + suffix for side in SIDES}
+
+
+def _directions(
+    model: pin.Model, q: np.ndarray, links: tuple[str, str], joint: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Up and forward, (3,) unit vectors in a foot joint's coordinates, at `q` (nq,).
+
+    Forward has the left foot on its left.
+    """
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    left, right = (data.oMi[parent_joint(model, link)].translation for link in links)
     across = left - right
     forward = np.cross([across[0], across[1], 0.0], [0.0, 0.0, 1.0])
     length = float(np.linalg.norm(forward))
     # Feet behind or upon each other tell nothing; the base's own x axis then decides.
-    return forward / length if length > 0.02 else np.array([1.0, 0.0, 0.0])
+    forward = forward / length if length > 0.02 else np.array([1.0, 0.0, 0.0])
+    to_joint = data.oMi[joint].rotation.T
+    return to_joint @ np.array([0.0, 0.0, 1.0]), to_joint @ forward
 
 
 def _stated(data: RobotData, placement: pin.SE3) -> SoleFit:
@@ -144,7 +171,7 @@ def _stated(data: RobotData, placement: pin.SE3) -> SoleFit:
             f"{data.source}: the sole is {length} × {width} m; sizes are finite and positive"
         )
     sole = placement * pin.SE3(np.eye(3), center)
-    return SoleFit(sole, 0.5 * length, 0.5 * width, data.source)
+    return SoleFit(sole, 0.5 * length, 0.5 * width, data.source, flat=True)
 
 
 def _size(fit: SoleFit) -> str:

@@ -50,6 +50,8 @@ def settle(
     # A posture that starts inside the margin may stay there, but not beyond the limits.
     lower = np.maximum(np.minimum(lower, q[7:]), model.lowerPositionLimit[7:])
     upper = np.minimum(np.maximum(upper, q[7:]), model.upperPositionLimit[7:])
+    joint_entries = free[3:] + 1
+    lower, upper = lower[joint_entries - 7], upper[joint_entries - 7]
     q0, q = np.array(q), np.array(q)
     # First near the given posture, then without that pull, which would leave an error.
     for pull in (POSTURE_WEIGHT, 0.0):
@@ -70,7 +72,7 @@ def settle(
             dq[free] = np.linalg.solve(J.T @ J + DAMPING * np.eye(len(free)), J.T @ e)
             dq *= min(1.0, STEP / max(float(np.abs(dq[6:]).max()), 1e-12))
             q = pin.integrate(model, q, dq)
-            q[7:] = np.clip(q[7:], lower, upper)
+            q[joint_entries] = np.clip(q[joint_entries], lower, upper)
             if np.abs(dq).max() < CONVERGED:
                 break
     return q

@@ -1,0 +1,71 @@
+"""The nominal posture: what is stated holds, what is not is derived."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from robottools import FEET, changed
+
+import wbc.robot
+
+
+def positions(robot, *names):
+    return [robot.q_nominal[7 + robot.joint_index(name)] for name in names]
+
+
+def soles_are_flat(robot):
+    """Both level on z = 0."""
+    model, data = robot.model, robot.model.createData()
+    pin.framesForwardKinematics(model, data, robot.q_nominal)
+    placements = [data.oMf[sole.frame_id] for sole in robot.soles]
+    level = [np.allclose(T.rotation[:, 2], [0.0, 0.0, 1.0], atol=1e-8) for T in placements]
+    return all(level) and all(abs(T.translation[2]) < 1e-8 for T in placements)
+
+
+def stands(robot):
+    """Soles level on z = 0 and the centre of mass above their midpoint."""
+    com = pin.centerOfMass(robot.model, robot.model.createData(), robot.q_nominal)
+    return soles_are_flat(robot) and abs(com[0]) < 0.005 and abs(com[1]) < 0.005
+
+
+@pytest.mark.parametrize("bend", [0.3, 0.8, 1.2])
+def test_stated_knees_hold_and_the_other_leg_joints_make_the_soles_flat(bend):
+    robot = wbc.robot.load(
+        "simple_humanoid", nominal_posture={"left_knee": bend, "right_knee": bend}
+    )
+    assert positions(robot, "left_knee", "right_knee") == [bend, bend]
+    assert stands(robot)
+    assert robot.check() == []
+
+
+def test_a_posture_that_states_no_leg_joint_stands_on_bent_knees():
+    robot = wbc.robot.load("simple_humanoid", nominal_posture={"left_elbow": 0.5})
+    assert positions(robot, "left_elbow") == [0.5]
+    assert min(positions(robot, "left_knee", "right_knee")) > 0.3
+    assert stands(robot)
+
+
+def test_a_posture_that_states_every_leg_joint_but_not_flat_is_corrected_and_says_so():
+    stated = {
+        f"{side}_{joint}": value
+        for side in ("left", "right")
+        for joint, value in (
+            ("hip_yaw", 0.0), ("hip_roll", 0.0), ("hip_pitch", -0.2),
+            ("knee", 0.5), ("ankle_pitch", -0.2), ("ankle_roll", 0.0),
+        )
+    }  # fmt: skip
+    robot = wbc.robot.load("simple_humanoid", nominal_posture=stated)
+    assert soles_are_flat(robot)
+    fact = next(fact for fact in robot.facts if fact.name == "nominal posture")
+    assert "legs corrected" in fact.value
+
+
+def test_joints_left_out_whose_range_has_no_zero_stay_at_the_nearest_limit(tmp_path):
+
+    path = changed(
+        tmp_path, ('lower="-1.57" upper="1.57" effort="10"', 'lower="0.3" upper="1.57" effort="10"')
+    )
+    robot = wbc.robot.load(path, **FEET, nominal_posture={"left_knee": 0.5, "right_knee": 0.5})
+    assert (robot.q_nominal[7:] >= robot.q_min).all()
+    assert 0.3 in robot.q_nominal[7:]
