@@ -79,7 +79,7 @@ def fit_sole(
     rotation = np.column_stack([x_axis, y_axis, normal])
     center = rotation @ np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1), height.min()])
     placement = pin.SE3(rotation, center)
-    flat = area >= FLAT_SHARE * _hull_area(plan)
+    flat = area >= FLAT_SHARE * polygon_area(_hull(plan))
     return SoleFit(placement, 0.5 * (x1 - x0), 0.5 * (y1 - y0), source, flat)
 
 
