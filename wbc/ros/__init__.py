@@ -1,28 +1,43 @@
-"""ROS 2 without ROS: nodes over DDS that a ROS 2 system takes for its own. Extra `ros2`."""
+"""ROS 2 nodes over DDS, without a ROS 2 installation (extra `ros2`).
 
-from wbc.ros.endpoints import Info, Publisher, Subscription
-from wbc.ros.errors import NameInvalid, NoAnswer, RosError
-from wbc.ros.network import Network, Reach
-from wbc.ros.node import Node, Timer
-from wbc.ros.parameters import Parameter, Parameters
-from wbc.ros.qos import Qos
-from wbc.ros.services import Client, Reply, Service
+The names are those of `rclpy`. Message types are passed as classes (see `wbc.messages.message_type`)
+or by name, for example "sensor_msgs/msg/JointState".
+"""
+
+from wbc.ros.actions import ActionClient, ActionServer, GoalStatus
+from wbc.ros.dds_endpoints import MessageInfo
+from wbc.ros.errors import InvalidName, ResponseTimeout, RosError
+from wbc.ros.network import DiscoveryRange, Network
+from wbc.ros.node import Node
+from wbc.ros.parameters import NodeParameter, ParameterType
+from wbc.ros.publisher import Publisher
+from wbc.ros.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from wbc.ros.services import Client, Service, ServiceReply
+from wbc.ros.subscription import RawSubscription, Subscription
+from wbc.ros.timer import Timer
 
 __all__ = [
+    "ActionClient",
+    "ActionServer",
     "Client",
-    "Info",
-    "NameInvalid",
+    "DiscoveryRange",
+    "DurabilityPolicy",
+    "GoalStatus",
+    "HistoryPolicy",
+    "InvalidName",
+    "MessageInfo",
     "Network",
-    "NoAnswer",
     "Node",
-    "Parameter",
-    "Parameters",
+    "NodeParameter",
+    "ParameterType",
     "Publisher",
-    "Qos",
-    "Reach",
-    "Reply",
+    "QoSProfile",
+    "RawSubscription",
+    "ReliabilityPolicy",
+    "ResponseTimeout",
     "RosError",
     "Service",
+    "ServiceReply",
     "Subscription",
     "Timer",
 ]

@@ -1,7 +1,7 @@
-"""Actions: goals that take time, with feedback, a result, and a way to cancel them.
+"""Actions: goals that take time, with feedback, a result and cancellation.
 
-An action is three services (`send_goal`, `cancel_goal`, `get_result`) and two topics (`feedback`,
-`status`) below `<name>/_action`. Source: ROS 2 design, "Actions".
+An action consists of three services (`send_goal`, `cancel_goal`, `get_result`) and two topics
+(`feedback`, `status`) below `<name>/_action`. Source: ROS 2 design, "Actions".
 """
 
 from __future__ import annotations
@@ -9,28 +9,29 @@ from __future__ import annotations
 import time
 import uuid
 from collections.abc import Callable
+from concurrent.futures import Future
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
 from wbc.messages import Message, message_type
-from wbc.ros.errors import NoAnswer
+from wbc.ros.errors import ResponseTimeout
 from wbc.ros.qos import ACTION_STATUS
 from wbc.ros.stamp import stamp_now
 
 if TYPE_CHECKING:
     from wbc.ros.node import Node
-    from wbc.ros.services import Reply
+    from wbc.ros.services import ServiceReply
 
 _CANCEL = "action_msgs/srv/CancelGoal"
-_CANCEL_RESPONSE = message_type(f"{_CANCEL}_Response")
-_INFO = message_type("action_msgs/msg/GoalInfo")
+_CANCEL_CODES = {"NONE": 0, "REJECTED": 1, "UNKNOWN_GOAL_ID": 2, "GOAL_TERMINATED": 3}
+_GOAL_INFO = message_type("action_msgs/msg/GoalInfo")
 _STATUS = message_type("action_msgs/msg/GoalStatus")
 _STATUS_ARRAY = message_type("action_msgs/msg/GoalStatusArray")
-_KEPT = 60.0  # s that a result can be asked for
+_RESULT_TIMEOUT = 60.0  # s for which the result of a finished goal is kept
 
 
-class GoalState(IntEnum):
-    """How far a goal is, as in `action_msgs/msg/GoalStatus`."""
+class GoalStatus(IntEnum):
+    """Status of a goal, as in `action_msgs/msg/GoalStatus`."""
 
     UNKNOWN = 0
     ACCEPTED = 1
@@ -41,258 +42,286 @@ class GoalState(IntEnum):
     ABORTED = 6
 
     @property
-    def over(self) -> bool:
-        """Whether nothing will change any more."""
-        return self >= GoalState.SUCCEEDED
+    def terminal(self) -> bool:
+        """Whether the status will not change any more."""
+        return self >= GoalStatus.SUCCEEDED
 
 
-class Goal:
-    """A goal that somebody has sent, in the hands of the server.
+class ServerGoalHandle:
+    """A goal on the side of the server.
 
     Attributes:
-        id: 16 bytes.
-        request: the goal's message.
-        state: how far it is.
+        goal_id: 16 bytes.
+        request: message of the goal.
+        status: status of the goal.
+        info: the goal's id and time of acceptance, as `GoalInfo`.
+        result: message of the result once the goal is finished, otherwise None.
+        finished_at: time at which it was finished, s on the monotonic clock; infinite before.
+        pending: requests for the result that wait until the goal is finished.
     """
 
-    def __init__(self, server: ActionServer, goal_id: bytes, request: Any, reply: Reply) -> None:
+    def __init__(
+        self, server: ActionServer, goal_id: bytes, request: Any, reply: ServiceReply
+    ) -> None:
         self._server, self._reply = server, reply
-        self.id, self.request = goal_id, request
-        self.state = GoalState.ACCEPTED
-        self.info = _INFO(stamp=stamp_now())
+        self.goal_id, self.request = goal_id, request
+        self.status = GoalStatus.ACCEPTED
+        self.info = _GOAL_INFO(stamp=stamp_now())
         self.info.goal_id.uuid = list(goal_id)
         self.result: Message | None = None
-        self.over_at = float("inf")
-        self.waiting: list[Reply] = []
+        self.finished_at = float("inf")
+        self.pending: list[ServiceReply] = []
 
     @property
     def client_alive(self) -> bool:
-        """Whether whoever sent it is still there."""
+        """Whether the client that sent the goal is still in the graph."""
         return self._reply.client_alive
 
-    def feedback(self, message: Message) -> None:
-        """Tell how it goes."""
-        self._server.tell(self, message)
+    def publish_feedback(self, feedback: Message) -> None:
+        """Publish feedback."""
+        self._server.publish_feedback(self, feedback)
 
-    def finish(self, state: GoalState, result: Message) -> None:
-        """End it: SUCCEEDED, CANCELED or ABORTED. A goal that is over stays as it is."""
-        if not self.state.over:
-            self._server.finish(self, state, result)
+    def finish(self, status: GoalStatus, result: Message) -> None:
+        """Finish the goal as SUCCEEDED, CANCELED or ABORTED; ignored if it is finished."""
+        if not self.status.terminal:
+            self._server.finish(self, status, result)
 
 
 class ActionServer:
     """Serves an action.
 
     Args:
-        node: through which.
-        type_name: `pkg/action/Name`.
-        name: of the action.
-        accept: whether a goal's message can be pursued.
-        begin: called with each goal that was accepted; from then on it is being executed.
-        cancel: whether a goal can be cancelled; it is then up to the server to finish it.
+        node: the node.
+        action_type: `pkg/action/Name`.
+        action_name: name of the action.
+        goal_callback: called with the message of a goal; returns whether to accept it.
+        handle_accepted_callback: called with the handle of each accepted goal, whose status is
+            EXECUTING from then on; it must be finished by `ServerGoalHandle.finish`.
+        cancel_callback: called with the handle of a goal to cancel; returns whether to accept
+            that. The goal is CANCELING from then on and must still be finished.
 
     Attributes:
-        goal_type: class of the goals' messages.
+        goal_type: class of the goals.
         result_type: class of the results.
         feedback_type: class of the feedback.
-        goals: those that are known, by id.
+        goals: handles of the known goals, by id.
     """
 
     def __init__(
         self,
         node: Node,
-        type_name: str,
-        name: str,
-        accept: Callable[[Any], bool],
-        begin: Callable[[Goal], None],
-        cancel: Callable[[Goal], bool],
+        action_type: str,
+        action_name: str,
+        *,
+        goal_callback: Callable[[Any], bool],
+        handle_accepted_callback: Callable[[ServerGoalHandle], None],
+        cancel_callback: Callable[[ServerGoalHandle], bool],
     ) -> None:
-        self._accept, self._begin, self._cancel = accept, begin, cancel
-        self.goal_type = message_type(f"{type_name}_Goal")
-        self.result_type = message_type(f"{type_name}_Result")
-        self.feedback_type = message_type(f"{type_name}_Feedback")
-        self._feedback_message = message_type(f"{type_name}_FeedbackMessage")
-        self._goal_response = message_type(f"{type_name}_SendGoal_Response")
-        self._result_response = message_type(f"{type_name}_GetResult_Response")
-        self.goals: dict[bytes, Goal] = {}
-        below = f"{node.resolve(name)}/_action"
-        node.service_with_reply(f"{type_name}_SendGoal", f"{below}/send_goal", self._send_goal)
-        node.service(_CANCEL, f"{below}/cancel_goal", self._cancel_goal)
-        node.service_with_reply(f"{type_name}_GetResult", f"{below}/get_result", self._get_result)
-        self._feedback = node.publisher(self._feedback_message.type_name, f"{below}/feedback")
-        self._status = node.publisher(_STATUS_ARRAY.type_name, f"{below}/status", ACTION_STATUS)
-        self._tell_status()
+        self._goal_callback = goal_callback
+        self._handle_accepted_callback = handle_accepted_callback
+        self._cancel_callback = cancel_callback
+        self.goal_type = message_type(f"{action_type}_Goal")
+        self.result_type = message_type(f"{action_type}_Result")
+        self.feedback_type = message_type(f"{action_type}_Feedback")
+        self._feedback_message = message_type(f"{action_type}_FeedbackMessage")
+        self._goal_response = message_type(f"{action_type}_SendGoal_Response")
+        self._result_response = message_type(f"{action_type}_GetResult_Response")
+        self.goals: dict[bytes, ServerGoalHandle] = {}
+        prefix = f"{node.resolve_topic_name(action_name)}/_action"
+        node.create_deferred_service(
+            f"{action_type}_SendGoal", f"{prefix}/send_goal", self._on_goal
+        )
+        node.create_service(_CANCEL, f"{prefix}/cancel_goal", self._on_cancel)
+        node.create_deferred_service(
+            f"{action_type}_GetResult", f"{prefix}/get_result", self._on_result
+        )
+        self._feedback = node.create_publisher(self._feedback_message, f"{prefix}/feedback")
+        self._status = node.create_publisher(_STATUS_ARRAY, f"{prefix}/status", ACTION_STATUS)
+        self._publish_status()
 
-    def _send_goal(self, request: Any, reply: Reply) -> None:
+    def _on_goal(self, request: Any, reply: ServiceReply) -> None:
         goal_id = bytes(request.goal_id.uuid)
-        self._forget()
-        accepted = goal_id not in self.goals and self._accept(request.goal)
+        self._remove_expired()
+        accepted = goal_id not in self.goals and self._goal_callback(request.goal)
         reply.send(self._goal_response(accepted=accepted, stamp=stamp_now()))
         if not accepted:
             return
-        goal = self.goals[goal_id] = Goal(self, goal_id, request.goal, reply)
-        goal.state = GoalState.EXECUTING
-        self._tell_status()
-        self._begin(goal)
+        goal = self.goals[goal_id] = ServerGoalHandle(self, goal_id, request.goal, reply)
+        goal.status = GoalStatus.EXECUTING
+        self._publish_status()
+        self._handle_accepted_callback(goal)
 
-    def _get_result(self, request: Any, reply: Reply) -> None:
+    def _on_result(self, request: Any, reply: ServiceReply) -> None:
         goal = self.goals.get(bytes(request.goal_id.uuid))
         if goal is None:
-            reply.send(self._result_response(status=GoalState.UNKNOWN))
+            reply.send(self._result_response(status=GoalStatus.UNKNOWN))
         elif goal.result is not None:
-            reply.send(self._result_response(status=goal.state, result=goal.result))
+            reply.send(self._result_response(status=goal.status, result=goal.result))
         else:
-            goal.waiting.append(reply)
+            goal.pending.append(reply)
 
-    def _cancel_goal(self, request: Any) -> Message:
-        """All goals, one goal, or those from before some time; see `CancelGoal`."""
-        wanted, stamp = bytes(request.goal_info.goal_id.uuid), request.goal_info.stamp
+    def _on_cancel(self, request: Any, response: Any) -> Any:
+        """Cancel all goals, one goal, or those accepted before some time; see `CancelGoal`."""
+        goal_id, stamp = bytes(request.goal_info.goal_id.uuid), request.goal_info.stamp
         before = (stamp.sec, stamp.nanosec)
-        everything = not any(wanted) and before == (0, 0)
-        if any(wanted) and wanted not in self.goals:
-            return _CANCEL_RESPONSE(return_code=_CANCEL_RESPONSE_CODES["UNKNOWN_GOAL_ID"])
-        if any(wanted) and before == (0, 0) and self.goals[wanted].state.over:
-            return _CANCEL_RESPONSE(return_code=_CANCEL_RESPONSE_CODES["GOAL_TERMINATED"])
-        cancelled = []
+        every = not any(goal_id) and before == (0, 0)
+        if any(goal_id) and goal_id not in self.goals:
+            response.return_code = _CANCEL_CODES["UNKNOWN_GOAL_ID"]
+            return response
+        if any(goal_id) and before == (0, 0) and self.goals[goal_id].status.terminal:
+            response.return_code = _CANCEL_CODES["GOAL_TERMINATED"]
+            return response
+        canceling = []
         for goal in tuple(self.goals.values()):
             accepted = (goal.info.stamp.sec, goal.info.stamp.nanosec)
-            meant = everything or goal.id == wanted or (before != (0, 0) and accepted <= before)
-            if meant and not goal.state.over and self._cancel(goal):
-                if not goal.state.over:
-                    goal.state = GoalState.CANCELING
-                cancelled.append(goal.info)
-        self._tell_status()
-        code = "NONE" if cancelled else "REJECTED"
-        return _CANCEL_RESPONSE(return_code=_CANCEL_RESPONSE_CODES[code], goals_canceling=cancelled)
+            selected = every or goal.goal_id == goal_id or (before != (0, 0) and accepted <= before)
+            if selected and not goal.status.terminal and self._cancel_callback(goal):
+                if not goal.status.terminal:
+                    goal.status = GoalStatus.CANCELING
+                canceling.append(goal.info)
+        self._publish_status()
+        response.return_code = _CANCEL_CODES["NONE" if canceling else "REJECTED"]
+        response.goals_canceling = canceling
+        return response
 
-    def tell(self, goal: Goal, message: Message) -> None:
-        """See `Goal.feedback`."""
-        self._feedback.publish(self._feedback_message(goal_id=goal.info.goal_id, feedback=message))
+    def publish_feedback(self, goal: ServerGoalHandle, feedback: Message) -> None:
+        """Publish feedback; see `ServerGoalHandle.publish_feedback`."""
+        self._feedback.publish(self._feedback_message(goal_id=goal.info.goal_id, feedback=feedback))
 
-    def finish(self, goal: Goal, state: GoalState, result: Message) -> None:
-        """See `Goal.finish`."""
-        goal.state, goal.result = state, result
-        goal.over_at = time.monotonic()
-        self._tell_status()
-        waiting, goal.waiting = goal.waiting, []
-        for reply in waiting:
-            reply.send(self._result_response(status=state, result=result))
+    def finish(self, goal: ServerGoalHandle, status: GoalStatus, result: Message) -> None:
+        """Finish a goal; see `ServerGoalHandle.finish`."""
+        goal.status, goal.result = status, result
+        goal.finished_at = time.monotonic()
+        self._publish_status()
+        pending, goal.pending = goal.pending, []
+        for reply in pending:
+            reply.send(self._result_response(status=status, result=result))
 
-    def _forget(self) -> None:
-        old = time.monotonic() - _KEPT
-        self.goals = {key: goal for key, goal in self.goals.items() if goal.over_at > old}
+    def _remove_expired(self) -> None:
+        oldest = time.monotonic() - _RESULT_TIMEOUT
+        self.goals = {key: goal for key, goal in self.goals.items() if goal.finished_at > oldest}
 
-    def _tell_status(self) -> None:
+    def _publish_status(self) -> None:
+        goals = self.goals.values()
         self._status.publish(
-            _STATUS_ARRAY(
-                status_list=[_STATUS(goal_info=g.info, status=g.state) for g in self.goals.values()]
-            )
+            _STATUS_ARRAY(status_list=[_STATUS(goal_info=g.info, status=g.status) for g in goals])
         )
 
 
-_CANCEL_RESPONSE_CODES = {"NONE": 0, "REJECTED": 1, "UNKNOWN_GOAL_ID": 2, "GOAL_TERMINATED": 3}
-
-
-class SentGoal:
-    """A goal, in the hands of whoever sent it.
+class ClientGoalHandle:
+    """A goal on the side of the client.
 
     Attributes:
-        id: 16 bytes.
-        accepted: whether the server pursues it; None: not known yet.
-        state: UNKNOWN until it is over.
-        result: the result's message, when it is over.
+        goal_id: 16 bytes.
+        accepted: whether the server accepted the goal.
+        status: UNKNOWN until the goal is finished, then its terminal status.
+        result: message of the result once the goal is finished, otherwise None.
     """
 
     def __init__(self, client: ActionClient, goal_id: bytes) -> None:
         self._client = client
-        self.id = goal_id
-        self.accepted: bool | None = None
-        self.state = GoalState.UNKNOWN
+        self.goal_id = goal_id
+        self.accepted = False
+        self.status = GoalStatus.UNKNOWN
         self.result: Any = None
 
-    def cancel(self, timeout: float = 5.0) -> bool:
-        """Ask the server to cancel it; whether it agreed.
+    def cancel_goal(self, timeout_sec: float = 5.0) -> bool:
+        """Ask the server to cancel the goal; return whether it agreed.
 
         Raises:
-            NoAnswer: the server did not answer in time.
+            ResponseTimeout: the server did not respond in time.
         """
-        return self._client.cancel(self, timeout)
+        return self._client.cancel_goal(self, timeout_sec)
 
-    def wait(self, timeout: float) -> bool:
-        """Wait until it is over; whether it is."""
-        return self._client.node.spin(lambda: self.state.over, timeout)
+    def wait_for_result(self, timeout_sec: float) -> bool:
+        """Spin the node until the goal is finished; return whether it is."""
+        return self._client.node.spin_until(lambda: self.status.terminal, timeout_sec)
 
 
 class ActionClient:
-    """Sends goals to an action.
+    """Sends goals to an action server.
 
     Args:
-        node: through which.
-        type_name: `pkg/action/Name`.
-        name: of the action.
+        node: the node.
+        action_type: `pkg/action/Name`.
+        action_name: name of the action.
 
     Attributes:
-        node: through which.
-        goal_type: class of the goals' messages.
+        node: the node.
+        action_name: fully qualified name of the action.
+        goal_type: class of the goals.
     """
 
-    def __init__(self, node: Node, type_name: str, name: str) -> None:
+    def __init__(self, node: Node, action_type: str, action_name: str) -> None:
         self.node = node
-        self.goal_type = message_type(f"{type_name}_Goal")
-        below = f"{node.resolve(name)}/_action"
-        self._heard: dict[bytes, Callable[[Any], None]] = {}
-        self._feedback = node.subscription(
-            f"{type_name}_FeedbackMessage", f"{below}/feedback", lambda m, _: self._hear(m)
+        self.action_name = node.resolve_topic_name(action_name)
+        self.goal_type = message_type(f"{action_type}_Goal")
+        prefix = f"{self.action_name}/_action"
+        self._callbacks: dict[bytes, Callable[[Any], None]] = {}  # of feedback, by goal
+        self._feedback = node.create_subscription(
+            f"{action_type}_FeedbackMessage", f"{prefix}/feedback", self._on_feedback
         )
-        self._send = node.client(f"{type_name}_SendGoal", f"{below}/send_goal")
-        self._cancel = node.client(_CANCEL, f"{below}/cancel_goal")
-        self._result = node.client(f"{type_name}_GetResult", f"{below}/get_result")
+        self._send = node.create_client(f"{action_type}_SendGoal", f"{prefix}/send_goal")
+        self._cancel = node.create_client(_CANCEL, f"{prefix}/cancel_goal")
+        self._result = node.create_client(f"{action_type}_GetResult", f"{prefix}/get_result")
 
-    def wait(self, timeout: float) -> bool:
-        """Wait until somebody serves the action; whether somebody does."""
-        clients = (self._send, self._cancel, self._result)
-        return self.node.spin(lambda: all(c.available for c in clients), timeout)
+    def server_is_ready(self) -> bool:
+        """Return whether there is a server for the action."""
+        return all(c.service_is_ready() for c in (self._send, self._cancel, self._result))
 
-    def send(
+    def wait_for_server(self, timeout_sec: float) -> bool:
+        """Spin the node until there is a server for the action; return whether there is."""
+        return self.node.spin_until(self.server_is_ready, timeout_sec)
+
+    def send_goal(
         self,
-        request: Message,
-        feedback: Callable[[Any], None] = lambda _: None,
-        timeout: float = 5.0,
-    ) -> SentGoal:
-        """Send a goal, and wait until it is accepted or not.
+        goal: Message,
+        feedback_callback: Callable[[Any], None] = lambda _: None,
+        timeout_sec: float = 5.0,
+    ) -> ClientGoalHandle:
+        """Send a goal and spin the node until the server accepts or rejects it.
+
+        The result arrives later, while the node spins: see `ClientGoalHandle.wait_for_result`.
+
+        Args:
+            goal: message of the goal, of class `goal_type`.
+            feedback_callback: called with the feedback.
+            timeout_sec: time limit, s.
 
         Raises:
-            NoAnswer: nobody serves the action, or it did not answer in time.
+            ResponseTimeout: there is no server, or it did not respond in time.
         """
-        if not self.wait(timeout):
-            raise NoAnswer(f"nobody serves the action {self._send.name.rpartition('/_action')[0]}")
-        goal = SentGoal(self, uuid.uuid4().bytes)
-        asked = self._send.request_type(goal=request)
-        asked.goal_id.uuid = list(goal.id)
-        self._heard[goal.id] = feedback
-        goal.accepted = bool(self._send.call(asked, timeout).accepted)
-        if goal.accepted:
-            ask = self._result.request_type()
-            ask.goal_id.uuid = list(goal.id)
-            self._result.send(ask, lambda response: self._over(goal, response))
+        if not self.wait_for_server(timeout_sec):
+            raise ResponseTimeout(f"there is no server for the action {self.action_name}")
+        handle = ClientGoalHandle(self, uuid.uuid4().bytes)
+        request = self._send.request_type(goal=goal)
+        request.goal_id.uuid = list(handle.goal_id)
+        self._callbacks[handle.goal_id] = feedback_callback
+        handle.accepted = bool(self._send.call(request, timeout_sec).accepted)
+        if handle.accepted:
+            request = self._result.request_type()
+            request.goal_id.uuid = list(handle.goal_id)
+            future = self._result.call_async(request)
+            future.add_done_callback(lambda done: self._on_result(handle, done))
         else:
-            del self._heard[goal.id]
-        return goal
+            del self._callbacks[handle.goal_id]
+        return handle
 
-    def cancel(self, goal: SentGoal, timeout: float) -> bool:
-        """See `SentGoal.cancel`."""
-        asked = self._cancel.request_type()
-        asked.goal_info.goal_id.uuid = list(goal.id)
-        response = self._cancel.call(asked, timeout)
-        return any(bytes(info.goal_id.uuid) == goal.id for info in response.goals_canceling)
+    def cancel_goal(self, handle: ClientGoalHandle, timeout_sec: float) -> bool:
+        """Ask the server to cancel a goal; see `ClientGoalHandle.cancel_goal`."""
+        request = self._cancel.request_type()
+        request.goal_info.goal_id.uuid = list(handle.goal_id)
+        response = self._cancel.call(request, timeout_sec)
+        return any(bytes(info.goal_id.uuid) == handle.goal_id for info in response.goals_canceling)
 
-    def _hear(self, message: Any) -> None:
-        heard = self._heard.get(bytes(message.goal_id.uuid))
-        if heard is not None:
-            heard(message.feedback)
+    def _on_feedback(self, message: Any) -> None:
+        callback = self._callbacks.get(bytes(message.goal_id.uuid))
+        if callback is not None:
+            callback(message.feedback)
 
-    def _over(self, goal: SentGoal, response: Any) -> None:
-        self._feedback.work()  # what came before the result is heard before it
-        self._heard.pop(goal.id, None)
-        goal.result = response.result
-        goal.state = GoalState(response.status)
+    def _on_result(self, handle: ClientGoalHandle, future: Future[Any]) -> None:
+        self._feedback.execute()  # deliver the feedback that arrived before the result
+        self._callbacks.pop(handle.goal_id, None)
+        response = future.result()
+        handle.result = response.result
+        handle.status = GoalStatus(response.status)

@@ -1,8 +1,8 @@
-"""Who is in a process: the message by which ROS 2 systems learn the names of nodes.
+"""The message that assigns DDS endpoints to nodes.
 
-DDS tells which writers and readers there are; `rmw_dds_common/ParticipantEntitiesInfo`, on the
-topic `ros_discovery_info`, tells which node has which. Up to Humble an id took 24 bytes in it,
-from Iron on it takes 16.
+DDS discovers writers and readers; `rmw_dds_common/ParticipantEntitiesInfo`, published on
+`ros_discovery_info`, says which node they belong to. An endpoint id takes 24 bytes in it up to
+Humble, and 16 bytes from Iron on.
 """
 
 from __future__ import annotations
@@ -15,89 +15,93 @@ from functools import cache
 from typing import Any
 
 from wbc.messages import type_hash
-from wbc.ros.wire import opaque
+from wbc.ros.dds_types import carry_bytes
 
 TOPIC = "ros_discovery_info"
 TYPE = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 _HEADER = b"\x00\x01\x00\x00"
 _WORD = struct.Struct("<I")
 _GUID = 16  # bytes
-_LONG_GID, _GID = 24, 16
+_LONG_GID, _GID = 24, 16  # bytes
 _WITH_LONG_GID = ("dashing", "eloquent", "foxy", "galactic", "humble")
 
 
 @dataclass(frozen=True)
-class NodeEntry:
-    """A node and its endpoints.
+class NodeEntities:
+    """A node and its endpoints (`rmw_dds_common/msg/NodeEntitiesInfo`).
 
     Attributes:
-        space: its namespace.
-        name: its name.
-        readers: 16-byte ids of its subscriptions, and of what serves and calls services.
-        writers: likewise.
+        namespace: namespace of the node.
+        name: name of the node.
+        readers: 16-byte ids of its readers: subscriptions, service servers and clients.
+        writers: 16-byte ids of its writers.
     """
 
-    space: str
+    namespace: str
     name: str
     readers: tuple[bytes, ...] = ()
     writers: tuple[bytes, ...] = ()
 
     @property
-    def full_name(self) -> str:
+    def fully_qualified_name(self) -> str:
         """Namespace and name."""
-        return f"{self.space.rstrip('/')}/{self.name}"
+        return f"{self.namespace.rstrip('/')}/{self.name}"
 
 
 @dataclass(frozen=True)
-class Dialect:
-    """The form of the message, which changed once.
+class DiscoveryFormat:
+    """Binary format of the discovery message.
 
     Attributes:
-        gid_size: bytes of an id.
+        gid_size: size of an endpoint id, bytes.
     """
 
     gid_size: int
 
     @staticmethod
-    def of(environment: Mapping[str, str] | None = None) -> Dialect:
-        """The form that the distribution named by `ROS_DISTRO` has; without it, today's."""
+    def from_environment(environment: Mapping[str, str] | None = None) -> DiscoveryFormat:
+        """Return the format of the distribution named by `ROS_DISTRO`; by default the current one.
+
+        Args:
+            environment: the variables; `os.environ` by default.
+        """
         environment = os.environ if environment is None else environment
         old = environment.get("ROS_DISTRO", "").lower() in _WITH_LONG_GID
-        return Dialect(_LONG_GID if old else _GID)
+        return DiscoveryFormat(_LONG_GID if old else _GID)
 
     def dds_type(self) -> Any:
-        """The message's type for DDS."""
+        """Return the DDS type of the message."""
         return _dds_type(self.gid_size)
 
     def user_data(self) -> str:
-        """What its endpoints tell: the type's hash, which came with the shorter ids."""
+        """Return the USER_DATA of the endpoints: the type hash, introduced with the shorter ids."""
         return "" if self.gid_size == _LONG_GID else f"typehash={type_hash(TYPE)};"
 
-    def encode(self, participant: bytes, nodes: tuple[NodeEntry, ...]) -> bytes:
-        """The message's bytes."""
+    def encode(self, participant: bytes, nodes: tuple[NodeEntities, ...]) -> bytes:
+        """Return the serialized message."""
         out = bytearray(_HEADER + self._gid(participant) + _WORD.pack(len(nodes)))
         for node in nodes:
-            _write_text(out, node.space)
+            _write_text(out, node.namespace)
             _write_text(out, node.name)
             for gids in (node.readers, node.writers):
                 _align(out)
                 out += _WORD.pack(len(gids)) + b"".join(map(self._gid, gids))
         return bytes(out)
 
-    def decode(self, data: bytes) -> tuple[bytes, tuple[NodeEntry, ...]]:
-        """Participant and its nodes.
+    def decode(self, data: bytes) -> tuple[bytes, tuple[NodeEntities, ...]]:
+        """Return the participant's 16-byte id and its nodes.
 
         Raises:
-            ValueError: the bytes are no such message.
+            ValueError: the bytes are not a discovery message.
         """
-        source = _Source(data, self.gid_size)
-        participant = source.gid()
+        reader = _DiscoveryReader(data, self.gid_size)
+        participant = reader.gid()
         nodes = []
-        for _ in range(source.word()):
-            space, name = source.text(), source.text()
-            readers = tuple(source.gid() for _ in range(source.word()))
-            writers = tuple(source.gid() for _ in range(source.word()))
-            nodes.append(NodeEntry(space, name, readers, writers))
+        for _ in range(reader.word()):
+            namespace, name = reader.text(), reader.text()
+            readers = tuple(reader.gid() for _ in range(reader.word()))
+            writers = tuple(reader.gid() for _ in range(reader.word()))
+            nodes.append(NodeEntities(namespace, name, readers, writers))
         return participant, tuple(nodes)
 
     def _gid(self, gid: bytes) -> bytes:
@@ -114,14 +118,14 @@ def _write_text(out: bytearray, text: str) -> None:
     out += _WORD.pack(len(data)) + data
 
 
-class _Source:
+class _DiscoveryReader:
     def __init__(self, data: bytes, gid_size: int) -> None:
         self._data, self._at, self._gid_size = data, len(_HEADER), gid_size
 
     def take(self, size: int) -> bytes:
         part = self._data[self._at : self._at + size]
         if len(part) < size:
-            raise ValueError(f"{size} bytes are due at {self._at} of {len(self._data)}")
+            raise ValueError(f"{size} bytes expected at offset {self._at} of {len(self._data)}")
         self._at += size
         return part
 
@@ -155,6 +159,6 @@ def _dds_type(gid_size: int) -> Any:
             "writer_gid_seq": sequence[gid],
         },
     )
-    return opaque(
+    return carry_bytes(
         structure("ParticipantEntitiesInfo", {"gid": gid, "node_entities_info_seq": sequence[node]})
     )

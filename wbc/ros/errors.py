@@ -1,4 +1,4 @@
-"""What can go wrong between a node and the rest of the graph."""
+"""Errors of nodes, topics, services and actions."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from wbc.errors import WbcError
 
 
 class RosError(WbcError):
-    """A node, topic, service or action cannot be made or used as asked."""
+    """A node, topic, service or action cannot be created or used as requested."""
 
 
-class NameInvalid(RosError, ValueError):
-    """A name that ROS 2 would refuse; the text says why."""
+class InvalidName(RosError, ValueError):
+    """A name breaks the naming rules of ROS 2; the message says which rule."""
 
 
-class NoAnswer(RosError, TimeoutError):
-    """Nobody answered in time."""
+class ResponseTimeout(RosError, TimeoutError):
+    """A service or action did not respond in time."""

@@ -1,4 +1,4 @@
-"""The graph: which nodes and topics there are, and who talks to whom."""
+"""The ROS graph: the other nodes, with their topics and services."""
 
 from __future__ import annotations
 
@@ -6,120 +6,135 @@ import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wbc.ros import names
-from wbc.ros.discovery import TOPIC, NodeEntry
-from wbc.ros.endpoints import Reader
-from wbc.ros.node import Node
-from wbc.ros.qos import DISCOVERY_INFO_OF_ALL, Qos
+from wbc.ros.dds_endpoints import DdsReader
+from wbc.ros.discovery import TOPIC, NodeEntities
+from wbc.ros.qos import (
+    DISCOVERY_INFO_OF_ALL,
+    DurabilityPolicy,
+    HistoryPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+)
+
+if TYPE_CHECKING:
+    from wbc.ros.node import Node
 
 _HASH = re.compile(r"typehash=(RIHS\d\d_[0-9a-f]{64})")
-_SETTLED = 0.25  # s without news: then it is taken as complete
-_MANY = 4096
+_SETTLED = 0.25  # s without a change after which discovery is taken as complete
+_MAX_SAMPLES = 4096
 
 
 @dataclass(frozen=True)
-class Endpoint:
+class TopicEndpointInfo:
     """A publisher or subscription of some node.
 
     Attributes:
-        topic: its ROS name.
-        kind: "rt" for a topic, "rq" and "rr" for a service's requests and replies.
+        topic: ROS name of the topic.
+        prefix: "rt" for a topic, "rq" and "rr" for the requests and replies of a service.
         type_name: `pkg/msg/Name`.
-        dds_type: its name in DDS.
-        node: full name of its node; empty when that is not known.
-        qos: quality of service.
-        type_hash: `RIHS01_…`; empty when it does not tell.
-        user_data: what it tells about itself.
-        gid: its 16-byte id.
+        dds_type_name: name of the type in DDS.
+        node: fully qualified name of the node; empty if not known.
+        qos_profile: quality of service.
+        type_hash: `RIHS01_…`; empty if not announced.
+        user_data: USER_DATA of the endpoint.
+        gid: 16-byte id.
     """
 
     topic: str
-    kind: str
+    prefix: str
     type_name: str
-    dds_type: str
+    dds_type_name: str
     node: str
-    qos: Qos
+    qos_profile: QoSProfile
     type_hash: str
     user_data: str
     gid: bytes
 
 
 @dataclass
-class Topic:
+class TopicInfo:
     """A topic.
 
     Attributes:
-        name: its full name.
-        publishers: who writes.
-        subscriptions: who reads.
+        name: fully qualified name.
+        publishers: its publishers.
+        subscriptions: its subscriptions.
     """
 
     name: str
-    publishers: list[Endpoint] = field(default_factory=list)
-    subscriptions: list[Endpoint] = field(default_factory=list)
+    publishers: list[TopicEndpointInfo] = field(default_factory=list)
+    subscriptions: list[TopicEndpointInfo] = field(default_factory=list)
 
     @property
     def types(self) -> list[str]:
-        """Its type; more than one if they disagree."""
+        """Names of its types, sorted; more than one if the endpoints disagree."""
         return sorted({e.type_name for e in (*self.publishers, *self.subscriptions)})
 
     @property
-    def dds_type(self) -> str:
-        """Its type's name in DDS."""
-        return next(e.dds_type for e in (*self.publishers, *self.subscriptions))
+    def dds_type_name(self) -> str:
+        """Name of its type in DDS."""
+        return next(e.dds_type_name for e in (*self.publishers, *self.subscriptions))
 
 
 @dataclass(frozen=True)
-class GraphState:
-    """The graph at one instant.
+class GraphSnapshot:
+    """The graph as discovered at one instant.
 
     Attributes:
-        nodes: full names of all nodes, sorted; a name may occur twice.
-        publishers: all that are part of ROS.
-        subscriptions: likewise.
+        nodes: fully qualified names of all nodes, sorted; a name may occur more than once.
+        publishers: all publishers, including those of services.
+        subscriptions: all subscriptions, including those of services.
     """
 
     nodes: tuple[str, ...]
-    publishers: tuple[Endpoint, ...]
-    subscriptions: tuple[Endpoint, ...]
+    publishers: tuple[TopicEndpointInfo, ...]
+    subscriptions: tuple[TopicEndpointInfo, ...]
 
     @property
-    def endpoints(self) -> tuple[Endpoint, ...]:
+    def endpoints(self) -> tuple[TopicEndpointInfo, ...]:
         """Publishers, then subscriptions."""
         return self.publishers + self.subscriptions
 
-    def topics(self) -> dict[str, Topic]:
-        """All topics by name, without those that services are made of."""
-        found: dict[str, Topic] = {}
+    def topics(self) -> dict[str, TopicInfo]:
+        """Return all topics by name, without those of services."""
+        found: dict[str, TopicInfo] = {}
         for endpoint in self.publishers:
-            if endpoint.kind == names.TOPIC:
+            if endpoint.prefix == names.TOPIC:
                 name = endpoint.topic
-                found.setdefault(name, Topic(name)).publishers.append(endpoint)
+                found.setdefault(name, TopicInfo(name)).publishers.append(endpoint)
         for endpoint in self.subscriptions:
-            if endpoint.kind == names.TOPIC:
+            if endpoint.prefix == names.TOPIC:
                 name = endpoint.topic
-                found.setdefault(name, Topic(name)).subscriptions.append(endpoint)
+                found.setdefault(name, TopicInfo(name)).subscriptions.append(endpoint)
         return dict(sorted(found.items()))
 
+    def topic(self, name: str) -> TopicInfo:
+        """Return a topic by its fully qualified name; without endpoints if nobody has it."""
+        return self.topics().get(name, TopicInfo(name))
+
     def services(self) -> dict[str, str]:
-        """Name and type of all services that somebody serves."""
+        """Return names and types of all services that have a server."""
         return {
-            e.topic: names.service_type(e.type_name)
+            e.topic: names.service_type_name(e.type_name)
             for e in sorted(self.subscriptions, key=lambda e: e.topic)
-            if e.kind == names.REQUEST
+            if e.prefix == names.REQUEST
         }
 
 
 class Graph:
-    """Looks at the graph through a node.
+    """Discovers the graph through a node; `Node.graph`.
 
     Args:
-        node: it is not part of what is seen.
+        node: the node, which is not part of the graph that it sees.
+
+    Attributes:
+        reader: DDS reader of the discovery messages.
     """
 
-    impatient = False
+    has_pending = False
 
     def __init__(self, node: Node) -> None:
         from cyclonedds.builtin import (
@@ -134,95 +149,94 @@ class Graph:
         self._participants = BuiltinDataReader(participant.dds, BuiltinTopicDcpsParticipant)
         self._publications = BuiltinDataReader(participant.dds, BuiltinTopicDcpsPublication)
         self._subscriptions = BuiltinDataReader(participant.dds, BuiltinTopicDcpsSubscription)
-        dialect = participant.dialect
-        self.reader = Reader(
-            participant, TOPIC, dialect.dds_type(), DISCOVERY_INFO_OF_ALL, dialect.user_data()
+        form = participant.discovery_format
+        self.reader = DdsReader(
+            participant, TOPIC, form.dds_type(), DISCOVERY_INFO_OF_ALL, form.user_data()
         )
-        self._entries: dict[bytes, tuple[NodeEntry, ...]] = {}
-        node.attend(self)
+        self._nodes: dict[bytes, tuple[NodeEntities, ...]] = {}  # by participant
+        node.add_waitable(self)
 
-    def work(self) -> None:
-        """Take in which nodes there are."""
+    def execute(self) -> None:
+        """Process the received discovery messages."""
         for data, _ in self.reader.take():
             try:
-                participant, entries = self._node.participant.dialect.decode(data)
+                participant, nodes = self._node.participant.discovery_format.decode(data)
             except ValueError:
                 continue
             if participant != self._node.participant.guid:
-                self._entries[participant] = entries
+                self._nodes[participant] = nodes
 
-    def state(self) -> GraphState:
-        """What is known now; more comes in while the node spins."""
+    def snapshot(self) -> GraphSnapshot:
+        """Return the graph as discovered so far; discovery goes on while the node spins."""
         alive = {p.key.bytes for p in _alive(self._participants)}
-        entries = [e for who, several in self._entries.items() if who in alive for e in several]
+        nodes = [n for who, several in self._nodes.items() if who in alive for n in several]
         owners = {
-            gid: entry.full_name for entry in entries for gid in (*entry.readers, *entry.writers)
+            gid: node.fully_qualified_name
+            for node in nodes
+            for gid in (*node.readers, *node.writers)
         }
-        return GraphState(
-            tuple(sorted(entry.full_name for entry in entries)),
+        return GraphSnapshot(
+            tuple(sorted(node.fully_qualified_name for node in nodes)),
             self._endpoints(self._publications, owners),
             self._endpoints(self._subscriptions, owners),
         )
 
-    def settle(self, least: float = 0.5, most: float = 3.0) -> GraphState:
-        """Wait until everybody has told about itself and no more news come.
+    def settle(self, min_sec: float = 0.5, max_sec: float = 3.0) -> GraphSnapshot:
+        """Spin the node until discovery is complete; return the graph.
 
         Args:
-            least: s to wait at least.
-            most: s to wait at most.
-
-        Returns:
-            What is known then.
+            min_sec: minimum time, s.
+            max_sec: maximum time, s.
         """
         start = changed = time.monotonic()
-        seen: GraphState | None = None
+        previous: GraphSnapshot | None = None
         while True:
             self._node.spin_once(0.02)
             now = time.monotonic()
-            state = self.state()
-            if state != seen:
-                seen, changed = state, now
-            quiet = now - start > least and now - changed > _SETTLED
-            if now - start > most or (quiet and self._all_told()):
-                return state
+            snapshot = self.snapshot()
+            if snapshot != previous:
+                previous, changed = snapshot, now
+            quiet = now - start > min_sec and now - changed > _SETTLED
+            if now - start > max_sec or (quiet and self._is_complete()):
+                return snapshot
 
     def wait_for(
-        self, condition: Callable[[GraphState], bool], timeout: float
-    ) -> GraphState | None:
-        """Wait until something is true of the graph.
+        self, condition: Callable[[GraphSnapshot], bool], timeout_sec: float
+    ) -> GraphSnapshot | None:
+        """Spin the node until a condition on the graph holds.
 
         Args:
-            condition: asked of one state after the other.
-            timeout: s.
+            condition: evaluated on one snapshot after the other.
+            timeout_sec: time limit, s.
 
         Returns:
-            The state of which it is true; None when there was none in time.
+            The snapshot that fulfills the condition; None after the time limit.
         """
-        found: GraphState | None = None
+        found: GraphSnapshot | None = None
 
         def fulfilled() -> bool:
             nonlocal found
-            state = self.state()
-            if condition(state):
-                found = state
+            snapshot = self.snapshot()
+            if condition(snapshot):
+                found = snapshot
             return found is not None
 
-        self._node.spin(fulfilled, timeout)
+        self._node.spin_until(fulfilled, timeout_sec)
         return found
 
-    def _all_told(self) -> bool:
-        """Whether each process of ROS 2 has told its nodes, and all that these have is seen."""
+    def _is_complete(self) -> bool:
+        """Return whether all ROS 2 processes have announced nodes whose endpoints are all known."""
         endpoints = (*_alive(self._publications), *_alive(self._subscriptions))
         seen = {one.key.bytes for one in endpoints}
         return all(
-            who in self._entries
-            and all(seen.issuperset((*e.readers, *e.writers)) for e in self._entries[who])
+            who in self._nodes
+            and all(seen.issuperset((*e.readers, *e.writers)) for e in self._nodes[who])
             for one in _alive(self._participants)
             if (who := one.key.bytes) != self._node.participant.guid
             and "enclave=" in _user_data(one.qos)
         )
 
-    def _endpoints(self, reader: Any, owners: dict[bytes, str]) -> tuple[Endpoint, ...]:
+    def _endpoints(self, reader: Any, owners: dict[bytes, str]) -> tuple[TopicEndpointInfo, ...]:
         others = (
             one
             for one in _alive(reader)
@@ -235,25 +249,25 @@ def _alive(reader: Any) -> list[Any]:
     from cyclonedds.core import InstanceState
 
     return [
-        one for one in reader.read(_MANY) if one.sample_info.instance_state == InstanceState.Alive
+        one for one in reader.read(_MAX_SAMPLES) if one.sample_info.instance_state == InstanceState.Alive
     ]
 
 
-def _endpoint(one: Any, owners: dict[bytes, str]) -> Endpoint | None:
-    known = names.ros_topic(one.topic_name)
+def _endpoint(one: Any, owners: dict[bytes, str]) -> TopicEndpointInfo | None:
+    known = names.parse_dds_topic_name(one.topic_name)
     if known is None:
         return None
-    kind, topic = known
+    prefix, topic = known
     user_data = _user_data(one.qos)
     hashed = _HASH.search(user_data)
     gid = one.key.bytes
-    return Endpoint(
+    return TopicEndpointInfo(
         topic,
-        kind,
-        names.ros_type(one.type_name),
+        prefix,
+        names.ros_type_name(one.type_name),
         one.type_name,
         owners.get(gid, ""),
-        qos_of(one.qos),
+        _qos_profile(one.qos),
         hashed[1] if hashed else "",
         user_data,
         gid,
@@ -267,16 +281,23 @@ def _user_data(qos: Any) -> str:
     return data.decode("utf-8", "replace")
 
 
-def qos_of(qos: Any) -> Qos:
-    """A quality of service as discovered; the depth is not told by every implementation."""
+def _qos_profile(qos: Any) -> QoSProfile:
+    """Return the discovered quality of service; not every DDS implementation tells the depth."""
     from cyclonedds.core import Policy
 
     history = qos[Policy.History] if Policy.History in qos else None  # noqa: SIM401  it has no get
+    depth = getattr(history, "depth", 0)
+    reliable = (
+        Policy.Reliability in qos and qos[Policy.Reliability] != Policy.Reliability.BestEffort
+    )
+    volatile = (
+        Policy.Durability not in qos or qos[Policy.Durability] == Policy.Durability.Volatile
+    )
     lifespan = qos[Policy.Lifespan].lifespan if Policy.Lifespan in qos else None
-    return Qos(
-        depth=getattr(history, "depth", 0),
-        reliable=Policy.Reliability in qos
-        and qos[Policy.Reliability] != Policy.Reliability.BestEffort,
-        latched=Policy.Durability in qos and qos[Policy.Durability] != Policy.Durability.Volatile,
-        lifespan=None if lifespan is None or lifespan > 1 << 62 else 1e-9 * lifespan,
+    return QoSProfile(
+        depth,
+        ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        DurabilityPolicy.VOLATILE if volatile else DurabilityPolicy.TRANSIENT_LOCAL,
+        HistoryPolicy.KEEP_LAST if depth else HistoryPolicy.KEEP_ALL,
+        None if lifespan is None or lifespan > 1 << 62 else 1e-9 * lifespan,
     )

@@ -1,24 +1,27 @@
-"""The chapter's first node: fifteen joints that swing like somebody walking.
+"""An example node: fifteen joints that swing as in walking.
 
-It differs from the text in what does not work there: the time goes on by the period of its timer,
-which the text never sets, and its joints are those of the description that it publishes along.
+It corrects two errors of the source chapter: there, the timer period by which the phase advances
+is never set, and the joint names differ from those of the published description.
 """
 
 from __future__ import annotations
 
 import logging
 import math
-import time
 from pathlib import Path
+from typing import Any
 
 from wbc.messages import message_type
 from wbc.ros.node import Node
-from wbc.ros.parameters import Parameters
 from wbc.ros.qos import LATCHED
+from wbc.ros.stamp import stamp_now
 
 logger = logging.getLogger(__name__)
 
-NAMES = (
+_JOINT_STATE = message_type("sensor_msgs/msg/JointState")
+_STRING = message_type("std_msgs/msg/String")
+
+JOINT_NAMES = (
     "torso_yaw",
     "right_hip_pitch", "right_hip_roll", "right_knee", "right_ankle_pitch", "right_ankle_roll",
     "left_hip_pitch", "left_hip_roll", "left_knee", "left_ankle_pitch", "left_ankle_roll",
@@ -26,59 +29,60 @@ NAMES = (
     "left_shoulder_pitch", "left_elbow",
 )  # fmt: skip
 DEFAULT_RATE = 50.0  #: Hz
-FASTEST = 500.0  #: Hz
+MAX_RATE = 500.0  #: Hz
 
 
-def pattern(t: float) -> tuple[float, ...]:
-    """The joints' positions, rad, in the order of `NAMES`.
+def walking_pattern(phase: float) -> tuple[float, ...]:
+    """Return the joint positions, rad, in the order of `JOINT_NAMES`.
 
     Args:
-        t: phase of the step, rad; the right leg leads, the left one follows half a turn behind.
+        phase: phase of the stride, rad; the left leg lags the right one by π.
     """
-    right, left = math.sin(t), math.sin(t + math.pi)
+    right, left = math.sin(phase), math.sin(phase + math.pi)
 
-    def leg(phase: float) -> tuple[float, ...]:
-        return (0.3 * phase, 0.1 * phase, 0.5 * max(0.0, phase), -0.3 * phase, 0.0)
+    def leg(swing: float) -> tuple[float, ...]:
+        return (0.3 * swing, 0.1 * swing, 0.5 * max(0.0, swing), -0.3 * swing, 0.0)
 
-    return (0.1 * math.sin(2.0 * t), *leg(right), *leg(left), -0.2 * right, 0.1, -0.2 * left, 0.1)
+    return (0.1 * math.sin(2.0 * phase), *leg(right), *leg(left), -0.2 * right, 0.1, -0.2 * left, 0.1)
 
 
 class JointPublisher:
-    """Publishes the pattern on `joint_states`, and a description that has these joints.
+    """Publishes the pattern on `joint_states`, and a robot description that has these joints.
 
     Args:
-        node: whose topics and parameters.
-        rate: of the messages, Hz: the parameter `update_rate`.
-        urdf: published on `robot_description`, if given.
+        node: the node; it gets the parameter `update_rate`.
+        rate: initial rate of the messages, Hz.
+        urdf: file to publish on `robot_description`, or None.
 
     Attributes:
-        parameters: `update_rate` alone; it may be changed while the node runs.
-        phase: of the pattern, rad.
+        phase: phase of the pattern, rad.
     """
 
     def __init__(self, node: Node, rate: float = DEFAULT_RATE, urdf: Path | None = None) -> None:
-        self.parameters = Parameters(node)
-        self._rate = self.parameters.declare(
-            "update_rate", float(rate), "of the messages, Hz", lowest=1.0, highest=FASTEST
+        node.declare_parameter(
+            "update_rate",
+            float(rate),
+            "rate of joint_states, Hz",
+            minimum=1.0,
+            maximum=MAX_RATE,
+            on_change=self._set_rate,
         )
-        self._kind = message_type("sensor_msgs/msg/JointState")
-        self._publisher = node.publisher(self._kind.type_name, "joint_states")
+        self._publisher = node.create_publisher(_JOINT_STATE, "joint_states")
         if urdf is not None:
-            text = message_type("std_msgs/msg/String")
-            description = node.publisher(text.type_name, "robot_description", LATCHED)
-            description.publish(text(data=urdf.read_text("utf-8")))
+            description = node.create_publisher(_STRING, "robot_description", LATCHED)
+            description.publish(_STRING(data=urdf.read_text("utf-8")))
         self.phase = 0.0
-        self._timer = node.timer(1.0 / self._rate.value, self._tick)
-        self._rate.changed = self._change_rate
+        self._timer = node.create_timer(1.0 / rate, self._publish)
         logger.info("Joint publisher started at %s Hz", rate)
 
-    def _change_rate(self, rate: float) -> None:
+    def _set_rate(self, rate: float) -> None:
         self._timer.period = 1.0 / rate
 
-    def _tick(self) -> None:
-        message = self._kind(name=list(NAMES), position=pattern(self.phase))
-        now = time.time_ns()
-        message.header.stamp.sec, message.header.stamp.nanosec = divmod(now, 1_000_000_000)
+    def _publish(self) -> None:
+        message: Any = _JOINT_STATE(
+            name=list(JOINT_NAMES), position=walking_pattern(self.phase)
+        )
+        message.header.stamp = stamp_now()
         message.header.frame_id = "base_link"
         self._publisher.publish(message)
         self.phase = (self.phase + self._timer.period) % (2.0 * math.pi)

@@ -1,4 +1,4 @@
-"""Names: of nodes and topics in ROS 2, and what they become in DDS.
+"""Names of nodes, topics and services in ROS 2, and the DDS names they map to.
 
 Source: ROS 2 design, "Topic and Service name mapping to DDS".
 """
@@ -7,104 +7,107 @@ from __future__ import annotations
 
 import re
 
-from wbc.ros.errors import NameInvalid
+from wbc.ros.errors import InvalidName
 
 TOPIC, REQUEST, REPLY = "rt", "rq", "rr"
 _TOKEN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-_LONGEST = 240
+_MAX_LENGTH = 240  # characters
 _TYPE = re.compile(r"(\w+)::(msg|srv|action)::dds_::(\w+)_")
 _SERVICE_PARTS = ("_Request", "_Response")
 
 
-def node_name(name: str) -> str:
-    """The name, if a node may have it.
+def validate_node_name(name: str) -> str:
+    """Return the name of a node if it is valid.
 
     Raises:
-        NameInvalid: it has letters that a node's name may not have.
+        InvalidName: it contains characters that the name of a node may not have.
     """
     if not _TOKEN.fullmatch(name):
-        raise NameInvalid(
-            f"'{name}' is no name of a node; use letters, digits and underscores, not a digit first"
+        raise InvalidName(
+            f"'{name}' is not a valid node name; use letters, digits and underscores, and do not "
+            "begin with a digit"
         )
     return name
 
 
-def namespace(name: str) -> str:
-    """A namespace, with its leading slash and without a trailing one.
+def normalize_namespace(name: str) -> str:
+    """Return a namespace with a leading slash and without a trailing one.
 
     Raises:
-        NameInvalid: it has letters that a namespace may not have.
+        InvalidName: it contains characters that a namespace may not have.
     """
-    return _checked("/" + name.strip("/"), "namespace")
+    return _validated("/" + name.strip("/"), "namespace")
 
 
-def resolve(name: str, node: str, space: str = "/") -> str:
-    """The full name of a topic or service.
+def resolve_name(name: str, node: str, namespace: str = "/") -> str:
+    """Return the fully qualified name of a topic or service.
 
     Args:
         name: absolute (`/x`), relative (`x`, in the namespace) or private (`~/x`, below the node).
-        node: the node's name.
-        space: its namespace.
+        node: name of the node.
+        namespace: namespace of the node.
 
     Raises:
-        NameInvalid: it has letters that a topic's name may not have.
+        InvalidName: it contains characters that the name of a topic may not have.
     """
-    space = space.rstrip("/")
+    namespace = namespace.rstrip("/")
     if name.startswith("/"):
         full = name
     elif name == "~" or name.startswith("~/"):
-        full = f"{space}/{node}{name[1:]}"
+        full = f"{namespace}/{node}{name[1:]}"
     else:
-        full = f"{space}/{name}"
-    return _checked(full, "topic or service")
+        full = f"{namespace}/{name}"
+    return _validated(full, "topic or service")
 
 
-def token(text: str) -> str:
-    """A text as one part of a name: what a name may not have becomes an underscore."""
+def to_name_token(text: str) -> str:
+    """Return a text as one part of a name; invalid characters become underscores."""
     text = re.sub(r"_+", "_", re.sub(r"\W", "_", text, flags=re.ASCII))
     return f"_{text}" if not text or text[0].isdigit() else text
 
 
-def _checked(name: str, what: str) -> str:
+def _validated(name: str, what: str) -> str:
     if name == "/" and what == "namespace":
         return name
     for part in name[1:].split("/"):
         if not _TOKEN.fullmatch(part) or "__" in part:
-            raise NameInvalid(
-                f"'{name}' is no name of a {what}: '{part}' is not made of letters, digits and "
-                "single underscores, with no digit first"
+            raise InvalidName(
+                f"'{name}' is not a valid {what} name: '{part}' must consist of letters, digits "
+                "and single underscores, and must not begin with a digit"
             )
-    if len(name) > _LONGEST:
-        raise NameInvalid(f"'{name[:40]}…' has {len(name)} letters; at most {_LONGEST} may be")
+    if len(name) > _MAX_LENGTH:
+        raise InvalidName(
+            f"'{name[:40]}…' has {len(name)} characters; at most {_MAX_LENGTH} are allowed"
+        )
     return name
 
 
-def dds_topic(kind: str, name: str) -> str:
-    """What a topic, request or reply of some full name is called in DDS."""
-    return kind + name + {TOPIC: "", REQUEST: "Request", REPLY: "Reply"}[kind]
+def dds_topic_name(prefix: str, name: str) -> str:
+    """Return the DDS name of a topic (prefix `TOPIC`), request or reply with a ROS name."""
+    return prefix + name + {TOPIC: "", REQUEST: "Request", REPLY: "Reply"}[prefix]
 
 
-def ros_topic(name: str) -> tuple[str, str] | None:
-    """Kind and ROS name of a DDS topic; None when it is none of ROS."""
-    for kind, suffix in ((TOPIC, ""), (REQUEST, "Request"), (REPLY, "Reply")):
-        if name.startswith(kind + "/") and name.endswith(suffix):
-            return kind, name[len(kind) : len(name) - len(suffix)]
+def parse_dds_topic_name(name: str) -> tuple[str, str] | None:
+    """Return prefix and ROS name of a DDS topic; None if it is not a topic of ROS."""
+    for prefix, suffix in ((TOPIC, ""), (REQUEST, "Request"), (REPLY, "Reply")):
+        if name.startswith(prefix + "/") and name.endswith(suffix):
+            return prefix, name[len(prefix) : len(name) - len(suffix)]
     return None
 
 
-def ros_type(name: str) -> str:
-    """The ROS name of a DDS type, `pkg/msg/Name`; the DDS name when it is none of ROS."""
+def ros_type_name(name: str) -> str:
+    """Return `pkg/msg/Name` for a DDS type of ROS; any other name unchanged."""
     match = _TYPE.fullmatch(name)
     return "/".join(match.groups()) if match else name
 
 
-def service_type(name: str) -> str:
-    """`pkg/srv/Name` of one of the two messages that it is made of."""
+def service_type_name(name: str) -> str:
+    """Return `pkg/srv/Name` for the type of its request or response."""
     for part in _SERVICE_PARTS:
         name = name.removesuffix(part)
     return name
 
 
 def is_hidden(name: str) -> bool:
-    """Whether listings leave a name out unless asked: a part of it starts with an underscore."""
+    """Return whether listings omit a name by default: one part begins with an underscore."""
     return any(part.startswith("_") for part in name.split("/"))

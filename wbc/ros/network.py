@@ -1,4 +1,4 @@
-"""Which DDS domain a node joins, and through which network interface: loopback unless told."""
+"""DDS domain and network interface of a node; the loopback interface by default."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from xml.sax.saxutils import quoteattr
 
 from wbc.ros.errors import RosError
 
-LARGEST_DOMAIN = 232  #: with the usual ports, 7400 + 250 × domain, below 65536
+MAX_DOMAIN_ID = 232  #: with the standard ports, 7400 + 250 × domain id, below 65536
 _LOOPBACK = "127.0.0.1"
-#: Types are matched by name, as ROS 2 does; a participant that is silent for so long is dead; no
-#: message can take more memory than that.
-_OWN = (
+#: Match types by name, as ROS 2 does; take a participant for dead after 5 s of silence; bound the
+#: memory of a message.
+_BASE_CONFIGURATION = (
     "<CycloneDDS><Domain>"
     "<Compatibility><IgnoreTypeInformation>1.1,1.15,1.16</IgnoreTypeInformation></Compatibility>"
     "<Discovery><LeaseDuration>5 s</LeaseDuration></Discovery>"
     "<Internal><MaxSampleSize>64 MiB</MaxSampleSize></Internal>"
     "</Domain></CycloneDDS>"
 )
-_PARTICIPANTS = 32  # that are looked for on one machine, as ROS 2 does
+_MAX_PARTICIPANT_INDEX = 32  # participants to look for on one machine; the value of ROS 2
 
 
-class Reach(Enum):
-    """How far a node looks for others, after `ROS_AUTOMATIC_DISCOVERY_RANGE`."""
+class DiscoveryRange(Enum):
+    """How far a node looks for others; extends `ROS_AUTOMATIC_DISCOVERY_RANGE`."""
 
-    LOOPBACK = "loopback"  #: the loopback interface alone
-    LOCALHOST = "localhost"  #: this machine, in the way of ROS 2: any interface, no multicast
-    SUBNET = "subnet"  #: whoever multicast reaches
-    SYSTEM_DEFAULT = "system_default"  #: as `CYCLONEDDS_URI` has it
-    OFF = "off"  #: nobody
+    LOOPBACK = "loopback"  #: the loopback interface only
+    LOCALHOST = "localhost"  #: this machine as in ROS 2: any interface, no multicast
+    SUBNET = "subnet"  #: every host that multicast reaches
+    SYSTEM_DEFAULT = "system_default"  #: as configured by `CYCLONEDDS_URI`
+    OFF = "off"  #: no other process
 
 
 @dataclass(frozen=True)
@@ -41,128 +41,137 @@ class Network:
     """Where a node looks for others.
 
     Attributes:
-        domain: id of the DDS domain, `ROS_DOMAIN_ID`.
-        reach: how far it looks.
-        interface: name or address of a network interface; empty leaves it to `reach`.
-        peers: addresses to look at besides.
-        configuration: Cyclone DDS's own, XML or the path of a file, which has the last word.
+        domain_id: id of the DDS domain, `ROS_DOMAIN_ID`.
+        discovery_range: how far the node looks for others.
+        interface: name or address of a network interface; if empty, `discovery_range` selects it.
+        peers: addresses of further hosts to look for.
+        configuration: configuration of Cyclone DDS, XML or the path of a file; it overrides all
+            other settings.
 
     Raises:
-        RosError: the domain is out of range.
+        RosError: the domain id is out of range.
     """
 
-    domain: int = 0
-    reach: Reach = Reach.LOOPBACK
+    domain_id: int = 0
+    discovery_range: DiscoveryRange = DiscoveryRange.LOOPBACK
     interface: str = ""
     peers: tuple[str, ...] = ()
     configuration: str = ""
 
     def __post_init__(self) -> None:
-        if not 0 <= self.domain <= LARGEST_DOMAIN:
+        if not 0 <= self.domain_id <= MAX_DOMAIN_ID:
             raise RosError(
-                f"domain {self.domain} is out of range; ROS_DOMAIN_ID goes from 0 to "
-                f"{LARGEST_DOMAIN}"
+                f"domain id {self.domain_id} is out of range; use 0 to {MAX_DOMAIN_ID}"
             )
 
+    def __repr__(self) -> str:
+        where = self.interface or self.discovery_range.name
+        more = f", peers={self.peers}" if self.peers else ""
+        more += ", configuration=…" if self.configuration else ""
+        return f"Network(domain_id={self.domain_id}, {where}{more})"
+
     @staticmethod
-    def of(
-        domain: int | None = None,
+    def from_environment(
+        domain_id: int | None = None,
         interface: str | None = None,
         environment: Mapping[str, str] | None = None,
     ) -> Network:
-        """What options and the usual environment variables ask for; options go first.
+        """Return the network that the environment variables of ROS 2 select.
+
+        `ROS_DOMAIN_ID`, `ROS_LOCALHOST_ONLY`, `ROS_AUTOMATIC_DISCOVERY_RANGE`, `ROS_STATIC_PEERS`
+        and `CYCLONEDDS_URI` are respected. Without any of them it is the loopback interface.
 
         Args:
-            domain: instead of `ROS_DOMAIN_ID`.
-            interface: name or address; instead of everything else that says how far to reach.
-            environment: `os.environ` when left out. `ROS_DOMAIN_ID`, `ROS_LOCALHOST_ONLY`,
-                `ROS_AUTOMATIC_DISCOVERY_RANGE`, `ROS_STATIC_PEERS` and `CYCLONEDDS_URI` count.
+            domain_id: overrides `ROS_DOMAIN_ID`.
+            interface: name or address; overrides all variables that select an interface.
+            environment: the variables; `os.environ` by default.
 
         Raises:
-            RosError: a variable has a value that makes no sense.
+            RosError: a variable has an invalid value.
         """
         environment = os.environ if environment is None else environment
-        if domain is None:
-            domain = _domain(environment.get("ROS_DOMAIN_ID", ""))
+        if domain_id is None:
+            domain_id = _domain_id(environment.get("ROS_DOMAIN_ID", ""))
         if interface is not None:
-            return Network(domain, *_through(interface))
+            return Network(domain_id, *_by_interface(interface))
         uri = environment.get("CYCLONEDDS_URI", "")
-        reach = _reach(environment)
-        if reach is None:
-            reach = Reach.SYSTEM_DEFAULT if uri else Reach.LOOPBACK
+        discovery_range = _discovery_range(environment)
+        if discovery_range is None:
+            discovery_range = DiscoveryRange.SYSTEM_DEFAULT if uri else DiscoveryRange.LOOPBACK
         peers = tuple(p for p in environment.get("ROS_STATIC_PEERS", "").split(";") if p.strip())
-        if peers and reach is Reach.LOOPBACK:
-            reach = Reach.LOCALHOST
-        return Network(domain, reach, "", peers, uri)
+        if peers and discovery_range is DiscoveryRange.LOOPBACK:
+            discovery_range = DiscoveryRange.LOCALHOST
+        return Network(domain_id, discovery_range, "", peers, uri)
 
     def xml(self) -> str:
-        """The configuration that brings Cyclone DDS here, of any version that ROS 2 has."""
-        if self.reach is Reach.SYSTEM_DEFAULT:
+        """Return the Cyclone DDS configuration for this network, for all versions ROS 2 ships."""
+        reach = self.discovery_range
+        if reach is DiscoveryRange.SYSTEM_DEFAULT:
             return self.configuration
         general, discovery = "", ""
-        interface = _LOOPBACK if self.reach is Reach.LOOPBACK else self.interface
+        interface = _LOOPBACK if reach is DiscoveryRange.LOOPBACK else self.interface
         if interface:
             kind = "address" if _is_address(interface) else "name"
             general += f"<Interfaces><NetworkInterface {kind}={quoteattr(interface)}/></Interfaces>"
-        if self.reach is not Reach.SUBNET:
+        if reach is not DiscoveryRange.SUBNET:
             general += "<AllowMulticast>false</AllowMulticast>"
-        if self.reach is Reach.OFF:
+        if reach is DiscoveryRange.OFF:
             discovery = f"<ParticipantIndex>none</ParticipantIndex><Tag>off_{os.getpid()}</Tag>"
         else:
             discovery = (
                 "<ParticipantIndex>auto</ParticipantIndex>"
-                f"<MaxAutoParticipantIndex>{_PARTICIPANTS}</MaxAutoParticipantIndex>"
+                f"<MaxAutoParticipantIndex>{_MAX_PARTICIPANT_INDEX}</MaxAutoParticipantIndex>"
             )
-        peers = self.peers if self.reach is not Reach.OFF else ()
-        if self.reach in (Reach.LOOPBACK, Reach.LOCALHOST):
+        peers = self.peers if reach is not DiscoveryRange.OFF else ()
+        if reach in (DiscoveryRange.LOOPBACK, DiscoveryRange.LOCALHOST):
             peers = (_LOOPBACK, *peers)
         if peers:
             listed = "".join(f"<Peer address={quoteattr(p.strip())}/>" for p in peers)
             discovery += f"<Peers>{listed}</Peers>"
-        own = (
+        xml = (
             f"<CycloneDDS><Domain><General>{general}</General>"
             f"<Discovery>{discovery}</Discovery></Domain></CycloneDDS>"
         )
-        return f"{own},{self.configuration}" if self.configuration else own
+        return f"{xml},{self.configuration}" if self.configuration else xml
 
     def join(self) -> Any:
-        """The DDS domain, ready for participants. It stays until the process ends.
+        """Join the DDS domain, until the process ends; return Cyclone's domain object.
 
         Raises:
-            RosError: this process is in the domain already, with another configuration.
+            RosError: this process has already joined the domain with another configuration.
         """
-        return _join(self.domain, ",".join(filter(None, (_OWN, self.xml()))))
+        return _join(self.domain_id, ",".join(filter(None, (_BASE_CONFIGURATION, self.xml()))))
 
 
-def _domain(text: str) -> int:
+def _domain_id(text: str) -> int:
     if not text:
         return 0
     if not text.isdecimal():
-        raise RosError(f"ROS_DOMAIN_ID is '{text}'; it must be a number, 0 to {LARGEST_DOMAIN}")
+        raise RosError(f"ROS_DOMAIN_ID is '{text}'; it must be a number, 0 to {MAX_DOMAIN_ID}")
     return int(text)
 
 
-def _reach(environment: Mapping[str, str]) -> Reach | None:
-    """What the variables of ROS 2 ask for; the older one has precedence, as there."""
+def _discovery_range(environment: Mapping[str, str]) -> DiscoveryRange | None:
+    """Return the range that ROS 2's variables select; as in ROS 2, the older one takes precedence."""
     only = environment.get("ROS_LOCALHOST_ONLY", "")
     if only:
-        return Reach.LOCALHOST if only == "1" else Reach.SUBNET
+        return DiscoveryRange.LOCALHOST if only == "1" else DiscoveryRange.SUBNET
     text = environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "")
     if not text:
         return None
     try:
-        return Reach(text.lower())
+        return DiscoveryRange(text.lower())
     except ValueError:
         raise RosError(
-            f"ROS_AUTOMATIC_DISCOVERY_RANGE is '{text}'; it may be LOCALHOST, SUBNET, "
+            f"ROS_AUTOMATIC_DISCOVERY_RANGE is '{text}'; it must be LOCALHOST, SUBNET, "
             "SYSTEM_DEFAULT or OFF"
         ) from None
 
 
-def _through(interface: str) -> tuple[Reach, str]:
+def _by_interface(interface: str) -> tuple[DiscoveryRange, str]:
     if interface in ("lo", _LOOPBACK, "localhost"):
-        return Reach.LOOPBACK, ""
-    return Reach.SUBNET, interface
+        return DiscoveryRange.LOOPBACK, ""
+    return DiscoveryRange.SUBNET, interface
 
 
 def _is_address(text: str) -> bool:
@@ -170,16 +179,16 @@ def _is_address(text: str) -> bool:
 
 
 @cache
-def _join(domain: int, xml: str) -> Any:
+def _join(domain_id: int, xml: str) -> Any:
     from cyclonedds.core import DDSException
     from cyclonedds.domain import Domain
 
     try:
-        return Domain(domain, xml)
+        return Domain(domain_id, xml)
     except DDSException as error:
         why = (
             "this process has joined it with another configuration"
             if error.code == DDSException.DDS_RETCODE_PRECONDITION_NOT_MET
-            else f"{error}; look at CYCLONEDDS_URI, and whether the network interface exists"
+            else f"{error}; check CYCLONEDDS_URI, and that the network interface exists"
         )
-        raise RosError(f"DDS domain {domain} cannot be joined: {why}") from error
+        raise RosError(f"DDS domain {domain_id} cannot be joined: {why}") from error

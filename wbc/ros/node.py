@@ -1,279 +1,349 @@
-"""`Node`: a process that a ROS 2 system takes for one of its own."""
+"""`Node`: a node that a ROS 2 system sees as one of its own."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any, Protocol
+from concurrent.futures import Future
+from functools import cached_property
+from typing import Any
 
 from wbc.closeable import Closeable
 from wbc.messages import Message
 from wbc.ros import names
-from wbc.ros.endpoints import Info, Listener, Publisher, Reader, Subscription
+from wbc.ros.dds_endpoints import Waitable
 from wbc.ros.errors import RosError
+from wbc.ros.graph import Graph
 from wbc.ros.network import Network
+from wbc.ros.parameters import NodeParameter, ParameterServer
 from wbc.ros.participant import Participant
-from wbc.ros.qos import DEFAULT, SERVICES, Qos
-from wbc.ros.services import Client, Reply, Service
+from wbc.ros.publisher import Publisher
+from wbc.ros.qos import DEFAULT, SERVICES, QoSProfile
+from wbc.ros.services import Client, Service, ServiceReply
+from wbc.ros.subscription import RawSubscription, Subscription
+from wbc.ros.timer import Timer
 
-_LONGEST_WAIT = 0.1  # s: Ctrl-C is heard at least as often
-_SOON = 0.005  # s
-
-
-class Worker(Protocol):
-    """Something with a reader that has work to do when messages have come."""
-
-    reader: Reader
-
-    @property
-    def impatient(self) -> bool:
-        """Whether it wants to work again soon, messages or not."""
-
-    def work(self) -> None:
-        """Do it, without waiting."""
-
-
-class Timer:
-    """Calls a function at a rate; `Node.timer` makes it.
-
-    Attributes:
-        period: s; may be changed.
-    """
-
-    def __init__(self, period: float, callback: Callable[[], None]) -> None:
-        self.period = period
-        self.callback = callback
-        self.due = time.monotonic() + period
-        self.cancelled = False
-
-    def cancel(self) -> None:
-        """Never call again."""
-        self.cancelled = True
-
-    def call(self, now: float) -> None:
-        """Call, and set the next time; what was missed is not made up for."""
-        self.due = max(self.due + self.period, now)
-        self.callback()
+_MAX_WAIT = 0.1  # s: Ctrl-C takes effect at least as often
+_PENDING_WAIT = 0.005  # s
 
 
 class Node(Closeable):
-    """A node of ROS 2, without ROS 2.
+    """A ROS 2 node over DDS, with the interface of `rclpy.node.Node`.
 
-    It lives in one thread: messages, requests and timers are served in `spin`.
+    It is used from one thread: callbacks of subscriptions, services and timers run in `spin`.
 
     Example:
+        >>> String = message_type("std_msgs/msg/String")
         >>> node = Node("talker")
-        >>> publisher = node.publisher("std_msgs/msg/String", "chatter")
-        >>> timer = node.timer(0.5, lambda: publisher.publish(String(data="hello")))
+        >>> publisher = node.create_publisher(String, "chatter", 10)
+        >>> timer = node.create_timer(0.5, lambda: publisher.publish(String(data="hello")))
         >>> node.spin()
 
     Args:
-        name: of the node.
-        namespace: in which it and its relative names are.
-        network: domain and interface; from the environment when left out.
+        node_name: name of the node.
+        namespace: namespace of the node, in which its relative names are resolved.
+        network: DDS domain and network interface; `Network.from_environment()` by default.
 
     Attributes:
-        name: of the node.
-        space: its namespace, with a leading slash.
+        name: name of the node.
+        namespace: namespace, with a leading slash.
+        participant: DDS participant.
 
     Raises:
         MissingExtra: `cyclonedds` is not installed.
-        RosError: the name is none, or the domain cannot be joined.
+        RosError: the name is invalid, or the DDS domain cannot be joined.
     """
 
-    def __init__(self, name: str, *, namespace: str = "/", network: Network | None = None) -> None:
-        self.name = names.node_name(name)
-        self.space = names.namespace(namespace)
-        self.participant = Participant(self.space, name, network or Network.of())
+    def __init__(
+        self, node_name: str, *, namespace: str = "/", network: Network | None = None
+    ) -> None:
+        self.name = names.validate_node_name(node_name)
+        self.namespace = names.normalize_namespace(namespace)
+        self.network = network or Network.from_environment()
+        self.participant = Participant(self.namespace, self.name, self.network)
         from cyclonedds.core import WaitSet
 
-        self._waiting: Any = WaitSet(self.participant.dds)
-        self._publishers: list[Publisher] = []  # they would leave DDS if nobody held them
-        self._workers: list[Worker] = []
+        self._wait_set: Any = WaitSet(self.participant.dds)
+        self._publishers: list[Publisher] = []  # DDS removes writers that nothing refers to
+        self._waitables: list[Waitable] = []
         self._timers: list[Timer] = []
         self._open = True
 
+    def __repr__(self) -> str:
+        state = "" if self._open else ", closed"
+        return f"Node('{self.fully_qualified_name}', {self.network}{state})"
+
     @property
-    def full_name(self) -> str:
+    def fully_qualified_name(self) -> str:
         """Namespace and name."""
-        return f"{self.space.rstrip('/')}/{self.name}"
+        return f"{self.namespace.rstrip('/')}/{self.name}"
 
-    def resolve(self, name: str) -> str:
-        """The full name of a topic or service, see `wbc.ros.names.resolve`."""
-        return names.resolve(name, self.name, self.space)
+    def resolve_topic_name(self, topic: str) -> str:
+        """Return the full name of a topic or service, see `wbc.ros.names.resolve_name`."""
+        return names.resolve_name(topic, self.name, self.namespace)
 
-    def publisher(self, type_name: str, topic: str, qos: Qos = DEFAULT) -> Publisher:
-        """A publisher.
+    def create_publisher(
+        self, msg_type: str | type[Message], topic: str, qos_profile: QoSProfile | int = DEFAULT
+    ) -> Publisher:
+        """Create a publisher.
 
         Args:
-            type_name: `pkg/msg/Name`.
-            topic: absolute, relative or private.
-            qos: quality of service.
+            msg_type: message class or its name, `pkg/msg/Name`.
+            topic: absolute, relative or private name of the topic.
+            qos_profile: quality of service, or the history depth alone.
 
         Raises:
             MessageError: there is no such type.
-            NameInvalid: there can be no such topic.
+            InvalidName: the name of the topic is invalid.
         """
-        made = Publisher(self.participant, self.resolve(topic), type_name, qos)
-        self.participant.add(writers=(made.writer.gid,))
-        self._publishers.append(made)
-        return made
+        name, qos = self.resolve_topic_name(topic), QoSProfile.of(qos_profile)
+        publisher = Publisher(self.participant, msg_type, name, qos)
+        self.participant.add(writers=(publisher.writer.gid,))
+        self._publishers.append(publisher)
+        return publisher
 
-    def subscription(
+    def create_subscription(
         self,
-        type_name: str,
+        msg_type: str | type[Message],
         topic: str,
-        callback: Callable[[Any, Info], None],
-        qos: Qos = DEFAULT,
+        callback: Callable[..., object],
+        qos_profile: QoSProfile | int = DEFAULT,
     ) -> Subscription:
-        """A subscription; its callback gets each message and an `Info` about it.
+        """Create a subscription.
+
+        Args:
+            msg_type: message class or its name, `pkg/msg/Name`.
+            topic: absolute, relative or private name of the topic.
+            callback: called with each message, or with each message and its `MessageInfo` if it
+                takes two arguments.
+            qos_profile: quality of service, or the history depth alone.
 
         Raises:
             MessageError: there is no such type.
-            NameInvalid: there can be no such topic.
+            InvalidName: the name of the topic is invalid.
         """
-        made = Subscription(self.participant, self.resolve(topic), type_name, callback, qos)
-        self.participant.add(readers=(made.reader.gid,))
-        self.attend(made)
-        return made
+        name, qos = self.resolve_topic_name(topic), QoSProfile.of(qos_profile)
+        subscription = Subscription(self.participant, msg_type, name, callback, qos)
+        self.participant.add(readers=(subscription.reader.gid,))
+        self.add_waitable(subscription)
+        return subscription
 
-    def listen(
+    def create_raw_subscription(
         self,
         dds_type_name: str,
         topic: str,
-        callback: Callable[[bytes, Info], None],
-        qos: Qos = DEFAULT,
-    ) -> Listener:
-        """A subscription to messages of a type that need not be known here.
+        callback: Callable[..., object],
+        qos_profile: QoSProfile | int = DEFAULT,
+    ) -> RawSubscription:
+        """Create a subscription to serialized messages, whose type need not be known here.
 
         Args:
-            dds_type_name: e.g. `std_msgs::msg::dds_::String_`.
-            topic: absolute, relative or private.
-            callback: gets each message's bytes, header included, and an `Info` about it.
-            qos: quality of service.
+            dds_type_name: for example `std_msgs::msg::dds_::String_`.
+            topic: absolute, relative or private name of the topic.
+            callback: called with the bytes of each message, CDR header included, or with these
+                and a `MessageInfo` if it takes two arguments.
+            qos_profile: quality of service, or the history depth alone.
 
         Raises:
-            NameInvalid: there can be no such topic.
+            InvalidName: the name of the topic is invalid.
         """
-        made = Listener(self.participant, self.resolve(topic), dds_type_name, callback, qos)
-        self.participant.add(readers=(made.reader.gid,))
-        self.attend(made)
-        return made
+        name, qos = self.resolve_topic_name(topic), QoSProfile.of(qos_profile)
+        subscription = RawSubscription(self.participant, dds_type_name, name, callback, qos)
+        self.participant.add(readers=(subscription.reader.gid,))
+        self.add_waitable(subscription)
+        return subscription
 
-    def service(
+    def create_service(
         self,
-        type_name: str,
-        name: str,
-        answer: Callable[[Any], Message],
-        qos: Qos = SERVICES,
+        srv_type: str,
+        srv_name: str,
+        callback: Callable[[Any, Any], Message],
+        qos_profile: QoSProfile = SERVICES,
     ) -> Service:
-        """A service; `answer` makes a response of each request.
+        """Create a service.
+
+        Args:
+            srv_type: `pkg/srv/Name`.
+            srv_name: absolute, relative or private name of the service.
+            callback: called with each request and an empty response; returns the response.
+            qos_profile: quality of service.
 
         Raises:
             MessageError: there is no such type.
-            NameInvalid: there can be no such service.
+            InvalidName: the name of the service is invalid.
         """
-        return self.service_with_reply(
-            type_name, name, lambda request, reply: reply.send(answer(request)), qos
-        )
 
-    def service_with_reply(
+        def respond(request: Any, reply: ServiceReply) -> None:
+            reply.send(callback(request, service.response_type()))
+
+        service = self.create_deferred_service(srv_type, srv_name, respond, qos_profile)
+        return service
+
+    def create_deferred_service(
         self,
-        type_name: str,
-        name: str,
-        answer: Callable[[Any, Reply], None],
-        qos: Qos = SERVICES,
+        srv_type: str,
+        srv_name: str,
+        callback: Callable[[Any, ServiceReply], None],
+        qos_profile: QoSProfile = SERVICES,
     ) -> Service:
-        """A service whose answers may take time: `answer` gets a `Reply` to send them by.
+        """Create a service that may respond later; see `create_service` for the arguments.
 
-        Raises:
-            MessageError: there is no such type.
-            NameInvalid: there can be no such service.
+        The callback is called with each request and a `ServiceReply`, by which the response is
+        sent.
         """
-        made = Service(self, type_name, name, answer, qos)
-        self.participant.add((made.reader.gid,), (made.writer.gid,))
-        self.attend(made)
-        return made
+        service = Service(self, srv_type, srv_name, callback, qos_profile)
+        self.participant.add((service.reader.gid,), (service.writer.gid,))
+        self.add_waitable(service)
+        return service
 
-    def client(self, type_name: str, name: str, qos: Qos = SERVICES) -> Client:
-        """A client of a service.
+    def create_client(
+        self, srv_type: str, srv_name: str, qos_profile: QoSProfile = SERVICES
+    ) -> Client:
+        """Create a client of a service; see `create_service` for the arguments."""
+        client = Client(self, srv_type, srv_name, qos_profile)
+        self.participant.add((client.reader.gid,), (client.writer.gid,))
+        self.add_waitable(client)
+        return client
 
-        Raises:
-            MessageError: there is no such type.
-            NameInvalid: there can be no such service.
-        """
-        made = Client(self, type_name, name, qos)
-        self.participant.add((made.reader.gid,), (made.writer.gid,))
-        self.attend(made)
-        return made
+    def create_timer(self, timer_period_sec: float, callback: Callable[[], None]) -> Timer:
+        """Call a function periodically.
 
-    def timer(self, period: float, callback: Callable[[], None]) -> Timer:
-        """Call a function every `period` s.
+        Args:
+            timer_period_sec: period, s.
+            callback: the function.
 
         Raises:
             RosError: the period is not positive.
         """
-        if not period > 0.0:
-            raise RosError(f"a timer's period is {period} s; it must be positive")
-        made = Timer(period, callback)
-        self._timers.append(made)
-        return made
+        if not timer_period_sec > 0.0:
+            raise RosError(f"the period of a timer is {timer_period_sec} s; it must be positive")
+        timer = Timer(timer_period_sec, callback)
+        self._timers.append(timer)
+        return timer
 
-    def attend(self, worker: Worker) -> None:
-        """Call a worker whenever messages have come."""
-        self._workers.append(worker)
-        self._waiting.attach(worker.reader.condition)
+    @cached_property
+    def _parameter_server(self) -> ParameterServer:
+        return ParameterServer(self)
 
-    def drop(self, subscription: Subscription | Listener) -> None:
-        """Listen no longer."""
-        self._workers.remove(subscription)
-        self._waiting.detach(subscription.reader.condition)
+    def declare_parameter(
+        self,
+        name: str,
+        value: Any,
+        description: str = "",
+        *,
+        minimum: float | None = None,
+        maximum: float | None = None,
+        read_only: bool = False,
+        validate: Callable[[Any], None] = lambda _: None,
+        on_change: Callable[[Any], None] = lambda _: None,
+    ) -> NodeParameter:
+        """Declare a parameter; see `NodeParameter` for the arguments.
+
+        The first declaration also creates the parameter services of the node.
+
+        Raises:
+            RosError: the parameter is already declared, or its value has an unsupported type or is
+                out of its range.
+        """
+        return self._parameter_server.declare(
+            NodeParameter(
+                name, value, description, minimum, maximum, read_only, validate, on_change
+            )
+        )
+
+    def get_parameter(self, name: str) -> NodeParameter:
+        """Return a declared parameter.
+
+        Raises:
+            RosError: the parameter is not declared.
+        """
+        return self._parameter_server.get(name)
+
+    @cached_property
+    def graph(self) -> Graph:
+        """The other nodes, with their topics and services; they are discovered from now on."""
+        return Graph(self)
+
+    def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
+        """Return the discovered topics of the other nodes with their types, sorted by name."""
+        return [(name, topic.types) for name, topic in self.graph.snapshot().topics().items()]
+
+    def count_publishers(self, topic_name: str) -> int:
+        """Return the number of discovered publishers of a topic in the other nodes."""
+        return len(self.graph.snapshot().topic(self.resolve_topic_name(topic_name)).publishers)
+
+    def count_subscribers(self, topic_name: str) -> int:
+        """Return the number of discovered subscriptions to a topic in the other nodes."""
+        return len(self.graph.snapshot().topic(self.resolve_topic_name(topic_name)).subscriptions)
+
+    def add_waitable(self, waitable: Waitable) -> None:
+        """Execute a waitable while the node spins, whenever its reader has received messages."""
+        self._waitables.append(waitable)
+        self._wait_set.attach(waitable.reader.condition)
+
+    def destroy_subscription(self, subscription: Subscription | RawSubscription) -> None:
+        """Remove a subscription."""
+        self._waitables.remove(subscription)
+        self._wait_set.detach(subscription.reader.condition)
         self.participant.remove(subscription.reader.gid)
         subscription.reader.close()
 
-    def spin_once(self, timeout: float = _LONGEST_WAIT) -> None:
-        """Wait until something is to be done, at most `timeout` s, and do it."""
+    def spin_once(self, timeout_sec: float = _MAX_WAIT) -> None:
+        """Wait for messages or a timer, at most `timeout_sec` s, and run the callbacks due."""
         now = time.monotonic()
-        if any(worker.impatient for worker in self._workers):
-            timeout = min(timeout, _SOON)
-        wait = min([timeout, *(timer.due - now for timer in self._timers)])
-        came = self._waiting.wait(int(1e9 * max(wait, 0.0)))
-        for worker in tuple(self._workers):
-            if came or worker.impatient:
-                worker.work()
+        if any(waitable.has_pending for waitable in self._waitables):
+            timeout_sec = min(timeout_sec, _PENDING_WAIT)
+        wait = min([timeout_sec, *(timer.next_call - now for timer in self._timers)])
+        received = self._wait_set.wait(int(1e9 * max(wait, 0.0)))
+        for waitable in tuple(self._waitables):
+            if received or waitable.has_pending:
+                waitable.execute()
         now = time.monotonic()
         for timer in tuple(self._timers):
-            if timer.cancelled:
+            if timer.is_canceled():
                 self._timers.remove(timer)
-            elif timer.due <= now:
+            elif timer.next_call <= now:
                 timer.call(now)
 
-    def spin(
-        self, until: Callable[[], bool] = lambda: False, timeout: float = float("inf")
+    def spin(self, timeout_sec: float = float("inf")) -> None:
+        """Run callbacks until the node is closed, or for `timeout_sec` s."""
+        self.spin_until(lambda: False, timeout_sec)
+
+    def spin_until(
+        self, condition: Callable[[], object], timeout_sec: float = float("inf")
     ) -> bool:
-        """Serve until something is true, or for some time.
+        """Run callbacks until a condition holds.
 
         Args:
-            until: asked after everything that was done.
-            timeout: s.
+            condition: evaluated after every `spin_once`.
+            timeout_sec: time limit, s.
 
         Returns:
-            Whether it became true; False also when the node was closed meanwhile.
+            Whether the condition holds; False after the time limit or when the node was closed.
         """
-        end = time.monotonic() + timeout
-        while not until():
+        end = time.monotonic() + timeout_sec
+        while not condition():
             left = end - time.monotonic()
             if left <= 0.0 or not self._open:
                 return False
-            self.spin_once(min(left, _LONGEST_WAIT))
+            self.spin_once(min(left, _MAX_WAIT))
         return True
 
+    def spin_until_future_complete(
+        self, future: Future[Any], timeout_sec: float = float("inf")
+    ) -> bool:
+        """Run callbacks until a future, such as that of `Client.call_async`, has its result.
+
+        Returns:
+            Whether it has its result.
+        """
+        return self.spin_until(future.done, timeout_sec)
+
     def close(self) -> None:
-        """Leave the graph."""
+        """Leave the graph, with all publishers, subscriptions, services and clients."""
         if not self._open:
             return
         self._open = False
-        self._workers.clear()
+        self._waitables.clear()
         self._timers.clear()
-        # Children go with their participant; those who look get to know at once.
-        self.participant.leave()
+        self.participant.leave()  # DDS removes the endpoints with their participant

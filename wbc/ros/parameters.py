@@ -1,17 +1,18 @@
-"""Parameters of a node, with the services by which others list, read and change them."""
+"""Parameters of a node, and the services that list, read and set them."""
 
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
+from wbc.errors import did_you_mean
 from wbc.messages import Message, message_type
 from wbc.ros.errors import RosError
 from wbc.ros.qos import PARAMETER_EVENTS, PARAMETERS
+from wbc.ros.stamp import stamp_now
 
 if TYPE_CHECKING:
     from wbc.ros.node import Node
@@ -25,8 +26,8 @@ _FLOAT_RANGE = message_type("rcl_interfaces/msg/FloatingPointRange")
 _INTEGER_RANGE = message_type("rcl_interfaces/msg/IntegerRange")
 
 
-class Kind(IntEnum):
-    """The kinds of values, as in `rcl_interfaces/msg/ParameterType`."""
+class ParameterType(IntEnum):
+    """Type of a parameter's value, as in `rcl_interfaces/msg/ParameterType`."""
 
     NOT_SET = 0
     BOOL = 1
@@ -40,97 +41,118 @@ class Kind(IntEnum):
     STRING_ARRAY = 9
 
 
-_FIELDS: dict[Kind, tuple[str, type]] = {
-    Kind.BOOL: ("bool_value", bool),
-    Kind.INTEGER: ("integer_value", int),
-    Kind.DOUBLE: ("double_value", float),
-    Kind.STRING: ("string_value", str),
-    Kind.DOUBLE_ARRAY: ("double_array_value", tuple),
+_FIELDS: dict[ParameterType, tuple[str, type]] = {
+    ParameterType.BOOL: ("bool_value", bool),
+    ParameterType.INTEGER: ("integer_value", int),
+    ParameterType.DOUBLE: ("double_value", float),
+    ParameterType.STRING: ("string_value", str),
+    ParameterType.DOUBLE_ARRAY: ("double_array_value", tuple),
 }
 
 
 @dataclass
-class Parameter:
-    """A parameter.
+class NodeParameter:
+    """A parameter of a node.
 
     Attributes:
-        name: of the parameter.
-        value: a truth value, integer, number, text, or tuple of numbers; its type stays.
-        description: one line.
-        lowest: smallest value (of each number), if there is one.
-        highest: largest value, likewise.
-        read_only: it cannot be changed by others.
-        check: raises a `ValueError` for a value that cannot be.
-        changed: called with a new value.
+        name: name of the parameter.
+        value: bool, int, float, str or tuple of floats; the type does not change.
+        description: description in one line, with the unit.
+        minimum: smallest value (of each number), or None.
+        maximum: largest value (of each number), or None.
+        read_only: other nodes cannot set it.
+        validate: called with a new value; raises `ValueError` to reject it.
+        on_change: called with a new value after it was set.
     """
 
     name: str
     value: Any
     description: str = ""
-    lowest: float | None = None
-    highest: float | None = None
+    minimum: float | None = None
+    maximum: float | None = None
     read_only: bool = False
-    check: Callable[[Any], None] = field(default=lambda _: None)
-    changed: Callable[[Any], None] = field(default=lambda _: None)
+    validate: Callable[[Any], None] = field(default=lambda _: None)
+    on_change: Callable[[Any], None] = field(default=lambda _: None)
 
     @property
-    def kind(self) -> Kind:
-        """Of its value."""
+    def type(self) -> ParameterType:
+        """Type of its value."""
         return next(kind for kind, (_, t) in _FIELDS.items() if type(self.value) is t)
 
-    def checked(self, message: Message) -> Any:
-        """The value in a `ParameterValue`, if this parameter may have it.
+    def parse(self, message: Message) -> Any:
+        """Return the value of a `ParameterValue`, if this parameter may be set to it.
 
         Raises:
-            ValueError: it may not; the text says why.
+            ValueError: the value is rejected; the message says why.
         """
         if self.read_only:
             raise ValueError(f"{self.name} is read-only")
         value = _value(message)
         if type(self.value) is float and type(value) is int:
             value = float(value)
-        elif type(self.value) is tuple and message.type == Kind.INTEGER_ARRAY:
+        elif type(self.value) is tuple and message.type == ParameterType.INTEGER_ARRAY:
             value = tuple(float(x) for x in message.integer_array_value)
         if type(value) is not type(self.value):
-            raise ValueError(f"{self.name} is {_words(self.kind)}, not {_words(message.type)}")
+            raise ValueError(
+                f"{self.name} is of type {_type_name(self.type)}, not {_type_name(message.type)}"
+            )
+        self._check(value)
+        return value
+
+    def _check(self, value: Any) -> None:
         if type(value) is tuple and len(value) != len(self.value):
             raise ValueError(f"{self.name} has {len(self.value)} numbers, not {len(value)}")
         for number in value if type(value) is tuple else (value,):
             if type(number) in (int, float):
                 self._check_range(number)
-        self.check(value)
-        return value
+        self.validate(value)
 
     def _check_range(self, number: float) -> None:
-        low = -math.inf if self.lowest is None else self.lowest
-        high = math.inf if self.highest is None else self.highest
+        low = -math.inf if self.minimum is None else self.minimum
+        high = math.inf if self.maximum is None else self.maximum
         if not (math.isfinite(number) and low <= number <= high):
             raise ValueError(f"{self.name} = {number:g} is out of its range, {low:g} to {high:g}")
 
-    def message(self) -> Message:
-        """As a `ParameterValue`."""
-        return _VALUE(type=self.kind, **{_FIELDS[self.kind][0]: self.value})
+    def check_declaration(self) -> None:
+        """Check the type and the initial value.
+
+        Raises:
+            RosError: the value has an unsupported type or is out of its range.
+        """
+        if type(self.value) not in {kind for _, kind in _FIELDS.values()}:
+            raise RosError(
+                f"parameter '{self.name}' = {self.value!r}: use a bool, int, float, str or tuple "
+                "of floats"
+            )
+        try:
+            self._check(self.value)
+        except ValueError as error:
+            raise RosError(f"parameter {error}") from error
+
+    def to_message(self) -> Message:
+        """Return the value as `ParameterValue`."""
+        return _VALUE(type=self.type, **{_FIELDS[self.type][0]: self.value})
 
     def descriptor(self) -> Message:
-        """As a `ParameterDescriptor`."""
-        described = _DESCRIPTOR(
+        """Return the description as `ParameterDescriptor`."""
+        descriptor = _DESCRIPTOR(
             name=self.name,
-            type=self.kind,
+            type=self.type,
             description=self.description,
             read_only=self.read_only,
         )
-        if self.lowest is not None and self.highest is not None:
-            if self.kind == Kind.INTEGER:
-                span = _INTEGER_RANGE(from_value=int(self.lowest), to_value=int(self.highest))
-                described.integer_range = [span]
+        if self.minimum is not None and self.maximum is not None:
+            if self.type == ParameterType.INTEGER:
+                span = _INTEGER_RANGE(from_value=int(self.minimum), to_value=int(self.maximum))
+                descriptor.integer_range = [span]
             else:
-                span = _FLOAT_RANGE(from_value=self.lowest, to_value=self.highest)
-                described.floating_point_range = [span]
-        return described
+                span = _FLOAT_RANGE(from_value=self.minimum, to_value=self.maximum)
+                descriptor.floating_point_range = [span]
+        return descriptor
 
 
-class Parameters:
-    """A node's parameters, served to others.
+class ParameterServer:
+    """Holds the parameters of a node and serves them to other nodes.
 
     Args:
         node: the node.
@@ -138,9 +160,9 @@ class Parameters:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._all: dict[str, Parameter] = {}
-        self._events = node.publisher(_EVENT.type_name, "/parameter_events", PARAMETER_EVENTS)
-        for kind, answer in (
+        self._all: dict[str, NodeParameter] = {}
+        self._events = node.create_publisher(_EVENT, "/parameter_events", PARAMETER_EVENTS)
+        for kind, callback in (
             ("DescribeParameters", self._describe),
             ("GetParameterTypes", self._types),
             ("GetParameters", self._get),
@@ -149,63 +171,42 @@ class Parameters:
             ("SetParametersAtomically", self._set_atomically),
         ):
             name = "".join("_" + c.lower() if c.isupper() else c for c in kind)[1:]
-            node.service(f"rcl_interfaces/srv/{kind}", f"~/{name}", answer, PARAMETERS)
+            node.create_service(f"rcl_interfaces/srv/{kind}", f"~/{name}", callback, PARAMETERS)
 
-    def declare(
-        self,
-        name: str,
-        value: Any,
-        description: str = "",
-        *,
-        lowest: float | None = None,
-        highest: float | None = None,
-        read_only: bool = False,
-        check: Callable[[Any], None] = lambda _: None,
-        changed: Callable[[Any], None] = lambda _: None,
-    ) -> Parameter:
-        """Add a parameter; see `Parameter` for the arguments.
+    def declare(self, parameter: NodeParameter) -> NodeParameter:
+        """Add a parameter; see `Node.declare_parameter`."""
+        if parameter.name in self._all:
+            raise RosError(f"parameter '{parameter.name}' is already declared")
+        parameter.check_declaration()
+        self._all[parameter.name] = parameter
+        return parameter
 
-        Raises:
-            RosError: it exists already, is of no type that a parameter can have, or its value is
-                out of its range.
-        """
-        if name in self._all:
-            raise RosError(f"parameter '{name}' is declared twice")
-        if type(value) not in {kind for _, kind in _FIELDS.values()}:
-            raise RosError(f"parameter '{name}' = {value!r} is of no type that one can have")
-        made = Parameter(name, value, description, lowest, highest, False, check, changed)
-        try:
-            made.checked(made.message())
-        except ValueError as error:
-            raise RosError(f"parameter {error}") from error
-        made.read_only = read_only
-        self._all[name] = made
-        return made
+    def get(self, name: str) -> NodeParameter:
+        """Return a parameter; see `Node.get_parameter`."""
+        if name not in self._all:
+            raise RosError(f"parameter '{name}' is not declared{did_you_mean(name, self._all)}")
+        return self._all[name]
 
-    def __getitem__(self, name: str) -> Any:
-        return self._all[name].value
+    def _describe(self, request: Any, response: Any) -> Any:
+        response.descriptors = [
+            self._all[name].descriptor() if name in self._all else _DESCRIPTOR(name=name)
+            for name in request.names
+        ]
+        return response
 
-    def _describe(self, request: Any) -> Message:
-        return message_type("rcl_interfaces/srv/DescribeParameters_Response")(
-            descriptors=[
-                self._all[name].descriptor() if name in self._all else _DESCRIPTOR(name=name)
-                for name in request.names
-            ]
-        )
+    def _types(self, request: Any, response: Any) -> Any:
+        unset = ParameterType.NOT_SET
+        response.types = [self._all[n].type if n in self._all else unset for n in request.names]
+        return response
 
-    def _types(self, request: Any) -> Message:
-        unset = Kind.NOT_SET
-        return message_type("rcl_interfaces/srv/GetParameterTypes_Response")(
-            types=[self._all[n].kind if n in self._all else unset for n in request.names]
-        )
+    def _get(self, request: Any, response: Any) -> Any:
+        response.values = [
+            self._all[n].to_message() if n in self._all else _VALUE() for n in request.names
+        ]
+        return response
 
-    def _get(self, request: Any) -> Message:
-        return message_type("rcl_interfaces/srv/GetParameters_Response")(
-            values=[self._all[n].message() if n in self._all else _VALUE() for n in request.names]
-        )
-
-    def _list(self, request: Any) -> Message:
-        """Names below some prefixes, at most so many dots deep; without prefixes, of all."""
+    def _list(self, request: Any, response: Any) -> Any:
+        """Names below the given prefixes, at most `depth` levels deep; all without prefixes."""
         found = []
         for name in sorted(self._all):
             for prefix in request.prefixes or [""]:
@@ -214,42 +215,38 @@ class Parameters:
                 if below and (request.depth == 0 or rest.count(".") < request.depth):
                     found.append(name)
                     break
-        response = message_type("rcl_interfaces/srv/ListParameters_Response")()
         response.result.names = found
         response.result.prefixes = sorted({n.rpartition(".")[0] for n in found if "." in n})
         return response
 
-    def _set(self, request: Any) -> Message:
-        return message_type("rcl_interfaces/srv/SetParameters_Response")(
-            results=[self._apply([one]) for one in request.parameters]
-        )
+    def _set(self, request: Any, response: Any) -> Any:
+        response.results = [self._apply([one]) for one in request.parameters]
+        return response
 
-    def _set_atomically(self, request: Any) -> Message:
-        return message_type("rcl_interfaces/srv/SetParametersAtomically_Response")(
-            result=self._apply(request.parameters)
-        )
+    def _set_atomically(self, request: Any, response: Any) -> Any:
+        response.result = self._apply(request.parameters)
+        return response
 
-    def _apply(self, wanted: Sequence[Any]) -> Message:
-        """All of it or nothing."""
+    def _apply(self, requested: Sequence[Any]) -> Message:
+        """Set all of these parameters, or none."""
         try:
             values = []
-            for one in wanted:
+            for one in requested:
                 if one.name not in self._all:
-                    known = ", ".join(sorted(self._all))
-                    raise ValueError(f"there is no parameter '{one.name}'; there are: {known}")
-                values.append((self._all[one.name], self._all[one.name].checked(one.value)))
+                    hint = did_you_mean(one.name, sorted(self._all))
+                    raise ValueError(f"there is no parameter '{one.name}'{hint}")
+                values.append((self._all[one.name], self._all[one.name].parse(one.value)))
         except ValueError as error:
             return _RESULT(successful=False, reason=str(error))
         for parameter, value in values:
             parameter.value = value
-            parameter.changed(value)
-        self._tell([parameter for parameter, _ in values])
+            parameter.on_change(value)
+        self._publish_event([parameter for parameter, _ in values])
         return _RESULT(successful=True)
 
-    def _tell(self, changed: Sequence[Parameter]) -> None:
-        event = _EVENT(node=self._node.full_name)
-        event.stamp.sec, event.stamp.nanosec = divmod(time.time_ns(), 1_000_000_000)
-        event.changed_parameters = [_PARAMETER(name=p.name, value=p.message()) for p in changed]
+    def _publish_event(self, changed: Sequence[NodeParameter]) -> None:
+        event: Any = _EVENT(node=self._node.fully_qualified_name, stamp=stamp_now())
+        event.changed_parameters = [_PARAMETER(name=p.name, value=p.to_message()) for p in changed]
         self._events.publish(event)
 
 
@@ -261,6 +258,6 @@ def _value(message: Message) -> Any:
     return tuple(float(x) for x in value) if kind is tuple else kind(value)
 
 
-def _words(kind: int) -> str:
-    known = kind in Kind._value2member_map_
-    return Kind(kind).name.lower().replace("_", " ") if known else f"of an unknown kind, {kind}"
+def _type_name(kind: int) -> str:
+    known = kind in ParameterType._value2member_map_
+    return ParameterType(kind).name.lower().replace("_", " ") if known else f"unknown ({kind})"

@@ -1,35 +1,36 @@
-"""A process's place in a DDS domain, and the news of which node is in it."""
+"""The DDS participant of a node, and the announcement of the node's endpoints."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
-from wbc.ros.discovery import TOPIC, Dialect, NodeEntry
-from wbc.ros.endpoints import Writer
+from wbc.ros.dds_endpoints import DdsWriter
+from wbc.ros.dds_types import import_cyclonedds
+from wbc.ros.discovery import TOPIC, DiscoveryFormat, NodeEntities
 from wbc.ros.network import Network
 from wbc.ros.qos import DISCOVERY_INFO
-from wbc.ros.wire import import_cyclonedds
 
 
 class Participant:
-    """One node's entrance to DDS.
+    """The DDS participant of one node.
 
     Args:
-        space: the node's namespace.
-        name: the node's name.
-        network: where it looks for others.
+        namespace: namespace of the node.
+        name: name of the node.
+        network: where the node looks for others.
 
     Attributes:
-        dds: Cyclone's own participant.
-        guid: its 16-byte id.
-        dialect: of the discovery message.
+        dds: the domain participant of Cyclone DDS.
+        guid: 16-byte id.
+        discovery_format: format of the discovery message.
 
     Raises:
         MissingExtra: `cyclonedds` is not installed.
         RosError: the domain cannot be joined.
     """
 
-    def __init__(self, space: str, name: str, network: Network) -> None:
+    def __init__(self, namespace: str, name: str, network: Network) -> None:
         import_cyclonedds()
         from cyclonedds.core import Policy
         from cyclonedds.core import Qos as DdsQos
@@ -37,38 +38,36 @@ class Participant:
 
         self._domain = network.join()
         self.dds: Any = DomainParticipant(
-            network.domain, qos=DdsQos(Policy.Userdata(b"enclave=/;"))
+            network.domain_id, qos=DdsQos(Policy.Userdata(b"enclave=/;"))
         )
         self.guid: bytes = self.dds.guid.bytes
-        self.dialect = Dialect.of()
-        self._entry = NodeEntry(space, name)
-        self._news = Writer(
-            self, TOPIC, self.dialect.dds_type(), DISCOVERY_INFO, self.dialect.user_data()
-        )
+        self.discovery_format = form = DiscoveryFormat.from_environment()
+        self._entities = NodeEntities(namespace, name)
+        self._writer = DdsWriter(self, TOPIC, form.dds_type(), DISCOVERY_INFO, form.user_data())
         self._announce()
 
     def add(self, readers: tuple[bytes, ...] = (), writers: tuple[bytes, ...] = ()) -> None:
-        """Tell the world that the node has these endpoints."""
-        entry = self._entry
-        self._entry = NodeEntry(
-            entry.space, entry.name, entry.readers + readers, entry.writers + writers
+        """Announce that the node has these endpoints, given by their 16-byte ids."""
+        old = self._entities
+        self._entities = replace(
+            old, readers=old.readers + readers, writers=old.writers + writers
         )
         self._announce()
 
     def remove(self, *gids: bytes) -> None:
-        """Tell the world that the node has these endpoints no longer."""
-        entry = self._entry
-        self._entry = NodeEntry(
-            entry.space,
-            entry.name,
-            tuple(gid for gid in entry.readers if gid not in gids),
-            tuple(gid for gid in entry.writers if gid not in gids),
+        """Announce that the node no longer has these endpoints."""
+        old = self._entities
+        self._entities = replace(
+            old,
+            readers=tuple(gid for gid in old.readers if gid not in gids),
+            writers=tuple(gid for gid in old.writers if gid not in gids),
         )
         self._announce()
 
     def _announce(self) -> None:
-        self._news.write(self.dialect.encode(self.guid, (self._entry,)))
+        self._writer.write(self.discovery_format.encode(self.guid, (self._entities,)))
 
     def leave(self) -> None:
-        """Leave the domain, with all endpoints; the others get to know at once."""
-        self.dds.__del__()  # now rather than some time, for which the package has no other way
+        """Leave the domain with all endpoints; the others are notified at once."""
+        # The package deletes entities in `__del__` only, whose time is not defined.
+        self.dds.__del__()

@@ -1,55 +1,109 @@
-"""Quality of service: the profiles of ROS 2, and what they are in DDS."""
+"""Quality of service: the policies and predefined profiles of ROS 2, and their DDS form."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from cyclonedds.qos import Qos as DdsQos
 
 
+class ReliabilityPolicy(Enum):
+    """Whether lost messages are sent again."""
+
+    RELIABLE = "reliable"
+    BEST_EFFORT = "best effort"
+
+
+class DurabilityPolicy(Enum):
+    """Whether a late subscription receives messages that were published before it existed."""
+
+    VOLATILE = "volatile"
+    TRANSIENT_LOCAL = "transient local"
+
+
+class HistoryPolicy(Enum):
+    """How many messages are kept for a slow reader."""
+
+    KEEP_LAST = "keep last"
+    KEEP_ALL = "keep all"
+
+
 @dataclass(frozen=True)
-class Qos:
-    """How a topic's messages are delivered.
+class QoSProfile:
+    """How the messages of a topic are delivered.
 
     Attributes:
-        depth: messages that are kept for a reader that is slow, of all writers together; 0: all.
-        reliable: lost messages are sent again.
-        latched: late readers get what was sent before (transient local).
-        lifespan: after which a message is no longer delivered, s; None: never.
+        depth: number of messages kept for a slow reader, summed over all writers; used with
+            `HistoryPolicy.KEEP_LAST` only.
+        reliability: whether lost messages are sent again.
+        durability: whether late subscriptions receive earlier messages.
+        history: whether to keep the last `depth` messages or all of them.
+        lifespan: age above which a message is no longer delivered, s; None for no limit.
     """
 
     depth: int = 10
-    reliable: bool = True
-    latched: bool = False
+    reliability: ReliabilityPolicy = ReliabilityPolicy.RELIABLE
+    durability: DurabilityPolicy = DurabilityPolicy.VOLATILE
+    history: HistoryPolicy = HistoryPolicy.KEEP_LAST
     lifespan: float | None = None
 
+    @staticmethod
+    def of(qos_profile: QoSProfile | int) -> QoSProfile:
+        """Return a profile as it is, or the default profile with the given depth."""
+        return QoSProfile(depth=qos_profile) if isinstance(qos_profile, int) else qos_profile
+
+    @property
+    def reliable(self) -> bool:
+        """Whether lost messages are sent again."""
+        return self.reliability is ReliabilityPolicy.RELIABLE
+
+    @property
+    def transient_local(self) -> bool:
+        """Whether late subscriptions receive earlier messages."""
+        return self.durability is DurabilityPolicy.TRANSIENT_LOCAL
+
+    def __str__(self) -> str:
+        terms = [self.reliability.value, self.durability.value, self.history.value]
+        if self.history is HistoryPolicy.KEEP_LAST:
+            terms[-1] += f" {self.depth}"
+        if self.lifespan is not None:
+            terms.append(f"lifespan {self.lifespan:g} s")
+        return ", ".join(terms)
+
+    def __repr__(self) -> str:
+        return f"QoSProfile({self})"
+
     def to_dds(self, user_data: str = "") -> DdsQos:
-        """As Cyclone DDS takes it: what `rmw_cyclonedds` makes of the same profile.
+        """Return the profile for Cyclone DDS, equal to what `rmw_cyclonedds` makes of it.
 
         Args:
-            user_data: what the endpoint tells about itself at discovery.
+            user_data: USER_DATA of the endpoint, visible to others at discovery.
         """
         from cyclonedds.core import Policy
         from cyclonedds.core import Qos as DdsQos
         from cyclonedds.util import duration
 
-        history = Policy.History.KeepLast(self.depth) if self.depth else Policy.History.KeepAll
+        keep_all = self.history is HistoryPolicy.KEEP_ALL
+        history = Policy.History.KeepAll if keep_all else Policy.History.KeepLast(self.depth)
         policies = [
             history,
             Policy.Reliability.Reliable(duration(infinite=True))
             if self.reliable
             else Policy.Reliability.BestEffort,
-            Policy.Durability.TransientLocal if self.latched else Policy.Durability.Volatile,
+            Policy.Durability.TransientLocal
+            if self.transient_local
+            else Policy.Durability.Volatile,
             Policy.WriterDataLifecycle(autodispose=False),
             Policy.Liveliness.Automatic(duration(infinite=True)),
             Policy.DataRepresentation(
                 use_cdrv0_representation=True, use_xcdrv2_representation=False
             ),
         ]
-        if self.latched:
-            # Cyclone keeps what late readers get apart from what slow readers get.
+        if self.transient_local:
+            # Cyclone DDS stores messages for late readers separately from those for slow readers.
             unlimited = -1
             policies.append(
                 Policy.DurabilityService(
@@ -67,19 +121,21 @@ class Qos:
         return DdsQos(*policies)
 
 
-DEFAULT = Qos()
-LATCHED = Qos(depth=1, latched=True)
-#: At 500 Hz a fifth of a second: longer than a reader takes to ask for what it missed.
-FAST = Qos(depth=100)
-SENSOR_DATA = Qos(depth=5, reliable=False)
-SERVICES = Qos()
-PARAMETERS = Qos(depth=1000)
-PARAMETER_EVENTS = Qos(depth=1000)
-#: Reliable, so that it suits both who asks for that and who, as `rclcpp`'s nodes, does not.
-CLOCK = Qos(depth=1)
-ROSOUT = Qos(depth=1000, latched=True, lifespan=10.0)
-TF = Qos(depth=100)
+_TRANSIENT_LOCAL = DurabilityPolicy.TRANSIENT_LOCAL
+
+DEFAULT = QoSProfile()
+LATCHED = QoSProfile(depth=1, durability=_TRANSIENT_LOCAL)
+#: 0.2 s of messages at 500 Hz: more than a reader needs to ask for a lost message.
+HIGH_RATE = QoSProfile(depth=100)
+SENSOR_DATA = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+SERVICES = QoSProfile()
+PARAMETERS = QoSProfile(depth=1000)
+PARAMETER_EVENTS = QoSProfile(depth=1000)
+#: Reliable, hence compatible with best-effort subscriptions (those of `rclcpp`) and reliable ones.
+CLOCK = QoSProfile(depth=1)
+ROSOUT = QoSProfile(depth=1000, durability=_TRANSIENT_LOCAL, lifespan=10.0)
+TF = QoSProfile(depth=100)
 ACTION_STATUS = LATCHED
 DISCOVERY_INFO = LATCHED
-#: Without keys the last message is the last of anyone: who reads of each, keeps them all.
-DISCOVERY_INFO_OF_ALL = Qos(depth=0, latched=True)
+#: The type has no key, so that keeping the last message would keep one message of all writers.
+DISCOVERY_INFO_OF_ALL = QoSProfile(durability=_TRANSIENT_LOCAL, history=HistoryPolicy.KEEP_ALL)

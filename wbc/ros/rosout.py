@@ -1,4 +1,4 @@
-"""`/rosout`: what a node has to say, for whoever listens to all nodes."""
+"""`/rosout`: the log of a node, published for all nodes."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from wbc.messages import message_type
 from wbc.ros.errors import RosError
 from wbc.ros.node import Node
 from wbc.ros.qos import ROSOUT
-from wbc.ros.stamp import stamp_at
+from wbc.ros.stamp import stamp_from_seconds
 
 _LOG = message_type("rcl_interfaces/msg/Log")
 
 
-class Rosout(logging.Handler):
+class RosoutHandler(logging.Handler):
     """Publishes records of Python's `logging` as `rcl_interfaces/msg/Log`.
 
-    Levels are the same numbers in both: 10 debug to 50 fatal. Reliable, transient local, the last
-    1000 messages for 10 s, as `rclcpp` has it: who comes late still gets the latest.
+    The levels have the same numbers in both, from 10 (debug) to 50 (fatal). As with `rclcpp`, the
+    topic is reliable and transient local and keeps the last 1000 messages for 10 s.
 
     Args:
-        node: that speaks.
+        node: the node that logs.
     """
 
     def __init__(self, node: Node) -> None:
         super().__init__()
-        self._name = node.full_name.strip("/").replace("/", ".")
-        self._publisher = node.publisher(_LOG.type_name, "/rosout", ROSOUT)
+        self._name = node.fully_qualified_name.strip("/").replace("/", ".")
+        self._publisher = node.create_publisher(_LOG, "/rosout", ROSOUT)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Publish a record; see `logging.Handler`."""
+        """Publish a record; see `logging.Handler.emit`."""
         try:
             message: Any = _LOG(
                 level=max(0, min(record.levelno, 255)),
@@ -43,26 +43,26 @@ class Rosout(logging.Handler):
                 function=record.funcName or "",
                 line=record.lineno,
             )
-            message.stamp = stamp_at(record.created)
+            message.stamp = stamp_from_seconds(record.created)
             self._publisher.publish(message)
-        except RosError:  # it has left the graph
+        except RosError:  # the node has left the graph
             self.handleError(record)
 
 
 @contextlib.contextmanager
-def speaking(node: Node) -> Iterator[None]:
-    """While it lasts, a node says what the library logs in this process; warnings also here."""
+def log_to_rosout(node: Node) -> Iterator[None]:
+    """Publish what the library logs in this process on `/rosout`, and print its warnings."""
     console = logging.StreamHandler()
     console.setLevel(logging.WARNING)
     console.setFormatter(logging.Formatter(f"[%(levelname)s] [{node.name}]: %(message)s"))
-    ours, handlers = logging.getLogger("wbc"), (console, Rosout(node))
-    level = ours.level
-    ours.setLevel(logging.INFO)
+    library, handlers = logging.getLogger("wbc"), (console, RosoutHandler(node))
+    level = library.level
+    library.setLevel(logging.INFO)
     for handler in handlers:
-        ours.addHandler(handler)
+        library.addHandler(handler)
     try:
         yield
     finally:
         for handler in handlers:
-            ours.removeHandler(handler)
-        ours.setLevel(level)
+            library.removeHandler(handler)
+        library.setLevel(level)

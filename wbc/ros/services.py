@@ -1,9 +1,9 @@
-"""Services: questions and answers, correlated as `rmw_cyclonedds` does it.
+"""Services and clients, with requests and replies correlated as `rmw_cyclonedds` does it.
 
-Before its own fields a request carries the handle of the client's writer and a number, and the
-reply repeats both. Client and server also put an id into the USER_DATA of both their endpoints, so
-that each can see whether both ways are open. Other middlewares correlate in other ways: services
-and actions work with `rmw_cyclonedds` alone.
+A request begins with the handle of the client's writer and a sequence number, and the reply
+repeats both. Client and server also put an id into the USER_DATA of both their endpoints, so that
+each can see whether requests and replies can both be delivered. Other middlewares correlate
+requests and replies differently: services and actions work with `rmw_cyclonedds` only.
 """
 
 from __future__ import annotations
@@ -13,32 +13,33 @@ import struct
 import time
 import uuid
 from collections.abc import Callable
+from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wbc.messages import Message, MessageError, message_type
-from wbc.ros.endpoints import Reader, Writer
-from wbc.ros.errors import NoAnswer, RosError
-from wbc.ros.names import REPLY, REQUEST, dds_topic
-from wbc.ros.qos import SERVICES, Qos
-from wbc.ros.wire import dds_service_type, with_header, without_header
+from wbc.ros.dds_endpoints import DdsReader, DdsWriter
+from wbc.ros.dds_types import dds_service_type, with_header, without_header
+from wbc.ros.errors import ResponseTimeout, RosError
+from wbc.ros.names import REPLY, REQUEST, dds_topic_name
+from wbc.ros.qos import SERVICES, QoSProfile
 
 if TYPE_CHECKING:
     from wbc.ros.node import Node
 
 logger = logging.getLogger(__name__)
 
-_PATIENCE = 1.0  # s that a reply waits for its client to listen
+_REPLY_TIMEOUT = 1.0  # s that a reply waits until DDS has matched its client
 
 
 @dataclass(frozen=True, slots=True)
-class Reply:
-    """To one request; it may be sent at once or later.
+class ServiceReply:
+    """Sends the response to one request, at once or later.
 
     Attributes:
-        service: that was asked.
+        service: the service that received the request.
         client: handle of the client's writer, in the client's process.
-        number: of the question.
+        number: sequence number of the request.
         writer: handle of the client's writer, in this process.
     """
 
@@ -48,221 +49,234 @@ class Reply:
     writer: int
 
     def send(self, response: Message) -> None:
-        """Send it, as soon as the client listens.
+        """Send the response as soon as the client can receive it.
 
         Raises:
             MessageError: a value does not fit its field.
         """
-        self.service.reply(self, response)
+        self.service.send_response(self, response)
 
     @property
     def client_alive(self) -> bool:
-        """Whether whoever asked is still there."""
+        """Whether the client is still in the graph."""
         return self.writer in self.service.reader.matched
 
 
 class Service:
-    """Answers requests; `Node.service` makes it.
+    """Responds to requests; created by `Node.create_service`.
 
     Attributes:
-        name: its full ROS name.
-        type_name: `pkg/srv/Name`.
-        bad: requests that could not be read and were skipped.
-        reader: of requests.
-        writer: of replies.
+        service_name: fully qualified name.
+        srv_type: `pkg/srv/Name`.
+        response_type: class of the responses.
+        invalid_count: number of requests that could not be decoded and were skipped.
+        reader: DDS reader of requests.
+        writer: DDS writer of replies.
     """
 
     def __init__(
         self,
         node: Node,
-        type_name: str,
-        name: str,
-        answer: Callable[[Any, Reply], None],
-        qos: Qos = SERVICES,
+        srv_type: str,
+        srv_name: str,
+        callback: Callable[[Any, ServiceReply], None],
+        qos_profile: QoSProfile = SERVICES,
     ) -> None:
-        self.name, self.type_name = node.resolve(name), type_name
-        self._request = message_type(f"{type_name}_Request")
-        self._response = message_type(f"{type_name}_Response")
-        self._answer = answer
-        self.bad = 0
-        self._late: list[tuple[float, Reply, bytes]] = []
-        self._listening: set[int] = set()
+        self.service_name, self.srv_type = node.resolve_topic_name(srv_name), srv_type
+        self._request_type = message_type(f"{srv_type}_Request")
+        self.response_type = message_type(f"{srv_type}_Response")
+        self._callback = callback
+        self.invalid_count = 0
+        self._pending: list[tuple[float, ServiceReply, bytes]] = []
+        self._matched_clients: set[int] = set()
         identity = f"serviceid={_identity()};"
         participant = node.participant
-        self.writer = Writer(
+        self.writer = DdsWriter(
             participant,
-            dds_topic(REPLY, self.name),
-            dds_service_type(self._response.type_name),
-            qos,
-            f"{identity}typehash={self._response.type_hash()};",
+            dds_topic_name(REPLY, self.service_name),
+            dds_service_type(self.response_type.type_name),
+            qos_profile,
+            f"{identity}typehash={self.response_type.type_hash()};",
         )
-        self.reader = Reader(
+        self.reader = DdsReader(
             participant,
-            dds_topic(REQUEST, self.name),
-            dds_service_type(self._request.type_name),
-            qos,
-            f"{identity}typehash={self._request.type_hash()};",
+            dds_topic_name(REQUEST, self.service_name),
+            dds_service_type(self._request_type.type_name),
+            qos_profile,
+            f"{identity}typehash={self._request_type.type_hash()};",
         )
 
     @property
-    def impatient(self) -> bool:
-        """Whether replies wait for their clients."""
-        return bool(self._late)
+    def has_pending(self) -> bool:
+        """Whether replies wait until DDS has matched their clients."""
+        return bool(self._pending)
 
-    def work(self) -> None:
-        """Answer what has been asked."""
-        late, self._late = self._late, []
-        for until, reply, data in late:
+    def execute(self) -> None:
+        """Send pending replies and respond to the received requests."""
+        pending, self._pending = self._pending, []
+        for until, reply, data in pending:
             self._send(until, reply, data)
         for data, info in self.reader.take():
             try:
                 client, number, body = without_header(data)
-                request = self._request.decode(body)
+                request = self._request_type.decode(body)
             except (MessageError, struct.error) as error:
-                self.bad += 1
-                logger.warning("%s: a request was skipped: %s", self.name, error)
+                self.invalid_count += 1
+                logger.warning("%s: skipped a request: %s", self.service_name, error)
                 continue
-            self._answer(request, Reply(self, client, number, info.writer))
+            self._callback(request, ServiceReply(self, client, number, info.writer))
 
-    def reply(self, reply: Reply, response: Message) -> None:
-        """See `Reply.send`."""
+    def send_response(self, reply: ServiceReply, response: Message) -> None:
+        """Send a response; see `ServiceReply.send`."""
         data = with_header(response.encode(), reply.client, reply.number)
-        self._send(time.monotonic() + _PATIENCE, reply, data)
+        self._send(time.monotonic() + _REPLY_TIMEOUT, reply, data)
 
-    def _send(self, until: float, reply: Reply, data: bytes) -> None:
-        listens = self._client_listens(reply.writer)
-        if listens:
+    def _send(self, until: float, reply: ServiceReply, data: bytes) -> None:
+        matched = self._is_client_matched(reply.writer)
+        if matched:
             self.writer.write(data)
-        elif listens is None and time.monotonic() < until:
-            self._late.append((until, reply, data))
+        elif matched is None and time.monotonic() < until:
+            self._pending.append((until, reply, data))
 
-    def _client_listens(self, writer: int) -> bool | None:
-        """Whether the client gets replies already; None: not yet; False: it has gone."""
-        if writer in self._listening:
+    def _is_client_matched(self, writer: int) -> bool | None:
+        """Return whether the client receives replies; None: not yet; False: it has left."""
+        if writer in self._matched_clients:
             return True
-        peer = self.reader.peer(writer)
-        if peer is None:
+        endpoint = self.reader.matched_endpoint(writer)
+        if endpoint is None:
             return False
-        client = _user_value(peer, "clientid")
+        client = _user_value(endpoint, "clientid")
         if client and not any(
             _user_value(reader, "clientid") == client
             for handle in self.writer.matched
-            if (reader := self.writer.peer(handle)) is not None
+            if (reader := self.writer.matched_endpoint(handle)) is not None
         ):
             return None
-        self._listening.add(writer)
+        self._matched_clients.add(writer)
         return True
+
+    def __repr__(self) -> str:
+        return f"Service({self.srv_type} on {self.service_name})"
 
 
 class Client:
-    """Asks a service; `Node.client` makes it.
+    """Sends requests to a service; created by `Node.create_client`.
 
     Attributes:
-        name: the service's full ROS name.
-        type_name: `pkg/srv/Name`.
-        request_type: class of its requests.
-        reader: of replies.
-        writer: of requests.
+        service_name: fully qualified name of the service.
+        srv_type: `pkg/srv/Name`.
+        request_type: class of the requests.
+        reader: DDS reader of replies.
+        writer: DDS writer of requests.
     """
 
-    impatient = False
+    has_pending = False
 
-    def __init__(self, node: Node, type_name: str, name: str, qos: Qos = SERVICES) -> None:
+    def __init__(
+        self, node: Node, srv_type: str, srv_name: str, qos_profile: QoSProfile = SERVICES
+    ) -> None:
         self._node = node
-        self.name, self.type_name = node.resolve(name), type_name
-        self.request_type = message_type(f"{type_name}_Request")
-        self._response = message_type(f"{type_name}_Response")
+        self.service_name, self.srv_type = node.resolve_topic_name(srv_name), srv_type
+        self.request_type = message_type(f"{srv_type}_Request")
+        self._response_type = message_type(f"{srv_type}_Response")
         self._number = 0
-        self._open: dict[int, Callable[[Any], None]] = {}
+        self._futures: dict[int, Future[Any]] = {}  # by sequence number
         identity = f"clientid={_identity()};"
         participant = node.participant
-        self.reader = Reader(
+        self.reader = DdsReader(
             participant,
-            dds_topic(REPLY, self.name),
-            dds_service_type(self._response.type_name),
-            qos,
-            f"{identity}typehash={self._response.type_hash()};",
+            dds_topic_name(REPLY, self.service_name),
+            dds_service_type(self._response_type.type_name),
+            qos_profile,
+            f"{identity}typehash={self._response_type.type_hash()};",
         )
-        self.writer = Writer(
+        self.writer = DdsWriter(
             participant,
-            dds_topic(REQUEST, self.name),
+            dds_topic_name(REQUEST, self.service_name),
             dds_service_type(self.request_type.type_name),
-            qos,
+            qos_profile,
             f"{identity}typehash={self.request_type.type_hash()};",
         )
 
-    @property
-    def available(self) -> bool:
-        """Whether somebody serves it, and both ways are open."""
+    def service_is_ready(self) -> bool:
+        """Return whether there is a server that receives requests and whose replies arrive."""
         readers, writers = self.writer.matched, self.reader.matched
         if not readers or not writers:
             return False
-        asked = {_user_value(self.writer.peer(handle), "serviceid") for handle in readers}
-        answering = {_user_value(self.reader.peer(handle), "serviceid") for handle in writers}
-        return bool(asked & answering)
+        servers = {_user_value(self.writer.matched_endpoint(h), "serviceid") for h in readers}
+        repliers = {_user_value(self.reader.matched_endpoint(h), "serviceid") for h in writers}
+        return bool(servers & repliers)
 
-    def wait(self, timeout: float) -> bool:
-        """Wait until it is available; whether it became so in `timeout` s."""
-        return self._node.spin(lambda: self.available, timeout)
+    def wait_for_service(self, timeout_sec: float) -> bool:
+        """Spin the node until the service is ready; return whether it is, after `timeout_sec` s."""
+        return self._node.spin_until(self.service_is_ready, timeout_sec)
 
-    def send(self, request: Message, answered: Callable[[Any], None]) -> None:
-        """Ask, and go on; `answered` is called with the response while the node spins.
+    def call_async(self, request: Message) -> Future[Any]:
+        """Send a request.
+
+        Returns:
+            The future response, which arrives while the node spins.
 
         Raises:
             MessageError: a value does not fit its field.
-            RosError: the request is another service's.
+            RosError: the request is of another type.
         """
         if request.type_name != self.request_type.type_name:
             raise RosError(
-                f"{self.name} takes {self.request_type.type_name}, not {request.type_name}"
+                f"{self.service_name} takes {self.request_type.type_name}, not {request.type_name}"
             )
+        data = request.encode()
         self._number += 1
-        self._open[self._number] = answered
-        self.writer.write(with_header(request.encode(), self.writer.handle, self._number))
+        future: Future[Any] = Future()
+        self._futures[self._number] = future
+        self.writer.write(with_header(data, self.writer.handle, self._number))
+        return future
 
-    def call(self, request: Message, timeout: float = 5.0) -> Any:
-        """Ask, and wait for the response.
+    def call(self, request: Message, timeout_sec: float = 5.0) -> Any:
+        """Send a request and spin the node until the response arrives.
 
         Raises:
-            NoAnswer: there was none in `timeout` s.
+            ResponseTimeout: there was no response in `timeout_sec` s.
             MessageError: a value does not fit its field.
         """
-        end = time.monotonic() + timeout
-        if not self.wait(timeout):
-            raise NoAnswer(f"nobody serves {self.name} ({self.type_name})")
-        answers: list[Any] = []
-        self.send(request, answers.append)
+        end = time.monotonic() + timeout_sec
+        if not self.wait_for_service(timeout_sec):
+            raise ResponseTimeout(f"there is no server for {self.service_name} ({self.srv_type})")
+        future = self.call_async(request)
         number = self._number
-        if not self._node.spin(lambda: bool(answers), max(end - time.monotonic(), 0.0)):
-            self._open.pop(number, None)
-            raise NoAnswer(f"{self.name} did not answer in {timeout:g} s")
-        return answers[0]
+        if not self._node.spin_until(future.done, max(end - time.monotonic(), 0.0)):
+            self._futures.pop(number, None)
+            raise ResponseTimeout(f"{self.service_name} did not respond in {timeout_sec:g} s")
+        return future.result()
 
-    def work(self) -> None:
-        """Hand over the responses that have come."""
+    def execute(self) -> None:
+        """Complete the futures of the received responses."""
         for data, _ in self.reader.take():
             try:
                 client, number, body = without_header(data)
-                if client != self.writer.handle or number not in self._open:
-                    continue  # another client's
-                response = self._response.decode(body)
+                if client != self.writer.handle or number not in self._futures:
+                    continue  # the request of another client
+                response = self._response_type.decode(body)
             except (MessageError, struct.error) as error:
-                logger.warning("%s: a reply was skipped: %s", self.name, error)
+                logger.warning("%s: skipped a reply: %s", self.service_name, error)
                 continue
-            self._open.pop(number)(response)
+            self._futures.pop(number).set_result(response)
+
+    def __repr__(self) -> str:
+        return f"Client({self.srv_type} on {self.service_name})"
 
 
 def _identity() -> str:
     return ".".join(f"{byte:x}" for byte in uuid.uuid4().bytes)
 
 
-def _user_value(peer: Any, key: str) -> str:
-    """A value from `key=value;…` in an endpoint's USER_DATA; empty if it is not there."""
+def _user_value(endpoint: Any, key: str) -> str:
+    """Return a value of `key=value;…` in an endpoint's USER_DATA; empty if the key is absent."""
     from cyclonedds.core import Policy
 
-    if peer is None or Policy.Userdata not in peer.qos:
+    if endpoint is None or Policy.Userdata not in endpoint.qos:
         return ""
-    for item in peer.qos[Policy.Userdata].data.decode("utf-8", "replace").split(";"):
+    for item in endpoint.qos[Policy.Userdata].data.decode("utf-8", "replace").split(";"):
         name, _, value = item.partition("=")
         if name == key:
             return str(value)

@@ -1,4 +1,4 @@
-"""Time stamps."""
+"""Conversion between seconds and the messages `Time` and `Duration`."""
 
 from __future__ import annotations
 
@@ -9,26 +9,27 @@ from wbc.messages import message_type
 
 _TIME = message_type("builtin_interfaces/msg/Time")
 _DURATION = message_type("builtin_interfaces/msg/Duration")
+_NS = 1_000_000_000  # per second
 
 
 def stamp_now() -> Any:
-    """The system's time as `builtin_interfaces/Time`."""
-    seconds, nanoseconds = divmod(time.time_ns(), 1_000_000_000)
+    """Return the system time as `builtin_interfaces/msg/Time`."""
+    seconds, nanoseconds = divmod(time.time_ns(), _NS)
     return _TIME(sec=seconds, nanosec=nanoseconds)
 
 
-def stamp_at(seconds: float) -> Any:
-    """`builtin_interfaces/Time` of some s, since 1970 or the beginning of a simulation."""
-    whole, part = divmod(round(1e9 * seconds), 1_000_000_000)
+def stamp_from_seconds(seconds: float) -> Any:
+    """Return a time, s since 1970 or since the start of a simulation, as `Time`."""
+    whole, part = divmod(round(_NS * seconds), _NS)
     return _TIME(sec=whole, nanosec=part)
 
 
-def seconds_of(stamp: Any) -> float:
-    """A `Time` or `Duration` in s."""
-    return float(stamp.sec) + 1e-9 * float(stamp.nanosec)
-
-
-def duration(seconds: float) -> Any:
-    """`builtin_interfaces/Duration` of some s."""
-    whole, part = divmod(round(1e9 * seconds), 1_000_000_000)
+def duration_from_seconds(seconds: float) -> Any:
+    """Return a duration, s, as `builtin_interfaces/msg/Duration`."""
+    whole, part = divmod(round(_NS * seconds), _NS)
     return _DURATION(sec=whole, nanosec=part)
+
+
+def to_seconds(message: Any) -> float:
+    """Return the value of a `Time` or `Duration`, s."""
+    return float(message.sec) + 1e-9 * float(message.nanosec)

@@ -1,7 +1,7 @@
-"""Message types as DDS knows them, whose samples are bytes that are made elsewhere.
+"""DDS types of ROS messages, with samples that carry serialized bytes.
 
-DDS gets each type's true structure, so that it refuses what is no message of that type before
-anyone reads it; but the bytes are written and read by `wbc.messages`.
+DDS is given the true structure of each type, so that it refuses bytes that are no message of the
+type; but `wbc.messages` encodes and decodes the bytes.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from wbc.errors import MissingExtra
 from wbc.messages import definition
 from wbc.messages.definition import Field, Shape
 
-#: What `rmw_cyclonedds` puts before a request or reply: who asked, and which of its questions.
+#: What `rmw_cyclonedds` puts before a request or reply: the client and its sequence number.
 HEADER_FIELDS = (Field("client_guid", "uint64"), Field("sequence_number", "int64"))
 _HEADER = struct.Struct("<Qq")
 _CDR_HEADER = 4  # bytes
 
 
 def import_cyclonedds() -> Any:
-    """The `cyclonedds` package.
+    """Return the `cyclonedds` package.
 
     Raises:
-        MissingExtra: it is not installed.
+        MissingExtra: `cyclonedds` is not installed.
     """
     try:
         import cyclonedds
@@ -45,38 +45,38 @@ def _deserialize(cls: Any, data: bytes, /, *_: object, **__: object) -> Any:
 
 @cache
 def dds_type(name: str) -> Any:
-    """The class of a message type's samples.
+    """Return the sample class of a message type.
 
     Args:
-        name: `pkg/msg/Name`, or a part of an action that is sent on a topic.
+        name: `pkg/msg/Name`, or the part of an action that is sent on a topic.
 
     Raises:
         MessageError: there is no such type.
     """
-    return opaque(_structure(name, ()))
+    return carry_bytes(_structure(name, ()))
 
 
 @cache
 def dds_service_type(name: str) -> Any:
-    """The class of the samples of a service's requests or replies, correlation included.
+    """Return the sample class of a service's requests or replies, with the correlation header.
 
     Args:
-        name: `pkg/srv/Name_Request` and the like.
+        name: `pkg/srv/Name_Request` or `pkg/srv/Name_Response`.
 
     Raises:
         MessageError: there is no such type.
     """
-    return opaque(_structure(name, HEADER_FIELDS))
+    return carry_bytes(_structure(name, HEADER_FIELDS))
 
 
 @cache
-def unread_type(dds_name: str) -> Any:
-    """The class of the samples of any type, whose bytes are taken as they are.
+def raw_dds_type(dds_name: str) -> Any:
+    """Return a sample class for a type whose definition is not known.
 
-    DDS takes it for a structure of one byte, and what follows for nothing.
+    DDS takes the type for a structure of one byte and ignores the bytes that follow.
 
     Args:
-        dds_name: of the type, e.g. `std_msgs::msg::dds_::String_`.
+        dds_name: DDS name of the type, for example `std_msgs::msg::dds_::String_`.
     """
     import_cyclonedds()
     from cyclonedds.idl import make_idl_struct
@@ -84,7 +84,8 @@ def unread_type(dds_name: str) -> Any:
 
     full = dds_name.replace("::", ".")
     fields = {"first": uint8}
-    return opaque(make_idl_struct(full.rpartition(".")[2], full, fields, dataclassify=False))
+    structure = make_idl_struct(full.rpartition(".")[2], full, fields, dataclassify=False)
+    return carry_bytes(structure)
 
 
 @cache
@@ -92,7 +93,7 @@ def _nested_type(name: str) -> Any:
     return _structure(name, ())
 
 
-def _structure(name: str, before: tuple[Field, ...]) -> Any:
+def _structure(name: str, header: tuple[Field, ...]) -> Any:
     import_cyclonedds()
     from cyclonedds.idl import make_idl_struct
 
@@ -100,15 +101,15 @@ def _structure(name: str, before: tuple[Field, ...]) -> Any:
     return make_idl_struct(
         f"{short}_",
         f"{package}.{kind}.dds_.{short}_",
-        {field.name: _type(field) for field in (*before, *definition(name).fields)},
+        {field.name: _type(field) for field in (*header, *definition(name).fields)},
         dataclassify=False,
     )
 
 
-def opaque(structure: Any) -> Any:
-    """The class, with samples that have nothing but `data`, the bytes on the wire.
+def carry_bytes(structure: Any) -> Any:
+    """Make the samples of a structure carry only `data`, the serialized bytes; return it.
 
-    A base class would do, but DDS would take it for a part of the structure.
+    The methods are not inherited, because DDS would take a base class for a part of the structure.
     """
     structure.serialize = _serialize
     structure.deserialize = structure.deserialize_key = classmethod(_deserialize)
@@ -135,15 +136,20 @@ def _type(field: Field) -> Any:
 
 
 def with_header(data: bytes, client: int, number: int) -> bytes:
-    """A request's or reply's bytes, with who asked (its writer's handle) and which question.
+    """Insert the correlation header into a serialized request or reply.
 
-    The header's 16 bytes keep every alignment as it was.
+    The 16 bytes of the header preserve every alignment.
+
+    Args:
+        data: serialized request or reply.
+        client: handle of the client's writer.
+        number: sequence number of the request.
     """
     return data[:_CDR_HEADER] + _HEADER.pack(client, number) + data[_CDR_HEADER:]
 
 
 def without_header(data: bytes) -> tuple[int, int, bytes]:
-    """Client, question and the message's own bytes.
+    """Split a serialized request or reply into client, sequence number and message bytes.
 
     Raises:
         struct.error: there are too few bytes.

@@ -1,4 +1,4 @@
-"""Messages as text for the eyes, in the manner of `ros2 topic echo`: YAML."""
+"""Messages as YAML, in the format of `ros2 topic echo`."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ import numpy as np
 
 from wbc.messages import Message
 
-_MOST = 128  # elements of an array that are shown
+_MAX_ELEMENTS = 128  # elements of an array to print
 
 
-def as_yaml(message: Message, indent: int = 0) -> str:
-    """A message as YAML.
+def to_yaml(message: Message, indent: int = 0) -> str:
+    """Return a message as YAML.
 
     Args:
         message: the message.
-        indent: blanks before each line.
+        indent: number of spaces before each line.
     """
     return "\n".join(_lines(message, indent))
 
 
-def part(message: Any, path: str) -> Any:
-    """A field of a message, such as `header.frame_id` or `position[3]`.
+def get_field(message: Any, path: str) -> Any:
+    """Return a field of a message, such as `header.frame_id` or `position[3]`.
 
     Raises:
         LookupError: there is no such field.
@@ -35,10 +35,10 @@ def part(message: Any, path: str) -> Any:
     return message
 
 
-def value_text(value: Any) -> str:
-    """A field's value as YAML."""
+def value_to_yaml(value: Any) -> str:
+    """Return the value of a field as YAML."""
     if isinstance(value, Message):
-        return as_yaml(value)
+        return to_yaml(value)
     if isinstance(value, (list, tuple, np.ndarray)):
         return "\n".join(_array(value, 0)) or "[]"
     return _scalar(value)
@@ -62,14 +62,14 @@ def _lines(message: Message, indent: int) -> list[str]:
 def _array(values: Any, indent: int) -> list[str]:
     blank = " " * indent
     lines = []
-    for value in list(values)[:_MOST]:
+    for value in list(values)[:_MAX_ELEMENTS]:
         if isinstance(value, Message):
             first, *rest = _lines(value, indent + 2)
             lines += [f"{blank}- {first.lstrip()}", *rest]
         else:
             lines.append(f"{blank}- {_scalar(value)}")
-    if len(values) > _MOST:
-        lines.append(f"{blank}- '… {len(values) - _MOST} more'")
+    if len(values) > _MAX_ELEMENTS:
+        lines.append(f"{blank}- '… {len(values) - _MAX_ELEMENTS} more'")
     return lines
 
 
