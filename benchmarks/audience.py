@@ -111,19 +111,19 @@ async def page(address: str, seen: Seen, controls: bool) -> None:
 def ros(domain: int, seen: Seen) -> None:
     """Listen to `/joint_states` and `/tf` until the input ends."""
     from wbc.ros import Network, Node
-    from wbc.ros.qos import FAST, TF
+    from wbc.ros.qos import HIGH_RATE, TF
 
     with Node("audience", network=Network(domain)) as node:
         heard = [
-            node.subscription(kind, topic, lambda *_, topic=topic: seen.note(topic), qos)
+            node.create_subscription(kind, topic, lambda *_, topic=topic: seen.note(topic), qos)
             for kind, topic, qos in (
-                ("sensor_msgs/msg/JointState", "/joint_states", FAST),
+                ("sensor_msgs/msg/JointState", "/joint_states", HIGH_RATE),
                 ("tf2_msgs/msg/TFMessage", "/tf", TF),
             )
         ]
-        node.spin(lambda: all(one.publishers for one in heard))
+        node.spin_until(lambda: all(one.get_publisher_count() for one in heard))
         print("ready", flush=True)
-        node.spin(lambda: bool(select.select([sys.stdin], [], [], 0.0)[0]))
+        node.spin_until(lambda: bool(select.select([sys.stdin], [], [], 0.0)[0]))
 
 
 def main() -> None:

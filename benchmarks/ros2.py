@@ -26,7 +26,7 @@ import numpy as np
 import wbc
 from wbc.messages import Template, message_type
 from wbc.motions import MotionPlayer
-from wbc.ros import Network, Node, Qos
+from wbc.ros import Network, Node, QoSProfile
 from wbc.ros.bridge import Bridge
 from wbc.ros.bridge.transforms import MovingLinks, links
 from wbc.runtime.tick import Tick
@@ -66,14 +66,16 @@ def publishing(domain: int, number: int) -> list[Row]:
     rows: list[Row] = []
     with Node("publisher", network=Network(domain)) as node:
         for name, message in cases:
-            publisher = node.publisher(message.type_name, f"case_{len(rows)}")
-            peer = other("swallow", domain, publisher.topic, message.type_name)
-            node.spin(lambda publisher=publisher: publisher.subscriptions > 0, 20.0)
+            publisher = node.create_publisher(message.type_name, f"case_{len(rows)}")
+            peer = other("swallow", domain, publisher.topic_name, message.type_name)
+            node.spin_until(
+                lambda publisher=publisher: publisher.get_subscription_count() > 0, 20.0
+            )
             template = Template(message)
 
             def from_template(publisher: Any = publisher, template: Any = template) -> None:
                 template.stamp(time.time())
-                publisher.publish_bytes(template.data)
+                publisher.publish(template.data)
 
             def anew(publisher: Any = publisher, message: Any = message) -> None:
                 publisher.publish(message)
@@ -158,9 +160,11 @@ def latency(domain: int, seconds: float) -> Row:
             late = time.time() - stamp.sec - 1e-9 * stamp.nanosec
             arrived.append((int(message.position[0]), late))
 
-        node.subscription("sensor_msgs/msg/JointState", "joint_states", hear, Qos(depth=10_000))
+        node.create_subscription(
+            "sensor_msgs/msg/JointState", "joint_states", hear, QoSProfile(depth=10_000)
+        )
         peer = other("stream", domain, str(number))
-        node.spin(lambda: len(arrived) >= number, 3.0 * seconds + 20.0)
+        node.spin_until(lambda: len(arrived) >= number, 3.0 * seconds + 20.0)
         peer.terminate()
         peer.wait()
     numbers = [i for i, _ in arrived]
@@ -183,7 +187,7 @@ def swallow(domain: str, topic: str, type_name: str) -> None:
     """Receives messages and does nothing with them."""
     dds_name = message_type(type_name).dds_name()
     with Node("swallower", network=Network(int(domain))) as node:
-        node.listen(dds_name, topic, lambda _, __: None, Qos(depth=1000))
+        node.create_raw_subscription(dds_name, topic, lambda _, __: None, QoSProfile(depth=1000))
         node.spin()
 
 
@@ -192,8 +196,8 @@ def stream(domain: str, number: str) -> None:
     with Node("streamer", network=Network(int(domain))) as node:
         template = Template(joint_state())
         position = template.view("position")
-        publisher = node.publisher("sensor_msgs/msg/JointState", "joint_states")
-        node.spin(lambda: publisher.subscriptions > 0)
+        publisher = node.create_publisher("sensor_msgs/msg/JointState", "joint_states")
+        node.spin_until(lambda: publisher.get_subscription_count() > 0)
         due = time.perf_counter()
         for i in range(int(number)):
             due += 1.0 / RATE
@@ -201,7 +205,7 @@ def stream(domain: str, number: str) -> None:
                 time.sleep(left)
             position[0] = i
             template.stamp(time.time())
-            publisher.publish_bytes(template.data)
+            publisher.publish(template.data)
         node.spin()
 
 

@@ -67,7 +67,7 @@ def try_parameter(driver: Any) -> Callable[..., Any]:
 
     from wbc.messages import message_type
 
-    client = driver.client("rcl_interfaces/srv/SetParameters", "/wbc/set_parameters")
+    client = driver.create_client("rcl_interfaces/srv/SetParameters", "/wbc/set_parameters")
     parameter = message_type("rcl_interfaces/msg/Parameter")
     value = message_type("rcl_interfaces/msg/ParameterValue")
 

@@ -40,8 +40,8 @@ def hear(message, info):
 
 
 with Node("knee_listener") as node:
-    node.subscription("sensor_msgs/msg/JointState", "joint_states", hear)
+    node.create_subscription("sensor_msgs/msg/JointState", "joint_states", hear)
     try:
-        node.spin(lambda: bool(options.n) and printed >= options.n)
+        node.spin_until(lambda: bool(options.n) and printed >= options.n)
     except KeyboardInterrupt:
         print()

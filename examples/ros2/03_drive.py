@@ -18,21 +18,21 @@ options = parser.parse_args()
 
 with Node("driver") as node:
     # A velocity lasts half a second: whoever wants the robot to walk must keep saying so.
-    velocity = node.publisher("geometry_msgs/msg/Twist", "cmd_vel")
-    if not node.spin(lambda: velocity.subscriptions > 0, timeout=10.0):
+    velocity = node.create_publisher("geometry_msgs/msg/Twist", "cmd_vel")
+    if not node.spin_until(lambda: velocity.get_subscription_count() > 0, timeout_sec=10.0):
         raise SystemExit("no robot listens to /cmd_vel")
     message = Twist()
     message.linear.x = options.speed
-    timer = node.timer(0.1, lambda: velocity.publish(message))
-    node.spin(timeout=options.seconds)
+    timer = node.create_timer(0.1, lambda: velocity.publish(message))
+    node.spin(timeout_sec=options.seconds)
     timer.cancel()
 
     walk = ActionClient(node, "nav2_msgs/action/NavigateToPose", "navigate_to_pose")
     ahead = walk.goal_type()
     ahead.pose.header.frame_id = "base_link"  # seen from where it is now
     ahead.pose.pose.position.x = options.goal
-    goal = walk.send(ahead, lambda f: print(f"{f.distance_remaining:.2f} m to go", flush=True))
+    goal = walk.send_goal(ahead, lambda f: print(f"{f.distance_remaining:.2f} m to go", flush=True))
     if not goal.accepted:
         raise SystemExit("it does not want to go there")
-    goal.wait(60.0)
-    print(goal.state.name.lower(), goal.result.error_msg)
+    goal.wait_for_result(60.0)
+    print(goal.status.name.lower(), goal.result.error_msg)

@@ -17,12 +17,12 @@ options = parser.parse_args()
 
 with Node("director") as node:
     play = ActionClient(node, "play_motion2_msgs/action/PlayMotion2", "play_motion2")
-    if not play.wait(10.0):
+    if not play.wait_for_server(10.0):
         raise SystemExit("no robot plays motions")
-    goal = play.send(play.goal_type(motion_name=" ".join(options.motion)))
+    goal = play.send_goal(play.goal_type(motion_name=" ".join(options.motion)))
     if not goal.accepted:
         raise SystemExit("it cannot play now")
-    if not goal.wait(options.wait):
-        goal.cancel()
-        goal.wait(10.0)
-    print(goal.state.name.lower(), goal.result.error)
+    if not goal.wait_for_result(options.wait):
+        goal.cancel_goal()
+        goal.wait_for_result(10.0)
+    print(goal.status.name.lower(), goal.result.error)

@@ -7,8 +7,8 @@ from rospeer import ACTION
 from rostools import PATIENCE, SHORT_LIVED, Hearer, Peer, node
 
 from wbc.messages import message_type
-from wbc.ros import NoAnswer
-from wbc.ros.actions import ActionClient, GoalState
+from wbc.ros import ResponseTimeout
+from wbc.ros.actions import ActionClient, GoalStatus
 from wbc.ros.qos import ACTION_STATUS
 
 pytest.importorskip("cyclonedds")
@@ -32,7 +32,7 @@ def here(server, domain):
 @pytest.fixture(scope="module")
 def client(here):
     made = ActionClient(here, ACTION, "walk")
-    assert made.wait(PATIENCE)
+    assert made.wait_for_server(PATIENCE)
     return made
 
 
@@ -44,65 +44,65 @@ def goal(client, x):
 
 def test_a_goal_gets_feedback_and_a_result(client):
     remaining = []
-    sent = client.send(goal(client, 5.0), lambda f: remaining.append(f.distance_remaining))
+    sent = client.send_goal(goal(client, 5.0), lambda f: remaining.append(f.distance_remaining))
     assert sent.accepted
-    assert sent.wait(PATIENCE)
-    assert sent.state is GoalState.SUCCEEDED
+    assert sent.wait_for_result(PATIENCE)
+    assert sent.status is GoalStatus.SUCCEEDED
     assert sent.result.error_msg == "there"
     assert remaining == [5.0, 4.0, 3.0, 2.0, 1.0, 0.0]
 
 
 def test_a_goal_may_be_rejected(client):
-    sent = client.send(goal(client, -1.0))
+    sent = client.send_goal(goal(client, -1.0))
     assert sent.accepted is False
-    assert not sent.wait(0.1)
+    assert not sent.wait_for_result(0.1)
 
 
 def test_a_goal_is_cancelled_at_any_moment(client):
-    sent = client.send(goal(client, FAR))
-    assert sent.cancel()
-    assert sent.wait(PATIENCE)
-    assert sent.state is GoalState.CANCELED
+    sent = client.send_goal(goal(client, FAR))
+    assert sent.cancel_goal()
+    assert sent.wait_for_result(PATIENCE)
+    assert sent.status is GoalStatus.CANCELED
     assert sent.result.error_msg == "cancelled"
 
 
 def test_a_goal_that_is_over_cannot_be_cancelled(client):
-    sent = client.send(goal(client, 0.0))
-    assert sent.wait(PATIENCE)
-    assert not sent.cancel()
+    sent = client.send_goal(goal(client, 0.0))
+    assert sent.wait_for_result(PATIENCE)
+    assert not sent.cancel_goal()
 
 
 def test_cancelling_without_an_id_cancels_everything(client, here):
-    goals = [client.send(goal(client, FAR)) for _ in range(2)]
-    every = here.client(CANCEL, "walk/_action/cancel_goal")
+    goals = [client.send_goal(goal(client, FAR)) for _ in range(2)]
+    every = here.create_client(CANCEL, "walk/_action/cancel_goal")
     response = every.call(every.request_type(), PATIENCE)
     assert response.return_code == 0
-    assert {bytes(i.goal_id.uuid) for i in response.goals_canceling} >= {g.id for g in goals}
-    assert all(g.wait(PATIENCE) and g.state is GoalState.CANCELED for g in goals)
+    assert {bytes(i.goal_id.uuid) for i in response.goals_canceling} >= {g.goal_id for g in goals}
+    assert all(g.wait_for_result(PATIENCE) and g.status is GoalStatus.CANCELED for g in goals)
 
 
 def test_a_goal_that_nobody_knows_is_told(here, client):
-    cancel = here.client(CANCEL, "walk/_action/cancel_goal")
+    cancel = here.create_client(CANCEL, "walk/_action/cancel_goal")
     request = cancel.request_type()
     request.goal_info.goal_id.uuid = list(range(16))
     assert cancel.call(request, PATIENCE).return_code == 2  # ERROR_UNKNOWN_GOAL_ID
-    result = here.client(f"{ACTION}_GetResult", "walk/_action/get_result")
+    result = here.create_client(f"{ACTION}_GetResult", "walk/_action/get_result")
     asked = result.request_type()
     asked.goal_id.uuid = list(range(16))
-    assert result.call(asked, PATIENCE).status == GoalState.UNKNOWN
+    assert result.call(asked, PATIENCE).status == GoalStatus.UNKNOWN
 
 
 def test_the_status_is_latched(here, client):
-    sent = client.send(goal(client, 0.0))
-    assert sent.wait(PATIENCE)
+    sent = client.send_goal(goal(client, 0.0))
+    assert sent.wait_for_result(PATIENCE)
     status = Hearer(here, "action_msgs/msg/GoalStatusArray", "walk/_action/status", ACTION_STATUS)
     last = status.wait()
     states = {bytes(s.goal_info.goal_id.uuid): s.status for s in last.status_list}
-    assert states[sent.id] == GoalState.SUCCEEDED
+    assert states[sent.goal_id] == GoalStatus.SUCCEEDED
 
 
 def test_an_id_that_was_used_is_rejected(here, client):
-    ask = here.client(f"{ACTION}_SendGoal", "walk/_action/send_goal")
+    ask = here.create_client(f"{ACTION}_SendGoal", "walk/_action/send_goal")
     request = ask.request_type()
     request.goal_id.uuid = list(range(1, 17))
     assert ask.call(request, PATIENCE).accepted
@@ -111,13 +111,13 @@ def test_an_id_that_was_used_is_rejected(here, client):
 
 def test_nobody_answers_where_nobody_serves(here):
     lonely = ActionClient(here, ACTION, "no_such_action")
-    with pytest.raises(NoAnswer, match="no_such_action"):
-        lonely.send(lonely.goal_type(), timeout=0.2)
+    with pytest.raises(ResponseTimeout, match="no_such_action"):
+        lonely.send_goal(lonely.goal_type(), timeout_sec=0.2)
 
 
 def test_states_are_those_of_action_msgs():
     constants = message_type("action_msgs/msg/GoalStatus")
-    for state in GoalState:
+    for state in GoalStatus:
         assert getattr(constants, f"STATUS_{state.name}") == state
 
 

@@ -18,14 +18,14 @@ import wbc
 from wbc.messages import message_type
 from wbc.motions import MotionPlayer
 from wbc.process import RecordRing
-from wbc.ros import Network, Qos
-from wbc.ros.actions import ActionClient, GoalState
+from wbc.ros import Network, QoSProfile
+from wbc.ros.actions import ActionClient, GoalStatus
 from wbc.ros.bridge import Bridge
 from wbc.ros.bridge.helm import Helm
 from wbc.ros.bridge.layout import Layout, Sample
 from wbc.ros.bridge.mailbox import Mailbox, Orders
 from wbc.ros.bridge.walk_to import TYPE
-from wbc.ros.parameters import Kind
+from wbc.ros.parameters import ParameterType
 from wbc.ros.qos import LATCHED, ROSOUT, TF
 from wbc.runtime.loop import StopRun
 
@@ -66,35 +66,35 @@ def odom(driver):
 
 @pytest.fixture(scope="module")
 def velocity(driver):
-    publisher = driver.publisher(Twist.type_name, "cmd_vel")
-    assert driver.spin(lambda: publisher.subscriptions > 0, PATIENCE)
+    publisher = driver.create_publisher(Twist.type_name, "cmd_vel")
+    assert driver.spin_until(lambda: publisher.get_subscription_count() > 0, PATIENCE)
     return publisher
 
 
 @pytest.fixture(scope="module")
 def ask(driver):
-    clients = {name: driver.client(TRIGGER, name) for name in ("push", "reset_robot")}
+    clients = {name: driver.create_client(TRIGGER, name) for name in ("push", "reset_robot")}
     return lambda name: clients[name].call(clients[name].request_type(), PATIENCE)
 
 
 @pytest.fixture
 def plant_time(set_parameter):
     """Topics go by the plant's time: how often they come in it is no matter of the machine."""
-    set_parameter("use_sim_time", type=Kind.BOOL, bool_value=True)
+    set_parameter("use_sim_time", type=ParameterType.BOOL, bool_value=True)
     yield
-    set_parameter("use_sim_time", type=Kind.BOOL, bool_value=False)
+    set_parameter("use_sim_time", type=ParameterType.BOOL, bool_value=False)
 
 
 @pytest.fixture(scope="module")
 def diagnostics(driver, set_parameter):
-    set_parameter("diagnostic_updater.period", type=Kind.DOUBLE, double_value=0.1)
+    set_parameter("diagnostic_updater.period", type=ParameterType.DOUBLE, double_value=0.1)
     return Hearer(driver, "diagnostic_msgs/msg/DiagnosticArray", "/diagnostics")
 
 
 @pytest.fixture(scope="module")
 def walk_to(driver):
     made = ActionClient(driver, TYPE, "navigate_to_pose")
-    assert made.wait(PATIENCE)
+    assert made.wait_for_server(PATIENCE)
     return made
 
 
@@ -127,7 +127,7 @@ def comes_to_rest(odom, diagnostics):
 
     diagnostics.wait(phase)
     there = place(odom.wait(lambda m: speed(m) < 0.05))
-    odom.node.spin(timeout=0.2)
+    odom.node.spin(timeout_sec=0.2)
     assert np.linalg.norm(place(odom.wait()) - there) < 0.03
 
 
@@ -155,16 +155,16 @@ def test_joint_states_have_position_velocity_and_effort(hear, driver, robot):
 def test_the_parameter_sets_the_rate_of_joint_states(
     hear, set_parameter, try_parameter, plant_time
 ):
-    heard = hear("sensor_msgs/msg/JointState", "joint_states", Qos(depth=1000))
+    heard = hear("sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
 
     def gap(rate):
-        set_parameter("update_rate", type=Kind.DOUBLE, double_value=rate)
+        set_parameter("update_rate", type=ParameterType.DOUBLE, double_value=rate)
         heard.wait(lambda _: len(heard) > 12)
         return float(np.median(np.diff([seconds(m.header.stamp) for m in heard.messages])))
 
     assert gap(10.0) == pytest.approx(0.1)
     assert gap(50.0) == pytest.approx(0.02)
-    too_fast = try_parameter("update_rate", type=Kind.DOUBLE, double_value=501.0)
+    too_fast = try_parameter("update_rate", type=ParameterType.DOUBLE, double_value=501.0)
     assert "1 to 500" in too_fast.reason
 
 
@@ -173,14 +173,14 @@ def test_tf_puts_every_link_where_the_joints_put_it(hear, driver, robot, set_par
 
     There are such: whatever the rates were before, topics of one rate have the same stamps.
     """
-    set_parameter("update_rate", type=Kind.DOUBLE, double_value=29.0)
-    driver.spin(timeout=0.2)
+    set_parameter("update_rate", type=ParameterType.DOUBLE, double_value=29.0)
+    driver.spin(timeout_sec=0.2)
     for rate in ("update_rate", "state_rate"):
-        set_parameter(rate, type=Kind.DOUBLE, double_value=50.0)
+        set_parameter(rate, type=ParameterType.DOUBLE, double_value=50.0)
     still = hear("tf2_msgs/msg/TFMessage", "/tf_static", LATCHED).wait()
     moving = hear("tf2_msgs/msg/TFMessage", "/tf", TF)
-    odometry = hear("nav_msgs/msg/Odometry", "odom", Qos(depth=1000))
-    joints = hear("sensor_msgs/msg/JointState", "joint_states", Qos(depth=1000))
+    odometry = hear("nav_msgs/msg/Odometry", "odom", QoSProfile(depth=1000))
+    joints = hear("sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
 
     def stamp(header):
         return header.stamp.sec, header.stamp.nanosec
@@ -194,7 +194,7 @@ def test_tf_puts_every_link_where_the_joints_put_it(hear, driver, robot, set_par
                 return m, there[at]
         return None
 
-    assert driver.spin(lambda: together() is not None, PATIENCE)
+    assert driver.spin_until(lambda: together() is not None, PATIENCE)
     tf, state = together()
     placed = {"odom": pin.SE3.Identity()}
     waiting = [*tf.transforms, *still.transforms]
@@ -238,7 +238,7 @@ def test_the_feet_carry_the_weight_below_the_centre_of_mass(hear, driver, robot)
         hear("geometry_msgs/msg/PointStamped", f"balance/{name}") for name in ("com", "dcm", "zmp")
     )
     every = (*feet, com, dcm, zmp)
-    assert driver.spin(lambda: all(len(h) >= 10 for h in every), PATIENCE)
+    assert driver.spin_until(lambda: all(len(h) >= 10 for h in every), PATIENCE)
     carried = sum(np.mean([m.wrench.force.z for m in foot.messages]) for foot in feet)
     assert carried == pytest.approx(robot.weight, rel=0.1)
     assert feet[0].last.header.frame_id == "left_sole"
@@ -263,7 +263,7 @@ def test_diagnostics_tell_ticks_overruns_and_status(diagnostics):
 def test_it_walks_while_told_and_stops_when_nobody_tells(anew, driver, velocity, odom, diagnostics):
     command = Twist()
     command.linear.x = 0.2
-    timer = driver.timer(0.1, lambda: velocity.publish(command))
+    timer = driver.create_timer(0.1, lambda: velocity.publish(command))
     odom.wait(lambda m: place(m)[0] > 0.2)
     timer.cancel()
     comes_to_rest(odom, diagnostics)
@@ -273,14 +273,14 @@ def test_a_velocity_that_is_no_number_is_ignored(anew, velocity, odom, driver):
     command = Twist()
     command.linear.x = math.nan
     velocity.publish(command)
-    driver.spin(timeout=0.5)
+    driver.spin(timeout_sec=0.5)
     assert place(odom.wait())[0] < 0.05
 
 
 def test_arms_go_where_they_are_told_and_legs_do_not(hear, anew, driver, robot):
     joints = hear("sensor_msgs/msg/JointState", "joint_states")
-    publisher = driver.publisher(JointState.type_name, "joint_commands")
-    assert driver.spin(lambda: publisher.subscriptions > 0, PATIENCE)
+    publisher = driver.create_publisher(JointState.type_name, "joint_commands")
+    assert driver.spin_until(lambda: publisher.get_subscription_count() > 0, PATIENCE)
     elbow, knee = robot.joint_index("left_elbow"), robot.joint_index("left_knee")
     highest = robot.q_max[elbow]
     publisher.publish(JointState(name=["left_knee"], position=[1.5]))
@@ -295,8 +295,8 @@ def test_a_trajectory_is_followed(hear, anew, driver, robot):
     joints = hear("sensor_msgs/msg/JointState", "joint_states")
     kind = message_type("trajectory_msgs/msg/JointTrajectory")
     point = message_type("trajectory_msgs/msg/JointTrajectoryPoint")
-    publisher = driver.publisher(kind.type_name, "joint_trajectory")
-    assert driver.spin(lambda: publisher.subscriptions > 0, PATIENCE)
+    publisher = driver.create_publisher(kind.type_name, "joint_trajectory")
+    assert driver.spin_until(lambda: publisher.get_subscription_count() > 0, PATIENCE)
     pitch = robot.joint_index("right_shoulder_pitch")
     start = robot.q_nominal[7 + pitch]
     points = []
@@ -309,7 +309,7 @@ def test_a_trajectory_is_followed(hear, anew, driver, robot):
 
 
 def test_a_push_makes_the_dcm_jump(hear, anew, ask, plant_time):
-    dcm = hear("geometry_msgs/msg/PointStamped", "balance/dcm", Qos(depth=1000))
+    dcm = hear("geometry_msgs/msg/PointStamped", "balance/dcm", QoSProfile(depth=1000))
     still = dcm.wait().point.y
     answer = ask("push")
     assert answer.success
@@ -320,21 +320,21 @@ def test_a_push_makes_the_dcm_jump(hear, anew, ask, plant_time):
 
 def test_it_walks_to_a_pose_and_tells_how_far_it_is(anew, walk_to, odom):
     remaining = []
-    sent = walk_to.send(goal(walk_to, 0.4), lambda f: remaining.append(f.distance_remaining))
+    sent = walk_to.send_goal(goal(walk_to, 0.4), lambda f: remaining.append(f.distance_remaining))
     assert sent.accepted
-    assert sent.wait(3 * PATIENCE)
-    assert sent.state is GoalState.SUCCEEDED, sent.result
+    assert sent.wait_for_result(3 * PATIENCE)
+    assert sent.status is GoalStatus.SUCCEEDED, sent.result
     assert np.linalg.norm(place(odom.wait()) - (0.4, 0.0)) < 0.12
     assert remaining[0] > 0.3
     assert remaining[-1] < 0.2
 
 
 def test_it_stops_and_stands_when_the_goal_is_cancelled(anew, walk_to, odom, diagnostics):
-    sent = walk_to.send(goal(walk_to, 30.0))
+    sent = walk_to.send_goal(goal(walk_to, 30.0))
     odom.wait(lambda m: place(m)[0] > 0.1)
-    assert sent.cancel()
-    assert sent.wait(PATIENCE)
-    assert sent.state is GoalState.CANCELED
+    assert sent.cancel_goal()
+    assert sent.wait_for_result(PATIENCE)
+    assert sent.status is GoalStatus.CANCELED
     comes_to_rest(odom, diagnostics)
 
 
@@ -348,12 +348,12 @@ def test_it_stops_when_who_sent_the_goal_is_killed(anew, domain, odom, diagnosti
 
 
 def test_a_hand_on_the_stick_takes_over(anew, walk_to, velocity):
-    sent = walk_to.send(goal(walk_to, 30.0))
+    sent = walk_to.send_goal(goal(walk_to, 30.0))
     command = Twist()
     command.linear.x = -0.1
     velocity.publish(command)
-    assert sent.wait(PATIENCE)
-    assert sent.state is GoalState.ABORTED
+    assert sent.wait_for_result(PATIENCE)
+    assert sent.status is GoalStatus.ABORTED
     assert "took over" in sent.result.error_msg
 
 
@@ -369,16 +369,16 @@ def test_the_example_drives_it(anew, domain):
     "bad", [{"x": math.nan}, {"x": 1.0, "frame": "no_such_frame"}, {"x": 1.0, "heading": math.nan}]
 )
 def test_a_goal_that_is_none_is_rejected(walk_to, bad):
-    assert walk_to.send(goal(walk_to, **bad)).accepted is False
+    assert walk_to.send_goal(goal(walk_to, **bad)).accepted is False
 
 
 def test_a_reset_ends_the_goal_and_sets_it_back(anew, walk_to, ask, odom):
-    sent = walk_to.send(goal(walk_to, 30.0))
+    sent = walk_to.send_goal(goal(walk_to, 30.0))
     odom.wait(lambda m: place(m)[0] > 0.1)
     answer = ask("reset_robot")
     assert (answer.success, answer.message) == (True, "standing")
-    assert sent.wait(PATIENCE)
-    assert sent.state is GoalState.ABORTED
+    assert sent.wait_for_result(PATIENCE)
+    assert sent.status is GoalStatus.ABORTED
     assert place(odom.wait(lambda m: place(m)[0] < 0.05))[0] < 0.05
 
 
@@ -396,21 +396,22 @@ def test_the_clock_is_the_plants_and_goes_on_over_a_reset(hear, anew, ask):
 def test_with_sim_time_messages_carry_the_time_of_the_clock(
     hear, driver, set_parameter, diagnostics
 ):
-    clock = hear("rosgraph_msgs/msg/Clock", "/clock", Qos(depth=1000))
-    joints = hear("sensor_msgs/msg/JointState", "joint_states", Qos(depth=1000))
+    clock = hear("rosgraph_msgs/msg/Clock", "/clock", QoSProfile(depth=1000))
+    joints = hear("sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
     clock.wait()
-    set_parameter("use_sim_time", type=Kind.BOOL, bool_value=True)
+    set_parameter("use_sim_time", type=ParameterType.BOOL, bool_value=True)
     joints.wait(lambda m: m.header.stamp.sec < 1_000_000)
-    stamp, sent = seconds(joints.last.header.stamp), joints.infos[-1].sent
-    assert driver.spin(lambda: clock.infos[-1].sent > sent, PATIENCE)
+    stamp, sent = seconds(joints.last.header.stamp), joints.infos[-1].source_timestamp
+    assert driver.spin_until(lambda: clock.infos[-1].source_timestamp > sent, PATIENCE)
     told = [
-        (info.sent, seconds(m.clock)) for info, m in zip(clock.infos, clock.messages, strict=True)
+        (info.source_timestamp, seconds(m.clock))
+        for info, m in zip(clock.infos, clock.messages, strict=True)
     ]
     before = max(time for at, time in told if at < sent)
     after = min(time for at, time in told if at > sent)
     assert before <= stamp <= after
     diagnostics.wait(lambda m: m.header.stamp.sec < 1_000_000)
-    set_parameter("use_sim_time", type=Kind.BOOL, bool_value=False)
+    set_parameter("use_sim_time", type=ParameterType.BOOL, bool_value=False)
     joints.wait(lambda m: m.header.stamp.sec > 1_000_000)
 
 
@@ -431,7 +432,9 @@ def test_a_robot_that_fell_lies_there_until_it_is_reset(
     anew, hear, set_parameter, ask, odom, diagnostics
 ):
     rosout = hear("rcl_interfaces/msg/Log", "/rosout", ROSOUT)
-    set_parameter("push_impulse", type=Kind.DOUBLE_ARRAY, double_array_value=[0.0, 100.0, 0.0])
+    set_parameter(
+        "push_impulse", type=ParameterType.DOUBLE_ARRAY, double_array_value=[0.0, 100.0, 0.0]
+    )
     ask("push")
     message = diagnostics.wait(lambda m: m.status[0].message == "fallen")
     assert message.status[0].level == 2  # ERROR
@@ -445,7 +448,7 @@ def test_a_robot_that_fell_lies_there_until_it_is_reset(
 def test_the_node_goes_when_its_loop_is_killed(walking, driver, odom):
     """The last test that needs them: the loop's process dies and cannot say so."""
     walking.kill()
-    assert driver.spin(lambda: odom.subscription.publishers == 0, PATIENCE)
+    assert driver.spin_until(lambda: odom.subscription.get_publisher_count() == 0, PATIENCE)
 
 
 def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
@@ -453,8 +456,8 @@ def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
     plant = wbc.sim.Mujoco(robot)
     domain = new_domain()
     with Bridge(player, plant, network=Network(domain)) as bridge, node("d", domain) as driver:
-        velocity = driver.publisher(Twist.type_name, "cmd_vel")
-        assert driver.spin(lambda: velocity.subscriptions > 0, PATIENCE)
+        velocity = driver.create_publisher(Twist.type_name, "cmd_vel")
+        assert driver.spin_until(lambda: velocity.get_subscription_count() > 0, PATIENCE)
         command = Twist()
         command.linear.x = 0.2
         wanted, ticks, layout = [], [], Layout.of(robot)

@@ -6,7 +6,7 @@ import pytest
 from rostools import new_domain, node, start_example
 
 from wbc.messages import message_type
-from wbc.ros.joint_publisher import NAMES, pattern
+from wbc.ros.joint_publisher import JOINT_NAMES, walking_pattern
 
 pytest.importorskip("cyclonedds")
 pytest.importorskip("mujoco")
@@ -18,21 +18,21 @@ def test_the_right_knee_is_printed_whatever_the_order_of_the_joints():
     domain = new_domain()
     listener = start_example(domain, "01_right_knee.py", "-n", "3")
     with node("joint_publisher", domain) as publishing:
-        publisher = publishing.publisher(JointState.type_name, "joint_states")
-        assert publishing.spin(lambda: publisher.subscriptions > 0, 20.0)
-        positions = dict(zip(NAMES, pattern(1.0), strict=True))
-        backward = list(reversed(NAMES))
-        others = [name for name in NAMES if name != "right_knee"]
+        publisher = publishing.create_publisher(JointState.type_name, "joint_states")
+        assert publishing.spin_until(lambda: publisher.get_subscription_count() > 0, 20.0)
+        positions = dict(zip(JOINT_NAMES, walking_pattern(1.0), strict=True))
+        backward = list(reversed(JOINT_NAMES))
+        others = [name for name in JOINT_NAMES if name != "right_knee"]
         for names in (
             others,  # without the knee
-            list(NAMES),
+            list(JOINT_NAMES),
             backward,
             [],
             ["left_knee", "right_knee"],
         ):
             publisher.publish(JointState(name=names, position=[positions[n] for n in names]))
         publisher.publish(JointState(name=["right_knee"], position=[]))
-        publishing.spin(lambda: listener.poll() is not None, 10.0)
+        publishing.spin_until(lambda: listener.poll() is not None, 10.0)
     out, error = listener.communicate(timeout=10.0)
     assert listener.returncode == 0, error
     first, *knees = out.splitlines()

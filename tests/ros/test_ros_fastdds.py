@@ -17,7 +17,7 @@ from rostools import PATIENCE, ROOT, Hearer, environment, node
 
 import wbc
 from wbc.messages import message_type
-from wbc.ros import Qos
+from wbc.ros import QoSProfile
 from wbc.ros.qos import LATCHED
 
 pytest.importorskip("cyclonedds")
@@ -52,7 +52,7 @@ def here(domain):
 @pytest.fixture(scope="module")
 def description(here):
     """Published, latched, before the peer is there."""
-    publisher = here.publisher(Text.type_name, "robot_description", LATCHED)
+    publisher = here.create_publisher(Text.type_name, "robot_description", LATCHED)
     text = wbc.load("simple_humanoid").urdf_path.read_text("utf-8")
     publisher.publish(Text(data=text))
     return text
@@ -75,17 +75,20 @@ def peer(program, domain, description):
 
 def both_ways(here, publisher, heard, probe):
     """Wait until a message comes back: then either side has found the other's reader and writer."""
-    connected = lambda: publisher.subscriptions and heard.subscription.publishers  # noqa: E731
-    assert here.spin(connected, PATIENCE)
+
+    def connected():
+        return publisher.get_subscription_count() and heard.subscription.get_publisher_count()
+
+    assert here.spin_until(connected, PATIENCE)
     for _ in range(round(PATIENCE / 0.25)):
         publisher.publish(probe)
-        if here.spin(lambda: len(heard) > 0, 0.25):
+        if here.spin_until(lambda: len(heard) > 0, 0.25):
             break
     assert len(heard) > 0
 
 
 def test_joint_states_go_there_and_come_back_the_same(peer, here):
-    publisher = here.publisher(JointState.type_name, "joint_states")
+    publisher = here.create_publisher(JointState.type_name, "joint_states")
     back = []
     probe = JointState().encode()
 
@@ -93,8 +96,8 @@ def test_joint_states_go_there_and_come_back_the_same(peer, here):
         if data[: len(probe)] != probe:  # it may come several times, and late
             back.append(data)
 
-    here.listen(JointState.dds_name(), "joint_states_echo", hear)
-    heard = Hearer(here, JointState.type_name, "joint_states_echo", Qos(depth=100))
+    here.create_raw_subscription(JointState.dds_name(), "joint_states_echo", hear)
+    heard = Hearer(here, JointState.type_name, "joint_states_echo", QoSProfile(depth=100))
     both_ways(here, publisher, heard, JointState())
     rng = np.random.default_rng(0)
     sent = []
@@ -109,13 +112,13 @@ def test_joint_states_go_there_and_come_back_the_same(peer, here):
         message.header.stamp.sec, message.header.stamp.nanosec = 1_700_000_000, 999_999_999
         sent.append(message.encode())
         publisher.publish(message)
-    assert here.spin(lambda: len(back) == len(sent), PATIENCE)
+    assert here.spin_until(lambda: len(back) == len(sent), PATIENCE)
     assert back == [data + bytes(-len(data) % 4) for data in sent]
-    assert here.spin(lambda: len(heard.last.name) == 32, PATIENCE)
+    assert here.spin_until(lambda: len(heard.last.name) == 32, PATIENCE)
 
 
 def test_a_velocity_goes_there_and_comes_back_the_same(peer, here):
-    publisher = here.publisher(Twist.type_name, "cmd_vel")
+    publisher = here.create_publisher(Twist.type_name, "cmd_vel")
     heard = Hearer(here, Twist.type_name, "cmd_vel_echo")
     both_ways(here, publisher, heard, Twist())
     command = Twist()
@@ -126,13 +129,13 @@ def test_a_velocity_goes_there_and_comes_back_the_same(peer, here):
 
 def test_a_latched_description_reaches_who_comes_late_both_ways(peer, here, description):
     """The peer came after it was published, and we listen after the peer has published it."""
-    here.spin(timeout=1.0)
+    here.spin(timeout_sec=1.0)
     heard = Hearer(here, Text.type_name, "robot_description_echo", LATCHED)
     assert heard.wait().data == description
 
 
 def test_a_megabyte_goes_there_and_comes_back(peer, here):
-    publisher = here.publisher(JointState.type_name, "joint_states")
+    publisher = here.create_publisher(JointState.type_name, "joint_states")
     heard = Hearer(here, JointState.type_name, "joint_states_echo")
     both_ways(here, publisher, heard, JointState())
     numbers = np.arange(100_000.0)

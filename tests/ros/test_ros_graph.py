@@ -15,10 +15,9 @@ from rostools import PATIENCE, Hearer, Peer, environment, new_domain, node, rosb
 
 import wbc
 from wbc.cli import main
-from wbc.ros import Qos
-from wbc.ros.discovery import Dialect, NodeEntry
-from wbc.ros.graph import Graph
-from wbc.ros.joint_publisher import NAMES, pattern
+from wbc.ros import QoSProfile
+from wbc.ros.discovery import DiscoveryFormat, NodeEntities
+from wbc.ros.joint_publisher import JOINT_NAMES, walking_pattern
 from wbc.ros.qos import LATCHED
 
 pytest.importorskip("cyclonedds")
@@ -42,7 +41,7 @@ def looker(domain):
 
 @pytest.fixture(scope="module")
 def graph(publisher, looker):
-    return Graph(looker)
+    return looker.graph
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +51,7 @@ def seen(graph):
         return len(state.services()) >= 6 and len(state.topics()) >= 4 and named
 
     state = graph.wait_for(complete, PATIENCE)
-    assert state is not None, graph.state()
+    assert state is not None, graph.snapshot()
     return state
 
 
@@ -142,21 +141,21 @@ def test_a_service_marks_its_two_ends_as_one(seen):
 
 
 def test_the_joints_are_those_of_the_chapter_and_swing_as_there(publisher, looker):
-    heard = Hearer(looker, "sensor_msgs/msg/JointState", "joint_states", Qos(depth=1000))
+    heard = Hearer(looker, "sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
     heard.wait(lambda _: len(heard) >= 20)
-    assert tuple(heard.last.name) == NAMES
-    assert len(NAMES) == 15
+    assert tuple(heard.last.name) == JOINT_NAMES
+    assert len(JOINT_NAMES) == 15
     assert heard.last.header.frame_id == "base_link"
     assert heard.last.velocity.size == heard.last.effort.size == 0
     # The time goes on by the timer's period, which the chapter's program forgets.
-    hips = [m.position[NAMES.index("right_hip_pitch")] for m in heard.messages]
+    hips = [m.position[JOINT_NAMES.index("right_hip_pitch")] for m in heard.messages]
     steps = np.diff(np.unwrap(np.arcsin(np.clip(np.array(hips) / 0.3, -1.0, 1.0))))
     rising = steps[np.abs(np.abs(steps) - 0.01) < 1e-6]
     assert rising.size > 0.7 * steps.size
 
 
 def test_the_pattern_is_that_of_the_chapter():
-    at = dict(zip(NAMES, pattern(math.pi / 2), strict=True))
+    at = dict(zip(JOINT_NAMES, walking_pattern(math.pi / 2), strict=True))
     assert at["right_hip_pitch"] == pytest.approx(0.3)
     assert at["right_knee"] == pytest.approx(0.5)
     assert at["right_ankle_pitch"] == pytest.approx(-0.3)
@@ -172,7 +171,7 @@ def test_its_description_comes_late_and_has_its_joints(publisher, looker):
     text = heard.wait().data
     robot = wbc.load("simple_humanoid")
     assert text == robot.urdf_path.read_text("utf-8")
-    assert set(NAMES) <= set(robot.joint_names)
+    assert set(JOINT_NAMES) <= set(robot.joint_names)
 
 
 @pytest.fixture
@@ -258,17 +257,17 @@ def test_all_nodes_that_were_there_before_are_known_to_one_who_looks_late():
         looker = stack.enter_context(node("looker", domain))
         others = [stack.enter_context(node(f"other_{i}", domain)) for i in range(4)]
         for other in others:
-            other.publisher("std_msgs/msg/String", "chatter")
-        graph = Graph(looker)
+            other.create_publisher("std_msgs/msg/String", "chatter")
+        graph = looker.graph
         time.sleep(0.5)  # all of them have told about themselves by then, and nobody has read it
-        names = [other.full_name for other in others]
+        names = [other.fully_qualified_name for other in others]
 
         def all_known(seen):
             chatter = seen.topics().get("/chatter")
             owners = sorted(e.node for e in chatter.publishers) if chatter else []
             return list(seen.nodes) == owners == names
 
-        assert graph.wait_for(all_known, PATIENCE), graph.state()
+        assert graph.wait_for(all_known, PATIENCE), graph.snapshot()
 
 
 def test_the_graph_settles_when_even_the_slowest_has_told_its_nodes(publisher, seen, domain):
@@ -277,7 +276,7 @@ def test_the_graph_settles_when_even_the_slowest_has_told_its_nodes(publisher, s
     with node("patient", domain) as patient:
         process.send_signal(signal.SIGSTOP)
         threading.Timer(0.8, process.send_signal, (signal.SIGCONT,)).start()
-        state = Graph(patient).settle(most=PATIENCE)
+        state = patient.graph.settle(max_sec=PATIENCE)
     assert "/joint_publisher" in state.nodes
     assert all(e.node for e in state.endpoints)
 
@@ -285,7 +284,7 @@ def test_the_graph_settles_when_even_the_slowest_has_told_its_nodes(publisher, s
 def test_what_was_true_once_ends_the_waiting():
     answers = iter([False, True, False, False])
     with node("waiting", new_domain()) as waiting:
-        assert waiting.spin(lambda: next(answers), PATIENCE)
+        assert waiting.spin_until(lambda: next(answers), PATIENCE)
         assert list(answers) == [False, False]
 
 
@@ -303,12 +302,12 @@ def test_the_graph_waits_for_one_state_in_which_all_is_true(looker, graph):
 
 
 @pytest.mark.parametrize(("distribution", "size"), [("humble", 24), ("jazzy", 16), ("", 16)])
-def test_nodes_are_told_in_the_dialect_of_the_distribution(distribution, size):
+def test_nodes_are_told_in_the_form_of_the_distribution(distribution, size):
     typesys = pytest.importorskip("rosbags.typesys")
-    dialect = Dialect.of({"ROS_DISTRO": distribution})
-    assert dialect.gid_size == size
-    node_entry = NodeEntry("/", "legs", (bytes(range(16)),), (bytes(range(1, 17)), bytes(16)))
-    data = dialect.encode(bytes(range(16, 32)), (node_entry, NodeEntry("/a", "x")))
+    form = DiscoveryFormat.from_environment({"ROS_DISTRO": distribution})
+    assert form.gid_size == size
+    node_entry = NodeEntities("/", "legs", (bytes(range(16)),), (bytes(range(1, 17)), bytes(16)))
+    data = form.encode(bytes(range(16, 32)), (node_entry, NodeEntities("/a", "x")))
     release = typesys.Stores.ROS2_HUMBLE if size == 24 else typesys.Stores.ROS2_JAZZY
     store = typesys.get_typestore(release)
     kind = "rmw_dds_common/msg/ParticipantEntitiesInfo"
@@ -316,7 +315,7 @@ def test_nodes_are_told_in_the_dialect_of_the_distribution(distribution, size):
     assert bytes(message.gid.data)[:16] == bytes(range(16, 32))
     assert message.node_entities_info_seq[0].node_name == "legs"
     assert bytes(store.serialize_cdr(message, kind)) == data
-    assert dialect.decode(data)[1][0] == node_entry
+    assert form.decode(data)[1][0] == node_entry
 
 
 def test_rosbags_knows_every_type_that_a_node_may_have():

@@ -21,8 +21,8 @@ from rostools import (
 )
 
 from wbc.messages import available, message_type, type_hash
-from wbc.ros import Qos, RosError
-from wbc.ros.qos import LATCHED
+from wbc.ros import QoSProfile, RosError
+from wbc.ros.qos import LATCHED, ReliabilityPolicy
 
 pytest.importorskip("cyclonedds")
 
@@ -96,15 +96,17 @@ def test_every_type_comes_back_from_another_process_as_rosbags_writes_it(echo, s
         own = some_message(name, seed).encode()
         data = bytes(store.serialize_cdr(store.deserialize_cdr(own, name), name))
         assert data == own, name
-        writers.append((echo.publisher(name, f"forth/{topic}"), data))
+        writers.append((echo.create_publisher(name, f"forth/{topic}"), data))
         expected[name] = data
         dds_name = message_type(name).dds_name()
         hear = lambda d, _, n=name: heard.setdefault(n, d)  # noqa: E731
-        echo.listen(dds_name, f"back/{topic}", hear, LATCHED)
-    assert echo.spin(lambda: all(w.subscriptions for w, _ in writers), PATIENCE)
+        echo.create_raw_subscription(dds_name, f"back/{topic}", hear, LATCHED)
+    assert echo.spin_until(lambda: all(w.get_subscription_count() for w, _ in writers), PATIENCE)
     for writer, data in writers:
-        writer.publish_bytes(data)
-    assert echo.spin(lambda: len(heard) == len(expected), PATIENCE), set(expected) - set(heard)
+        writer.publish(data)
+    assert echo.spin_until(lambda: len(heard) == len(expected), PATIENCE), set(expected) - set(
+        heard
+    )
     for name, data in expected.items():
         # DDS fills messages up to whole words.
         assert heard[name] == data + bytes(-len(data) % 4), name
@@ -112,8 +114,11 @@ def test_every_type_comes_back_from_another_process_as_rosbags_writes_it(echo, s
 
 def test_a_large_message_arrives_whole(echo):
     heard = Hearer(echo, KIND, "back/sensor_msgs_msg_jointstate", LATCHED)
-    publisher = echo.publisher(KIND, "forth/sensor_msgs_msg_jointstate")
-    assert echo.spin(lambda: publisher.subscriptions and heard.subscription.publishers, PATIENCE)
+    publisher = echo.create_publisher(KIND, "forth/sensor_msgs_msg_jointstate")
+    assert echo.spin_until(
+        lambda: publisher.get_subscription_count() and heard.subscription.get_publisher_count(),
+        PATIENCE,
+    )
     numbers = np.arange(1_000_000.0)  # 8 MB
     publisher.publish(JointState(position=numbers))
     message = heard.wait(lambda m: len(m.position) == len(numbers))
@@ -136,7 +141,7 @@ def spin(nodes, until, timeout=PATIENCE):
             other.spin_once(0.0)
         return until()
 
-    return one.spin(work, timeout)
+    return one.spin_until(work, timeout)
 
 
 GOOD = JointState(name=["knee"], position=[0.5]).encode()
@@ -165,8 +170,8 @@ def test_what_is_no_message_is_skipped(rogue, what):
     heard = Hearer(listener, KIND, topic)
     for data in (GOOD, BAD[what], GOOD):
         peer.tell(f"{topic} {data.hex()}")
-    assert listener.spin(lambda: len(heard) >= 2, PATIENCE)
-    listener.spin(timeout=0.05)
+    assert listener.spin_until(lambda: len(heard) >= 2, PATIENCE)
+    listener.spin(timeout_sec=0.05)
     assert [m.position.tolist() for m in heard.messages] == [[0.5], [0.5]]
 
 
@@ -179,7 +184,7 @@ def test_what_comes_after_a_message_is_ignored(rogue):
 
 
 def test_a_message_of_another_type_is_not_published(pair):
-    publisher = pair[1].publisher(KIND, "joint_states")
+    publisher = pair[1].create_publisher(KIND, "joint_states")
     with pytest.raises(RosError, match="carries sensor_msgs/msg/JointState"):
         publisher.publish(message_type("std_msgs/msg/String")())
 
@@ -188,9 +193,9 @@ def test_a_topic_of_another_type_is_not_heard(pair):
     reader, writer = pair
     heard = Hearer(reader, KIND, "joint_states")
     text = message_type("std_msgs/msg/String")
-    writer.publisher(text.type_name, "joint_states").publish(text(data="hello"))
-    right = writer.publisher(KIND, "joint_states")
-    assert spin(pair, lambda: right.subscriptions)
+    writer.create_publisher(text.type_name, "joint_states").publish(text(data="hello"))
+    right = writer.create_publisher(KIND, "joint_states")
+    assert spin(pair, lambda: right.get_subscription_count())
     right.publish(JointState(name=["knee"], position=[0.5]))
     assert spin(pair, lambda: len(heard) > 0)
     assert len(heard) == 1
@@ -201,9 +206,9 @@ def test_what_a_network_loses_is_sent_again():
     domain = new_domain()
     sender = Peer.of(domain, "count", "400", "100", "1000", configuration=LOSSY)
     with sender, node("receiver", domain) as receiver:
-        heard = Hearer(receiver, KIND, "joint_states", Qos(depth=1000))
-        assert receiver.spin(lambda: len(heard) >= 100, PATIENCE), len(heard)
-        receiver.spin(timeout=0.2)
+        heard = Hearer(receiver, KIND, "joint_states", QoSProfile(depth=1000))
+        assert receiver.spin_until(lambda: len(heard) >= 100, PATIENCE), len(heard)
+        receiver.spin(timeout_sec=0.2)
         assert [m.position[0] for m in heard.messages] == list(range(100))
 
 
@@ -227,14 +232,14 @@ def test_what_a_network_delivers_twice_comes_once(tmp_path):
     kept = configuration("Tracing/PacketCaptureFile", str(capture))
     sender = Peer.of(domain, "count", "400", "50", "1000", configuration=kept)
     with sender, node("receiver", domain) as receiver:
-        heard = Hearer(receiver, KIND, "joint_states", Qos(depth=1000))
-        assert receiver.spin(lambda: len(heard) >= 50, PATIENCE), len(heard)
+        heard = Hearer(receiver, KIND, "joint_states", QoSProfile(depth=1000))
+        assert receiver.spin_until(lambda: len(heard) >= 50, PATIENCE), len(heard)
         again = list(packets(capture.read_bytes()))
         assert sum(b"joint_31" in data for _, data in again) > 25  # the last ones may be buffered
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as network:
             for where, data in again:
                 network.sendto(data, where)
-        receiver.spin(timeout=0.3)
+        receiver.spin(timeout_sec=0.3)
         assert [m.position[0] for m in heard.messages] == list(range(50))
 
 
@@ -242,8 +247,10 @@ def test_without_reliability_what_is_lost_stays_lost_and_the_rest_comes_in_order
     domain = new_domain()
     sender = Peer.of(domain, "count", "400", "1000000", "1000", configuration=LOSSY)
     with sender, node("receiver", domain) as receiver:
-        heard = Hearer(receiver, KIND, "joint_states", Qos(depth=1000, reliable=False))
-        assert receiver.spin(lambda: len(heard) >= 100, PATIENCE), len(heard)
+        heard = Hearer(
+            receiver, KIND, "joint_states", QoSProfile(1000, ReliabilityPolicy.BEST_EFFORT)
+        )
+        assert receiver.spin_until(lambda: len(heard) >= 100, PATIENCE), len(heard)
         numbers = np.array([m.position[0] for m in heard.messages])
         assert (np.diff(numbers) > 0).all()
         assert numbers[-1] - numbers[0] > len(numbers) - 1
@@ -252,10 +259,10 @@ def test_without_reliability_what_is_lost_stays_lost_and_the_rest_comes_in_order
 def test_the_latest_of_a_latched_topic_comes_late_and_once():
     domain = new_domain()
     with Peer.of(domain, "latch", "old", "new"), node("late", domain) as late:
-        latched = Qos(depth=1, latched=True)
+        latched = LATCHED
         heard = Hearer(late, "std_msgs/msg/String", "robot_description", latched)
         assert heard.wait().data == "new"
-        late.spin(timeout=0.3)
+        late.spin(timeout_sec=0.3)
         assert len(heard) == 1
 
 
@@ -266,4 +273,4 @@ def test_a_peer_that_dies_is_forgotten():
         heard = Hearer(here, KIND, "joint_states")
         heard.wait()
         mortal.kill()
-        assert here.spin(lambda: heard.subscription.publishers == 0, PATIENCE)
+        assert here.spin_until(lambda: heard.subscription.get_publisher_count() == 0, PATIENCE)

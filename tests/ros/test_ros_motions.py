@@ -12,12 +12,12 @@ from wbc.motions import MOTIONS, MotionPlayer
 from wbc.motions.engine.manager import MotionStatus
 from wbc.motions.engine.packing import pack
 from wbc.motions.squat import Squat
-from wbc.ros import Qos
-from wbc.ros.actions import ActionClient, GoalState
+from wbc.ros import QoSProfile
+from wbc.ros.actions import ActionClient, GoalStatus
 from wbc.ros.bridge.helm import Helm
 from wbc.ros.bridge.mailbox import Mailbox, Orders
 from wbc.ros.bridge.play_motion import NAME, TYPE
-from wbc.ros.parameters import Kind
+from wbc.ros.parameters import ParameterType
 
 pytest.importorskip("cyclonedds")
 pytest.importorskip("mujoco")
@@ -36,8 +36,8 @@ def robot():
 @pytest.fixture(scope="module")
 def com(driver, set_parameter):
     """Its topics go by the plant's time: how often they come in it is no matter of the machine."""
-    set_parameter("use_sim_time", type=Kind.BOOL, bool_value=True)
-    made = Hearer(driver, "geometry_msgs/msg/PointStamped", "balance/com", Qos(depth=1000))
+    set_parameter("use_sim_time", type=ParameterType.BOOL, bool_value=True)
+    made = Hearer(driver, "geometry_msgs/msg/PointStamped", "balance/com", QoSProfile(depth=1000))
     made.wait()
     return made
 
@@ -45,15 +45,15 @@ def com(driver, set_parameter):
 @pytest.fixture(scope="module")
 def play(driver, com):
     made = ActionClient(driver, TYPE, NAME)
-    assert made.wait(PATIENCE)
-    return lambda text, *told: made.send(made.goal_type(motion_name=text), *told)
+    assert made.wait_for_server(PATIENCE)
+    return lambda text, *told: made.send_goal(made.goal_type(motion_name=text), *told)
 
 
 @pytest.fixture(scope="module")
 def walk(driver):
     """Walk forward, until told otherwise; half a second of the wall clock at the most."""
-    publisher = driver.publisher(Twist.type_name, "cmd_vel")
-    assert driver.spin(lambda: publisher.subscriptions > 0, PATIENCE)
+    publisher = driver.create_publisher(Twist.type_name, "cmd_vel")
+    assert driver.spin_until(lambda: publisher.get_subscription_count() > 0, PATIENCE)
 
     def at(speed):
         command = Twist()
@@ -77,8 +77,8 @@ def swaying(play, com):
 
 
 def service(driver, kind, name):
-    client = driver.client(kind, name)
-    assert driver.spin(lambda: client.available, PATIENCE)
+    client = driver.create_client(kind, name)
+    assert driver.spin_until(lambda: client.available, PATIENCE)
     return client
 
 
@@ -112,8 +112,8 @@ def test_a_motion_is_played_and_over_when_the_robot_stands_again(play, com):
     stamps = []
     sent = play("squat depth=8 times=1", lambda f: stamps.append(f.current_time))
     assert sent.accepted
-    assert sent.wait(LONG)
-    assert (sent.state, sent.result.success, sent.result.error) == (GoalState.SUCCEEDED, True, "")
+    assert sent.wait_for_result(LONG)
+    assert (sent.status, sent.result.success, sent.result.error) == (GoalStatus.SUCCEEDED, True, "")
     heights = [m.point.z for m in com.messages]
     assert min(heights) < before - 0.06
     com.wait()
@@ -134,17 +134,17 @@ def test_a_motion_is_played_and_over_when_the_robot_stands_again(play, com):
 )
 def test_what_cannot_be_played_is_answered_with_the_reason(play, text, why):
     sent = play(text)
-    assert sent.wait(LONG)
-    assert sent.state is GoalState.ABORTED
+    assert sent.wait_for_result(LONG)
+    assert sent.status is GoalStatus.ABORTED
     assert not sent.result.success
     assert why in sent.result.error
 
 
 def test_a_motion_can_be_cancelled_and_the_robot_stands(swaying, com):
     sent = swaying()
-    assert sent.cancel(PATIENCE)
-    assert sent.wait(PATIENCE)
-    assert sent.state is GoalState.CANCELED
+    assert sent.cancel_goal(PATIENCE)
+    assert sent.wait_for_result(PATIENCE)
+    assert sent.status is GoalStatus.CANCELED
     stands(com)
 
 
@@ -152,31 +152,31 @@ def test_a_motion_goes_on_when_somebody_asks_for_nonsense(play, swaying, com):
     start = com.wait().point.y
     sent = swaying()
     nonsense = play("wive")
-    assert nonsense.wait(PATIENCE)
-    assert nonsense.state is GoalState.ABORTED
-    assert not sent.state.over
+    assert nonsense.wait_for_result(PATIENCE)
+    assert nonsense.status is GoalStatus.ABORTED
+    assert not sent.status.terminal
     com.wait(lambda m: abs(m.point.y - start) > 0.02)
     impossible = play("squat depth=95")  # takes its place, and cannot be done
-    assert impossible.wait(LONG)
-    assert sent.state is GoalState.ABORTED
+    assert impossible.wait_for_result(LONG)
+    assert sent.status is GoalStatus.ABORTED
     stands(com)
 
 
 def test_a_second_motion_takes_the_place_of_the_first(play, swaying):
     first = swaying()
     second = play("bow hold=0.1 seconds=0.5")
-    assert second.wait(LONG)
-    assert first.state is GoalState.ABORTED
+    assert second.wait_for_result(LONG)
+    assert first.status is GoalStatus.ABORTED
     assert "another goal" in first.result.error
-    assert second.state is GoalState.SUCCEEDED
+    assert second.status is GoalStatus.SUCCEEDED
 
 
 def test_a_robot_that_is_told_to_walk_leaves_off_its_motion(swaying, com, walk, driver):
     start = com.wait().point
     sent = swaying()
-    again = driver.timer(0.1, lambda: walk(0.25))
-    assert sent.wait(PATIENCE)
-    assert sent.state is GoalState.ABORTED
+    again = driver.create_timer(0.1, lambda: walk(0.25))
+    assert sent.wait_for_result(PATIENCE)
+    assert sent.status is GoalStatus.ABORTED
     assert "another order" in sent.result.error
     com.wait(lambda m: m.point.x > start.x + 0.1)
     again.cancel()
@@ -186,9 +186,9 @@ def test_a_robot_that_is_told_to_walk_leaves_off_its_motion(swaying, com, walk, 
 
 def test_it_waves_while_it_walks(play, com, walk, driver, robot):
     shoulder = robot.joint_index("left_shoulder_pitch")
-    joints = Hearer(driver, JointState.type_name, "joint_states", Qos(depth=1000))
+    joints = Hearer(driver, JointState.type_name, "joint_states", QoSProfile(depth=1000))
     rest = joints.wait().position[shoulder]
-    again = driver.timer(0.1, lambda: walk(0.2))
+    again = driver.create_timer(0.1, lambda: walk(0.2))
     start = com.wait().point.x
     com.wait(lambda m: m.point.x > start + 0.1)
     joints.clear()
@@ -196,8 +196,8 @@ def test_it_waves_while_it_walks(play, com, walk, driver, robot):
     joints.find(lambda m: abs(m.position[shoulder] - rest) > 0.5)
     now = com.wait().point.x
     com.wait(lambda m: m.point.x > now + 0.1)
-    assert sent.wait(LONG)
-    assert sent.state is GoalState.SUCCEEDED
+    assert sent.wait_for_result(LONG)
+    assert sent.status is GoalStatus.SUCCEEDED
     again.cancel()
     walk(0.0)
     stands(com)
@@ -217,8 +217,8 @@ def test_a_reset_ends_a_motion(swaying, driver):
     sent = swaying()
     reset = service(driver, "std_srvs/srv/Trigger", "reset_robot")
     assert reset.call(reset.request_type(), PATIENCE).success
-    assert sent.wait(PATIENCE)
-    assert sent.state is GoalState.ABORTED
+    assert sent.wait_for_result(PATIENCE)
+    assert sent.status is GoalStatus.ABORTED
     assert "reset" in sent.result.error
 
 

@@ -14,11 +14,11 @@ import time
 from typing import Any
 
 from wbc.messages import Template, available, message_type
-from wbc.ros import Network, Node, Parameters, Qos, RosError
-from wbc.ros.actions import ActionClient, ActionServer, Goal, GoalState
-from wbc.ros.endpoints import Writer
+from wbc.ros import Network, Node, QoSProfile, RosError
+from wbc.ros.actions import ActionClient, ActionServer, GoalStatus, ServerGoalHandle
+from wbc.ros.dds_endpoints import DdsWriter
+from wbc.ros.dds_types import raw_dds_type
 from wbc.ros.qos import DEFAULT, LATCHED
-from wbc.ros.wire import unread_type
 
 PATIENCE = 20_000_000_000  # ns
 ACTION = "nav2_msgs/action/NavigateToPose"
@@ -40,57 +40,56 @@ def echo(node: Node) -> None:
     """
     for name in available():
         topic = name.replace("/", "_").lower()
-        back = node.publisher(name, f"back/{topic}", LATCHED)
-        node.subscription(name, f"forth/{topic}", lambda m, _, back=back: back.publish(m))
+        back = node.create_publisher(name, f"back/{topic}", LATCHED)
+        node.create_subscription(name, f"forth/{topic}", lambda m, _, back=back: back.publish(m))
     ready()
-    node.spin(over)
+    node.spin_until(over)
 
 
 def serve(node: Node) -> None:
     """A service, parameters of every kind, and an action without a robot."""
     asked = 0
 
-    def answer(request: Any) -> Any:
+    def answer(request: Any, response: Any) -> Any:
         nonlocal asked
         asked += 1
-        response = message_type("std_srvs/srv/SetBool_Response")
-        return response(success=request.data, message=f"asked {asked} times")
+        response.success, response.message = request.data, f"asked {asked} times"
+        return response
 
-    node.service("std_srvs/srv/SetBool", "switch", answer)
-    parameters = Parameters(node)
-    parameters.declare("rate", 50.0, "Hz", lowest=1.0, highest=500.0)
-    parameters.declare("count", 3, "of things", lowest=0, highest=10)
-    parameters.declare("on", True)
-    parameters.declare("name", "me")
-    parameters.declare("gait.impulse", (0.0, 1.0, 2.0), "N·s", lowest=-10.0, highest=10.0)
-    parameters.declare("built", "today", read_only=True)
-    goals: list[Goal] = []
+    node.create_service("std_srvs/srv/SetBool", "switch", answer)
+    node.declare_parameter("rate", 50.0, "Hz", minimum=1.0, maximum=500.0)
+    node.declare_parameter("count", 3, "of things", minimum=0, maximum=10)
+    node.declare_parameter("on", True)
+    node.declare_parameter("name", "me")
+    node.declare_parameter("gait.impulse", (0.0, 1.0, 2.0), "N·s", minimum=-10.0, maximum=10.0)
+    node.declare_parameter("built", "today", read_only=True)
+    goals: list[ServerGoalHandle] = []
     server = ActionServer(
         node,
         ACTION,
         "walk",
-        accept=lambda goal: goal.pose.pose.position.x >= 0.0,
-        begin=goals.append,
-        cancel=lambda _: True,
+        goal_callback=lambda goal: goal.pose.pose.position.x >= 0.0,
+        handle_accepted_callback=goals.append,
+        cancel_callback=lambda _: True,
     )
 
     def go_on() -> None:
-        for goal in [goal for goal in goals if not goal.state.over]:
+        for goal in [goal for goal in goals if not goal.status.terminal]:
             if not goal.client_alive:
                 print("orphan", flush=True)
-                goal.finish(GoalState.ABORTED, server.result_type())
-            elif goal.state is GoalState.CANCELING:
-                goal.finish(GoalState.CANCELED, server.result_type(error_msg="cancelled"))
+                goal.finish(GoalStatus.ABORTED, server.result_type())
+            elif goal.status is GoalStatus.CANCELING:
+                goal.finish(GoalStatus.CANCELED, server.result_type(error_msg="cancelled"))
             else:
                 position = goal.request.pose.pose.position
-                goal.feedback(server.feedback_type(distance_remaining=position.x))
+                goal.publish_feedback(server.feedback_type(distance_remaining=position.x))
                 position.x -= 1.0
                 if position.x < 0.0:
-                    goal.finish(GoalState.SUCCEEDED, server.result_type(error_msg="there"))
+                    goal.finish(GoalStatus.SUCCEEDED, server.result_type(error_msg="there"))
 
-    node.timer(0.02, go_on)
+    node.create_timer(0.02, go_on)
     ready()
-    node.spin(over)
+    node.spin_until(over)
 
 
 def pursue(node: Node, x: str, action: str) -> None:
@@ -98,17 +97,17 @@ def pursue(node: Node, x: str, action: str) -> None:
     client = ActionClient(node, ACTION, action)
     request = client.goal_type()
     request.pose.pose.position.x = float(x)
-    goal = client.send(request, timeout=20.0)
+    goal = client.send_goal(request, timeout_sec=20.0)
     print("accepted" if goal.accepted else "rejected", flush=True)
-    node.spin(over)
+    node.spin_until(over)
 
 
 def play(node: Node, text: str) -> None:
     """Has a motion played, and waits for it."""
     client = ActionClient(node, "play_motion2_msgs/action/PlayMotion2", "play_motion2")
-    goal = client.send(client.goal_type(motion_name=text), timeout=20.0)
+    goal = client.send_goal(client.goal_type(motion_name=text), timeout_sec=20.0)
     print("accepted" if goal.accepted else "rejected", flush=True)
-    node.spin(over)
+    node.spin_until(over)
 
 
 def count(node: Node, rate: str, number: str, depth: str = "10") -> None:
@@ -118,7 +117,7 @@ def count(node: Node, rate: str, number: str, depth: str = "10") -> None:
     names = [f"joint_{i}" for i in range(32)]
     template = Template(kind(name=names, position=zeros, velocity=zeros, effort=zeros))
     position = template.view("position")
-    publisher = node.publisher(kind.type_name, "joint_states", Qos(depth=int(depth)))
+    publisher = node.create_publisher(kind.type_name, "joint_states", QoSProfile(depth=int(depth)))
     sent = 0
 
     def publish() -> None:
@@ -126,27 +125,27 @@ def count(node: Node, rate: str, number: str, depth: str = "10") -> None:
         if sent < int(number):
             position[0] = sent
             template.stamp(time.time())
-            publisher.publish_bytes(template.data)
+            publisher.publish(template.data)
             sent += 1
 
     ready()
-    node.spin(lambda: publisher.subscriptions > 0 or over())
+    node.spin_until(lambda: publisher.get_subscription_count() > 0 or over())
     publish()
     publisher.writer.dds.wait_for_acks(PATIENCE)  # the listener may not know us yet
-    node.timer(1.0 / float(rate), publish)
-    node.spin(over)
+    node.create_timer(1.0 / float(rate), publish)
+    node.spin_until(over)
 
 
 def rogue(node: Node, dds_type: str) -> None:
     """Writes whatever bytes it is told: lines of a topic and hexadecimal digits."""
-    writers: dict[str, Writer] = {}
+    writers: dict[str, DdsWriter] = {}
     ready()
     for line in sys.stdin:
         topic, digits = line.split()
         if topic not in writers:
-            kind = unread_type(dds_type)
-            writers[topic] = Writer(node.participant, f"rt/{topic}", kind, DEFAULT, "")
-            node.spin(lambda topic=topic: writers[topic].matched)
+            kind = raw_dds_type(dds_type)
+            writers[topic] = DdsWriter(node.participant, f"rt/{topic}", kind, DEFAULT, "")
+            node.spin_until(lambda topic=topic: writers[topic].matched)
         with contextlib.suppress(RosError):  # DDS looks at what it is given before it sends it
             writers[topic].write(bytes.fromhex(digits))
 
@@ -154,11 +153,11 @@ def rogue(node: Node, dds_type: str) -> None:
 def latch(node: Node, *texts: str) -> None:
     """Publishes texts on a latched topic before anybody listens."""
     kind = message_type("std_msgs/msg/String")
-    publisher = node.publisher(kind.type_name, "robot_description", Qos(depth=1, latched=True))
+    publisher = node.create_publisher(kind.type_name, "robot_description", LATCHED)
     for text in texts:
         publisher.publish(kind(data=text))
     ready()
-    node.spin(over)
+    node.spin_until(over)
 
 
 def main() -> None:

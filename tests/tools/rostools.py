@@ -48,7 +48,7 @@ def environment(domain: int) -> dict[str, str]:
         for key, value in os.environ.items()
         if not key.startswith("ROS_") and key != "CYCLONEDDS_URI"
     }
-    paths = os.pathsep.join((str(ROOT), str(ROOT / "tests")))
+    paths = os.pathsep.join((str(ROOT), str(ROOT / "tests" / "tools")))
     return {**kept, "PYTHONPATH": paths, "ROS_DOMAIN_ID": str(domain)}
 
 
@@ -78,7 +78,7 @@ class Peer:
     @classmethod
     def of(cls, domain: int, kind: str, *arguments: str, configuration: str = "") -> Peer:
         """One of the kinds of `rospeer.py`, perhaps with a configuration for Cyclone DDS."""
-        script = str(ROOT / "tests" / "rospeer.py")
+        script = str(ROOT / "tests" / "tools" / "rospeer.py")
         return cls(domain, script, kind, str(domain), *arguments, configuration=configuration)
 
     @classmethod
@@ -138,14 +138,14 @@ class Hearer:
         self.node = node
         self.messages: list[Any] = []
         self.infos: list[Any] = []
-        self.subscription = node.subscription(kind, topic, self._hear, *args)
+        self.subscription = node.create_subscription(kind, topic, self._hear, *args)
 
     def _hear(self, message: Any, info: Any) -> None:
         self.messages.append(message)
         self.infos.append(info)
 
     def close(self) -> None:
-        self.node.drop(self.subscription)
+        self.node.destroy_subscription(self.subscription)
 
     @property
     def last(self) -> Any:
@@ -174,7 +174,9 @@ class Hearer:
             looked = len(self.messages)
             return bool(found)
 
-        assert self.node.spin(look, timeout), f"nothing of the kind on {self.subscription.topic}"
+        assert self.node.spin_until(look, timeout), (
+            f"nothing of the kind on {self.subscription.topic_name}"
+        )
         return found[0]
 
 

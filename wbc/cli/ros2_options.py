@@ -28,7 +28,7 @@ def network(options: argparse.Namespace) -> Network:
     """The network that options and environment ask for."""
     from wbc.ros import Network
 
-    return Network.of(options.domain, options.interface)
+    return Network.from_environment(options.domain, options.interface)
 
 
 def count(text: str) -> int:

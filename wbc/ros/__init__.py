@@ -1,7 +1,7 @@
 """ROS 2 nodes over DDS, without a ROS 2 installation (extra `ros2`).
 
-The names are those of `rclpy`. Message types are passed as classes (see `wbc.messages.message_type`)
-or by name, for example "sensor_msgs/msg/JointState".
+The names are those of `rclpy`. Message types are passed as classes, which
+`wbc.messages.message_type` returns, or by name, for example "sensor_msgs/msg/JointState".
 """
 
 from wbc.ros.actions import ActionClient, ActionServer, GoalStatus

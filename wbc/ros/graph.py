@@ -249,7 +249,9 @@ def _alive(reader: Any) -> list[Any]:
     from cyclonedds.core import InstanceState
 
     return [
-        one for one in reader.read(_MAX_SAMPLES) if one.sample_info.instance_state == InstanceState.Alive
+        one
+        for one in reader.read(_MAX_SAMPLES)
+        if one.sample_info.instance_state == InstanceState.Alive
     ]
 
 
@@ -290,9 +292,7 @@ def _qos_profile(qos: Any) -> QoSProfile:
     reliable = (
         Policy.Reliability in qos and qos[Policy.Reliability] != Policy.Reliability.BestEffort
     )
-    volatile = (
-        Policy.Durability not in qos or qos[Policy.Durability] == Policy.Durability.Volatile
-    )
+    volatile = Policy.Durability not in qos or qos[Policy.Durability] == Policy.Durability.Volatile
     lifespan = qos[Policy.Lifespan].lifespan if Policy.Lifespan in qos else None
     return QoSProfile(
         depth,

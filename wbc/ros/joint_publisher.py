@@ -43,7 +43,15 @@ def walking_pattern(phase: float) -> tuple[float, ...]:
     def leg(swing: float) -> tuple[float, ...]:
         return (0.3 * swing, 0.1 * swing, 0.5 * max(0.0, swing), -0.3 * swing, 0.0)
 
-    return (0.1 * math.sin(2.0 * phase), *leg(right), *leg(left), -0.2 * right, 0.1, -0.2 * left, 0.1)
+    return (
+        0.1 * math.sin(2.0 * phase),
+        *leg(right),
+        *leg(left),
+        -0.2 * right,
+        0.1,
+        -0.2 * left,
+        0.1,
+    )
 
 
 class JointPublisher:
@@ -79,9 +87,7 @@ class JointPublisher:
         self._timer.period = 1.0 / rate
 
     def _publish(self) -> None:
-        message: Any = _JOINT_STATE(
-            name=list(JOINT_NAMES), position=walking_pattern(self.phase)
-        )
+        message: Any = _JOINT_STATE(name=list(JOINT_NAMES), position=walking_pattern(self.phase))
         message.header.stamp = stamp_now()
         message.header.frame_id = "base_link"
         self._publisher.publish(message)

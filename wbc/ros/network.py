@@ -60,9 +60,7 @@ class Network:
 
     def __post_init__(self) -> None:
         if not 0 <= self.domain_id <= MAX_DOMAIN_ID:
-            raise RosError(
-                f"domain id {self.domain_id} is out of range; use 0 to {MAX_DOMAIN_ID}"
-            )
+            raise RosError(f"domain id {self.domain_id} is out of range; use 0 to {MAX_DOMAIN_ID}")
 
     def __repr__(self) -> str:
         where = self.interface or self.discovery_range.name
@@ -152,7 +150,7 @@ def _domain_id(text: str) -> int:
 
 
 def _discovery_range(environment: Mapping[str, str]) -> DiscoveryRange | None:
-    """Return the range that ROS 2's variables select; as in ROS 2, the older one takes precedence."""
+    """Return the range that the variables select; the older one takes precedence, as in ROS 2."""
     only = environment.get("ROS_LOCALHOST_ONLY", "")
     if only:
         return DiscoveryRange.LOCALHOST if only == "1" else DiscoveryRange.SUBNET

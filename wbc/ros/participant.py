@@ -49,9 +49,7 @@ class Participant:
     def add(self, readers: tuple[bytes, ...] = (), writers: tuple[bytes, ...] = ()) -> None:
         """Announce that the node has these endpoints, given by their 16-byte ids."""
         old = self._entities
-        self._entities = replace(
-            old, readers=old.readers + readers, writers=old.writers + writers
-        )
+        self._entities = replace(old, readers=old.readers + readers, writers=old.writers + writers)
         self._announce()
 
     def remove(self, *gids: bytes) -> None:

@@ -19,9 +19,9 @@ from wbc.ros.bridge.helm import Helm
 from wbc.ros.bridge.layout import HEAD, MOST, Layout, Mode
 from wbc.ros.bridge.mailbox import Mailbox
 from wbc.ros.bridge.order import Order
+from wbc.ros.dds_types import import_cyclonedds
 from wbc.ros.errors import RosError
 from wbc.ros.network import Network
-from wbc.ros.wire import import_cyclonedds
 from wbc.telemetry import PHASES, Balance
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ class Bridge(Closeable):
             robot=robot,
             name=name,
             space=namespace,
-            network=network or Network.of(),
+            network=network or Network.from_environment(),
             update_rate=update_rate,
             use_sim_time=use_sim_time,
             dt=player.dt,

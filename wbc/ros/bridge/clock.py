@@ -6,11 +6,10 @@ from dataclasses import replace
 
 from wbc.messages import message_type
 from wbc.ros.bridge.layout import Sample
-from wbc.ros.due import Due
 from wbc.ros.node import Node
-from wbc.ros.parameters import Parameters
 from wbc.ros.qos import CLOCK
-from wbc.ros.stamp import stamp_at
+from wbc.ros.rate_limiter import RateLimiter
+from wbc.ros.stamp import stamp_from_seconds
 
 _CLOCK = message_type("rosgraph_msgs/msg/Clock")
 _RATE = 100.0  # Hz of the wall clock
@@ -26,17 +25,16 @@ class PlantClock:
 
     Args:
         node: of a simulated robot.
-        parameters: its parameters.
         use: the parameter's first value.
     """
 
-    def __init__(self, node: Node, parameters: Parameters, use: bool) -> None:
-        self._use = parameters.declare(
+    def __init__(self, node: Node, use: bool) -> None:
+        self._use = node.declare_parameter(
             "use_sim_time", use, "stamp messages with the plant's time, as /clock tells it"
         )
-        self._publisher = node.publisher(_CLOCK.type_name, "/clock", CLOCK)
+        self._publisher = node.create_publisher(_CLOCK.type_name, "/clock", CLOCK)
         # Ticks may come no more often than that, and not to the instant.
-        self._due = Due(_RATE, 0.4 / _RATE)
+        self._due = RateLimiter(_RATE, 0.4 / _RATE)
         self._run = 0
         self._offset = self._latest = 0.0
 
@@ -45,6 +43,6 @@ class PlantClock:
         if sample.run != self._run:
             self._run, self._offset = sample.run, self._latest
         self._latest = sample.time + self._offset
-        if self._due(sample.stamp):
-            self._publisher.publish(_CLOCK(clock=stamp_at(self._latest)))
+        if self._due.is_due(sample.stamp):
+            self._publisher.publish(_CLOCK(clock=stamp_from_seconds(self._latest)))
         return replace(sample, stamp=self._latest) if self._use.value else sample

@@ -10,10 +10,9 @@ from wbc.command import Status
 from wbc.messages import message_type
 from wbc.ros.bridge.layout import Mode, Sample
 from wbc.ros.bridge.order import Order
-from wbc.ros.due import Due
 from wbc.ros.node import Node
-from wbc.ros.parameters import Parameters
-from wbc.ros.stamp import stamp_at
+from wbc.ros.rate_limiter import RateLimiter
+from wbc.ros.stamp import stamp_from_seconds
 
 _ARRAY = message_type("diagnostic_msgs/msg/DiagnosticArray")
 _STATUS = message_type("diagnostic_msgs/msg/DiagnosticStatus")
@@ -28,15 +27,19 @@ class Diagnostics:
     An overrun is a tick that came more than a period late.
     """
 
-    def __init__(self, node: Node, parameters: Parameters, order: Order) -> None:
-        self._publisher = node.publisher(_ARRAY.type_name, "/diagnostics")
-        self._name, self._robot, self._dt = node.full_name.lstrip("/"), order.robot.name, order.dt
-        # Its name is that of ROS 2's own `diagnostic_updater`.
-        period = parameters.declare(
-            "diagnostic_updater.period", 1.0, "of diagnostics, s", lowest=0.05, highest=60.0
+    def __init__(self, node: Node, order: Order) -> None:
+        self._publisher = node.create_publisher(_ARRAY.type_name, "/diagnostics")
+        self._name, self._robot, self._dt = (
+            node.fully_qualified_name.lstrip("/"),
+            order.robot.name,
+            order.dt,
         )
-        self._due = Due(1.0 / period.value)
-        period.changed = self._change_period
+        # Its name is that of ROS 2's own `diagnostic_updater`.
+        period = node.declare_parameter(
+            "diagnostic_updater.period", 1.0, "of diagnostics, s", minimum=0.05, maximum=60.0
+        )
+        self._due = RateLimiter(1.0 / period.value)
+        period.on_change = self._change_period
         self._ticks: list[float] = []
         self._periods: list[float] = []
         self._failures = self._overruns = self._all_overruns = 0
@@ -51,7 +54,7 @@ class Diagnostics:
         self._periods += periods
         self._failures += sum(_STATUSES[int(status)] is not Status.OK for status in statuses)
         self._overruns += sum(period > 2.0 * self._dt for period in periods)
-        if self._due(sample.stamp):
+        if self._due.is_due(sample.stamp):
             self._tell(sample)
 
     def _tell(self, sample: Sample) -> None:
@@ -80,7 +83,7 @@ class Diagnostics:
             }.items()
         ]
         message: Any = _ARRAY(status=[status])
-        message.header.stamp = stamp_at(sample.stamp)
+        message.header.stamp = stamp_from_seconds(sample.stamp)
         self._publisher.publish(message)
         self._ticks.clear()
         self._periods.clear()

@@ -18,16 +18,16 @@ from wbc.motions.engine.blob_buffer import BlobBuffer
 from wbc.motions.engine.manager import MotionStatus
 from wbc.motions.engine.parsing import parse_motion
 from wbc.motions.engine.planning import MotionPlanner, PlannedMotion
-from wbc.ros.actions import ActionServer, Goal, GoalState
+from wbc.ros.actions import ActionServer, GoalStatus, ServerGoalHandle
 from wbc.ros.bridge.layout import Mode, Sample
 from wbc.ros.bridge.mailbox import Mailbox, Orders
 from wbc.ros.bridge.order import Order
 from wbc.ros.bridge.slip import Slip
 from wbc.ros.bridge.steering import Steering
 from wbc.ros.bridge.walk_to import WalkTo
-from wbc.ros.due import Due
 from wbc.ros.node import Node
-from wbc.ros.stamp import stamp_at
+from wbc.ros.rate_limiter import RateLimiter
+from wbc.ros.stamp import stamp_from_seconds
 
 logger = logging.getLogger(__name__)
 
@@ -63,20 +63,26 @@ class PlayMotion:
         self._plans: queue.SimpleQueue[PlannedMotion] = queue.SimpleQueue()
         self._planner = MotionPlanner(order.robot, (), self._plans.put)
         self._planner.start()
-        self._server = ActionServer(node, TYPE, NAME, self._accept, self._begin, self._cancel)
+        self._server = ActionServer(
+            node,
+            TYPE,
+            NAME,
+            goal_callback=self._accept,
+            handle_accepted_callback=self._begin,
+            cancel_callback=self._cancel,
+        )
         self._listed = message_type(f"{_LIST}_Response")(
             motion_keys=[m.name for m in order.motions]
         )
-        self._ready = message_type(f"{_READY}_Response")
-        node.service(_LIST, f"{NAME}/list_motions", lambda _: self._listed)
-        node.service(_READY, f"{NAME}/is_motion_ready", self._is_ready)
-        node.timer(_LOOK, self._look)
-        self._tells = Due(_FEEDBACK_RATE)
+        node.create_service(_LIST, f"{NAME}/list_motions", lambda *_: self._listed)
+        node.create_service(_READY, f"{NAME}/is_motion_ready", self._is_ready)
+        node.create_timer(_LOOK, self._look)
+        self._tells = RateLimiter(_FEEDBACK_RATE)
         self._sample: Sample | None = None
-        self._goal: Goal | None = None
+        self._goal: ServerGoalHandle | None = None
         self._motion: Motion | None = None  # of the goal, while it is being planned
         self._orphaned = False  # the loop plays what belongs to an earlier goal
-        self._ending: tuple[GoalState, str] | None = None
+        self._ending: tuple[GoalStatus, str] | None = None
         steering.sets_out = self._forget
 
     def take(self, sample: Sample) -> None:
@@ -95,24 +101,25 @@ class PlayMotion:
     def stop(self, why: str) -> None:
         """End the goal that is pursued, if there is one."""
         if self._goal is not None:
-            self._finish(GoalState.ABORTED, why)
+            self._finish(GoalStatus.ABORTED, why)
 
-    def _is_ready(self, request: Any) -> Any:
+    def _is_ready(self, request: Any, response: Any) -> Any:
         """Whether a goal would be begun now, as far as its text goes."""
         try:
             parse_motion(request.motion_key, self._motions)
         except MotionError:
-            return self._ready(is_ready=False)
-        return self._ready(is_ready=self._accept(request))
+            return response
+        response.is_ready = self._accept(request)
+        return response
 
     def _accept(self, _: Any) -> bool:
         return self._sample is not None and self._sample.mode is Mode.RUNNING
 
-    def _begin(self, goal: Goal) -> None:
+    def _begin(self, goal: ServerGoalHandle) -> None:
         try:
             motion = parse_motion(goal.request.motion_name, self._motions)
         except MotionError as error:  # what goes on goes on
-            goal.finish(GoalState.ABORTED, self._server.result_type(error=str(error)))
+            goal.finish(GoalStatus.ABORTED, self._server.result_type(error=str(error)))
             return
         self._orphaned = self._goal is not None and (self._motion is None or self._orphaned)
         self.stop("another goal took its place")
@@ -132,7 +139,7 @@ class PlayMotion:
                 raise MotionError(plan.why)
             slot = self._shelf.put(plan.packed)
         except MotionError as error:
-            self._drop(GoalState.ABORTED, str(error))
+            self._drop(GoalStatus.ABORTED, str(error))
             return
         if not plan.motion.while_walking:
             self._walk_to.stop("a motion took its place")
@@ -146,24 +153,24 @@ class PlayMotion:
     def _forget(self) -> None:
         """The robot is to walk: a motion that is being planned comes too late for it."""
         if self._motion is not None and not self._motion.while_walking:
-            self._drop(GoalState.ABORTED, "the robot was told to walk")
+            self._drop(GoalStatus.ABORTED, "the robot was told to walk")
 
-    def _cancel(self, goal: Goal) -> bool:
+    def _cancel(self, goal: ServerGoalHandle) -> bool:
         if goal is not self._goal:
             return False
         if self._motion is None:
-            self._leave_off(GoalState.CANCELED, "cancelled")
+            self._leave_off(GoalStatus.CANCELED, "cancelled")
         else:
-            self._drop(GoalState.CANCELED, "cancelled")
+            self._drop(GoalStatus.CANCELED, "cancelled")
         return True
 
-    def _drop(self, state: GoalState, why: str) -> None:
+    def _drop(self, state: GoalStatus, why: str) -> None:
         """End a goal that has not come to the loop; what it has taken the place of ends too."""
         self._finish(state, why)
         if self._orphaned:
             self._stand()
 
-    def _leave_off(self, state: GoalState, why: str) -> None:
+    def _leave_off(self, state: GoalStatus, why: str) -> None:
         """Come to a stand; then the goal is over."""
         self._ending = (state, why)
         self._stand()
@@ -172,27 +179,29 @@ class PlayMotion:
         self._orders.stands += 1
         self._mailbox.post(self._orders)
 
-    def _follow(self, goal: Goal, sample: Sample) -> None:
+    def _follow(self, goal: ServerGoalHandle, sample: Sample) -> None:
         """See what the loop makes of it."""
         if sample.stage is MotionStatus.DONE:
-            self._finish(GoalState.SUCCEEDED, "")
+            self._finish(GoalStatus.SUCCEEDED, "")
         elif sample.stage is MotionStatus.ABORTED:
             why = self._slip.read(sample.motions)
-            self._finish(GoalState.ABORTED, f"the robot gave it up: {why}")
+            self._finish(GoalStatus.ABORTED, f"the robot gave it up: {why}")
         elif sample.stage is MotionStatus.CANCELED:
             self._finish(
-                *(self._ending or (GoalState.ABORTED, "it was left off for another order"))
+                *(self._ending or (GoalStatus.ABORTED, "it was left off for another order"))
             )
         elif self._ending is None and not goal.client_alive:
-            self._leave_off(GoalState.ABORTED, "who sent the goal has gone")
-        elif self._tells(sample.stamp):
-            feedback: Any = self._server.feedback_type(current_time=stamp_at(sample.stamp))
-            goal.feedback(feedback)
+            self._leave_off(GoalStatus.ABORTED, "who sent the goal has gone")
+        elif self._tells.is_due(sample.stamp):
+            feedback: Any = self._server.feedback_type(
+                current_time=stamp_from_seconds(sample.stamp)
+            )
+            goal.publish_feedback(feedback)
 
-    def _finish(self, state: GoalState, error: str) -> None:
+    def _finish(self, state: GoalStatus, error: str) -> None:
         goal, self._goal, self._motion = self._goal, None, None
         assert goal is not None
         self._planner.request(None)
-        done = state is GoalState.SUCCEEDED
+        done = state is GoalStatus.SUCCEEDED
         logger.info("%s %s: %s", NAME, goal.request.motion_name, error or "done")
         goal.finish(state, self._server.result_type(success=done, error=error))

@@ -15,9 +15,9 @@ import numpy as np
 from wbc.errors import did_you_mean
 from wbc.robot import Robot
 from wbc.ros.bridge.mailbox import Mailbox, Orders
-from wbc.ros.node import Node, Timer
-from wbc.ros.parameters import Parameters
-from wbc.ros.stamp import seconds_of
+from wbc.ros.node import Node
+from wbc.ros.stamp import to_seconds
+from wbc.ros.timer import Timer
 
 logger = logging.getLogger(__name__)
 
@@ -34,7 +34,6 @@ class PostureCommands:
     def __init__(
         self,
         node: Node,
-        parameters: Parameters,
         orders: Orders,
         mailbox: Mailbox,
         robot: Robot,
@@ -43,17 +42,17 @@ class PostureCommands:
         legs = {int(i) - 6 for leg in robot.legs for i in leg}
         self._free = {name: i for i, name in enumerate(robot.joint_names) if i not in legs}
         self._legs = {robot.joint_names[i] for i in legs}
-        self._speed = parameters.declare(
+        self._speed = node.declare_parameter(
             "joint_speed",
             1.0,
             "of commanded joints at the most, rad/s; half their limit if that is less",
-            lowest=0.01,
-            highest=10.0,
+            minimum=0.01,
+            maximum=10.0,
         )
         self._trajectory: tuple[float, np.ndarray, np.ndarray, np.ndarray] | None = None
         self._timer: Timer | None = None
-        node.subscription("sensor_msgs/msg/JointState", "joint_commands", self._hear_joints)
-        node.subscription(
+        node.create_subscription("sensor_msgs/msg/JointState", "joint_commands", self._hear_joints)
+        node.create_subscription(
             "trajectory_msgs/msg/JointTrajectory", "joint_trajectory", self._hear_trajectory
         )
 
@@ -76,7 +75,7 @@ class PostureCommands:
     def _hear_trajectory(self, message: Any, _: Any) -> None:
         try:
             indices = self._indices(message.joint_names)
-            times = np.array([seconds_of(p.time_from_start) for p in message.points])
+            times = np.array([to_seconds(p.time_from_start) for p in message.points])
             if not times.size:
                 raise CommandError("it has no points")
             if times[0] < 0.0 or not (np.diff(times) > 0.0).all():
@@ -87,7 +86,7 @@ class PostureCommands:
             return
         self._end_trajectory()
         self._trajectory = (time.monotonic(), indices, times, rows)
-        self._timer = self._node.timer(_PERIOD, self._follow)
+        self._timer = self._node.create_timer(_PERIOD, self._follow)
         self._follow()
 
     def _follow(self) -> None:

@@ -13,8 +13,7 @@ from wbc.messages import message_type
 from wbc.ros.bridge.mailbox import Mailbox, Orders
 from wbc.ros.bridge.order import Order
 from wbc.ros.node import Node
-from wbc.ros.parameters import Parameters
-from wbc.ros.services import Reply
+from wbc.ros.services import ServiceReply
 
 _TYPE = "std_srvs/srv/Trigger"
 _PATIENCE = 5.0  # s for the loop to start over
@@ -23,40 +22,39 @@ _PATIENCE = 5.0  # s for the loop to start over
 class PlantRequests:
     """Serves both."""
 
-    def __init__(
-        self, node: Node, parameters: Parameters, orders: Orders, mailbox: Mailbox, order: Order
-    ) -> None:
+    def __init__(self, node: Node, orders: Orders, mailbox: Mailbox, order: Order) -> None:
         self._orders, self._mailbox, self._order = orders, mailbox, order
         self._response = message_type(f"{_TYPE}_Response")
         largest = 2.0 * order.robot.mass  # N·s: 2 m/s, which no robot survives
-        self._impulse = parameters.declare(
+        self._impulse = node.declare_parameter(
             "push_impulse",
             (0.0, round(0.1 * order.robot.mass, 1), 0.0),
             "of a push on the torso, N·s, axes of odom",
-            lowest=-largest,
-            highest=largest,
+            minimum=-largest,
+            maximum=largest,
         )
-        self._duration = parameters.declare(
-            "push_duration", 0.1, "of a push, s", lowest=0.01, highest=2.0
+        self._duration = node.declare_parameter(
+            "push_duration", 0.1, "of a push, s", minimum=0.01, maximum=2.0
         )
-        self._waiting: list[tuple[float, Reply]] = []
-        node.service(_TYPE, "push", self._push)
-        node.service_with_reply(_TYPE, "reset_robot", self._reset)
-        node.timer(0.1, self._give_up)
+        self._waiting: list[tuple[float, ServiceReply]] = []
+        node.create_service(_TYPE, "push", self._push)
+        node.create_deferred_service(_TYPE, "reset_robot", self._reset)
+        node.create_timer(0.1, self._give_up)
 
-    def _push(self, _: Any) -> Any:
+    def _push(self, _: Any, response: Any) -> Any:
         if not self._order.may_push:
-            return self._response(success=False, message="this robot cannot be pushed")
+            response.message = "this robot cannot be pushed"
+            return response
         self._orders.pushes += 1
         self._orders.impulse = tuple(self._impulse.value)
         self._orders.push_duration = float(self._duration.value)
         self._mailbox.post(self._orders)
         x, y, z = self._impulse.value
-        return self._response(
-            success=True, message=f"({x:g}, {y:g}, {z:g}) N·s over {self._duration.value:g} s"
-        )
+        response.success = True
+        response.message = f"({x:g}, {y:g}, {z:g}) N·s over {self._duration.value:g} s"
+        return response
 
-    def _reset(self, _: Any, reply: Reply) -> None:
+    def _reset(self, _: Any, reply: ServiceReply) -> None:
         if not self._order.may_reset:
             reply.send(self._response(success=False, message="this robot cannot be reset"))
             return

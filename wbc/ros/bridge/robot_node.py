@@ -19,11 +19,10 @@ from wbc.ros.bridge.state_topics import BalanceTopics, JointStates, Odometry
 from wbc.ros.bridge.steering import Steering
 from wbc.ros.bridge.transforms import Transforms
 from wbc.ros.bridge.walk_to import WalkTo
-from wbc.ros.due import Due
-from wbc.ros.joint_publisher import FASTEST
+from wbc.ros.joint_publisher import MAX_RATE
 from wbc.ros.node import Node
-from wbc.ros.parameters import Parameters
 from wbc.ros.qos import LATCHED
+from wbc.ros.rate_limiter import RateLimiter
 
 logger = logging.getLogger(__name__)
 
@@ -44,48 +43,47 @@ class RobotNode:
     def __init__(self, node: Node, order: Order, ring: RecordRing, mailbox: Mailbox) -> None:
         self._ring, self._layout = ring, Layout.of(order.robot)
         self._node = node
-        self.parameters = parameters = Parameters(node)
-        rate = parameters.declare(
+        rate = node.declare_parameter(
             "update_rate",
             float(order.update_rate),
             "of joint_states, Hz",
-            lowest=1.0,
-            highest=FASTEST,
+            minimum=1.0,
+            maximum=MAX_RATE,
         )
-        others = parameters.declare(
+        others = node.declare_parameter(
             "state_rate",
             50.0,
             "of tf, odom, wrenches, com, dcm and zmp, Hz",
-            lowest=1.0,
-            highest=FASTEST,
+            minimum=1.0,
+            maximum=MAX_RATE,
         )
         self._rate, self._others = rate, others
         # What can be reset is a simulation.
-        self._clock = PlantClock(node, parameters, order.use_sim_time) if order.may_reset else None
+        self._clock = PlantClock(node, order.use_sim_time) if order.may_reset else None
         self._joint_states = JointStates(node, order.robot)
-        self._due = Due(rate.value, 0.5 * order.dt)
+        self._due = RateLimiter(rate.value, 0.5 * order.dt)
         self._at_state_rate = (
             Odometry(node, order.robot),
             BalanceTopics(node, order.robot),
             Transforms(node, order.robot),
         )
-        self._state_due = Due(others.value, 0.5 * order.dt)
-        self._diagnostics = Diagnostics(node, parameters, order)
+        self._state_due = RateLimiter(others.value, 0.5 * order.dt)
+        self._diagnostics = Diagnostics(node, order)
         text = message_type("std_msgs/msg/String")
-        description = node.publisher(text.type_name, "robot_description", LATCHED)
+        description = node.create_publisher(text.type_name, "robot_description", LATCHED)
         description.publish(text(data=order.robot.urdf_path.read_text("utf-8", "replace")))
         orders = Orders.none(order.robot.na)
-        self._steering = Steering(node, parameters, orders, mailbox, order)
-        self._posture = PostureCommands(node, parameters, orders, mailbox, order.robot)
-        self._requests = PlantRequests(node, parameters, orders, mailbox, order)
-        self._walk_to = WalkTo(node, parameters, self._steering, order)
+        self._steering = Steering(node, orders, mailbox, order)
+        self._posture = PostureCommands(node, orders, mailbox, order.robot)
+        self._requests = PlantRequests(node, orders, mailbox, order)
+        self._walk_to = WalkTo(node, self._steering, order)
         self._play = PlayMotion(node, self._steering, self._walk_to, orders, mailbox, order)
         self._orders, self._mailbox = orders, mailbox
         self._latest: Sample | None = None
-        self._looks = node.timer(1.0 / _LEAST_LOOKS, self._look)
+        self._looks = node.create_timer(1.0 / _LEAST_LOOKS, self._look)
         self._change_rates(None)
         for parameter in (rate, others):
-            parameter.changed = self._change_rates
+            parameter.on_change = self._change_rates
 
     def _change_rates(self, _: Any) -> None:
         # Both at once: where the rates are the same, the stamps are, as ExactTime filters need it.
@@ -109,9 +107,9 @@ class RobotNode:
         self._latest = sample
         self._diagnostics.take(sample)
         self._play.take(sample)
-        if self._due(sample.stamp):
+        if self._due.is_due(sample.stamp):
             self._joint_states.publish(sample)
-        if self._state_due(sample.stamp):
+        if self._state_due.is_due(sample.stamp):
             for topics in self._at_state_rate:
                 topics.publish(sample)
         self._walk_to.take(sample)

@@ -17,7 +17,7 @@ from wbc.ros.bridge.mailbox import Mailbox
 from wbc.ros.bridge.order import Order
 from wbc.ros.bridge.robot_node import RobotNode
 from wbc.ros.node import Node
-from wbc.ros.rosout import speaking
+from wbc.ros.rosout import log_to_rosout
 
 
 def main() -> None:
@@ -31,14 +31,14 @@ def main() -> None:
         try:
             node = Node(order.name, namespace=order.space, network=order.network)
             stack.enter_context(node)
-            stack.enter_context(speaking(node))
+            stack.enter_context(log_to_rosout(node))
             robot_node = RobotNode(node, order, ring, mailbox)
         except WbcError as error:
             parent.reply({"error": str(error)})
             return
-        parent.reply({"node": node.full_name})
+        parent.reply({"node": node.fully_qualified_name})
         parent_monitor = parent.ParentMonitor(order.parent)
-        node.spin(lambda: parent_monitor.gone)
+        node.spin_until(lambda: parent_monitor.gone)
         robot_node.stop()
 
 

@@ -9,10 +9,10 @@ import numpy as np
 from wbc.messages import Message, Template, message_type
 from wbc.robot import Robot
 from wbc.ros.bridge.layout import Sample
-from wbc.ros.endpoints import Publisher
-from wbc.ros.names import token
+from wbc.ros.names import to_name_token
 from wbc.ros.node import Node
-from wbc.ros.qos import FAST
+from wbc.ros.publisher import Publisher
+from wbc.ros.qos import HIGH_RATE
 
 WORLD = "odom"  #: the frame in which the robot's estimator tells where it is
 
@@ -32,7 +32,7 @@ class Filled:
     """
 
     def __init__(self, node: Node, topic: str, message: Message) -> None:
-        self._publisher: Publisher = node.publisher(message.type_name, topic, FAST)
+        self._publisher: Publisher = node.create_publisher(message.type_name, topic, HIGH_RATE)
         self.template = Template(message)
 
     def view(self, path: str) -> np.ndarray:
@@ -42,7 +42,7 @@ class Filled:
     def publish(self, stamp: float) -> None:
         """Send it as it is now, with a time, s since 1970."""
         self.template.stamp(stamp)
-        self._publisher.publish_bytes(self.template.data)
+        self._publisher.publish(self.template.data)
 
 
 class JointStates:
@@ -108,7 +108,7 @@ class BalanceTopics:
         for sole in robot.soles:
             message = wrench()
             message.header.frame_id = sole.name
-            topic = Filled(node, f"sensors/wrench/{token(sole.name)}", message)
+            topic = Filled(node, f"sensors/wrench/{to_name_token(sole.name)}", message)
             self._wrenches.append((topic, topic.view("wrench")))
 
     def publish(self, sample: Sample) -> None:

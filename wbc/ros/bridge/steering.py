@@ -11,7 +11,6 @@ from typing import Any
 from wbc.ros.bridge.mailbox import Mailbox, Orders
 from wbc.ros.bridge.order import Order
 from wbc.ros.node import Node
-from wbc.ros.parameters import Parameters
 
 logger = logging.getLogger(__name__)
 
@@ -28,21 +27,19 @@ class Steering:
         sets_out: called when the robot is to walk, whoever wants it.
     """
 
-    def __init__(
-        self, node: Node, parameters: Parameters, orders: Orders, mailbox: Mailbox, order: Order
-    ) -> None:
+    def __init__(self, node: Node, orders: Orders, mailbox: Mailbox, order: Order) -> None:
         self._orders, self._mailbox = orders, mailbox
         self.max_velocity = order.max_velocity
-        self._timeout = parameters.declare(
+        self._timeout = node.declare_parameter(
             "cmd_vel_timeout",
             0.5,
             "after which the robot stops when no cmd_vel comes, s",
-            lowest=0.05,
-            highest=10.0,
+            minimum=0.05,
+            maximum=10.0,
         )
         self.taken_over: Callable[[], None] = lambda: None
         self.sets_out: Callable[[], None] = lambda: None
-        node.subscription("geometry_msgs/msg/Twist", "cmd_vel", self._hear)
+        node.create_subscription("geometry_msgs/msg/Twist", "cmd_vel", self._hear)
 
     def _hear(self, message: Any, _: Any) -> None:
         wanted = (message.linear.x, message.linear.y, message.angular.z)

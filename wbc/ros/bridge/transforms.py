@@ -155,14 +155,14 @@ class Transforms:
         moving = [link for link in every if link.joint is not None]
         still = [link for link in every if link.joint is None]
         self._moving = MovingLinks(moving)
-        self._publisher = node.publisher(_TYPE, "/tf", TF)
+        self._publisher = node.create_publisher(_TYPE, "/tf", TF)
         names = [(WORLD, base_frame(robot)), *((link.parent, link.name) for link in moving)]
         self._template, self._numbers, self._places = _laid_out(names)
-        latched = node.publisher(_TYPE, "/tf_static", LATCHED)
+        latched = node.create_publisher(_TYPE, "/tf_static", LATCHED)
         template, numbers, places = _laid_out([(link.parent, link.name) for link in still])
         poses = [pin.SE3ToXYZQUAT(link.before * link.after) for link in still]
         numbers[places] = np.array(poses).ravel()
-        latched.publish_bytes(template.data)
+        latched.publish(template.data)
 
     def publish(self, sample: Sample) -> None:
         """Send a tick's."""
@@ -170,7 +170,7 @@ class Transforms:
         self._numbers[self._places[:7]] = sample.q[:7]
         self._numbers[self._places[7:]] = poses.ravel()
         self._template.stamp(sample.stamp)
-        self._publisher.publish_bytes(self._template.data)
+        self._publisher.publish(self._template.data)
 
 
 def _laid_out(names: list[tuple[str, str]]) -> tuple[Template, np.ndarray, np.ndarray]:

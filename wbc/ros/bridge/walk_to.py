@@ -14,16 +14,15 @@ from typing import Any
 import numpy as np
 
 from wbc.robot.attitude import heading
-from wbc.ros.actions import ActionServer, Goal, GoalState
+from wbc.ros.actions import ActionServer, GoalStatus, ServerGoalHandle
 from wbc.ros.bridge.approach import Approach, Pose
 from wbc.ros.bridge.layout import Mode, Sample
 from wbc.ros.bridge.order import Order
 from wbc.ros.bridge.state_topics import WORLD, base_frame
 from wbc.ros.bridge.steering import Steering
-from wbc.ros.due import Due
 from wbc.ros.node import Node
-from wbc.ros.parameters import Parameters
-from wbc.ros.stamp import duration, stamp_at
+from wbc.ros.rate_limiter import RateLimiter
+from wbc.ros.stamp import duration_from_seconds, stamp_from_seconds
 from wbc.state import State
 
 logger = logging.getLogger(__name__)
@@ -50,28 +49,31 @@ class WalkTo:
     gone, the robot comes to a stand first.
     """
 
-    def __init__(
-        self, node: Node, parameters: Parameters, steering: Steering, order: Order
-    ) -> None:
+    def __init__(self, node: Node, steering: Steering, order: Order) -> None:
         self._steering, self._robot = steering, order.robot
-        self._share = parameters.declare(
+        self._share = node.declare_parameter(
             "walk_speed", 0.6, "of walking to a pose, as a share of the gait's largest velocity",
-            lowest=0.1, highest=1.0,
+            minimum=0.1, maximum=1.0,
         )  # fmt: skip
-        self._tolerance = parameters.declare(
-            "position_tolerance", 0.1, "of walking to a pose, m", lowest=0.02, highest=1.0
+        self._tolerance = node.declare_parameter(
+            "position_tolerance", 0.1, "of walking to a pose, m", minimum=0.02, maximum=1.0
         )
-        self._heading_tolerance = parameters.declare(
-            "heading_tolerance", 0.15, "of walking to a pose, rad", lowest=0.05, highest=math.pi
+        self._heading_tolerance = node.declare_parameter(
+            "heading_tolerance", 0.15, "of walking to a pose, rad", minimum=0.05, maximum=math.pi
         )
         self._server = ActionServer(
-            node, TYPE, "navigate_to_pose", self._accept, self._begin, self._cancel
+            node,
+            TYPE,
+            "navigate_to_pose",
+            goal_callback=self._accept,
+            handle_accepted_callback=self._begin,
+            cancel_callback=self._cancel,
         )
-        self._steps, self._tells = Due(_RATE), Due(_FEEDBACK_RATE)
+        self._steps, self._tells = RateLimiter(_RATE), RateLimiter(_FEEDBACK_RATE)
         self._sample: Sample | None = None
-        self._goal: Goal | None = None
+        self._goal: ServerGoalHandle | None = None
         self._target = Pose(0.0, 0.0, 0.0)
-        self._ending: tuple[GoalState, Any] | None = None
+        self._ending: tuple[GoalStatus, Any] | None = None
         steering.taken_over = lambda: self.stop("cmd_vel took over")
 
     def take(self, sample: Sample) -> None:
@@ -83,14 +85,14 @@ class WalkTo:
             self.stop("the robot was reset")
         elif sample.mode is Mode.FALLEN:
             self.stop("the robot fell")
-        elif self._steps(sample.stamp):
+        elif self._steps.is_due(sample.stamp):
             self._go_on(self._goal, sample)
 
     def stop(self, why: str) -> None:
         """End the goal that is pursued, if there is one; the robot comes to a stand by itself."""
         if self._goal is not None:
             self._steering.stand()
-            self._finish(self._goal, GoalState.ABORTED, self._failure(_UNKNOWN_ERROR, why))
+            self._finish(self._goal, GoalStatus.ABORTED, self._failure(_UNKNOWN_ERROR, why))
 
     def _accept(self, request: Any) -> bool:
         sample = self._sample
@@ -98,7 +100,7 @@ class WalkTo:
             return False
         return self._pose(request.pose, sample) is not None
 
-    def _begin(self, goal: Goal) -> None:
+    def _begin(self, goal: ServerGoalHandle) -> None:
         self.stop("another goal took its place")
         assert self._sample is not None
         pose = self._pose(goal.request.pose, self._sample)
@@ -110,10 +112,10 @@ class WalkTo:
         self._tries = 0
         logger.info("walking to (%.2f m, %.2f m, %.2f rad)", pose.x, pose.y, pose.heading)
 
-    def _cancel(self, goal: Goal) -> bool:
+    def _cancel(self, goal: ServerGoalHandle) -> bool:
         if goal is not self._goal:
             return False
-        self._end(GoalState.CANCELED, self._server.result_type(error_msg="cancelled"))
+        self._end(GoalStatus.CANCELED, self._server.result_type(error_msg="cancelled"))
         return True
 
     def _pose(self, stamped: Any, sample: Sample) -> Pose | None:
@@ -138,15 +140,15 @@ class WalkTo:
             heading(self._robot, State(sample.q, sample.v)),
         )
 
-    def _go_on(self, goal: Goal, sample: Sample) -> None:
+    def _go_on(self, goal: ServerGoalHandle, sample: Sample) -> None:
         here = self._here(sample)
         error = self._target.seen_from(here)
         now = sample.time  # a simulation may be slower than the clock
-        if self._tells(sample.stamp):
+        if self._tells.is_due(sample.stamp):
             self._tell(goal, here, error, sample)
         if self._ending is None and not goal.client_alive:
             text = "who sent the goal has gone"
-            self._end(GoalState.ABORTED, self._failure(_UNKNOWN_ERROR, text))
+            self._end(GoalStatus.ABORTED, self._failure(_UNKNOWN_ERROR, text))
         if self._ending is None:
             self._walk(error, now)
         stands = self._stands(sample, now)
@@ -155,7 +157,7 @@ class WalkTo:
 
     def _walk(self, error: Pose, now: float) -> None:
         if self._arrived(error, 0.5):
-            self._end(GoalState.SUCCEEDED, self._server.result_type())
+            self._end(GoalStatus.SUCCEEDED, self._server.result_type())
             return
         share = float(self._share.value)
         x, y, turn = (share * v for v in self._steering.max_velocity)
@@ -164,7 +166,7 @@ class WalkTo:
         if left < self._nearest - _PROGRESS:
             self._nearest, self._nearer = left, now
         elif now - self._nearer > _STUCK:
-            self._end(GoalState.ABORTED, self._failure(_TIMEOUT, "it comes no nearer"))
+            self._end(GoalStatus.ABORTED, self._failure(_TIMEOUT, "it comes no nearer"))
             return
         self._steering.walk(approach.velocity(error), _HOLD)
 
@@ -173,7 +175,7 @@ class WalkTo:
             error.heading
         ) < share * float(self._heading_tolerance.value)
 
-    def _end(self, state: GoalState, result: Any) -> None:
+    def _end(self, state: GoalStatus, result: Any) -> None:
         """Come to a stand; then the goal is over."""
         self._ending = (state, result)
         self._standing_since = None
@@ -188,19 +190,19 @@ class WalkTo:
             self._standing_since = now
         return now - self._standing_since > _STILL
 
-    def _conclude(self, goal: Goal, error: Pose) -> None:
+    def _conclude(self, goal: ServerGoalHandle, error: Pose) -> None:
         assert self._ending is not None
         state, result = self._ending
-        if state is GoalState.SUCCEEDED and not self._arrived(error, 1.0):
+        if state is GoalStatus.SUCCEEDED and not self._arrived(error, 1.0):
             self._tries += 1  # the last steps carried it past
             self._ending = None
             if self._tries > _TRIES:
                 text = f"it stands {error.distance:.2f} m and {error.heading:.2f} rad off"
-                self._end(GoalState.ABORTED, self._failure(_TIMEOUT, text))
+                self._end(GoalStatus.ABORTED, self._failure(_TIMEOUT, text))
             return
         self._finish(goal, state, result)
 
-    def _finish(self, goal: Goal, state: GoalState, result: Any) -> None:
+    def _finish(self, goal: ServerGoalHandle, state: GoalStatus, result: Any) -> None:
         self._goal = self._ending = None
         logger.info("walking to a pose: %s", result.error_msg or state.name.lower())
         goal.finish(state, result)
@@ -208,16 +210,16 @@ class WalkTo:
     def _failure(self, code: int, text: str) -> Any:
         return self._server.result_type(error_code=code, error_msg=text)
 
-    def _tell(self, goal: Goal, here: Pose, error: Pose, sample: Sample) -> None:
+    def _tell(self, goal: ServerGoalHandle, here: Pose, error: Pose, sample: Sample) -> None:
         feedback: Any = self._server.feedback_type()
         pose = feedback.current_pose
-        pose.header.stamp, pose.header.frame_id = stamp_at(sample.stamp), WORLD
+        pose.header.stamp, pose.header.frame_id = stamp_from_seconds(sample.stamp), WORLD
         pose.pose.position.x, pose.pose.position.y = here.x, here.y
         pose.pose.orientation.z = math.sin(0.5 * here.heading)
         pose.pose.orientation.w = math.cos(0.5 * here.heading)
-        feedback.navigation_time = duration(sample.time - self._began)
+        feedback.navigation_time = duration_from_seconds(sample.time - self._began)
         pace = float(self._share.value) * self._steering.max_velocity[0]
-        feedback.estimated_time_remaining = duration(error.distance / pace)
+        feedback.estimated_time_remaining = duration_from_seconds(error.distance / pace)
         feedback.number_of_recoveries = self._tries
         feedback.distance_remaining = error.distance
-        goal.feedback(feedback)
+        goal.publish_feedback(feedback)
