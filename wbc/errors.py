@@ -81,6 +81,10 @@ class PlantError(WbcError):
     """The simulated plant cannot be built or stepped as asked."""
 
 
+class PhysicsDiverged(PlantError):
+    """The simulated physics has left the range of finite, plausible states."""
+
+
 class MissingExtra(WbcError, ImportError):
     """An optional dependency is not installed; the text names the pip command."""
 

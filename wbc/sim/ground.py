@@ -8,20 +8,20 @@ import numpy as np
 
 from wbc.sim.terrain import Terrain
 
-#: Up to so many boxes all lie in the physics at once; of more, those about the robot.
-_MOST_BOXES = 150
-#: How far around the base boxes must lie at least, m: a long step and a fall.
-_REACH = 1.5
-#: How far the base may move before the boxes are laid anew, m.
-_STRIDE = 0.25
-#: Where boxes that are not needed lie, m.
+#: Up to this many boxes are all in the physics at once; of more, those near the robot.
+_MAX_BOXES = 150
+#: Boxes are present at least this far around the base, m: a long step and a fall.
+_RADIUS = 1.5
+#: How far the base may move before the boxes are placed anew, m.
+_MAX_MOVE = 0.25
+#: Height of boxes that are not needed, m.
 _PARKED = -50.0
 
 
 class Ground:
-    """Lays a terrain where the robot starts, and keeps it underfoot.
+    """Places a terrain where the robot starts, and keeps the part near the robot in the physics.
 
-    Thousands of boxes cost more than the robot's own dynamics even where nobody treads.
+    Thousands of boxes cost more than the robot's own dynamics even where nothing touches them.
     A large terrain of boxes of one size is therefore a window of bodies about the robot
     that follows it; a small one, or one of various boxes, is a single body.
 
@@ -32,9 +32,9 @@ class Ground:
     def __init__(self, terrain: Terrain) -> None:
         self._boxes = np.asarray(terrain.boxes(), dtype=float).reshape(-1, 6)
         self._window = 0
-        if len(self._boxes) > _MOST_BOXES and not np.ptp(self._boxes[:, 3:], axis=0).any():
+        if len(self._boxes) > _MAX_BOXES and not np.ptp(self._boxes[:, 3:], axis=0).any():
             sides = 2.0 * self._boxes[0, 3:5]
-            across = np.ceil(2.0 * (_REACH + _STRIDE) / sides) + 1.0
+            across = np.ceil(2.0 * (_RADIUS + _MAX_MOVE) / sides) + 1.0
             self._window = min(len(self._boxes), int(across[0] * across[1]))
 
     def add_to(self, mujoco: Any, spec: Any, surface: dict[str, Any]) -> None:
@@ -48,13 +48,13 @@ class Ground:
                 body = world.add_body(name=f"terrain_{i}", mocap=True)
                 body.add_geom(type=box, size=size, **surface)
         elif len(self._boxes):
-            # A mocap body can be laid where the robot starts without compiling anew.
+            # A mocap body can be placed where the robot starts without compiling anew.
             patch = world.add_body(name="terrain", mocap=True)
             for b in self._boxes:
                 patch.add_geom(type=box, pos=b[:3], size=b[3:], **surface)
 
-    def lay(self, data: Any, x: float, y: float, yaw: float) -> None:
-        """Lay the terrain's origin at a place and heading in the world, m and rad."""
+    def place(self, data: Any, x: float, y: float, yaw: float) -> None:
+        """Place the terrain's origin at a position and heading in the world, m and rad."""
         if not len(self._boxes):
             return
         c, s = np.cos(yaw), np.sin(yaw)
@@ -63,20 +63,20 @@ class Ground:
         if self._window:
             self._centres = self._boxes[:, :3].copy()
             self._centres[:, :2] = self._boxes[:, :2] @ np.array([[c, s], [-s, c]]) + [x, y]
-            self._show(data, x, y)
+            self._place_window(data, x, y)
 
     def follow(self, data: Any) -> None:
-        """Keep the boxes about the robot there."""
+        """Move the window of boxes with the robot."""
         if not self._window:
             return
         x, y = data.qpos[:2].tolist()
-        if max(abs(x - self._at[0]), abs(y - self._at[1])) > _STRIDE:
-            self._show(data, x, y)
+        if max(abs(x - self._at[0]), abs(y - self._at[1])) > _MAX_MOVE:
+            self._place_window(data, x, y)
 
-    def _show(self, data: Any, x: float, y: float) -> None:
+    def _place_window(self, data: Any, x: float, y: float) -> None:
         self._at = (x, y)
         distance = np.hypot(*(self._centres[:, :2] - [x, y]).T)
         near = np.argpartition(distance, self._window - 1)[: self._window]
         data.mocap_pos[:] = self._centres[near]
-        far = distance[near] > 2.0 * _REACH + self._boxes[0, 3]
+        far = distance[near] > 2.0 * _RADIUS + self._boxes[0, 3]
         data.mocap_pos[far, 2] = _PARKED

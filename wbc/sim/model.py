@@ -1,9 +1,9 @@
 """The MuJoCo model of a robot, built from its Pinocchio model.
 
-MuJoCo is not given the URDF: its reader drops the floating base's inertia and
-knows nothing of `package://`. Everything is copied from `pin.Model` instead, so
-that the controller's model and the plant's agree to rounding, and every mismatch
-in a trial is one that was asked for.
+MuJoCo does not read the URDF: its reader drops the floating base's inertia and
+does not resolve `package://`. Everything is copied from `pin.Model` instead, so
+that the controller's model and the plant's agree to rounding, and every model
+mismatch in a trial is intended.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _TINY_INERTIA = 1e-12
 
 
 def import_mujoco() -> Any:
-    """The `mujoco` module.
+    """Import and return the `mujoco` module.
 
     Raises:
         MissingExtra: it is not installed.

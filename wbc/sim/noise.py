@@ -1,10 +1,13 @@
-"""How far the simulated sensors are from the truth."""
+"""Errors of the simulated sensors."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+
+from wbc.errors import PlantError
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +33,9 @@ class SensorNoise:
         force: foot force, N.
         force_share: foot force, as a share of the reading.
         torque: foot moment, N·m.
+
+    Raises:
+        PlantError: a standard deviation that is negative or not finite.
     """
 
     encoder: float = 1e-3
@@ -42,24 +48,37 @@ class SensorNoise:
     force_share: float = 0.01
     torque: float = 0.1
 
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            sigma = getattr(self, name)
+            if not (math.isfinite(sigma) and sigma >= 0.0):
+                raise PlantError(
+                    f"SensorNoise: {name} = {sigma} is a standard deviation; it must be finite "
+                    "and not negative (0 for a perfect sensor)"
+                )
+
     @classmethod
     def none(cls) -> SensorNoise:
-        """Perfect sensors."""
+        """Return the noise of perfect sensors."""
         return cls(*(0.0,) * 9)
 
     def scaled(self, factor: float) -> SensorNoise:
-        """The same sensors, `factor` times as bad."""
+        """Return the noise of the same sensors, every deviation times `factor`."""
         return SensorNoise(*(factor * getattr(self, name) for name in self.__slots__))
 
 
-class Noise:
-    """Draws the errors of one run from a seeded generator.
+class NoiseGenerator:
+    """Draws the sensor errors of one run from a seeded generator.
 
     Args:
         sigma: the standard deviations.
         na: number of joints.
         feet: number of foot sensors.
         seed: the same seed gives the same errors, sample by sample.
+
+    Attributes:
+        gyro_bias: (3,) of this run, IMU axes, rad/s.
+        accelerometer_bias: (3,) of this run, IMU axes, m/s².
     """
 
     def __init__(self, sigma: SensorNoise, na: int, feet: int, seed: int) -> None:
@@ -77,8 +96,8 @@ class Noise:
         self._offset[2 * na + 3 : 2 * na + 6] = self.accelerometer_bias
         self._forces = slice(2 * na + 6, None)
 
-    def corrupt(self, exact: np.ndarray) -> np.ndarray:
-        """A new array: the readings `[q, v, gyro, accelerometer, wrenches]` with errors."""
+    def add_to(self, exact: np.ndarray) -> np.ndarray:
+        """Return `[q, v, gyro, accelerometer, wrenches]` with errors, in a new array."""
         forces = exact[self._forces]
         draw = self._random.standard_normal(exact.size + forces.size)
         noisy, in_proportion = draw[: exact.size], draw[exact.size :]

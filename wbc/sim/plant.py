@@ -1,50 +1,57 @@
-"""A humanoid in MuJoCo, torque in and sensor readings out."""
+"""A humanoid in MuJoCo: torques in, sensor readings out."""
 
 from __future__ import annotations
 
 import math
-from collections import deque
 from typing import Any
 
 import numpy as np
 
 from wbc.closeable import Closeable
 from wbc.command import Command
-from wbc.errors import PlantError
+from wbc.errors import PhysicsDiverged, PlantError
 from wbc.measurement import Measurement
 from wbc.robot import Robot
 from wbc.robot.attitude import heading
-from wbc.sim.convention import Convention
+from wbc.sim.coordinates import CoordinateMap
 from wbc.sim.ground import Ground
 from wbc.sim.model import build_model, import_mujoco
-from wbc.sim.noise import Noise, SensorNoise
-from wbc.sim.push import Push, Pushes
+from wbc.sim.motors import Motors
+from wbc.sim.noise import NoiseGenerator, SensorNoise
+from wbc.sim.pushes import Push, PushSchedule
 from wbc.sim.sensors import Sensors
 from wbc.sim.terrain import Flat, Terrain
 from wbc.state import State
+
+#: Root of the sum of squares of all velocities from which on the physics counts as diverged,
+#: m/s and rad/s: several times what all motors of a humanoid together reach.
+_MAX_SPEED = 1000.0
 
 
 class Mujoco(Closeable):
     """The simulated robot: motors, sensors, ground and pushes.
 
-    A context manager. The same arguments and commands give the same run, bit by bit.
+    A context manager. The same arguments and commands give the same run, bit by bit. At any
+    tick `copy.deepcopy` and `pickle` give a plant that goes on bit-identically, in this process
+    or another.
 
     Args:
         robot: its model is copied: later changes to it do not reach the plant.
         dt: control period, a multiple of `timestep`, s.
         timestep: of the physics, s.
         friction: Coulomb coefficient between soles and ground.
-        terrain: what lies on the floor; laid around the robot's pose at reset.
+        terrain: what lies on the floor; placed around the robot's pose at each reset.
         noise: of the sensors.
         ground_truth: measurements carry the exact state.
         seed: of the sensor noise, which starts anew at every reset.
         latency: age of a command when it reaches the motors, s.
-        feet_collide: the soles also meet each other, as boxes of 2 cm. Nothing else of
+        feet_collide: the soles also collide with each other, as boxes of 2 cm. Nothing else of
             the robot collides: limbs pass through each other, a fallen robot through the
             floor.
 
     Raises:
-        PlantError: a model that MuJoCo cannot represent, or times that do not fit.
+        PlantError: a model that MuJoCo cannot represent, times that do not fit, negative
+            friction, or a bad seed.
         MissingExtra: `mujoco` is not installed.
     """
 
@@ -62,17 +69,20 @@ class Mujoco(Closeable):
         latency: float = 0.0,
         feet_collide: bool = True,
     ) -> None:
+        self._substeps = _whole_steps("dt", dt, timestep, least=1)
+        latency_steps = _whole_steps("latency", latency, timestep, least=0)
+        if not (math.isfinite(friction) and friction >= 0.0):
+            raise PlantError(f"friction = {friction}: a Coulomb coefficient is finite and >= 0")
+        if not (isinstance(seed, int | np.integer) and seed >= 0):
+            raise PlantError(f"seed = {seed!r}: the seed must be a whole number >= 0")
         self.robot = robot
         self.dt = dt
         self.timestep = timestep
-        self.terrain: Terrain = Flat() if terrain is None else terrain
-        self._substeps = _whole_steps("dt", dt, timestep, least=1)
         self.latency = latency
-        self._latency_steps = _whole_steps("latency", latency, timestep, least=0)
-        self._give_truth = ground_truth
-        self.noise = SensorNoise() if noise is None else noise
         self.seed = seed
-        self._mujoco = import_mujoco()
+        self.terrain: Terrain = Flat() if terrain is None else terrain
+        self.noise = SensorNoise() if noise is None else noise
+        self._measures_truth = ground_truth
         self._ground = Ground(self.terrain)
         self.model = build_model(
             robot,
@@ -81,35 +91,63 @@ class Mujoco(Closeable):
             ground=self._ground,
             feet_collide=feet_collide,
         )
-        self.data = self._mujoco.MjData(self.model)
-        self._scratch: Any = None
         dofs = [self.model.joint(name).dofadr[0] - 6 for name in robot.joint_names]
-        self.convention = Convention(np.array(dofs, dtype=int))
-        self._sensors = Sensors(robot, self._mujoco, self.model, self.data, self.convention)
-        self._pushes = Pushes(self._mujoco, self.model, self.data)
+        self.coordinates = CoordinateMap(np.array(dofs, dtype=int))
         first = 2 * robot.na + 6
-        self._wrench_places = [
+        self._wrench_slices = [
             (s.name, slice(first + 6 * i, first + 6 * i + 6)) for i, s in enumerate(robot.soles)
         ]
-        self._tau_max = np.array(robot.tau_max, dtype=float)
-        self._tau_min = -self._tau_max
-        self._commands: deque[tuple[int, np.ndarray]] = deque()
+        self._motors = Motors(robot, latency_steps)
+        self._pushes = PushSchedule()
+        self._connect()
         self.reset()
 
+    def _connect(self) -> None:
+        """Allocate MuJoCo's data, and everything that holds views of it."""
+        self._mujoco = import_mujoco()
+        self.data = self._mujoco.MjData(self.model)
+        self._scratch: Any = None
+        self._sensors = Sensors(self.robot, self._mujoco, self.model, self.data, self.coordinates)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy needs: settings, model, the integration state and readings."""
+        state = self.__dict__.copy()
+        for name in ("_mujoco", "data", "_scratch", "_sensors"):
+            del state[name]
+        kind = self._mujoco.mjtState.mjSTATE_INTEGRATION
+        physics = np.empty(self._mujoco.mj_stateSize(self.model, kind))
+        self._mujoco.mj_getState(self.model, self.data, physics, kind)
+        return state | {"physics": physics, "reading": self._sensors.reading}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        physics, reading = state.pop("physics"), state.pop("reading")
+        self.__dict__.update(state)
+        self._connect()
+        mujoco = self._mujoco
+        mujoco.mj_setState(self.model, self.data, physics, mujoco.mjtState.mjSTATE_INTEGRATION)
+        mujoco.mj_step1(self.model, self.data)
+        self._sensors.reading[:] = reading
+
+    def __repr__(self) -> str:
+        return (
+            f"Mujoco({self.robot.name}, {self.terrain!r}, dt={self.dt} s, "
+            f"timestep={self.timestep} s, seed={self.seed}, at {self.time:.3f} s)"
+        )
+
     def close(self) -> None:
-        """Nothing to release: MuJoCo's memory goes with the object."""
+        """Do nothing: MuJoCo's memory is freed with the object."""
 
     @property
     def time(self) -> float:
-        """Since the last reset, s."""
+        """Time since the last reset, s."""
         return self._steps * self.timestep
 
     def reset(self, state: State | None = None) -> None:
         """Start over at a state, by default `robot.standing()`, with motors off.
 
         The terrain moves along: the robot finds it as `robot.standing()` finds it at the
-        world's origin, whatever place and heading it starts at. The first measurement is
-        that of the posture held still: see `Sensors.start`.
+        world's origin, whatever position and heading it starts at. The first measurement is
+        that of the posture held still: see `Sensors.reset`.
 
         Raises:
             StateError: wrong sizes, NaN or a quaternion that is not of unit length.
@@ -117,57 +155,73 @@ class Mujoco(Closeable):
         state = (self.robot.standing() if state is None else state).validated(self.robot.model)
         mujoco, model, data = self._mujoco, self.model, self.data
         mujoco.mj_resetData(model, data)
-        data.qpos[:], data.qvel[:] = self.convention.to_plant(state)
-        self._lay_ground(state)
+        data.qpos[:], data.qvel[:] = self.coordinates.to_plant(state)
+        self._place_ground(state)
         self._steps = 0
-        self._commands.clear()
+        self._motors.clear()
         self._pushes.clear()
-        self._noise = Noise(self.noise, self.robot.na, len(self.robot.soles), self.seed)
+        self._noise = NoiseGenerator(self.noise, self.robot.na, len(self.robot.soles), self.seed)
         mujoco.mj_forward(model, data)
-        self._sensors.start()
+        self._sensors.reset()
         self._measurement: Measurement | None = None
 
     def measure(self) -> Measurement:
-        """What the sensors read now; asked twice in a tick, the same object."""
+        """Return what the sensors read now; the same object when asked twice in a tick."""
         if self._measurement is None:
-            n, r = 2 * self.robot.na, self._noise.corrupt(self._sensors.reading)
+            n, r = 2 * self.robot.na, self._noise.add_to(self._sensors.reading)
             self._measurement = Measurement(
                 time=self.time,
                 joint_position=r[: n // 2],
                 joint_velocity=r[n // 2 : n],
                 gyro=r[n : n + 3],
                 accelerometer=r[n + 3 : n + 6],
-                foot_wrenches={name: r[at] for name, at in self._wrench_places},
-                ground_truth=self.ground_truth() if self._give_truth else None,
+                foot_wrenches={name: r[at] for name, at in self._wrench_slices},
+                ground_truth=self.ground_truth() if self._measures_truth else None,
             )
         return self._measurement
 
     def step(self, command: Command) -> None:
         """Hold a command's torques over one control period.
 
-        Torques beyond the robot's limits are clipped to them; `torque` tells what the
-        motors do.
+        Torques beyond the robot's limits are clipped to them; `torque` returns what the
+        motors exert.
 
         Raises:
-            PlantError: torques of the wrong size or not finite, or physics that diverged.
+            PlantError: torques of the wrong size or not finite.
+            PhysicsDiverged: velocities that are not finite or absurdly large.
         """
-        self._queue(command.tau)
-        mujoco, model, data, commands = self._mujoco, self.model, self.data, self._commands
+        mujoco, model, data, motors = self._mujoco, self.model, self.data, self._motors
+        motors.command(command.tau, self._steps)
         self._ground.follow(data)
         for _ in range(self._substeps):
-            while commands and commands[0][0] <= self._steps:
-                data.ctrl[:] = commands.popleft()[1]
-            self._pushes.apply(self._steps)
+            torque = motors.arrived(self._steps)
+            if torque is not None:
+                data.ctrl[:] = torque
+            self._pushes.apply(self._steps, mujoco, model, data)
             # mj_step's two halves, turned round: the tick ends with fresh kinematics.
             mujoco.mj_step2(model, data)
             self._sensors.accumulate()
             mujoco.mj_step1(model, data)
             self._steps += 1
         velocity = data.qvel
-        if not math.isfinite(velocity.dot(velocity)):
-            raise PlantError(f"the physics diverged at {self.time:.3f} s: a smaller timestep helps")
+        # A NaN makes the comparison false.
+        if not velocity.dot(velocity) < _MAX_SPEED**2:
+            raise PhysicsDiverged(self._divergence())
         self._sensors.update()
         self._measurement = None
+
+    def _divergence(self) -> str:
+        """Return a message that names the fastest coordinate."""
+        velocity = self.ground_truth().v
+        broken = np.flatnonzero(~np.isfinite(velocity))
+        fastest = int(broken[0]) if broken.size else int(np.argmax(np.abs(velocity)))
+        what = "the base" if fastest < 6 else f"joint '{self.robot.joint_names[fastest - 6]}'"
+        unit = "m/s" if fastest < 3 else "rad/s (m/s if prismatic)" if fastest >= 6 else "rad/s"
+        return (
+            f"the physics diverged at {self.time:.3f} s: {what} moves at "
+            f"{velocity[fastest]:.3g} {unit}; a smaller timestep than {self.timestep} s or a "
+            "larger joint armature helps"
+        )
 
     def push(self, impulse: Any, *, duration: float = 0.1, frame: str | None = None) -> None:
         """Push now: see `schedule_push`."""
@@ -176,14 +230,14 @@ class Mujoco(Closeable):
     def schedule_push(
         self, at_time: float, impulse: Any, *, duration: float = 0.1, frame: str | None = None
     ) -> None:
-        """A constant force that delivers an impulse, F = impulse / duration.
+        """Schedule a constant force that delivers an impulse, F = impulse / duration.
 
         Args:
-            at_time: when it sets in, s; not before now.
+            at_time: when it begins, s; not before now.
             impulse: (3,) world axes, N·s.
             duration: rounded to whole physics steps, s; the impulse stays exact.
-            frame: acts at this frame's origin; by default at the centre of mass of the
-                body that carries the robot's torso.
+            frame: the force acts at this frame's origin; by default at the centre of mass of
+                the body that carries the robot's torso.
 
         Raises:
             PlantError: a shape, a duration or a time that makes no sense.
@@ -196,34 +250,37 @@ class Mujoco(Closeable):
             raise PlantError(f"a push of {duration} s: the duration must be positive")
         if not (np.isfinite(at_time) and at_time > self.time - 0.5 * self.timestep):
             raise PlantError(f"a push at {at_time} s: the time is {self.time:.3f} s already")
-        joint, point = self._push_point(frame)
+        body, point = self._push_point(frame)
         first = round(at_time / self.timestep)
         steps = max(1, round(duration / self.timestep))
         force = vector / (steps * self.timestep)
-        self._pushes.add(Push(first, first + steps, force, joint, point))
+        self._pushes.add(Push(first, first + steps, force, body, point))
 
     def ground_truth(self) -> State:
-        """The exact state now: for reports and tests, not for controllers."""
-        return self.convention.to_state(self.data.qpos, self.data.qvel)
+        """Return the exact state now: for reports and tests, not for controllers."""
+        return self.coordinates.to_state(self.data.qpos, self.data.qvel)
 
     @property
     def torque(self) -> np.ndarray:
-        """(na,) what the motors exert now, N·m."""
+        """Torques that the motors exert now, (na,), N·m."""
         torque: np.ndarray = self.data.ctrl.copy()
         return torque
 
     @property
     def foot_forces(self) -> dict[str, np.ndarray]:
         """Sole name -> (6,) exact contact wrench of the last tick, in sole axes; N, N·m."""
-        return {name: self._sensors.reading[at].copy() for name, at in self._wrench_places}
+        return {name: self._sensors.reading[at].copy() for name, at in self._wrench_slices}
 
     @property
     def push_force(self) -> np.ndarray:
-        """(3,) sum of the pushes that act now, world axes, N."""
+        """Sum of the pushes that act now, (3,), world axes, N."""
         return self._pushes.force(self._steps)
 
     def contacts(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """(point, force on the robot) of each contact, world axes; m, N. Not for the loop."""
+        """Return (point, force on the robot) of each contact, world axes; m, N.
+
+        It computes the contact forces anew on a copy of the state: not for the loop.
+        """
         mujoco, model = self._mujoco, self.model
         if self._scratch is None:
             self._scratch = mujoco.MjData(model)
@@ -245,30 +302,16 @@ class Mujoco(Closeable):
             found.append((contact.pos.copy(), force))
         return found
 
-    def _lay_ground(self, state: State) -> None:
-        """Lay the terrain's origin where the robot that stands there was moved from."""
+    def _place_ground(self, state: State) -> None:
+        """Place the terrain's origin where the robot that stands there was moved from."""
         yaw = heading(self.robot, state)
         c, s = math.cos(yaw), math.sin(yaw)
         x, y = self.robot.q_nominal[:2].tolist()
         at = state.q[0] - (c * x - s * y), state.q[1] - (s * x + c * y)
-        self._ground.lay(self.data, float(at[0]), float(at[1]), yaw)
-
-    def _queue(self, tau: np.ndarray) -> None:
-        tau = np.asarray(tau, dtype=float)
-        if tau.shape != self._tau_max.shape:
-            raise PlantError(
-                f"command.tau has shape {tau.shape}, the robot has {self.robot.na} joints"
-            )
-        if not math.isfinite(tau.dot(tau)) and not np.isfinite(tau).all():
-            bad = np.flatnonzero(~np.isfinite(tau))
-            name = self.robot.joint_names[bad[0]]
-            raise PlantError(f"command.tau of joint '{name}' is not finite: the plant refuses it")
-        clipped = np.minimum(np.maximum(tau, self._tau_min), self._tau_max)
-        # The first command acts at once: a robot is never switched on without one.
-        delay = self._latency_steps if self._steps else 0
-        self._commands.append((self._steps + delay, clipped))
+        self._ground.place(self.data, float(at[0]), float(at[1]), yaw)
 
     def _push_point(self, frame: str | None) -> tuple[int, np.ndarray]:
+        """Return MuJoCo's body id and the point of application in its axes, m."""
         name = self.robot.torso if frame is None else frame
         placed = self.robot.model.frames[self.robot.frame_id(name)]
         body = self.model.body(self.robot.model.names[placed.parentJoint]).id
@@ -278,10 +321,17 @@ class Mujoco(Closeable):
 
 
 def _whole_steps(name: str, value: float, timestep: float, least: int) -> int:
-    """How many physics steps a time is, or a `PlantError`."""
-    if not (np.isfinite(timestep) and timestep > 0.0):
-        raise PlantError(f"timestep is {timestep}: it must be positive (s)")
-    steps = round(value / timestep) if np.isfinite(value) else -1
+    """Return how many physics steps a time is.
+
+    Raises:
+        PlantError: the timestep is not positive, or the time not a multiple of it.
+    """
+    if not (math.isfinite(timestep) and timestep > 0.0):
+        raise PlantError(f"timestep = {timestep} s must be positive and finite")
+    steps = round(value / timestep) if math.isfinite(value) else -1
     if steps < least or abs(steps * timestep - value) > 1e-9:
-        raise PlantError(f"{name} = {value} s is not a whole number of {timestep} s timesteps")
+        raise PlantError(
+            f"{name} = {value} s must be a whole number of timesteps of {timestep} s, "
+            f"at least {least}"
+        )
     return steps

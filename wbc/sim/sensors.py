@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.robot import Robot
-from wbc.sim.convention import Convention
+from wbc.sim.coordinates import CoordinateMap
 
 #: A sole whose corners are all within this of the floor is taken to stand on it, m.
 _STANDING_HEIGHT = 0.005
@@ -24,21 +24,24 @@ class Sensors:
     anti-aliasing filters: a touchdown is neither missed nor blown up by sampling.
 
     Args:
-        robot: whose sensors these are.
+        robot: the robot.
         mujoco: the module.
         model: with sites "imu" and one of each sole's name.
         data: of the running simulation.
-        convention: of the robot's joints.
+        coordinates: order of the robot's joints.
+
+    Attributes:
+        reading: `[q, v, gyro, accelerometer, wrenches]` of the last update.
     """
 
     def __init__(
-        self, robot: Robot, mujoco: Any, model: Any, data: Any, convention: Convention
+        self, robot: Robot, mujoco: Any, model: Any, data: Any, coordinates: CoordinateMap
     ) -> None:
         self._robot = robot
         self._model = model
         self._data = data
-        self._joints = 7 + convention.order
-        self._rates = 6 + convention.order
+        self._joints = 7 + coordinates.order
+        self._rates = 6 + coordinates.order
         self._imu = model.site("imu").id
         self._feet = np.array([model.site(s.name).id for s in robot.soles])
         bodies = model.site_bodyid[self._feet]
@@ -67,7 +70,7 @@ class Sensors:
         self._wrenches = self._averaged[3:].reshape(-1, 6)
 
     def accumulate(self) -> None:
-        """Take in one physics step, between its forces and the next kinematics."""
+        """Add the readings of one physics step, between its forces and the next kinematics."""
         self._acceleration += self._exact_accelerometer
         spatial, com = self._spatial, self._com
         for total, external, place, axes in self._foot_views:
@@ -87,11 +90,11 @@ class Sensors:
             self._sums[:] = 0.0
             self._samples = 0
 
-    def start(self) -> None:
+    def reset(self) -> None:
         """Fill `reading` at a reset, when no physics step has been taken yet.
 
-        A robot that stands is read as one that is held still, its weight on its soles;
-        one in the air as in free fall.
+        A standing robot reads as if it were held still, its weight on its soles; one in the
+        air as in free fall.
         """
         self._instant()
         self._sums[:] = 0.0
@@ -116,7 +119,7 @@ class Sensors:
         return bool(abs(self._data.site_xpos[site, 2]) + reach < _STANDING_HEIGHT)
 
     def _standing_wrenches(self, feet: list[int]) -> np.ndarray:
-        """(k, 6) the smallest wrenches that carry the weight at rest, in sole axes."""
+        """Return the smallest wrenches that carry the weight at rest, (k, 6), in sole axes."""
         data = self._data
         com = self._com
         scale = np.diag([1.0, 1.0, 1.0, _MOMENT_SCALE, _MOMENT_SCALE, _MOMENT_SCALE])

@@ -1,4 +1,4 @@
-"""The ground that the simulated robot walks on."""
+"""Terrains: the ground that the simulated robot walks on."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Terrain(Protocol):
     """Ground above the infinite floor z = 0, around the place where the robot starts."""
 
     def boxes(self) -> np.ndarray:
-        """(n, 6) upright boxes: centre, then half sizes, m; the robot starts at the origin."""
+        """Return upright boxes, (n, 6): centre, then half sizes, m; the robot starts at 0."""
         ...
 
 
@@ -26,7 +26,7 @@ class Flat:
     """The infinite horizontal plane z = 0."""
 
     def boxes(self) -> np.ndarray:
-        """No boxes: the floor alone."""
+        """Return no boxes: the floor alone."""
         return np.empty((0, 6))
 
 
@@ -34,14 +34,14 @@ class Flat:
 class Tiles:
     """Square tiles of random height on the floor, flat where the robot starts.
 
-    The patch is laid around the robot's pose at reset, turned with it, so that a
+    The patch is placed around the robot's pose at reset, rotated with it, so that a
     trial is the same wherever it takes place. Outside of it is the plain floor.
 
     Attributes:
         height: highest top above the floor; tops are uniform in [0, height], m.
         size: side of a tile, m.
         extent: half the side of the whole patch, m.
-        clearing: no tile comes nearer than this to the start, m.
+        clearing: no tile is nearer than this to the start, m.
         seed: of the heights.
 
     Raises:
@@ -61,7 +61,7 @@ class Tiles:
                 raise PlantError(f"Tiles: {name} is {value}, it must be positive (m)")
 
     def boxes(self) -> np.ndarray:
-        """(n, 6) centre and half sizes of the tiles, m."""
+        """Return centre and half sizes of the tiles, (n, 6), m."""
         n = int(np.ceil(self.extent / self.size))
         index = np.arange(-n, n) + 0.5
         x, y = (g.ravel() for g in np.meshgrid(index * self.size, index * self.size))

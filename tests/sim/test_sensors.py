@@ -9,7 +9,7 @@ from simtools import Hold, command, moved, random_state, robot, run
 
 from wbc.errors import PlantError
 from wbc.sim import Mujoco, SensorNoise, Tiles
-from wbc.sim.noise import Noise
+from wbc.sim.noise import NoiseGenerator
 from wbc.state import State
 
 pytest.importorskip("mujoco")
@@ -85,7 +85,7 @@ def test_the_accelerometer_reads_what_the_forces_of_the_step_do(name):
             plant.step(command(random.uniform(-10.0, 10.0, r.na)))
             R = pin.XYZQUATToSE3(before.q[:7]).rotation
             a = plant.data.qacc.copy()
-            a[6:] = plant.data.qacc[6 + plant.convention.order]
+            a[6:] = plant.data.qacc[6 + plant.coordinates.order]
             a[:3] = R.T @ a[:3] - np.cross(before.v[3:6], before.v[:3])
             pin.forwardKinematics(r.model, data, before.q, before.v, a)
             axes = pin.ReferenceFrame.LOCAL
@@ -133,10 +133,10 @@ def test_noise_is_reproducible_and_differs_between_seeds():
 def test_noise_has_the_stated_deviations():
     na, feet, n = 10, 2, 4000
     sigma = SensorNoise()
-    noise = Noise(sigma, na, feet, seed=7)
+    noise = NoiseGenerator(sigma, na, feet, seed=7)
     exact = np.zeros(2 * na + 6 + 6 * feet)
     exact[-4] = 400.0  # vertical force of the second foot
-    errors = np.array([noise.corrupt(exact) for _ in range(n)]) - exact
+    errors = np.array([noise.add_to(exact) for _ in range(n)]) - exact
     gyro, accelerometer = errors[:, 20:23], errors[:, 23:26]
     spread = errors.std(axis=0)
     np.testing.assert_allclose(spread[:10], sigma.encoder, rtol=0.1)
@@ -156,7 +156,7 @@ def test_noise_has_the_stated_deviations():
 
 
 def test_biases_spread_over_seeds_as_stated():
-    draws = [Noise(SensorNoise(), 1, 0, seed) for seed in range(400)]
+    draws = [NoiseGenerator(SensorNoise(), 1, 0, seed) for seed in range(400)]
     assert np.std([d.gyro_bias for d in draws]) == pytest.approx(0.002, rel=0.1)
     assert np.std([d.accelerometer_bias for d in draws]) == pytest.approx(0.02, rel=0.1)
 
@@ -170,7 +170,7 @@ def test_scaled_noise_scales_every_deviation():
 
 def test_perfect_sensors_are_perfect():
     exact = np.arange(18.0)
-    np.testing.assert_array_equal(Noise(QUIET, 3, 1, 0).corrupt(exact), exact)
+    np.testing.assert_array_equal(NoiseGenerator(QUIET, 3, 1, 0).add_to(exact), exact)
 
 
 @pytest.mark.parametrize("field", ["height", "size", "extent"])

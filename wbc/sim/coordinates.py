@@ -1,4 +1,4 @@
-"""Between Pinocchio's coordinates and MuJoCo's, for a floating base.
+"""Conversion between Pinocchio's coordinates and MuJoCo's, for a floating base.
 
 | | Pinocchio | MuJoCo |
 | --- | --- | --- |
@@ -17,22 +17,22 @@ import pinocchio as pin
 from wbc.state import State
 
 
-class Convention:
-    """Maps states, accelerations and torques of one robot.
+class CoordinateMap:
+    """Converts states and accelerations of one robot.
 
     Args:
-        order: (na,) for each actuated joint in Pinocchio's order, its place among
+        order: (na,) for each actuated joint in Pinocchio's order, its index among
             MuJoCo's actuated joints.
     """
 
     def __init__(self, order: np.ndarray) -> None:
         self.order = np.asarray(order, dtype=int)
-        # MuJoCo's place of each of Pinocchio's coordinates.
+        # MuJoCo's index of each of Pinocchio's coordinates.
         self._q = np.concatenate(([0, 1, 2, 4, 5, 6, 3], 7 + self.order))
         self._v = np.concatenate((np.arange(6), 6 + self.order))
 
     def to_plant(self, state: State) -> tuple[np.ndarray, np.ndarray]:
-        """MuJoCo's (qpos, qvel) of a state."""
+        """Return MuJoCo's (qpos, qvel) of a state."""
         qpos, qvel = np.empty_like(state.q), np.empty_like(state.v)
         qpos[self._q] = state.q
         qvel[self._v] = state.v
@@ -40,13 +40,13 @@ class Convention:
         return qpos, qvel
 
     def to_state(self, qpos: np.ndarray, qvel: np.ndarray) -> State:
-        """The state of MuJoCo's (qpos, qvel); new arrays."""
+        """Return the state of MuJoCo's (qpos, qvel), in new arrays."""
         q, v = qpos.take(self._q), qvel.take(self._v)
         v[:3] = v[:3].dot(_rotation(q))
         return State(q, v)
 
     def to_plant_acceleration(self, state: State, a: np.ndarray) -> np.ndarray:
-        """MuJoCo's qacc of Pinocchio's acceleration.
+        """Return MuJoCo's qacc of Pinocchio's acceleration.
 
         The derivative of `v_world = R v` is `R (a + ω × v)`: the spatial base
         acceleration lacks the term of the moving axes.
@@ -58,6 +58,6 @@ class Convention:
 
 
 def _rotation(q: np.ndarray) -> np.ndarray:
-    """(3, 3) base axes to world axes."""
+    """Return the rotation from base axes to world axes, (3, 3)."""
     rotation: np.ndarray = pin.XYZQUATToSE3(q[:7]).rotation
     return rotation

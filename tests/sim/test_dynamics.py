@@ -14,7 +14,7 @@ from simtools import command, random_state, robot
 
 from wbc.errors import MissingExtra, PlantError
 from wbc.sim import Mujoco, SensorNoise
-from wbc.sim.convention import Convention
+from wbc.sim.coordinates import CoordinateMap
 from wbc.state import State
 
 mujoco = pytest.importorskip("mujoco")
@@ -30,7 +30,7 @@ def world_blocks(state: State) -> np.ndarray:
 
 
 def loaded(plant: Mujoco, state: State, tau: np.ndarray) -> None:
-    plant.data.qpos[:], plant.data.qvel[:] = plant.convention.to_plant(state)
+    plant.data.qpos[:], plant.data.qvel[:] = plant.coordinates.to_plant(state)
     plant.data.ctrl[:] = tau
     mujoco.mj_forward(plant.model, plant.data)
 
@@ -41,7 +41,7 @@ def test_mass_matrix_bias_and_forward_dynamics_agree_with_pinocchio(name):
     random = np.random.default_rng(1)
     data = r.model.createData()
     with Mujoco(r) as plant:
-        order = np.concatenate([np.arange(6), 6 + plant.convention.order])
+        order = np.concatenate([np.arange(6), 6 + plant.coordinates.order])
         for _ in range(5):
             state = random_state(r, random)
             tau = random.uniform(-1.0, 1.0, r.na) * r.tau_max
@@ -55,11 +55,11 @@ def test_mass_matrix_bias_and_forward_dynamics_agree_with_pinocchio(name):
             M_pin = np.triu(M_pin) + np.triu(M_pin, 1).T
             np.testing.assert_allclose(M, W @ M_pin @ W.T, atol=1e-9)
             # MuJoCo's zero acceleration is another than Pinocchio's: the axes move.
-            still = plant.convention.to_plant_acceleration(state, np.zeros(r.nv))[order]
+            still = plant.coordinates.to_plant_acceleration(state, np.zeros(r.nv))[order]
             bias = W @ pin.nonLinearEffects(r.model, data, state.q, state.v) - M @ still
             np.testing.assert_allclose(plant.data.qfrc_bias[order], bias, atol=1e-9)
             a = pin.aba(r.model, data, state.q, state.v, np.concatenate([np.zeros(6), tau]))
-            expected = plant.convention.to_plant_acceleration(state, a)
+            expected = plant.coordinates.to_plant_acceleration(state, a)
             scale = np.abs(expected).max()
             np.testing.assert_allclose(plant.data.qacc / scale, expected / scale, atol=1e-9)
 
@@ -81,7 +81,7 @@ def test_conventions_round_trip_for_any_joint_order(seed, order):
     random = np.random.default_rng(seed)
     q, v = random.standard_normal(13), random.standard_normal(12)
     q[3:7] /= np.linalg.norm(q[3:7])
-    convention = Convention(np.array(order))
+    convention = CoordinateMap(np.array(order))
     qpos, qvel = convention.to_plant(State(q, v))
     assert qpos[3] == q[6]
     np.testing.assert_array_equal(qpos[7:][order], q[7:])
@@ -98,7 +98,7 @@ def test_velocity_convention_is_the_derivative_of_the_motion():
         plant.reset(state)
         h = 1e-7
         mujoco.mj_integratePos(plant.model, plant.data.qpos, plant.data.qvel, h)
-        moved_q = plant.convention.to_state(plant.data.qpos, plant.data.qvel).q
+        moved_q = plant.coordinates.to_state(plant.data.qpos, plant.data.qvel).q
     step = pin.difference(r.model, state.q, moved_q) / h
     np.testing.assert_allclose(step, state.v, atol=1e-5)
 

@@ -127,7 +127,7 @@ def test_torques_are_clipped_at_the_limits():
         np.testing.assert_array_equal(plant.torque, np.sign(asked) * r.tau_max)
         # Mujoco's own account of what reached the joints.
         np.testing.assert_allclose(
-            plant.data.qfrc_actuator[6 + plant.convention.order], plant.torque, rtol=1e-12
+            plant.data.qfrc_actuator[6 + plant.coordinates.order], plant.torque, rtol=1e-12
         )
 
 
