@@ -110,7 +110,7 @@ def replay(
     walker.velocity = (speed, 0.0, 0.0)
     watch = Stopwatch()
     if staged:
-        watch.wrap(CompiledAssembly, "gather", "references")
+        watch.wrap(CompiledAssembly, "update", "references")
         watch.wrap(CompiledAssembly, "assemble", "assembly")
         watch.wrap(CompiledAssembly, "recover", "recovery")
         watch.wrap(walker.controller.solver, "solve", "solve")

@@ -11,9 +11,15 @@ import numpy as np
 
 from wbc.command import Command, Status
 from wbc.contacts import Contact
-from wbc.errors import ContactError, LimitError, TaskError, WbcError
+from wbc.errors import ContactError, TaskError, WbcError, shown
 from wbc.kinematics import Kinematics
-from wbc.limits import AccelerationBound, JointPositionLimit, JointVelocityLimit, TorqueLimit
+from wbc.limits import (
+    AnyLimit,
+    JointPositionLimit,
+    JointVelocityLimit,
+    LimitSet,
+    TorqueLimit,
+)
 from wbc.qp import (
     Assembly,
     Formulation,
@@ -21,6 +27,7 @@ from wbc.qp import (
     Problem,
     Regularisation,
     Solution,
+    Solver,
     explain,
     load_kernels,
     make_solver,
@@ -36,10 +43,10 @@ if TYPE_CHECKING:
 TaskT = TypeVar("TaskT", bound=Task)
 
 _priority = operator.attrgetter("priority")
-_HOLD_TIME = 0.1  # s, how fast the torque of the last good tick fades after a failure
+_FADE_TIME = 0.1  # s, how fast the torque of the last good tick fades after a failure
 _SAFE_DAMPING = 0.05  # share of the torque limit per rad/s
-_EXPLAIN_EVERY = 0.1  # s
-_KEPT = 32  # assemblies
+_EXPLANATION_PERIOD = 0.1  # s
+_MAX_ASSEMBLIES = 32
 
 
 class WholeBodyController:
@@ -59,9 +66,11 @@ class WholeBodyController:
     Args:
         robot: the robot.
         dt: control period, s.
-        solver: "wbc", "daqp", "osqp" or any dense solver of `qpsolvers` by its name; the
-            fastest that this machine can run when left out.
-        limits: joint limits; torque, position and velocity limits of the robot when left out.
+        solver: "wbc", "daqp", "osqp" or any dense solver of `qpsolvers` by its name, or an
+            object of your own (see `wbc.qp.Solver`); the fastest that this machine can run when
+            left out.
+        limits: what the solution holds exactly; torque, position and velocity limits of the
+            robot when left out. See `set_limits`.
         formulation: which unknowns, and who assembles; the same optimum. The fastest that
             this machine can run when left out.
         regularisation: small costs that make the optimum unique.
@@ -69,11 +78,11 @@ class WholeBodyController:
     Attributes:
         tasks: those added, in order.
         kinematics: of the last state; None before the first tick.
-        problem: the last tick's QP, for the curious.
+        problem: the last tick's QP; its arrays are overwritten by the next one.
 
     Raises:
-        WbcError: dt is not positive.
-        LimitError: two torque limits, or a limit whose horizon is shorter than dt.
+        WbcError: dt is not positive, or the solver has no method `solve`.
+        LimitError: see `set_limits`.
         SolverNotFound: the solver is unknown or not installed.
     """
 
@@ -82,8 +91,8 @@ class WholeBodyController:
         robot: Robot,
         dt: float = 0.002,
         *,
-        solver: str | None = None,
-        limits: Sequence[TorqueLimit | AccelerationBound] | None = None,
+        solver: str | Solver | None = None,
+        limits: Sequence[AnyLimit] | None = None,
         formulation: Formulation | None = None,
         regularisation: Regularisation | None = None,
     ) -> None:
@@ -91,20 +100,10 @@ class WholeBodyController:
             raise WbcError(f"dt = {dt} must be positive: it is the control period in seconds")
         self.robot = robot
         self.dt = dt
-        self.solver = make_solver(solver)
+        self.solver = _solver(solver)
         if limits is None:
             limits = (TorqueLimit(robot), JointPositionLimit(robot), JointVelocityLimit(robot))
-        torque = [limit for limit in limits if isinstance(limit, TorqueLimit)]
-        if len(torque) > 1:
-            raise LimitError("more than one TorqueLimit given; keep the tighter one")
-        self.torque_limit = torque[0] if torque else None
-        self.bounds = [limit for limit in limits if isinstance(limit, AccelerationBound)]
-        for bound in self.bounds:
-            if 0.0 < bound.horizon < dt:
-                raise LimitError(
-                    f"{bound.name}: its horizon {bound.horizon} s is shorter than the control "
-                    f"period {dt} s, so it would overshoot; give it at least that"
-                )
+        self.set_limits(limits)
         if formulation is None:
             formulation = Formulation.COMPILED if load_kernels() else Formulation.REDUCED
         elif formulation is Formulation.COMPILED and not load_kernels():
@@ -128,9 +127,14 @@ class WholeBodyController:
         """Add a task and return it.
 
         Raises:
-            TaskError: there is a task of that name already.
+            TaskError: it is no task, or there is one of that name already.
             FrameNotFound: the task's frame is missing; the text lists near names.
         """
+        if not isinstance(task, Task):
+            raise TaskError(
+                f"{shown(task)} is no task: add an object such as wbc.ComTask() or one derived "
+                "from wbc.Task"
+            )
         if any(task.name == other.name for other in self.tasks):
             raise TaskError(
                 f"there is a task named '{task.name}' already; give this one another name"
@@ -147,7 +151,8 @@ class WholeBodyController:
         """
         if task not in self.tasks:
             names = ", ".join(f"'{t.name}'" for t in self.tasks) or "none"
-            raise TaskError(f"no task '{task.name}' to remove; there are: {names}")
+            name = f"'{task.name}'" if isinstance(task, Task) else shown(task)
+            raise TaskError(f"no task {name} to remove; there are: {names}")
         self.tasks.remove(task)
 
     @property
@@ -167,8 +172,21 @@ class WholeBodyController:
 
         Raises:
             FrameNotFound: a contact's frame is missing.
-            ContactError: two contacts of one name.
+            ContactError: something that is no contact, two contacts of one name, or a cone of
+                the wrong shape.
         """
+        if isinstance(contacts, Contact):
+            raise ContactError(
+                f"set_contacts takes a list of all contacts; write set_contacts([{contacts.name}])"
+            )
+        if not isinstance(contacts, Sequence):
+            raise ContactError(f"{shown(contacts)} is no list of contacts")
+        for contact in contacts:
+            if not isinstance(contact, Contact):
+                raise ContactError(
+                    f"{shown(contact)} is no contact: give objects such as wbc.SurfaceContact or "
+                    "ones derived from wbc.Contact"
+                )
         contacts = tuple(contacts)
         if len({c.name for c in contacts}) < len(contacts):
             names = ", ".join(f"'{c.name}'" for c in contacts)
@@ -179,11 +197,26 @@ class WholeBodyController:
             contact.bind(self.robot)
         self._contacts = contacts
 
-    def step(self, state: State) -> Command:
-        """One tick.
+    @property
+    def limits(self) -> tuple[AnyLimit, ...]:
+        """The limits; set them by `set_limits`."""
+        return self._limits
+
+    def set_limits(self, limits: Sequence[AnyLimit]) -> None:
+        """Replace the limits, e.g. by `(*controller.limits, MyLimit())`.
 
         Raises:
-            StateError: the state has a wrong size, a NaN or a non-unit quaternion.
+            LimitError: something that is no limit, two torque limits, two general limits of one
+                name, or a limit whose horizon is shorter than the control period.
+        """
+        self._limit_set = LimitSet.sort(limits, self.robot, self.dt)
+        self._limits = tuple(limits)
+
+    def step(self, state: State) -> Command:
+        """Return the command of one tick.
+
+        Raises:
+            StateError: it is no `State`, or has a wrong size, a NaN or a non-unit quaternion.
         """
         if self.kinematics is None:
             self.kinematics = Kinematics(self.robot, state)
@@ -192,21 +225,23 @@ class WholeBodyController:
         return self.solve(self.kinematics)
 
     def solve(self, kin: Kinematics) -> Command:
-        """One tick from kinematics that are there already."""
+        """Return the command of one tick, from kinematics that were computed already."""
         self._tick += 1
         assembly = self._assembly()
         problem = self.problem = assembly.build(kin)
         if not problem.finite:
-            reason = non_finite_rows(kin, self.tasks, self._contacts)
+            reason = non_finite_rows(kin, self.tasks, self._contacts, self._limit_set)
             return self._safe_command(kin, Status.FAILED, reason or "the QP is not finite")
         solution = self.solver.solve(problem)
         if solution.outcome is Outcome.SOLVED:
-            command = assembly.recover(solution.x, kin, self.dt)
+            x = np.asarray(solution.x)
+            command = assembly.recover(x, kin, self.dt) if x.shape == problem.g.shape else None
             if command is not None:
                 self._last_tau = command.tau
                 self._explanation = None
                 return command
-            solution = Solution(solution.x, Outcome.FAILED, detail="not finite")
+            detail = f"x of shape {x.shape}, {x.size - np.isfinite(x).sum()} entries not finite"
+            solution = Solution(x, Outcome.FAILED, detail=detail)
         return self._safe_command(kin, *self._explain(problem, solution))
 
     def _explain(self, problem: Problem, solution: Solution) -> tuple[Status, str]:
@@ -220,7 +255,7 @@ class WholeBodyController:
             elif not reason:
                 status = Status.FAILED
                 reason = f"the solver gave up ({solution.detail}); the rows can hold together"
-            until = self._tick + round(_EXPLAIN_EVERY / self.dt)
+            until = self._tick + round(_EXPLANATION_PERIOD / self.dt)
             kept = self._explanation = (solution.outcome, until, status, reason)
         return kept[2], kept[3]
 
@@ -231,20 +266,21 @@ class WholeBodyController:
             tuple(map(_priority, self.tasks)),
             self._contacts,
             tuple([contact.motion_weight is None for contact in self._contacts]),
-            tuple(self.bounds),
-            self.torque_limit,
+            self._limit_set,
             id(self.formulation),  # hashing these two takes longer than all the rest;
             id(self.regularisation),  # the assembly keeps them alive
         )
         found = self._assemblies.get(key)
         if found is None:
-            if len(self._assemblies) >= _KEPT:  # contacts made anew each tick must not pile up
+            if (
+                len(self._assemblies) >= _MAX_ASSEMBLIES
+            ):  # contacts made anew each tick must not pile up
                 self._assemblies.clear()
             found = self._assemblies[key] = self._new_assembly()
         return found
 
     def _new_assembly(self) -> Assembly | CompiledAssembly:
-        parts = (self.robot, self.tasks, self._contacts, self.bounds, self.torque_limit)
+        parts = (self.robot, self.tasks, self._contacts, self._limit_set)
         if self.formulation is Formulation.COMPILED:
             from wbc.qp.compiled import CompiledAssembly
 
@@ -252,13 +288,24 @@ class WholeBodyController:
         return Assembly(*parts, self.formulation, self.regularisation)
 
     def _safe_command(self, kin: Kinematics, status: Status, reason: str) -> Command:
-        self._last_tau = self._last_tau * (1.0 - min(self.dt / _HOLD_TIME, 1.0))
+        self._last_tau = self._last_tau * (1.0 - min(self.dt / _FADE_TIME, 1.0))
         limit = self.robot.tau_max
         tau = self._last_tau - _SAFE_DAMPING * limit * kin.state.v[6:]
-        if self.torque_limit is not None:
-            limit = np.minimum(limit, self.torque_limit.maximum)
+        if self._limit_set.torque is not None:
+            limit = np.minimum(limit, self._limit_set.torque.maximum)
         tau = np.clip(tau, -limit, limit)
         wrenches = {c.name: np.zeros(6) for c in self._contacts}
         q, v = kin.state.q[7:], kin.state.v[6:]
         still = np.zeros(self.robot.nv)
         return Command(tau, still, wrenches, q + self.dt * v, v.copy(), status, reason)
+
+
+def _solver(solver: str | Solver | None) -> Solver:
+    if solver is None or isinstance(solver, str):
+        return make_solver(solver)
+    if isinstance(solver, type) or not isinstance(solver, Solver):
+        raise WbcError(
+            f"solver = {shown(solver)} is neither a name nor an object with a method "
+            "solve(problem) -> Solution; see wbc.qp.Solver"
+        )
+    return solver

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from wbc.errors import StateError
 from wbc.robot import Robot
 from wbc.state import State
 
@@ -115,6 +116,11 @@ class Kinematics:
         Raises:
             StateError: see `State.validated`.
         """
+        if not isinstance(state, State):
+            raise StateError(
+                f"{type(state).__name__} is no state: give wbc.State(q, v) with q of "
+                f"({self._nq},) and v of ({self._nv},)"
+            )
         model, data = self.model, self.data
         self.state = state = state if state.is_valid(self._nq, self._nv) else state.validated(model)
         q, v = state.q, state.v

@@ -264,7 +264,7 @@ def test_an_attribute_of_the_wrong_shape_names_the_task_and_what_was_set(attribu
     control = controller(bot, "both")
     control.step(bot.standing())
     setattr(control.tasks[0], attribute, value)
-    with pytest.raises(TaskError, match=rf"task 'com' cannot state its rows.*{attribute}"):
+    with pytest.raises(TaskError, match=rf"task 'com' cannot write its rows.*{attribute}"):
         control.step(bot.standing())
 
 
@@ -272,5 +272,5 @@ def test_a_spoilt_contact_attribute_names_the_contact():
     bot = robot("talos")
     control = controller(bot, contact_set(bot, "left"))
     control.contacts[0].damping = "much"
-    with pytest.raises(ContactError, match="contact 'left_sole' cannot state its rows"):
+    with pytest.raises(ContactError, match="contact 'left_sole' cannot write its rows"):
         control.step(bot.standing())

@@ -1,15 +1,21 @@
-"""Limits: what the robot's joints can bear."""
+"""Limits: inequalities that the controller's solution holds exactly."""
 
 from wbc.limits.acceleration import JointAccelerationLimit
-from wbc.limits.limit import AccelerationBound
+from wbc.limits.acceleration_bound import AccelerationBound
+from wbc.limits.limit import Limit, LimitRows
+from wbc.limits.limit_set import AnyLimit, LimitSet
 from wbc.limits.position import JointPositionLimit
 from wbc.limits.torque import TorqueLimit
 from wbc.limits.velocity import JointVelocityLimit
 
 __all__ = [
     "AccelerationBound",
+    "AnyLimit",
     "JointAccelerationLimit",
     "JointPositionLimit",
     "JointVelocityLimit",
+    "Limit",
+    "LimitRows",
+    "LimitSet",
     "TorqueLimit",
 ]

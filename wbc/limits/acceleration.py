@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.kinematics import Kinematics
-from wbc.limits.limit import AccelerationBound, per_joint
+from wbc.limits.acceleration_bound import AccelerationBound
+from wbc.limits.per_joint import format_per_joint, per_joint
 from wbc.robot import Robot
 
 
@@ -24,6 +25,9 @@ class JointAccelerationLimit(AccelerationBound):
 
     def __init__(self, robot: Robot, maximum: float | np.ndarray = 500.0) -> None:
         self.maximum = per_joint(self.name, "maximum", maximum, robot)
+
+    def __repr__(self) -> str:
+        return f"JointAccelerationLimit({format_per_joint(self.maximum, self.unit)})"
 
     def bounds(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
         """See `AccelerationBound`."""

@@ -1,10 +1,11 @@
-"""The bases of all limits."""
+"""The base of general limits: named rows between bounds."""
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
-from typing import ClassVar
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,58 +13,83 @@ from wbc.errors import LimitError
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 
+if TYPE_CHECKING:
+    from wbc.contacts import Contact
 
-class AccelerationBound(ABC):
-    """A limit that becomes a box on the joint accelerations.
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LimitRows:
+    """Where a `Limit` writes `lower ≤ A v̇ + Σ F_c f_c ≤ upper`, the sum over the contacts c.
+
+    Before each tick A and F are zero and the bounds infinite, so that rows that are not written
+    do not constrain anything.
+
+    Attributes:
+        A: (m, nv) coefficients of the generalised acceleration.
+        lower: (m,) least value, −∞ for none.
+        upper: (m,) largest value, ∞ for none.
+        forces: contact → (m, motion_size) coefficients F_c of its force, contact axes; the
+            present contacts, so that it is empty in free fall.
+    """
+
+    A: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    forces: Mapping[Contact, np.ndarray]
+
+    def clear(self) -> None:
+        """Remove every constraint."""
+        self.A.fill(0.0)
+        self.lower.fill(-np.inf)
+        self.upper.fill(np.inf)
+        for F in self.forces.values():
+            F.fill(0.0)
+
+
+class Limit(ABC):
+    """An inequality that holds exactly: `lower ≤ A v̇ + Σ F_c f_c ≤ upper`.
+
+    A limit of your own derives from this and writes its rows in `write`, anew each tick. Limits
+    on single joints derive from `AccelerationBound` instead, which costs no rows.
 
     Args:
-        horizon: time within which the limit corrects a violation, s; not shorter than the
-            control period. Zero for a limit that looks at accelerations only.
+        name: unique within a controller; explanations quote it.
+        size: number of rows m, fixed. A limit whose number of constraints varies, such as a
+            collision barrier, takes the largest and leaves the other rows as they are.
+        unit: unit of the rows' values; explanations quote it.
+        labels: one text per row, for explanations.
 
     Raises:
-        LimitError: the horizon is not positive.
+        LimitError: the size is not positive, or the labels are not as many as the rows.
     """
 
-    name: ClassVar[str]
-    unit: ClassVar[str] = "rad/s²"
-    horizon: float = 0.0
+    def __init__(self, name: str, size: int, *, unit: str, labels: Sequence[str] = ()) -> None:
+        if size < 1:
+            raise LimitError(f"limit '{name}': size {size} must be at least one row")
+        if labels and len(labels) != size:
+            raise LimitError(f"limit '{name}': {len(labels)} labels for {size} rows")
+        self.name = name
+        self.size = size
+        self.unit = unit
+        self.labels = tuple(labels)
 
-    def __init__(self, horizon: float) -> None:
-        if not 0.0 < horizon < math.inf:
-            raise LimitError(f"{self.name}: horizon {horizon} s must be positive and finite")
-        self.horizon = horizon
+    def __repr__(self) -> str:
+        rows = f"{self.size} row" + "s" * (self.size > 1)
+        return f"{type(self).__name__}('{self.name}', {rows}, {self.unit})"
+
+    def bind(self, robot: Robot) -> None:  # noqa: B027 - most limits need nothing here
+        """Look up names in the robot, once, when given to a controller.
+
+        Raises:
+            FrameNotFound: the limit's frame is missing.
+            JointNotFound: one of the limit's joints is missing.
+        """
 
     @abstractmethod
-    def bounds(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
-        """(na,) least and largest joint acceleration, rad/s²; never lower > upper."""
+    def write(self, kin: Kinematics, rows: LimitRows) -> None:
+        """Write the rows of this tick.
 
-
-def per_joint(name: str, what: str, value: float | np.ndarray, robot: Robot) -> np.ndarray:
-    """A number or (na,) array of positive limits as (na,), not to be changed in place.
-
-    Raises:
-        LimitError: wrong shape, or an entry that is not positive.
-    """
-    array = np.array(value, dtype=float)
-    if array.ndim == 0:
-        array = np.full(robot.na, float(array))
-    if array.shape != (robot.na,):
-        raise LimitError(
-            f"{name}: {what} has shape {array.shape}, expected a number or ({robot.na},)"
-        )
-    bad = np.flatnonzero(~(array > 0.0))
-    if bad.size:
-        joint = robot.joint_names[int(bad[0])]
-        raise LimitError(f"{name}: {what} of '{joint}' is {array[bad[0]]}, it must be positive")
-    array.setflags(write=False)
-    return array
-
-
-def default_braking(robot: Robot) -> np.ndarray:
-    """(na,) acceleration that a joint can count on, rad/s².
-
-    What half of its torque limit gives the limb beyond it in the nominal posture, and at
-    most 20 rad/s².
-    """
-    inertia = np.diag(Kinematics(robot, robot.standing()).mass_matrix)[6:]
-    return np.asarray(np.minimum(20.0, 0.5 * robot.tau_max / inertia))
+        Args:
+            kin: kinematics of the present state.
+            rows: where to write them.
+        """

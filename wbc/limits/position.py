@@ -6,7 +6,8 @@ import numpy as np
 
 from wbc.errors import LimitError
 from wbc.kinematics import Kinematics
-from wbc.limits.limit import AccelerationBound, default_braking, per_joint
+from wbc.limits.acceleration_bound import AccelerationBound
+from wbc.limits.per_joint import default_braking, per_joint
 from wbc.robot import Robot
 
 
@@ -71,8 +72,12 @@ class JointPositionLimit(AccelerationBound):
         braking = default_braking(robot) if braking is None else braking
         self.braking = per_joint(self.name, "braking", braking, robot)
         self.recovery = recovery
+        self._margin = margin
         self._half = 0.5 * horizon * self.braking
         self._distance, self._velocity = np.empty((2, robot.na)), np.empty((2, robot.na))
+
+    def __repr__(self) -> str:
+        return f"JointPositionLimit(margin {self._margin:g} rad, horizon {self.horizon:g} s)"
 
     def bounds(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
         """See `AccelerationBound`."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.limits.limit import per_joint
+from wbc.limits.per_joint import format_per_joint, per_joint
 from wbc.robot import Robot
 
 
@@ -28,3 +28,6 @@ class TorqueLimit:
     ) -> None:
         limit = np.asarray(robot.tau_max if maximum is None else maximum, dtype=float)
         self.maximum = per_joint(self.name, "maximum", limit * scale, robot)
+
+    def __repr__(self) -> str:
+        return f"TorqueLimit({format_per_joint(self.maximum, self.unit)})"

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.kinematics import Kinematics
-from wbc.limits.limit import AccelerationBound, default_braking, per_joint
+from wbc.limits.acceleration_bound import AccelerationBound
+from wbc.limits.per_joint import default_braking, format_per_joint, per_joint
 from wbc.robot import Robot
 
 
@@ -40,6 +41,10 @@ class JointVelocityLimit(AccelerationBound):
         )
         braking = default_braking(robot) if braking is None else braking
         self.braking = per_joint(self.name, "braking", braking, robot)
+
+    def __repr__(self) -> str:
+        maximum = format_per_joint(self.maximum, "rad/s")
+        return f"JointVelocityLimit({maximum}, horizon {self.horizon:g} s)"
 
     def bounds(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
         """See `AccelerationBound`."""

@@ -43,7 +43,7 @@ class Jump(Motion):
         """See `Motion.play`."""
         plan = self.plan(context.robot)
         controller = JumpController(
-            context.robot, plan, context.dt, solver=context.walker.controller.solver.name
+            context.robot, plan, context.dt, solver=context.walker.controller.solver
         )
         yield  # making it takes a tick, and so does its first step
         yield from context.until(lambda: context.standing)

@@ -11,11 +11,16 @@ import numpy as np
 from wbc.command import Command
 from wbc.contacts import Contact, SurfaceContact
 from wbc.kinematics import Kinematics
-from wbc.limits import AccelerationBound, TorqueLimit
+from wbc.limits import LimitSet
 from wbc.qp.constraints import Constraints
 from wbc.qp.contact_rows import ContactRows
 from wbc.qp.cost import Cost, Regularisation
-from wbc.qp.elimination import Elimination, Floating, Full, Stance
+from wbc.qp.elimination import (
+    BaseElimination,
+    Elimination,
+    NoElimination,
+    StanceElimination,
+)
 from wbc.qp.problem import Problem
 from wbc.robot import Robot
 from wbc.tasks import Task
@@ -39,8 +44,7 @@ class Assembly:
         robot: the robot.
         tasks: weighted and exact ones.
         contacts: of distinct names.
-        bounds: limits on joint accelerations.
-        torque_limit: limit on torques, or None.
+        limits: limits, by kind.
         formulation: reduced or full.
         regularisation: small costs.
 
@@ -57,8 +61,7 @@ class Assembly:
         robot: Robot,
         tasks: Sequence[Task],
         contacts: Sequence[Contact],
-        bounds: Sequence[AccelerationBound],
-        torque_limit: TorqueLimit | None,
+        limits: LimitSet,
         formulation: Formulation,
         regularisation: Regularisation,
     ) -> None:
@@ -67,22 +70,22 @@ class Assembly:
         ordered = [c for c in contacts if c is stance] + [c for c in contacts if c is not stance]
         self.contacts = rows = ContactRows(ordered, robot.nv)
         nf = rows.a.size
-        unit = robot.mass * 9.81
+        unit = robot.weight
         m: Elimination
         if formulation is Formulation.FULL:
-            m = Full(robot.nv, nf, unit)
+            m = NoElimination(robot.nv, nf, unit)
         elif stance is not None:
-            m = Stance(robot.nv, nf, unit)
+            m = StanceElimination(robot.nv, nf, unit)
         else:
-            m = Floating(robot.nv, nf, unit)
+            m = BaseElimination(robot.nv, nf, unit)
         self.elimination, self.n = m, m.n
         self.regularisation = regularisation
         self._x1 = np.ones(m.n + 1)
-        self._limit = torque_limit
+        self._torque_limit = limits.torque
         weighted = [t for t in tasks if t.priority == 1]
         exact = [t for t in tasks if t.priority == 0]
         self._cost = Cost(weighted, rows, m, regularisation)
-        self._constraints = Constraints(robot, exact, rows, bounds, torque_limit, m)
+        self._constraints = Constraints(robot, exact, rows, limits, m)
         self.blocks, self.equality = self._constraints.blocks, self._constraints.equality
 
     def build(self, kin: Kinematics) -> Problem:
@@ -91,6 +94,7 @@ class Assembly:
         Raises:
             TaskError: an attribute of a task has a wrong shape or type.
             ContactError: an attribute of a contact has.
+            LimitError: an attribute of a limit has.
         """
         rows, constraints = self.contacts, self._constraints
         rows.write(kin)
@@ -120,8 +124,8 @@ class Assembly:
         acceleration, tau = m.acceleration(x1), m.T @ x1
         if not (math.isfinite(tau.dot(tau)) and math.isfinite(acceleration.dot(acceleration))):
             return None
-        if self._limit is not None:  # what the solver's tolerance leaves
-            tau = np.clip(tau, -self._limit.maximum, self._limit.maximum)
+        if self._torque_limit is not None:  # what the solver's tolerance leaves
+            tau = np.clip(tau, -self._torque_limit.maximum, self._torque_limit.maximum)
         v, a = kin.state.v[6:], acceleration[6:]
         q_target = kin.state.q[7:] + dt * v + (0.5 * dt * dt) * a
         return Command(tau, acceleration, wrenches, q_target, v + dt * a)

@@ -1,8 +1,8 @@
-"""The compiled assembly: gathers what tasks, contacts and limits want, and calls the kernels.
+"""The compiled assembly: copies what tasks, contacts and limits ask for, and calls the kernels.
 
-The same program as `wbc.qp.assembly` makes with numpy, which is its reference: the tests hold
-one against the other. Tasks, contacts and limits of other classes than the library's own state
-their rows in Python, as in the other assembly; the kernels do the rest.
+The same program as `wbc.qp.assembly` makes with numpy, which is its reference: the tests compare
+the two. Tasks, contacts and limits of other classes than the library's own write their rows in
+Python, as in the other assembly; the kernels do the rest.
 """
 
 from __future__ import annotations
@@ -15,23 +15,24 @@ import pinocchio as pin
 from wbc.command import Command
 from wbc.contacts import Contact
 from wbc.kinematics import Kinematics
-from wbc.limits import AccelerationBound, TorqueLimit
+from wbc.limits import LimitSet
 from wbc.qp.assembly import Assembly, Formulation
 from wbc.qp.cost import Regularisation
-from wbc.qp.elimination import Stance
-from wbc.qp.kernels.groups import Frames, Tree
+from wbc.qp.elimination import StanceElimination
+from wbc.qp.kernels.buffers import Buffers
 from wbc.qp.kernels.program import assemble, recover
-from wbc.qp.kernels.store import Sizes, Store
+from wbc.qp.kernels.schema import Sizes
 from wbc.qp.parameter_update import (
-    Gather,
-    bound_gather,
-    contact_gather,
-    knows_contact,
-    knows_motion,
-    motion_gather,
-    rows_gather,
-    torque_gather,
-    wish_gather,
+    Update,
+    bound_update,
+    contact_update,
+    dense_task_update,
+    has_contact_kernel,
+    has_motion_kernel,
+    joint_task_update,
+    limit_update,
+    motion_task_update,
+    torque_update,
 )
 from wbc.qp.problem import Problem
 from wbc.qp.row_errors import raise_row_error
@@ -48,76 +49,60 @@ class CompiledAssembly:
         robot: Robot,
         tasks: Sequence[Task],
         contacts: Sequence[Contact],
-        bounds: Sequence[AccelerationBound],
-        torque_limit: TorqueLimit | None,
+        limits: LimitSet,
         regularisation: Regularisation,
     ) -> None:
-        layout = Assembly(
-            robot, tasks, contacts, bounds, torque_limit, Formulation.REDUCED, regularisation
-        )
-        self._layout = layout
+        layout = Assembly(robot, tasks, contacts, limits, Formulation.REDUCED, regularisation)
         m = layout.elimination
-        stance = isinstance(m, Stance)
+        stance = isinstance(m, StanceElimination)
         self._contacts = list(layout.contacts)
         soft = [c for c, _ in self._contacts if c.motion_weight is not None]
         rigid = [c for c, _ in self._contacts[1 if stance else 0 :] if c.motion_weight is None]
         weighted = [t for t in tasks if t.priority == 1 and not isinstance(t, JointTask)]
         exact = [t for t in tasks if t.priority == 0]
         stack = _Stack([*weighted, *soft], [*rigid, *exact])
-        motions = [t for t in tasks if isinstance(t, MotionTask) and knows_motion(t)]
-        wishes = [t for t in tasks if t.priority == 1 and isinstance(t, JointTask)]
-        frames = _FrameTable(robot, motions, [c for c in contacts if knows_contact(c)])
+        motion_tasks = [t for t in tasks if isinstance(t, MotionTask) and has_motion_kernel(t)]
+        joint_tasks = [t for t in tasks if t.priority == 1 and isinstance(t, JointTask)]
+        frames = _FrameTable(robot, motion_tasks, [c for c in contacts if has_contact_kernel(c)])
         joints = _joints_behind(robot, self._contacts[0][0].frame_id) if stance else []
-        dense = [*joints, m.n] if stance else list(range(m.n + 1))
         na, eliminated = robot.na, m.eliminated
-        self._store = store = Store(
+        self._buffers = buffers = Buffers(
             Sizes(
-                na=na,
-                nf=m.W.shape[0],
-                n=m.n,
-                k=len(frames.ids),
-                t=len(motions),
-                j=sum(t.size for t in wishes),
-                c=len(contacts),
-                r=stack.size,
-                rg=-3 * (-(stack.cost + eliminated) // 3),
-                l=len(bounds),
-                nt=na if torque_limit is not None else 0,
-                s=len(joints),
-                d=len(dense),
-                m=layout.equality.size - na,
+                joints=na,
+                forces=m.W.shape[0],
+                unknowns=m.n,
+                frames=len(frames.ids),
+                motion_tasks=len(motion_tasks),
+                joint_rows=sum(t.size for t in joint_tasks),
+                contacts=len(contacts),
+                cone_rows=sum(c.cone.shape[0] for c in contacts),
+                dense_rows=stack.size,
+                cost_rows=stack.cost,
+                residual_rows=-3 * (-(stack.cost + eliminated) // 3),
+                bounds=len(limits.bounds),
+                limited_torques=0 if limits.torque is None else na,
+                limit_rows=sum(limit.size for limit in limits.inequalities),
+                stance_joints=len(joints),
+                dense_columns=len(joints) + 1 if stance else m.n + 1,
+                constraint_rows=layout.equality.size - na,
             )
         )
-        _fill_tree(store.tree, robot)
-        frames.fill(store.frames)
-        self._places = list(zip(store.frames.placement, frames.ids, strict=True))
-        store.rows.cost[0] = stack.cost
-        store.maps.stance[:], store.maps.dense[:] = joints, dense
-        store.maps.W[:] = m.W
-        program = store.program
-        program.small[m.joints] = regularisation.acceleration
-        program.small[m.free] = regularisation.force * m.unit**2
+        tree, maps, program = buffers.tree, buffers.maps, buffers.program
+        tree.parent[:] = [max(robot.model.parents[i] - 1, 0) for i in range(1, na + 2)]
+        tree.gravity[:] = robot.model.gravity.linear
+        buffers.frames.body[:] = [robot.model.frames[i].parentJoint - 1 for i in frames.ids]
+        self._placements = list(zip(buffers.frames.placement, frames.ids, strict=True))
+        maps.stance_joints[:] = joints
+        maps.dense_columns[:] = [*joints, m.n] if stance else range(m.n + 1)
+        maps.W[:] = m.W
+        program.regularisation[m.joints] = regularisation.acceleration
+        program.regularisation[m.free] = regularisation.force * m.unit**2
         program.lb[:], program.ub[:] = -np.inf, np.inf
-        gathers: list[tuple[object, Gather]] = []
-        for k, task in enumerate(motions):
-            gather = motion_gather(task, store, k, frames.index(task), stack.first[task])
-            gathers.append((task, gather))
-        for written in (*weighted, *exact):
-            if not knows_motion(written):
-                gathers.append((written, rows_gather(written, store, stack.first[written])))
-        start = 0
-        for wish in wishes:
-            rows = slice(start, start + wish.size)
-            gathers.append((wish, wish_gather(wish, store, rows)))
-            start = rows.stop
-        for k, (contact, rows) in enumerate(self._contacts):
-            frame = frames.index(contact) if knows_contact(contact) else 0
-            row = stack.first.get(contact, -1)
-            gathers.append((contact, contact_gather(contact, store, k, frame, rows, row)))
-        gathers += [(bound, bound_gather(bound, store, k)) for k, bound in enumerate(bounds)]
-        if torque_limit is not None:
-            gathers.append((torque_limit, torque_gather(torque_limit, store)))
-        self._gathers = gathers
+        self._updates = [
+            *_task_updates(motion_tasks, joint_tasks, [*weighted, *exact], buffers, stack, frames),
+            *_contact_updates(self._contacts, buffers, stack, frames),
+            *_limit_updates(limits, dict(self._contacts), buffers),
+        ]
         self._problem = Problem(
             program.H,
             program.g,
@@ -128,35 +113,35 @@ class CompiledAssembly:
             layout.equality,
             layout.blocks,
         )
-        mass = float(pin.computeTotalMass(robot.model))
         root = float(np.sqrt(regularisation.force))
-        self._arguments = (*store.arrays, mass, float(m.unit), root)
+        self._arguments = (*buffers.arrays, robot.mass, float(m.unit), root)
         self._nv, self._na, self._nf = robot.nv, na, m.W.shape[0]
 
     def build(self, kin: Kinematics) -> Problem:
-        """The QP of the tick; its arrays are valid until the next call.
+        """Return the QP of the tick; its arrays are valid until the next call.
 
         Raises:
             TaskError: an attribute of a task has a wrong shape or type.
             ContactError: an attribute of a contact has.
+            LimitError: an attribute of a limit has.
         """
-        self.gather(kin)
+        self.update(kin)
         return self.assemble(kin)
 
-    def gather(self, kin: Kinematics) -> None:
-        """Fetch what tasks, contacts and limits want now, and where their frames are."""
+    def update(self, kin: Kinematics) -> None:
+        """Copy what tasks, contacts and limits ask for, and where their frames are."""
         owner: object = None
         try:
-            for owner, gather in self._gathers:  # noqa: B007 - named when it fails
-                gather(kin)
+            for owner, update in self._updates:  # noqa: B007 - named when it fails
+                update(kin)
         except (ValueError, TypeError, AttributeError) as error:
             raise_row_error(owner, error)
         model, data = kin.model, kin.data
-        for place, frame_id in self._places:
-            place[:] = pin.updateFramePlacement(model, data, frame_id).homogeneous
+        for placement, frame_id in self._placements:
+            placement[:] = pin.updateFramePlacement(model, data, frame_id).homogeneous
 
     def assemble(self, kin: Kinematics) -> Problem:
-        """The QP of what was gathered."""
+        """Return the QP of what was copied by `update`."""
         state = kin.state
         self._problem.finite = assemble(
             kin.mass_matrix, kin.bias_forces, kin.data.J.T, state.q, state.v, *self._arguments
@@ -164,20 +149,20 @@ class CompiledAssembly:
         return self._problem
 
     def recover(self, x: np.ndarray, kin: Kinematics, dt: float) -> Command | None:
-        """The command of a solution; None when it is not finite."""
+        """Return the command of a solution; None when it is not finite."""
         nv, na = self._nv, self._na
         start = nv + 3 * na
         out = np.empty(start + self._nf)
         state = kin.state
-        if not recover(x, state.q, state.v, *self._store.arrays, dt, out):
+        self._buffers.program.x[:] = x
+        if not recover(state.q, state.v, *self._buffers.arrays, dt, out):
             return None
         wrenches = {}
-        for contact, rows in self._contacts:
-            if contact.motion_size == 6:
-                wrenches[contact.name] = out[start + rows.start : start + rows.stop]
-            else:
-                wrench = wrenches[contact.name] = np.zeros(6)
-                wrench[:3] = out[start + rows.start : start + rows.stop]
+        for contact, forces in self._contacts:
+            wrench = out[start + forces.start : start + forces.stop]
+            if wrench.size < 6:
+                wrench = np.concatenate((wrench, np.zeros(6 - wrench.size)))
+            wrenches[contact.name] = wrench
         return Command(
             out[nv : nv + na],
             out[:nv],
@@ -203,15 +188,15 @@ class _Stack:
     def __init__(self, cost: Sequence[Task | Contact], exact: Sequence[Task | Contact]) -> None:
         self.first: dict[object, int] = {}
         self.size = self.cost = 0
-        for thing in (*cost, *exact):
-            self.first[thing] = self.size
-            self.size += thing.size if isinstance(thing, Task) else thing.motion_size
+        for item in (*cost, *exact):
+            self.first[item] = self.size
+            self.size += item.size if isinstance(item, Task) else item.motion_size
             if len(self.first) <= len(cost):
                 self.cost = self.size
 
 
 class _FrameTable:
-    """The frames that tasks and contacts refer to, each once; the first place is the centroid's.
+    """The frames that tasks and contacts refer to, each once; the first entry is the centroid.
 
     Attributes:
         ids: their indices in the model; that of the base for the centroid.
@@ -220,19 +205,69 @@ class _FrameTable:
     def __init__(
         self, robot: Robot, tasks: Sequence[MotionTask], contacts: Sequence[Contact]
     ) -> None:
-        self._model = robot.model
         used = dict.fromkeys([*(t.frame_id for t in tasks), *(c.frame_id for c in contacts)])
         used.pop(CENTROID, None)
         base = robot.model.getFrameId(robot.model.names[1], pin.FrameType.JOINT)
         self.ids = [base, *used]
 
-    def index(self, thing: MotionTask | Contact) -> int:
-        """Place of the frame of a task or contact."""
-        return 0 if thing.frame_id == CENTROID else self.ids.index(thing.frame_id, 1)
+    def index(self, owner: MotionTask | Contact) -> int:
+        """Return the entry of a task's or contact's frame."""
+        return 0 if owner.frame_id == CENTROID else self.ids.index(owner.frame_id, 1)
 
-    def fill(self, frames: Frames) -> None:
-        """Write what does not change."""
-        frames.body[:] = [self._model.frames[i].parentJoint - 1 for i in self.ids]
+
+_Updates = list[tuple[object, Update]]
+
+
+def _task_updates(
+    motion_tasks: Sequence[MotionTask],
+    joint_tasks: Sequence[JointTask],
+    dense_tasks: Sequence[Task],
+    buffers: Buffers,
+    stack: _Stack,
+    frames: _FrameTable,
+) -> _Updates:
+    updates: _Updates = []
+    for k, task in enumerate(motion_tasks):
+        row = stack.first[task]
+        updates.append((task, motion_task_update(task, buffers, k, frames.index(task), row)))
+    for dense in dense_tasks:
+        if not has_motion_kernel(dense):
+            updates.append((dense, dense_task_update(dense, buffers, stack.first[dense])))
+    start = 0
+    for joint_task in joint_tasks:
+        part = slice(start, start + joint_task.size)
+        updates.append((joint_task, joint_task_update(joint_task, buffers, part)))
+        start = part.stop
+    return updates
+
+
+def _contact_updates(
+    contacts: Sequence[tuple[Contact, slice]],
+    buffers: Buffers,
+    stack: _Stack,
+    frames: _FrameTable,
+) -> _Updates:
+    updates: _Updates = []
+    cone_row = 0
+    for k, (contact, forces) in enumerate(contacts):
+        frame = frames.index(contact) if has_contact_kernel(contact) else 0
+        row = stack.first.get(contact, -1)
+        update = contact_update(contact, buffers, k, frame, forces, cone_row, row)
+        updates.append((contact, update))
+        cone_row += contact.cone.shape[0]
+    return updates
+
+
+def _limit_updates(limits: LimitSet, forces: dict[Contact, slice], buffers: Buffers) -> _Updates:
+    updates: _Updates = [(b, bound_update(b, buffers, k)) for k, b in enumerate(limits.bounds)]
+    if limits.torque is not None:
+        updates.append((limits.torque, torque_update(limits.torque, buffers)))
+    start = 0
+    for limit in limits.inequalities:
+        part = slice(start, start + limit.size)
+        updates.append((limit, limit_update(limit, buffers, part, forces)))
+        start = part.stop
+    return updates
 
 
 def _joints_behind(robot: Robot, frame_id: int) -> list[int]:
@@ -243,9 +278,3 @@ def _joints_behind(robot: Robot, frame_id: int) -> list[int]:
         found.append(robot.model.joints[joint].idx_v - 6)
         joint = robot.model.parents[joint]
     return sorted(found)
-
-
-def _fill_tree(tree: Tree, robot: Robot) -> None:
-    model = robot.model
-    tree.parent[:] = [max(model.parents[i] - 1, 0) for i in range(1, model.njoints)]
-    tree.gravity[:] = model.gravity.linear

@@ -8,10 +8,18 @@ from dataclasses import replace
 import numpy as np
 
 from wbc.kinematics import Kinematics
-from wbc.limits import AccelerationBound, TorqueLimit
+from wbc.limits import AccelerationBound, LimitSet
 from wbc.qp.contact_rows import ContactRows
 from wbc.qp.elimination import Elimination
-from wbc.qp.row_groups import BaseDynamicsRows, ExactRows, ForceRows, RowGroup, TorqueRows
+from wbc.qp.row_errors import write_bounds
+from wbc.qp.row_groups import (
+    BaseDynamicsRows,
+    ExactRows,
+    ForceRows,
+    InequalityRows,
+    RowGroup,
+    TorqueRows,
+)
 from wbc.qp.rows import RowBlock
 from wbc.robot import Robot
 from wbc.tasks import Task
@@ -22,14 +30,14 @@ class Constraints:
 
     All rows are kept as `low ≤ R x̂ ≤ high` with x̂ = (x, 1): the last column of R, the constant
     part, is brought to the other side in one go. The order of the rows: base dynamics (when
-    they remain), motion of exact contacts, exact tasks, torques, forces contact by contact.
+    they remain), motion of exact contacts, exact tasks, torques, general limits, forces contact by
+    contact.
 
     Args:
         robot: the robot.
         exact_tasks: tasks that become equalities.
         contacts: the contacts; the eliminated one first.
-        bounds: limits on joint accelerations.
-        torque_limit: limit on torques, or None.
+        limits: limits, by kind.
         m: the formulation.
 
     Attributes:
@@ -43,11 +51,10 @@ class Constraints:
         robot: Robot,
         exact_tasks: Sequence[Task],
         contacts: ContactRows,
-        bounds: Sequence[AccelerationBound],
-        torque_limit: TorqueLimit | None,
+        limits: LimitSet,
         m: Elimination,
     ) -> None:
-        self._bounds = list(bounds)
+        self._bounds = limits.bounds
         self.bounded = m.joints.stop
         groups: list[RowGroup] = []
         if m.E.shape[0]:
@@ -55,15 +62,16 @@ class Constraints:
         exact = ExactRows(m, contacts, exact_tasks)
         if exact.blocks:
             groups.append(exact)
-        if torque_limit is not None:
-            groups.append(TorqueRows(m, torque_limit, robot.joint_names))
+        if limits.torque is not None:
+            groups.append(TorqueRows(m, limits.torque, robot.joint_names))
+        groups += [InequalityRows(m, limit, contacts) for limit in limits.inequalities]
         groups += [ForceRows(m, contact, source) for contact, source in contacts]
         self._groups = groups
         size = sum(group.size for group in groups)
         self._R, self._C = np.zeros((size, m.n + 1)), np.zeros((size, m.n))
         self._low, self._high = np.full(size, -np.inf), np.full(size, np.inf)
         self.equality = np.zeros(self.bounded + size, dtype=bool)
-        blocks = _bound_blocks(robot, bounds, m)
+        blocks = _bound_blocks(robot, limits.bounds, m)
         start = 0
         for group in groups:
             rows = slice(start, start + group.size)
@@ -75,6 +83,7 @@ class Constraints:
         self.blocks = tuple(blocks)
         self._lb = np.full(self.bounded + size, -np.inf)
         self._ub = np.full(self.bounded + size, np.inf)
+        self._lower, self._upper = np.zeros(robot.na), np.zeros(robot.na)
         self._joint_lb, self._joint_ub = self._lb[m.joints], self._ub[m.joints]
         self._row_lb, self._row_ub = self._lb[self.bounded :], self._ub[self.bounded :]
 
@@ -93,11 +102,12 @@ class Constraints:
         if not self._bounds:
             return
         lb, ub = self._joint_lb, self._joint_ub
-        lb[:], ub[:] = self._bounds[0].bounds(kin)
-        for bound in self._bounds[1:]:
-            low, high = bound.bounds(kin)
-            np.maximum(lb, low, out=lb)
-            np.minimum(ub, high, out=ub)
+        lb.fill(-np.inf)
+        ub.fill(np.inf)
+        for bound in self._bounds:
+            write_bounds(bound, kin, self._lower, self._upper)
+            np.maximum(lb, self._lower, out=lb)
+            np.minimum(ub, self._upper, out=ub)
         # Two limits that exclude each other (fast at a stop, say): the middle.
         crossed = lb > ub
         if crossed.any():

@@ -8,7 +8,7 @@ import numpy as np
 
 from wbc.contacts import Contact
 from wbc.kinematics import Kinematics
-from wbc.qp.row_errors import write_contact
+from wbc.qp.row_errors import write_rows
 
 
 class ContactRows:
@@ -36,4 +36,4 @@ class ContactRows:
     def write(self, kin: Kinematics) -> None:
         """Recompute J and a."""
         for contact, _, J, a in self._parts:
-            write_contact(contact, kin, J, a)
+            write_rows(contact, kin, J, a)

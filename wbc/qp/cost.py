@@ -10,7 +10,7 @@ import numpy as np
 from wbc.kinematics import Kinematics
 from wbc.qp.contact_rows import ContactRows
 from wbc.qp.elimination import Elimination
-from wbc.qp.row_errors import write_joint_task, write_task
+from wbc.qp.row_errors import write_joint_rows, write_rows
 from wbc.tasks import JointTask, Task
 
 _ROOT_BASE = 1e-2  # of the weight on the base dynamics, 1/N
@@ -97,7 +97,7 @@ class Cost:
         """H (n, n) and g (n,), valid until the next call."""
         m, A, b, G, rows = self._m, self._A, self._b, self._G, self._task_rows
         for task, A_task, b_task, root in self._tasks:
-            write_task(task, kin, A_task, b_task)
+            write_rows(task, kin, A_task, b_task)
             root[:] = task.sqrt_weight
         for contact, source, target in self._soft:
             A[target] = self._contacts.J[source]
@@ -113,10 +113,10 @@ class Cost:
         H[:] = product[:-1, :-1]
         g[:] = product[:-1, -1]
         diagonal += self._small
-        for joint_task, index, wish in self._joint_tasks:
-            write_joint_task(joint_task, kin, wish)
+        for joint_task, index, b_joint in self._joint_tasks:
+            write_joint_rows(joint_task, kin, b_joint)
             diagonal[index] += joint_task.weight
-            g[index] -= joint_task.weight * wish
+            g[index] -= joint_task.weight * b_joint
         return H, g
 
 

@@ -10,11 +10,11 @@ and the joint accelerations are a run of entries of x. So the rows of tasks, con
 limits are assembled in one way, constants and all. The dynamics are
 `M v̇ + h = Sᵀ τ + Jᵀ f`; its six base rows are what the formulations get rid of:
 
-- `Full`: x = (v̇, f); the base rows remain as equalities E x̂ = 0. The readable reference.
-- `Stance`: a surface contact that moves exactly as told fixes the base,
+- `NoElimination`: x = (v̇, f); the base rows remain as equalities E x̂ = 0. The readable reference.
+- `StanceElimination`: a surface contact that moves exactly as told fixes the base,
   `J_b v̇_base + J_a q̈ = a`, and its wrench follows from the base rows through the same
   6×6 inverse; x = (q̈, other forces).
-- `Floating`: no such contact; `v̇_base = M_bb⁻¹ (J_bᵀ f − h_b − M_ba q̈)`, x = (q̈, f).
+- `BaseElimination`: no such contact; `v̇_base = M_bb⁻¹ (J_bᵀ f − h_b − M_ba q̈)`, x = (q̈, f).
 
 Forces enter x in units of `unit` newton (newton metre): with the robot's weight for a unit
 they are of the order of one, like accelerations, and H is well conditioned.
@@ -84,7 +84,7 @@ class Elimination(ABC):
         return np.concatenate((self.B @ x, x[self.joints]))
 
 
-class Full(Elimination):
+class NoElimination(Elimination):
     """x = (v̇, f)."""
 
     def __init__(self, nv: int, nf: int, unit: float) -> None:
@@ -100,7 +100,7 @@ class Full(Elimination):
             out[:, -1] = h[rows]
 
 
-class Floating(Elimination):
+class BaseElimination(Elimination):
     """x = (q̈, f)."""
 
     def __init__(self, nv: int, nf: int, unit: float) -> None:
@@ -119,7 +119,7 @@ class Floating(Elimination):
         T[:, -1] += h[6:]
 
 
-class Stance(Elimination):
+class StanceElimination(Elimination):
     """x = (q̈, forces of all contacts but the first).
 
     The first six rows of J belong to a surface contact that moves exactly as told. With

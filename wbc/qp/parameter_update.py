@@ -1,7 +1,7 @@
-"""Fetches what tasks, contacts and limits want into the kernels' arrays, tick by tick.
+"""Copies what tasks, contacts and limits ask for into the kernels' buffers, tick by tick.
 
-One function per kind of thing: it is told where the thing's numbers go, once, and returns a
-function that fetches them. Gains are copied only when they were set anew.
+One function per kind: it is told once where an object's numbers go, and returns a function that
+copies them. Gains are copied only when they were set anew.
 """
 
 from __future__ import annotations
@@ -11,82 +11,93 @@ from collections.abc import Callable
 import numpy as np
 
 from wbc.contacts import Contact
+from wbc.errors import ContactError
 from wbc.kinematics import Kinematics
-from wbc.limits import AccelerationBound, JointPositionLimit, JointVelocityLimit, TorqueLimit
-from wbc.qp.kernels.store import Store
+from wbc.limits import (
+    AccelerationBound,
+    JointPositionLimit,
+    JointVelocityLimit,
+    Limit,
+    LimitRows,
+    TorqueLimit,
+)
+from wbc.qp.kernels.buffers import Buffers
+from wbc.qp.kernels.rows import ACCELERATIONS, POSITIONS, VELOCITIES
 from wbc.tasks import JointTask, MotionTask, PostureTask, Task, TaskReference
 
-_ACCELERATIONS, _POSITIONS, _VELOCITIES = 0, 1, 2  # kinds of limits, see `groups.Limits`
-
-Gather = Callable[[Kinematics], None]
+Update = Callable[[Kinematics], None]
 
 
 def inherits(thing: object, owner: type, method: str) -> bool:
-    """Whether a method is the library's own, which the kernels know."""
+    """Return whether a method is the library's own, which the kernels implement."""
     return isinstance(thing, owner) and getattr(type(thing), method) is getattr(owner, method)
 
 
-def knows_motion(task: Task) -> bool:
-    """Whether the kernels write this task's rows; otherwise it writes them itself."""
+def has_motion_kernel(task: Task) -> bool:
+    """Return whether the kernels write this task's rows; otherwise it writes them itself."""
     return inherits(task, MotionTask, "write")
 
 
-def knows_contact(contact: Contact) -> bool:
-    """Whether the kernels write this contact's rows; otherwise it writes them itself."""
+def has_contact_kernel(contact: Contact) -> bool:
+    """Return whether the kernels write this contact's rows; otherwise it writes them itself."""
     return inherits(contact, Contact, "write")
 
 
-def motion_gather(task: MotionTask, store: Store, k: int, frame: int, row: int) -> Gather:
-    """The k-th task on a motion."""
-    group, rows = store.tasks, task.components
-    group.place[k] = (frame, rows.start, task.size, row)
+def motion_task_update(task: MotionTask, buffers: Buffers, k: int, frame: int, row: int) -> Update:
+    """Update of the k-th motion task, whose rows start at `row` of the dense ones."""
+    group, part = buffers.motion_tasks, task.components
+    group.frame[k], group.component[k] = frame, part.start
+    group.size[k], group.row[k] = task.size, row
     group.target[k] = np.eye(4)
-    reference = TaskReference(group.target[k], group.reference[k])
-    kp, kd = group.gain[k, :6][rows], group.gain[k, 6:][rows]
-    root = store.rows.root[row : row + task.size]
+    reference = TaskReference(group.target[k], group.velocity[k], group.acceleration[k])
+    kp, kd = group.kp[k, part], group.kd[k, part]
+    root_weight = buffers.rows.root_weight[row : row + task.size]
     gains: object = None
 
-    def gather(kin: Kinematics) -> None:
+    def update(kin: Kinematics) -> None:
         nonlocal gains
         task.write_reference(kin, reference)
         if gains is not task.gains:
             gains = task.gains
             kp[:], kd[:] = task.kp, task.kd
-            root[:] = task.sqrt_weight
+            root_weight[:] = task.sqrt_weight[: root_weight.size]
 
-    return gather
+    return update
 
 
-def rows_gather(task: Task, store: Store, row: int) -> Gather:
-    """A task that writes its rows itself."""
-    stacked, rows = store.rows, slice(row, row + task.size)
-    A, b, root = stacked.A[rows], stacked.b[rows], stacked.root[rows]
+def dense_task_update(task: Task, buffers: Buffers, row: int) -> Update:
+    """Update of a task that writes its rows itself."""
+    stacked, part = buffers.rows, slice(row, row + task.size)
+    A, b, root_weight = stacked.A[part], stacked.b[part], stacked.root_weight[part]
 
-    def gather(kin: Kinematics) -> None:
+    def update(kin: Kinematics) -> None:
         task.write(kin, A, b)
-        root[:] = task.sqrt_weight
+        root_weight[:] = task.sqrt_weight[: root_weight.size]
 
-    return gather
+    return update
 
 
-def wish_gather(task: JointTask, store: Store, rows: slice) -> Gather:
-    """A weighted task on single joints."""
-    wishes = store.wishes
-    wishes.joint[rows] = task.index
-    velocity, acceleration = wishes.reference[0, rows], wishes.reference[1, rows]
-    kp, kd, weight = (gain[rows] for gain in wishes.gain)
-    target = wishes.target[rows]
+def joint_task_update(task: JointTask, buffers: Buffers, part: slice) -> Update:
+    """Update of a weighted task on single joints."""
+    group = buffers.joint_tasks
+    group.joint[part] = task.index
+    target, velocity, acceleration = (
+        group.target[part],
+        group.velocity[part],
+        group.acceleration[part],
+    )
+    kp, kd, weight = group.kp[part], group.kd[part], group.weight[part]
     gains: object = None
     if not (isinstance(task, PostureTask) and inherits(task, PostureTask, "write_joints")):
 
-        def gather_written(kin: Kinematics) -> None:
+        def update_written(kin: Kinematics) -> None:
             task.write_joints(kin, acceleration)
             weight[:] = task.weight
 
-        return gather_written
+        return update_written
     posture = task
 
-    def gather(kin: Kinematics) -> None:
+    def update(kin: Kinematics) -> None:
         nonlocal gains
         target[:] = posture.target
         velocity[:] = posture.velocity
@@ -95,90 +106,130 @@ def wish_gather(task: JointTask, store: Store, rows: slice) -> Gather:
             gains = posture.gains
             kp[:], kd[:], weight[:] = posture.kp, posture.kd, posture.weight
 
-    return gather
+    return update
 
 
-def contact_gather(
-    contact: Contact, store: Store, k: int, frame: int, rows: slice, row: int
-) -> Gather:
-    """The k-th contact."""
-    group = store.contacts
-    group.place[k] = (frame, rows.start, contact.motion_size, row, contact.cone.shape[0])
-    cone, number = group.cone[k], group.number[k]
-    J, a = group.J[rows], group.a[rows]
-    root = store.rows.root[row : row + contact.motion_size]
+def contact_update(
+    contact: Contact, buffers: Buffers, k: int, frame: int, forces: slice, cone_row: int, row: int
+) -> Update:
+    """Update of the k-th contact.
+
+    Args:
+        contact: the contact.
+        buffers: where to.
+        k: its place among the contacts.
+        frame: index of its frame.
+        forces: its force components.
+        cone_row: first row of its cone.
+        row: first row of its motion among the dense rows; −1 when it is eliminated.
+    """
+    group, size = buffers.contacts, contact.cone.shape[0]
+    group.frame[k], group.force[k], group.size[k] = frame, forces.start, contact.motion_size
+    group.row[k], group.cone_row[k], group.cone_size[k] = row, cone_row, size
+    cone = group.cone[cone_row : cone_row + size, : contact.motion_size]
+    damping, min_force, max_force = group.damping, group.min_force, group.max_force
+    J, a = group.jacobian[forces], group.acceleration[forces]
+    root_weight = buffers.rows.root_weight[row : row + contact.motion_size]
     soft = contact.motion_weight is not None
-    written = not knows_contact(contact)
-    seen: np.ndarray | None = None
+    written = not has_contact_kernel(contact)
+    copied: np.ndarray | None = None
 
-    def gather(kin: Kinematics) -> None:
-        nonlocal seen
-        number[0], number[1] = contact.damping, contact.min_force
-        number[2] = contact.max_force
-        if contact.cone is not seen:
-            seen = contact.cone
-            cone[: seen.shape[0], : seen.shape[1]] = seen
+    def update(kin: Kinematics) -> None:
+        nonlocal copied
+        damping[k] = contact.damping
+        min_force[k], max_force[k] = contact.min_force, contact.max_force
+        if contact.cone is not copied:
+            copied = contact.cone
+            if copied.shape != cone.shape:
+                raise ContactError(
+                    f"contact '{contact.name}': its cone had {cone.shape[0]} rows and has "
+                    f"{copied.shape[0]}; their number must not change"
+                )
+            cone[:] = copied
         if soft:
-            root[:] = (contact.motion_weight or 0.0) ** 0.5
+            root_weight[:] = (contact.motion_weight or 0.0) ** 0.5
         if written:
             contact.write(kin, J, a)
 
-    return gather
+    return update
 
 
-def bound_gather(bound: AccelerationBound, store: Store, k: int) -> Gather:
-    """The k-th limit on accelerations."""
-    limits = store.limits
-    number, (lower, upper, braking) = limits.number[k], limits.joint[k]
-    number[:] = 1.0
+def bound_update(bound: AccelerationBound, buffers: Buffers, k: int) -> Update:
+    """Update of the k-th limit on joint accelerations."""
+    group = buffers.bounds
+    lower, upper, braking = group.lower[k], group.upper[k], group.braking[k]
+    horizon, recovery = group.horizon, group.recovery
+    horizon[k] = recovery[k] = 1.0
     if isinstance(bound, JointPositionLimit) and inherits(bound, JointPositionLimit, "bounds"):
-        limits.kind[k] = _POSITIONS
+        group.kind[k] = POSITIONS
         position = bound
 
-        def gather_positions(kin: Kinematics) -> None:
-            number[0], number[1] = position.horizon, position.recovery
-            fetch_lower(position.lower)
-            fetch_upper(position.upper)
-            fetch_braking(position.braking)
+        def update_positions(kin: Kinematics) -> None:
+            horizon[k], recovery[k] = position.horizon, position.recovery
+            copy_lower(position.lower)
+            copy_upper(position.upper)
+            copy_braking(position.braking)
 
-        fetch_lower, fetch_upper, fetch_braking = map(_fetch, (lower, upper, braking))
-        return gather_positions
+        copy_lower, copy_upper, copy_braking = map(_copier, (lower, upper, braking))
+        return update_positions
     if isinstance(bound, JointVelocityLimit) and inherits(bound, JointVelocityLimit, "bounds"):
-        limits.kind[k] = _VELOCITIES
+        group.kind[k] = VELOCITIES
         velocity = bound
 
-        def gather_velocities(kin: Kinematics) -> None:
-            number[0] = velocity.horizon
-            fetch_upper(velocity.maximum)
-            fetch_braking(velocity.braking)
+        def update_velocities(kin: Kinematics) -> None:
+            horizon[k] = velocity.horizon
+            copy_upper(velocity.maximum)
+            copy_braking(velocity.braking)
 
-        fetch_upper, fetch_braking = map(_fetch, (upper, braking))
-        return gather_velocities
-    limits.kind[k] = _ACCELERATIONS
+        copy_upper, copy_braking = map(_copier, (upper, braking))
+        return update_velocities
+    group.kind[k] = ACCELERATIONS
 
-    def gather(kin: Kinematics) -> None:
+    def update(kin: Kinematics) -> None:
         lower[:], upper[:] = bound.bounds(kin)
 
-    return gather
+    return update
 
 
-def torque_gather(limit: TorqueLimit, store: Store) -> Gather:
-    """The limit on torques."""
-    fetch = _fetch(store.limits.torque)
+def torque_update(limit: TorqueLimit, buffers: Buffers) -> Update:
+    """Update of the limit on torques."""
+    copy = _copier(buffers.bounds.torque)
 
-    def gather(kin: Kinematics) -> None:
-        fetch(limit.maximum)
+    def update(kin: Kinematics) -> None:
+        copy(limit.maximum)
 
-    return gather
+    return update
 
 
-def _fetch(to: np.ndarray) -> Callable[[np.ndarray], None]:
-    """Copies an array, but one that cannot change only once."""
-    seen: np.ndarray | None = None
+def limit_update(
+    limit: Limit, buffers: Buffers, part: slice, forces: dict[Contact, slice]
+) -> Update:
+    """Update of a general limit.
 
-    def fetch(array: np.ndarray) -> None:
-        nonlocal seen
-        if array is not seen or array.flags.writeable:
-            to[:] = seen = array
+    Args:
+        limit: the limit.
+        buffers: where to.
+        part: its rows among those of the general limits.
+        forces: force components of each contact.
+    """
+    group = buffers.inequalities
+    columns = {contact: group.F[part, components] for contact, components in forces.items()}
+    rows = LimitRows(group.A[part], group.lower[part], group.upper[part], columns)
 
-    return fetch
+    def update(kin: Kinematics) -> None:
+        rows.clear()
+        limit.write(kin, rows)
+
+    return update
+
+
+def _copier(to: np.ndarray) -> Callable[[np.ndarray], None]:
+    """Return a function that copies an array, but one that cannot change only once."""
+    copied: np.ndarray | None = None
+
+    def copy(array: np.ndarray) -> None:
+        nonlocal copied
+        if array is not copied or array.flags.writeable:
+            to[:] = copied = array
+
+    return copy

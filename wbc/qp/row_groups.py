@@ -13,10 +13,10 @@ import numpy as np
 
 from wbc.contacts import Contact
 from wbc.kinematics import Kinematics
-from wbc.limits import TorqueLimit
+from wbc.limits import Limit, LimitRows, TorqueLimit
 from wbc.qp.contact_rows import ContactRows
 from wbc.qp.elimination import Elimination
-from wbc.qp.row_errors import write_task
+from wbc.qp.row_errors import write_rows
 from wbc.qp.rows import RowBlock
 from wbc.tasks import Task
 
@@ -102,7 +102,7 @@ class ExactRows(RowGroup):
             A[:] = self._contacts.J[source]
             b[:] = self._contacts.a[source]
         for task, A, b in self._tasks:
-            write_task(task, kin, A, b)
+            write_rows(task, kin, A, b)
         self._m.project(self._A, self.R)
         self.low[:] = self.high[:] = self._b
 
@@ -120,6 +120,29 @@ class TorqueRows(RowGroup):
         self.R[:] = self._m.T
         self.high[:] = self._limit.maximum
         np.negative(self._limit.maximum, out=self.low)
+
+
+class InequalityRows(RowGroup):
+    """A general limit, `lower ≤ A v̇ + F f ≤ upper`."""
+
+    def __init__(self, m: Elimination, limit: Limit, contacts: ContactRows) -> None:
+        self._m = m
+        self._limit = limit
+        nf, nv = contacts.J.shape
+        self._F = F = np.zeros((limit.size, nf))
+        columns = {contact: F[:, source] for contact, source in contacts}
+        lower, upper = np.zeros(limit.size), np.zeros(limit.size)
+        self._rows = LimitRows(np.zeros((limit.size, nv)), lower, upper, columns)
+        self.blocks = (RowBlock(limit.name, limit.unit, 0, limit.size, limit.labels),)
+
+    def write(self, kin: Kinematics) -> None:
+        """See `RowGroup`."""
+        rows = self._rows
+        rows.clear()
+        write_rows(self._limit, kin, rows)
+        self._m.project(rows.A, self.R)
+        self.R += self._F @ self._m.W
+        self.low[:], self.high[:] = rows.lower, rows.upper
 
 
 class ForceRows(RowGroup):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
@@ -15,41 +14,38 @@ from wbc.tasks.task import Task
 CENTROID = 0  #: in place of a frame's index; frame 0 is the universe, which does not move
 
 
-def _identity() -> np.ndarray:
-    return np.eye(4)
-
-
-def _zeros() -> np.ndarray:
-    return np.zeros(12)
-
-
-@dataclass(slots=True)
 class TaskReference:
     """Where a `MotionTask` wants its frame, and how it is to move there; world axes.
 
+    Args:
+        pose: as the attribute; identity when left out.
+        velocity: as the attribute; zero when left out.
+        acceleration: as the attribute; zero when left out.
+
     Attributes:
-        pose: (4, 4) `T_world_frame` wanted.
-        motion: (12,) velocity (linear, angular), then acceleration.
+        pose: (4, 4) desired `T_world_frame`.
         rotation: (3, 3) view of the pose.
         position: (3,) view of the pose, m; of an angular momentum, kg·m²/s.
-        velocity: (6,) view.
-        acceleration: (6,) view.
+        velocity: (6,) linear then angular, m/s and rad/s.
+        acceleration: (6,) feed-forward, m/s² and rad/s².
     """
 
-    pose: np.ndarray = field(default_factory=_identity)
-    motion: np.ndarray = field(default_factory=_zeros)
-    rotation: np.ndarray = field(init=False)
-    position: np.ndarray = field(init=False)
-    velocity: np.ndarray = field(init=False)
-    acceleration: np.ndarray = field(init=False)
+    __slots__ = ("acceleration", "pose", "position", "rotation", "velocity")
 
-    def __post_init__(self) -> None:
+    def __init__(
+        self,
+        pose: np.ndarray | None = None,
+        velocity: np.ndarray | None = None,
+        acceleration: np.ndarray | None = None,
+    ) -> None:
+        self.pose = np.eye(4) if pose is None else pose
         self.rotation, self.position = self.pose[:3, :3], self.pose[:3, 3]
-        self.velocity, self.acceleration = self.motion[:6], self.motion[6:]
+        self.velocity = np.zeros(6) if velocity is None else velocity
+        self.acceleration = np.zeros(6) if acceleration is None else acceleration
 
-    def __reduce__(self) -> tuple[type[TaskReference], tuple[np.ndarray, np.ndarray]]:
-        """Copy the two arrays; their views are made again."""
-        return TaskReference, (self.pose, self.motion)
+    def __reduce__(self) -> tuple[type[TaskReference], tuple[np.ndarray, ...]]:
+        """Copy the arrays; the views of the pose are made again."""
+        return TaskReference, (self.pose, self.velocity, self.acceleration)
 
 
 class MotionTask(Task):

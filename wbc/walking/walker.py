@@ -27,6 +27,7 @@ from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.state_machine import PREVIEW_STEPS
 from wbc.geometry.planar import ground_point, planar_rotation, wrap_angle
 from wbc.kinematics import Kinematics
+from wbc.qp import Solver
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.tasks import AngularMomentumTask, ComTask, PostureTask, Task
@@ -71,7 +72,7 @@ class Walker:
         *,
         gait: GaitParameters | None = None,
         gains: WalkerGains | None = None,
-        solver: str | None = None,
+        solver: str | Solver | None = None,
     ) -> None:
         self.robot = robot
         self.dt = dt

@@ -11,7 +11,7 @@ from wbc.errors import MotionError
 from wbc.estimation import Estimate
 from wbc.geometry.planar import ground_point, planar_rotation
 from wbc.ik.objective import PostureSolution
-from wbc.limits.limit import default_braking
+from wbc.limits.per_joint import default_braking
 from wbc.motions.engine.com_bias_observer import ComBiasObserver
 from wbc.motions.engine.com_reference import ComReference
 from wbc.motions.engine.hands import HandReferences

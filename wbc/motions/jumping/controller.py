@@ -19,6 +19,7 @@ from wbc.motions.jumping.path import gravity_of
 from wbc.motions.jumping.plan import JumpPlan
 from wbc.motions.jumping.profile import HeightProfile, MinimumJerk, Moment, stroke
 from wbc.motions.jumping.tasks import JumpTasks
+from wbc.qp import Solver
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.telemetry import Balance, Telemetry
@@ -71,7 +72,7 @@ class JumpController:
         dt: float = 0.002,
         gains: JumpGains | None = None,
         *,
-        solver: str | None = None,
+        solver: str | Solver | None = None,
     ) -> None:
         self.robot = robot
         self.plan = plan

@@ -13,6 +13,7 @@ from wbc.controller import WholeBodyController
 from wbc.kinematics import Kinematics
 from wbc.limits import JointPositionLimit, JointVelocityLimit, TorqueLimit
 from wbc.motions.jumping.gains import JumpGains
+from wbc.qp import Solver
 from wbc.tasks import AngularMomentumTask, ComTask, FrameTask, OrientationTask, PostureTask
 from wbc.walking.contact_manager import rotation_about_z
 
@@ -34,7 +35,7 @@ class JumpTasks:
     """
 
     def __init__(
-        self, standing: Kinematics, dt: float, gains: JumpGains, solver: str | None = None
+        self, standing: Kinematics, dt: float, gains: JumpGains, solver: str | Solver | None = None
     ) -> None:
         robot = standing.robot
         self._gains = gains

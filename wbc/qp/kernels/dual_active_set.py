@@ -29,14 +29,14 @@ from wbc.qp.kernels.factors import (
     forward,
     solve_factored,
 )
-from wbc.qp.kernels.jit import kernel, part
+from wbc.qp.kernels.jit import kernel, subkernel
 
 SOLVED, INFEASIBLE, ITERATION_LIMIT, NOT_CONVEX, NOT_EXACT = 0, 1, 2, 3, 4
 
 _NOTHING = 1e-9  # norm of a row that is none
 
 
-@part
+@subkernel
 def transformed_row(
     C: np.ndarray, L: np.ndarray, bounded: int, row: int, sign: float, m: np.ndarray
 ) -> None:
@@ -52,7 +52,7 @@ def transformed_row(
         forward(L, m, np.int64(0))  # a literal would be compiled apart
 
 
-@part
+@subkernel
 def append(
     C: np.ndarray,
     L: np.ndarray,
@@ -85,7 +85,7 @@ def append(
         K[k, j] = s
 
 
-@part
+@subkernel
 def remove(
     at: int,
     size: int,
@@ -109,7 +109,7 @@ def remove(
             K[k, j] = K[k + 1, j + 1]
 
 
-@part
+@subkernel
 def refactor(
     at: int,
     size: int,
@@ -144,7 +144,7 @@ def refactor(
     return size
 
 
-@part
+@subkernel
 def point_of(
     L: np.ndarray, M: np.ndarray, multipliers: np.ndarray, size: int, w: np.ndarray, x: np.ndarray
 ) -> None:
@@ -158,7 +158,7 @@ def point_of(
     backward(L, x, n)
 
 
-@part
+@subkernel
 def scale_of(row: int, C: np.ndarray, bounded: int, scale: np.ndarray) -> float:
     """One over the norm of a row, found when it is first asked for.
 
@@ -176,7 +176,7 @@ def scale_of(row: int, C: np.ndarray, bounded: int, scale: np.ndarray) -> float:
     return known
 
 
-@part
+@subkernel
 def most_violated(
     C: np.ndarray,
     x: np.ndarray,
@@ -206,7 +206,7 @@ def most_violated(
     return at, side
 
 
-@part
+@subkernel
 def first_to_vanish(
     multipliers: np.ndarray,
     wanted: np.ndarray,
@@ -229,7 +229,7 @@ def first_to_vanish(
     return at, share
 
 
-@part
+@subkernel
 def refine(
     C: np.ndarray,
     L: np.ndarray,

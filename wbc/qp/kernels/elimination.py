@@ -9,11 +9,11 @@ import math
 
 import numpy as np
 
-from wbc.qp.kernels.groups import Maps, Rows
-from wbc.qp.kernels.jit import part
+from wbc.qp.kernels.groups import AffineMaps
+from wbc.qp.kernels.jit import subkernel
 
 
-@part
+@subkernel
 def invert_action(X: np.ndarray, out: np.ndarray) -> None:
     """`[R, S; 0, R]⁻¹ = [Rᵀ, −Rᵀ S Rᵀ; 0, Rᵀ]`."""
     for i in range(3):
@@ -29,17 +29,17 @@ def invert_action(X: np.ndarray, out: np.ndarray) -> None:
             out[i, 3 + j] = s
 
 
-@part
+@subkernel
 def eliminate(
-    maps: Maps, M: np.ndarray, h: np.ndarray, J: np.ndarray, a: np.ndarray, unit: float
+    maps: AffineMaps, M: np.ndarray, h: np.ndarray, J: np.ndarray, a: np.ndarray, unit: float
 ) -> None:
     """B, W, T of the elimination, see `wbc.qp.elimination`."""
-    B, W, T, S, stance = maps.B, maps.W, maps.T, maps.S, maps.stance
+    B, W, T, S, stance = maps.B, maps.W, maps.T, maps.base_force, maps.stance_joints
     nv, nf = M.shape[0], J.shape[0]
     na, last = nv - 6, B.shape[1] - 1
-    gone = 6 if stance.size > 0 else 0  # force components that are not unknowns
+    eliminated = 6 if stance.size > 0 else 0  # force components that are not unknowns
     X = np.empty((6, 6))
-    if gone:
+    if eliminated:
         invert_action(J[:6, :6], X)
         for i in range(6):
             for c in stance:
@@ -55,28 +55,28 @@ def eliminate(
     for i in range(6):
         for c in range(na):
             S[i, c] = M[i, 6 + c]
-        for f in range(gone, nf):
-            S[i, na + f - gone] = -unit * J[f, i]
+        for f in range(eliminated, nf):
+            S[i, na + f - eliminated] = -unit * J[f, i]
         S[i, last] = h[i]
-    if not gone:
+    if not eliminated:
         solve_base(M, S, B)
     # With the base's motion. Without a stance contact S becomes zero: the base is free.
     for i in range(6):
-        add_columns(M[i], B, maps.dense, S[i])
+        add_columns(M[i], B, maps.dense_columns, S[i])
     for j in range(na):
         out = T[j]
         for c in range(na):
             out[c] = M[6 + j, 6 + c]
-        for f in range(gone, nf):
-            out[na + f - gone] = -unit * J[f, 6 + j]
+        for f in range(eliminated, nf):
+            out[na + f - eliminated] = -unit * J[f, 6 + j]
         out[last] = h[6 + j]
-        add_columns(M[6 + j], B, maps.dense, out)
+        add_columns(M[6 + j], B, maps.dense_columns, out)
     weights = np.empty(6)
     for j in stance:
         for k in range(6):
             weights[k] = B[k, j]
         add_product(weights, S, T[j])
-    for i in range(gone):
+    for i in range(eliminated):
         for k in range(6):
             weights[k] = X[k, i]
         for c in range(last + 1):
@@ -84,7 +84,7 @@ def eliminate(
         add_product(weights, S, W[i])
 
 
-@part
+@subkernel
 def add_product(weights: np.ndarray, B: np.ndarray, out: np.ndarray) -> None:
     """out += Bᵀ weights for six rows B. Six products in one pass: it is the stores that cost."""
     w0, w1, w2, w3, w4, w5 = weights[0], weights[1], weights[2], weights[3], weights[4], weights[5]
@@ -94,7 +94,7 @@ def add_product(weights: np.ndarray, B: np.ndarray, out: np.ndarray) -> None:
         )
 
 
-@part
+@subkernel
 def add_columns(weights: np.ndarray, B: np.ndarray, columns: np.ndarray, out: np.ndarray) -> None:
     """The same in some columns only."""
     w0, w1, w2, w3, w4, w5 = weights[0], weights[1], weights[2], weights[3], weights[4], weights[5]
@@ -104,7 +104,7 @@ def add_columns(weights: np.ndarray, B: np.ndarray, columns: np.ndarray, out: np
         )
 
 
-@part
+@subkernel
 def solve_base(M: np.ndarray, S: np.ndarray, B: np.ndarray) -> None:
     """B = −M_bb⁻¹ S."""
     L = np.empty((6, 6))
@@ -127,13 +127,13 @@ def solve_base(M: np.ndarray, S: np.ndarray, B: np.ndarray) -> None:
             B[i, c] = s / L[i, i]
 
 
-@part
-def project(rows: Rows, row: int, maps: Maps, out: np.ndarray) -> None:
-    """out ← x̂'s coefficients of `A v̇ − b` for one row."""
-    na, A = maps.T.shape[0], rows.A[row]
+@subkernel
+def project(A: np.ndarray, constant: float, maps: AffineMaps, out: np.ndarray) -> None:
+    """out ← x̂'s coefficients of `A v̇ + constant` for one row A."""
+    na = maps.T.shape[0]
     for c in range(na):
         out[c] = A[6 + c]
     for c in range(na, out.size - 1):
         out[c] = 0.0
-    out[out.size - 1] = -rows.b[row]
-    add_columns(A, maps.B, maps.dense, out)
+    out[out.size - 1] = constant
+    add_columns(A, maps.B, maps.dense_columns, out)

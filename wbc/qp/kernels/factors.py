@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from wbc.qp.kernels.jit import part
+from wbc.qp.kernels.jit import subkernel
 
 _INDEPENDENT = 1e-11  # least share of a row that the rows before it do not span
 
 
-@part
+@subkernel
 def cholesky(H: np.ndarray, L: np.ndarray) -> bool:
     """L of H = L Lᵀ row by row, with reciprocal diagonal; False unless positive definite."""
     n = H.shape[0]
@@ -30,7 +30,7 @@ def cholesky(H: np.ndarray, L: np.ndarray) -> bool:
     return True
 
 
-@part
+@subkernel
 def forward(L: np.ndarray, b: np.ndarray, first: int | np.int64) -> None:
     """b ← L⁻¹ b, whose entries before `first` are zero."""
     for i in range(first, b.size):
@@ -40,7 +40,7 @@ def forward(L: np.ndarray, b: np.ndarray, first: int | np.int64) -> None:
         b[i] = s * L[i, i]
 
 
-@part
+@subkernel
 def backward(L: np.ndarray, b: np.ndarray, n: int) -> None:
     """b[:n] ← L⁻ᵀ b[:n]."""
     for i in range(n - 1, -1, -1):
@@ -50,7 +50,7 @@ def backward(L: np.ndarray, b: np.ndarray, n: int) -> None:
             b[k] -= L[i, k] * s
 
 
-@part
+@subkernel
 def factor_row(K: np.ndarray, F: np.ndarray, i: int) -> bool:
     """Row i of the factor F of K, reciprocal diagonal; False when K's row is dependent.
 
@@ -71,7 +71,7 @@ def factor_row(K: np.ndarray, F: np.ndarray, i: int) -> bool:
     return True
 
 
-@part
+@subkernel
 def solve_factored(F: np.ndarray, b: np.ndarray, k: int) -> None:
     """b[:k] ← (F Fᵀ)⁻¹ b[:k]."""
     for i in range(k):

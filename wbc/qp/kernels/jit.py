@@ -30,22 +30,28 @@ def kernel(signature: str) -> Callable[[F], F]:
     """
 
     def compiled(function: F) -> F:
-        with _kept_by_content() as kept:
-            made: F = numba.njit(signature, cache=kept, no_cfunc_wrapper=True, **_OPTIONS)(function)
+        with _cache_by_content() as cached:
+            made: F = numba.njit(signature, cache=cached, no_cfunc_wrapper=True, **_OPTIONS)(
+                function
+            )
         return made
 
     return compiled
 
 
-def part(function: F) -> F:
-    """A function that is called by kernels only."""
-    # What is called from nowhere else needs no wrappers, which take long to compile.
-    made: F = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)
+def subkernel(function: F) -> F:
+    """Compile a function that only kernels call."""
+    # What is called from nowhere else needs no wrappers, which take long to compile. Inlined,
+    # because the code that was just compiled would call a copy that is optimised differently from
+    # the one that is kept on disk: the same tick would round differently in the next process.
+    made: F = numba.njit(
+        no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True, **_OPTIONS
+    )(function)
     return made
 
 
 @contextmanager
-def _kept_by_content() -> Iterator[bool]:
+def _cache_by_content() -> Iterator[bool]:
     """Have Numba keep machine code in a folder named after the text of all kernels.
 
     Left alone it looks at the date of the kernel's own file, and runs old code when a part in

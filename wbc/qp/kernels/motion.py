@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from wbc.qp.kernels.groups import Frames, Tree
-from wbc.qp.kernels.jit import part
+from wbc.qp.kernels.jit import subkernel
 
 
-@part
+@subkernel
 def sweep(tree: Tree, J: np.ndarray, v: np.ndarray) -> None:
     """Spatial velocity and bias acceleration of all bodies, at the world's origin.
 
@@ -46,13 +46,13 @@ def sweep(tree: Tree, J: np.ndarray, v: np.ndarray) -> None:
         velocity[i, 3], velocity[i, 4], velocity[i, 5] = w0 + r0, w1 + r1, w2 + r2
 
 
-@part
+@subkernel
 def move_frames(tree: Tree, frames: Frames, J: np.ndarray) -> None:
     """Jacobian, velocity and classical bias acceleration of each frame's origin."""
     for k in range(1, frames.body.size):
         x, y, z = frames.placement[k, 0, 3], frames.placement[k, 1, 3], frames.placement[k, 2, 3]
         body = frames.body[k]
-        out = frames.J[k]
+        out = frames.jacobian[k]
         i = body
         while True:
             first, last = (0, 6) if i == 0 else (i + 5, i + 6)
@@ -79,7 +79,7 @@ def move_frames(tree: Tree, frames: Frames, J: np.ndarray) -> None:
         out_bias[3], out_bias[4], out_bias[5] = a[3], a[4], a[5]
 
 
-@part
+@subkernel
 def move_centroid(
     frames: Frames, M: np.ndarray, h: np.ndarray, v: np.ndarray, mass: float, gravity: np.ndarray
 ) -> None:
@@ -87,7 +87,7 @@ def move_centroid(
 
     The CoM in base axes is read off the base rows of M: M[0:3, 3:6] = −m [c]×.
     """
-    place, J = frames.placement[0], frames.J[0]
+    place, J = frames.placement[0], frames.jacobian[0]
     velocity, bias = frames.velocity[0], frames.bias[0]
     b0, b1, b2 = M[1, 5] / mass, M[2, 3] / mass, M[0, 4] / mass
     lever = (
@@ -125,7 +125,7 @@ def move_centroid(
         place[i, 3] += lever[i]
 
 
-@part
+@subkernel
 def log3(R: np.ndarray, S: np.ndarray, out: np.ndarray) -> None:
     """out ← log(R Sᵀ), for rotations R and S."""
     Q = (

@@ -6,34 +6,53 @@ import math
 
 import numpy as np
 
+from wbc.qp.kernels.buffers import (
+    read_bounds,
+    read_contacts,
+    read_frames,
+    read_inequalities,
+    read_joint_tasks,
+    read_maps,
+    read_motion_tasks,
+    read_program,
+    read_rows,
+    read_tree,
+)
 from wbc.qp.kernels.elimination import add_product, eliminate, project
-from wbc.qp.kernels.groups import Contacts, Limits, Maps, Program, Rows, Wishes
-from wbc.qp.kernels.jit import kernel, part
+from wbc.qp.kernels.groups import (
+    AffineMaps,
+    Contacts,
+    DenseRows,
+    Inequalities,
+    JointBounds,
+    JointTasks,
+    QuadraticProgram,
+)
+from wbc.qp.kernels.jit import kernel, subkernel
 from wbc.qp.kernels.motion import move_centroid, move_frames, sweep
-from wbc.qp.kernels.rows import bound_joints, write_contacts, write_tasks
-from wbc.qp.kernels.store import motion_groups, program_groups
+from wbc.qp.kernels.rows import write_contacts, write_joint_bounds, write_tasks
 
 
-@part
+@subkernel
 def write_cost(
-    rows: Rows,
-    maps: Maps,
-    wishes: Wishes,
-    program: Program,
+    rows: DenseRows,
+    maps: AffineMaps,
+    joint_tasks: JointTasks,
+    program: QuadraticProgram,
     q: np.ndarray,
     v: np.ndarray,
     root_force: float,
 ) -> None:
-    """H and g of `½ |G x̂|²`, small costs and the wishes for single joints."""
+    """H and g of `½ |G x̂|²`, the regularisation and the tasks on single joints."""
     G, H, g = program.G, program.H, program.g
-    n, gone = g.size, 6 if maps.stance.size > 0 else 0
-    count = rows.cost[0]
+    n, eliminated = g.size, 6 if maps.stance_joints.size > 0 else 0
+    count = rows.root_weight.size
     for r in range(count):
-        out, root = G[r], rows.root[r]
-        project(rows, r, maps, out)
+        out, root = G[r], rows.root_weight[r]
+        project(rows.A[r], -rows.b[r], maps, out)
         for c in range(n + 1):
             out[c] *= root
-    for r in range(gone):
+    for r in range(eliminated):
         for c in range(n + 1):
             G[count + r, c] = root_force * maps.W[r, c]
     for i in range(n):
@@ -47,77 +66,111 @@ def write_cost(
                 for c in range(i + 1):
                     H[i, c] += s0 * G[r, c] + s1 * G[r + 1, c] + s2 * G[r + 2, c]
                 g[i] += s0 * G[r, n] + s1 * G[r + 1, n] + s2 * G[r + 2, n]
-        H[i, i] += program.small[i]
-    for i in range(wishes.joint.size):
-        j = wishes.joint[i]
-        kp, kd, weight = wishes.gain[0, i], wishes.gain[1, i], wishes.gain[2, i]
-        wish = wishes.reference[1, i] + kd * (wishes.reference[0, i] - v[6 + j])
-        wish += kp * (wishes.target[i] - q[7 + j])
+        H[i, i] += program.regularisation[i]
+    for i in range(joint_tasks.joint.size):
+        j, weight = joint_tasks.joint[i], joint_tasks.weight[i]
+        b = joint_tasks.acceleration[i] + joint_tasks.kd[i] * (joint_tasks.velocity[i] - v[6 + j])
+        b += joint_tasks.kp[i] * (joint_tasks.target[i] - q[7 + j])
         H[j, j] += weight
-        g[j] -= weight * wish
+        g[j] -= weight * b
     for i in range(n):
         for c in range(i):
             H[c, i] = H[i, c]
 
 
-@part
-def split(line: np.ndarray, row: np.ndarray) -> float:
+@subkernel
+def split(affine: np.ndarray, row: np.ndarray) -> float:
     """row ← the coefficients of x in a row of x̂'s; returns the constant behind them."""
     for c in range(row.size):
-        row[c] = line[c]
-    constant: float = line[row.size]
+        row[c] = affine[c]
+    constant: float = affine[row.size]
     return constant
 
 
-@part
+@subkernel
+def write_limit_rows(
+    inequalities: Inequalities, maps: AffineMaps, program: QuadraticProgram, first: int
+) -> None:
+    """Rows of the general limits, from row `first` of C on."""
+    n, na = program.C.shape[1], maps.T.shape[0]
+    affine = np.empty(n + 1)
+    for r in range(inequalities.lower.size):
+        project(inequalities.A[r], 0.0, maps, affine)
+        for k in range(maps.W.shape[0]):
+            coefficient = inequalities.F[r, k]
+            if coefficient != 0.0:
+                for c in range(n + 1):
+                    affine[c] += coefficient * maps.W[k, c]
+        row = first + r
+        constant = split(affine, program.C[row])
+        program.lb[na + row] = inequalities.lower[r] - constant
+        program.ub[na + row] = inequalities.upper[r] - constant
+
+
+@subkernel
+def write_force_rows(
+    contacts: Contacts, maps: AffineMaps, program: QuadraticProgram, first: int, unit: float
+) -> None:
+    """Rows of the force cones and normal forces, from row `first` of C on."""
+    C, lb, ub, W = program.C, program.lb, program.ub, maps.W
+    n, na = C.shape[1], maps.T.shape[0]
+    eliminated = 6 if maps.stance_joints.size > 0 else 0
+    affine = np.empty(n + 1)
+    row = first
+    for i in range(contacts.frame.size):
+        start, size = contacts.force[i], contacts.size[i]
+        cone = contacts.cone[contacts.cone_row[i] : contacts.cone_row[i] + contacts.cone_size[i]]
+        least, most = contacts.min_force[i], contacts.max_force[i]
+        if start >= eliminated:  # the force is among the unknowns
+            column = na + start - eliminated
+            for r in range(cone.shape[0]):
+                for k in range(size):
+                    C[row, column + k] = unit * cone[r, k]
+                ub[na + row] = 0.0
+                row += 1
+            C[row, column + 2] = unit
+            lb[na + row], ub[na + row] = least, most
+        else:
+            for r in range(cone.shape[0]):
+                for c in range(n + 1):
+                    affine[c] = 0.0
+                add_product(cone[r], W[start:], affine)
+                ub[na + row] = -split(affine, C[row])
+                row += 1
+            constant = split(W[start + 2], C[row])
+            lb[na + row], ub[na + row] = least - constant, most - constant
+        row += 1
+
+
+@subkernel
 def write_constraints(
-    rows: Rows,
-    maps: Maps,
+    rows: DenseRows,
+    maps: AffineMaps,
     contacts: Contacts,
-    limits: Limits,
-    program: Program,
+    bounds: JointBounds,
+    inequalities: Inequalities,
+    program: QuadraticProgram,
     q: np.ndarray,
     v: np.ndarray,
     unit: float,
 ) -> None:
     """C, lb and ub; the order of the rows as in `wbc.qp.constraints`."""
-    C, lb, ub, W = program.C, program.lb, program.ub, maps.W
+    C, lb, ub = program.C, program.lb, program.ub
     n, na = C.shape[1], maps.T.shape[0]
-    gone = 6 if maps.stance.size > 0 else 0
-    bound_joints(limits, q, v, lb[:na], ub[:na])
-    at = 0
-    line = np.empty(n + 1)
-    for r in range(rows.cost[0], rows.b.size):
-        project(rows, r, maps, line)
-        lb[na + at] = ub[na + at] = -split(line, C[at])
-        at += 1
-    for j in range(limits.torque.size):
-        constant = split(maps.T[j], C[at])
-        lb[na + at], ub[na + at] = -limits.torque[j] - constant, limits.torque[j] - constant
-        at += 1
-    for i in range(contacts.place.shape[0]):
-        start, size, count = contacts.place[i, 1], contacts.place[i, 2], contacts.place[i, 4]
-        least, most = contacts.number[i, 1], contacts.number[i, 2]
-        cone = contacts.cone[i]
-        if start >= gone:  # the force is among the unknowns
-            first = na + start - gone
-            for r in range(count):
-                for k in range(size):
-                    C[at, first + k] = unit * cone[r, k]
-                ub[na + at] = 0.0
-                at += 1
-            C[at, first + 2] = unit
-            lb[na + at], ub[na + at] = least, most
-        else:
-            for r in range(count):
-                for c in range(n + 1):
-                    line[c] = 0.0
-                add_product(cone[r], W[start:], line)
-                ub[na + at] = -split(line, C[at])
-                at += 1
-            constant = split(W[start + 2], C[at])
-            lb[na + at], ub[na + at] = least - constant, most - constant
-        at += 1
+    write_joint_bounds(bounds, q, v, lb[:na], ub[:na])
+    row = 0
+    affine = np.empty(n + 1)
+    for r in range(rows.root_weight.size, rows.b.size):
+        project(rows.A[r], -rows.b[r], maps, affine)
+        lb[na + row] = ub[na + row] = -split(affine, C[row])
+        row += 1
+    for j in range(bounds.torque.size):
+        limit = bounds.torque[j]
+        constant = split(maps.T[j], C[row])
+        lb[na + row], ub[na + row] = -limit - constant, limit - constant
+        row += 1
+    write_limit_rows(inequalities, maps, program, row)
+    write_force_rows(contacts, maps, program, row + inequalities.lower.size, unit)
 
 
 @kernel(
@@ -144,7 +197,7 @@ def assemble(
         h: (nv,) bias forces.
         J: (nv, 6) transposed world Jacobian of all joints.
         q, v: state.
-        reals, integers, table: the arrays of a `Store`.
+        reals, integers, table: the arrays of a `Buffers`.
         mass: kg.
         unit: of forces in x, N.
         root_force: root of the cost of an eliminated force, 1/N.
@@ -152,16 +205,23 @@ def assemble(
     Returns:
         Whether g and all bounds are numbers.
     """
-    tree, frames, tasks, wishes, contacts = motion_groups(reals, integers, table)
-    rows, limits, maps, program = program_groups(reals, integers, table)
+    tree = read_tree(reals, integers, table)
+    frames = read_frames(reals, integers, table)
+    contacts = read_contacts(reals, integers, table)
+    rows = read_rows(reals, integers, table)
+    maps = read_maps(reals, integers, table)
+    program = read_program(reals, integers, table)
     sweep(tree, J, v)
     move_frames(tree, frames, J)
     move_centroid(frames, M, h, v, mass, tree.gravity)
-    write_tasks(tasks, frames, rows)
+    write_tasks(read_motion_tasks(reals, integers, table), frames, rows)
     write_contacts(contacts, frames, rows)
-    eliminate(maps, M, h, contacts.J, contacts.a, unit)
-    write_cost(rows, maps, wishes, program, q, v, root_force)
-    write_constraints(rows, maps, contacts, limits, program, q, v, unit)
+    eliminate(maps, M, h, contacts.jacobian, contacts.acceleration, unit)
+    joint_tasks = read_joint_tasks(reals, integers, table)
+    write_cost(rows, maps, joint_tasks, program, q, v, root_force)
+    bounds = read_bounds(reals, integers, table)
+    inequalities = read_inequalities(reals, integers, table)
+    write_constraints(rows, maps, contacts, bounds, inequalities, program, q, v, unit)
     total = 0.0
     for x in program.g:
         total += x
@@ -174,11 +234,10 @@ def assemble(
 
 
 @kernel(
-    "boolean(float64[::1], float64[::1], float64[::1], float64[::1], int64[::1], int64[:,::1], "
+    "boolean(float64[::1], float64[::1], float64[::1], int64[::1], int64[:,::1], "
     "float64, float64[::1])"
 )
 def recover(
-    x: np.ndarray,
     q: np.ndarray,
     v: np.ndarray,
     reals: np.ndarray,
@@ -187,12 +246,11 @@ def recover(
     dt: float,
     out: np.ndarray,
 ) -> bool:
-    """Write acceleration, torques, targets and forces one after the other.
+    """Write acceleration, torques, targets and forces of the solution, one after the other.
 
     Args:
-        x: (n,) solution.
         q, v: state.
-        reals, integers, table: the arrays of a `Store`.
+        reals, integers, table: the arrays of a `Buffers`.
         dt: control period, s.
         out: (nv + 3 na + nf,) acceleration, torques, clipped to their limits (what the solver's
             tolerance leaves), joint positions and velocities one period ahead, contact forces.
@@ -200,8 +258,10 @@ def recover(
     Returns:
         Whether all of it is finite.
     """
-    _, limits, maps, _ = program_groups(reals, integers, table)
-    B, W, T, limit = maps.B, maps.W, maps.T, limits.torque
+    maps = read_maps(reals, integers, table)
+    limit = read_bounds(reals, integers, table).torque
+    x = read_program(reals, integers, table).x
+    B, W, T = maps.B, maps.W, maps.T
     n, na, nf = x.size, T.shape[0], W.shape[0]
     nv = na + 6
     total = 0.0

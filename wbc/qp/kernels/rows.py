@@ -6,61 +6,66 @@ import math
 
 import numpy as np
 
-from wbc.qp.kernels.groups import Contacts, Frames, Limits, Rows, Tasks
-from wbc.qp.kernels.jit import part
+from wbc.qp.kernels.groups import Contacts, DenseRows, Frames, JointBounds, MotionTasks
+from wbc.qp.kernels.jit import subkernel
 from wbc.qp.kernels.motion import log3
 
+ACCELERATIONS, POSITIONS, VELOCITIES = 0, 1, 2  #: kinds of `JointBounds`
 
-@part
-def write_tasks(tasks: Tasks, frames: Frames, rows: Rows) -> None:
+
+@subkernel
+def write_tasks(tasks: MotionTasks, frames: Frames, rows: DenseRows) -> None:
     """`A v̇ = b` of the tasks, see `wbc.tasks.motion.MotionTask`."""
     error = np.empty(6)
-    for t in range(tasks.place.shape[0]):
-        k, first, size, row = tasks.place[t]
-        place, target = frames.placement[k], tasks.target[t]
+    for t in range(tasks.frame.size):
+        k, first, size, row = tasks.frame[t], tasks.component[t], tasks.size[t], tasks.row[t]
+        placement, target = frames.placement[k], tasks.target[t]
         for i in range(3):
-            error[i] = target[i, 3] - place[i, 3]
+            error[i] = target[i, 3] - placement[i, 3]
         if k > 0 and first + size > 3:
-            log3(target, place, error[3:])
+            log3(target, placement, error[3:])
         elif k == 0:
             for i in range(3):
                 error[3 + i] = target[i, 3] - frames.velocity[0, 3 + i]
         for i in range(size):
             c = first + i
             rows.b[row + i] = (
-                tasks.reference[t, 6 + c]
-                + tasks.gain[t, 6 + c] * (tasks.reference[t, c] - frames.velocity[k, c])
-                + tasks.gain[t, c] * error[c]
+                tasks.acceleration[t, c]
+                + tasks.kd[t, c] * (tasks.velocity[t, c] - frames.velocity[k, c])
+                + tasks.kp[t, c] * error[c]
                 - frames.bias[k, c]
             )
             for j in range(rows.A.shape[1]):
-                rows.A[row + i, j] = frames.J[k, c, j]
+                rows.A[row + i, j] = frames.jacobian[k, c, j]
 
 
-@part
-def write_contacts(contacts: Contacts, frames: Frames, rows: Rows) -> None:
+@subkernel
+def write_contacts(contacts: Contacts, frames: Frames, rows: DenseRows) -> None:
     """`J v̇ = a` of the contacts in their axes; copied to the rows unless eliminated."""
-    J, a = contacts.J, contacts.a
-    for i in range(contacts.place.shape[0]):
-        k, start, size, row = contacts.place[i, :4]
+    J, a = contacts.jacobian, contacts.acceleration
+    for i in range(contacts.frame.size):
+        k, start, size, row = (
+            contacts.frame[i],
+            contacts.force[i],
+            contacts.size[i],
+            contacts.row[i],
+        )
         if k > 0:
-            R, motion = frames.placement[k], frames.J[k]
-            damping = contacts.number[i, 0]
-            for part_of in range(0, size, 3):
-                for axis in range(3):
-                    r0, r1, r2 = R[0, axis], R[1, axis], R[2, axis]
-                    out = J[start + part_of + axis]
-                    for c in range(out.size):
-                        out[c] = (
-                            r0 * motion[part_of, c]
-                            + r1 * motion[part_of + 1, c]
-                            + r2 * motion[part_of + 2, c]
-                        )
-                    s = 0.0
-                    for m in range(3):
-                        wanted = -damping * frames.velocity[k, part_of + m]
-                        s += R[m, axis] * (wanted - frames.bias[k, part_of + m])
-                    a[start + part_of + axis] = s
+            R, motion = frames.placement[k], frames.jacobian[k]
+            damping = contacts.damping[i]
+            for m in range(size):
+                half, axis = 3 * (m // 3), m % 3  # linear or angular
+                r0, r1, r2 = R[0, axis], R[1, axis], R[2, axis]
+                out = J[start + m]
+                for c in range(out.size):
+                    out[c] = (
+                        r0 * motion[half, c] + r1 * motion[half + 1, c] + r2 * motion[half + 2, c]
+                    )
+                s = 0.0
+                for j in range(3):
+                    damped = -damping * frames.velocity[k, half + j]
+                    s += R[j, axis] * (damped - frames.bias[k, half + j])
+                a[start + m] = s
         if row >= 0:
             for m in range(size):
                 rows.b[row + m] = a[start + m]
@@ -68,24 +73,27 @@ def write_contacts(contacts: Contacts, frames: Frames, rows: Rows) -> None:
                     rows.A[row + m, c] = J[start + m, c]
 
 
-@part
-def bound_joints(
-    limits: Limits, q: np.ndarray, v: np.ndarray, lb: np.ndarray, ub: np.ndarray
+@subkernel
+def write_joint_bounds(
+    bounds: JointBounds, q: np.ndarray, v: np.ndarray, lb: np.ndarray, ub: np.ndarray
 ) -> None:
     """Tightest bounds of all limits; the middle where two exclude each other."""
     for j in range(lb.size):
         low, high = -np.inf, np.inf
-        x, rate = q[7 + j], v[6 + j]
-        for i in range(limits.kind.size):
-            lower, upper = limits.joint[i, 0, j], limits.joint[i, 1, j]
-            braking = limits.joint[i, 2, j]
-            horizon, recovery = limits.number[i]
-            if limits.kind[i] == 1:
-                least = -toward(x - lower, -rate, braking, horizon, recovery)
-                most = toward(upper - x, rate, braking, horizon, recovery)
-            elif limits.kind[i] == 2:
-                least = min((-upper - rate) / horizon, braking)
-                most = max((upper - rate) / horizon, -braking)
+        position, velocity = q[7 + j], v[6 + j]
+        for i in range(bounds.kind.size):
+            lower, upper, braking = bounds.lower[i, j], bounds.upper[i, j], bounds.braking[i, j]
+            horizon, recovery = bounds.horizon[i], bounds.recovery[i]
+            if bounds.kind[i] == POSITIONS:
+                least = -max_acceleration_towards_limit(
+                    position - lower, -velocity, braking, horizon, recovery
+                )
+                most = max_acceleration_towards_limit(
+                    upper - position, velocity, braking, horizon, recovery
+                )
+            elif bounds.kind[i] == VELOCITIES:
+                least = min((-upper - velocity) / horizon, braking)
+                most = max((upper - velocity) / horizon, -braking)
             else:
                 least, most = lower, upper
             low, high = max(low, least), min(high, most)
@@ -94,10 +102,12 @@ def bound_joints(
         lb[j], ub[j] = low, high
 
 
-@part
-def toward(distance: float, rate: float, braking: float, horizon: float, recovery: float) -> float:
-    """Largest acceleration towards a position limit, see `wbc.limits.JointPositionLimit`."""
-    room = 2.0 * max(distance, distance * horizon / recovery) - horizon * rate
+@subkernel
+def max_acceleration_towards_limit(
+    distance: float, velocity: float, braking: float, horizon: float, recovery: float
+) -> float:
+    """The law of `wbc.limits.JointPositionLimit`, for one joint and one of its two limits."""
+    room = 2.0 * max(distance, distance * horizon / recovery) - horizon * velocity
     half = 0.5 * horizon * braking
     speed = math.sqrt(max(room, 0.0) * braking + half * half) - half
-    return max((speed + min(room, 0.0) / horizon - rate) / horizon, -braking)
+    return max((speed + min(room, 0.0) / horizon - velocity) / horizon, -braking)

@@ -3,13 +3,13 @@
 from wbc.errors import SolverNotFound
 from wbc.qp.jit_loading import load_kernels
 from wbc.qp.solvers.daqp import DaqpSolver
-from wbc.qp.solvers.solver import Solver
+from wbc.qp.solvers.solver import NamedSolver, Solver
 
-__all__ = ["DaqpSolver", "Solver", "make_solver"]
+__all__ = ["DaqpSolver", "NamedSolver", "Solver", "make_solver"]
 
 
-def make_solver(name: str | None = None, **options: object) -> Solver:
-    """A solver by its name.
+def make_solver(name: str | None = None, **options: object) -> NamedSolver:
+    """Return a solver by its name.
 
     Args:
         name: "wbc" (the library's own, compiled), "daqp", "osqp" (persistent workspace), or

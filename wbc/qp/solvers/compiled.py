@@ -10,14 +10,13 @@ import numpy as np
 from wbc.qp.kernels.dual_active_set import NOT_CONVEX, SOLVED, solve
 from wbc.qp.problem import Outcome, Problem, Solution
 from wbc.qp.solvers.daqp import DaqpSolver
-from wbc.qp.solvers.solver import Solver
 
 _TOLERANCE = 1e-9
 _ITERATIONS = 200
 _LOOSER = (1.0, 10.0, 100.0)  # factors on the tolerance that are tried when a cold solve fails
 
 
-class CompiledSolver(Solver):
+class CompiledSolver:
     """A dual active-set method that starts from the working set of the last tick.
 
     See `wbc.qp.kernels.dual_active_set`. A stale working set can mislead it: a cold solve
@@ -37,7 +36,7 @@ class CompiledSolver(Solver):
         self._workspaces: dict[tuple[int, int], _Workspace] = {}
 
     def solve(self, problem: Problem) -> Solution:
-        """See `Solver`."""
+        """See `wbc.qp.Solver`."""
         key = problem.C.shape[1], problem.lb.size
         workspace = self._workspaces.get(key)
         if workspace is None:

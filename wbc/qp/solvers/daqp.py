@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from wbc.qp.problem import Outcome, Problem, Solution
-from wbc.qp.solvers.solver import Solver
 
 _NO_BOUND = 1e30
 _EQUALITY = 5  # DAQP's flags: active and immutable
@@ -28,7 +27,7 @@ _CONTRADICTION = 1e-8  # of a row that follows from the others
 _Key = tuple[int, int, bytes]
 
 
-class DaqpSolver(Solver):
+class DaqpSolver:
     """A dual active-set method that starts from the active set of the last tick.
 
     Args:
@@ -55,7 +54,7 @@ class DaqpSolver(Solver):
         return {**self.__dict__, "_models": {}}
 
     def solve(self, problem: Problem) -> Solution:
-        """See `Solver`."""
+        """See `wbc.qp.Solver`."""
         key = (problem.g.size, problem.ub.size, problem.equality.tobytes())
         warm = self._models.get(key)
         if warm is not None:

@@ -12,12 +12,11 @@ import numpy as np
 
 from wbc.errors import SolverNotFound
 from wbc.qp.problem import Outcome, Problem, Solution
-from wbc.qp.solvers.solver import Solver
 
 _NO_BOUND = 1e30
 
 
-class OsqpSolver(Solver):
+class OsqpSolver:
     """An operator-splitting method; a few digits, meant for large sparse problems.
 
     Args:
@@ -48,7 +47,7 @@ class OsqpSolver(Solver):
         return {**self.__dict__, "_workspaces": {}}
 
     def solve(self, problem: Problem) -> Solution:
-        """See `Solver`."""
+        """See `wbc.qp.Solver`."""
         from osqp import SolverStatus
 
         key = (problem.g.size, problem.bounded, problem.C.shape[0])

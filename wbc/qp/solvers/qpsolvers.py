@@ -6,10 +6,9 @@ import numpy as np
 
 from wbc.errors import SolverNotFound, did_you_mean
 from wbc.qp.problem import Outcome, Problem, Solution
-from wbc.qp.solvers.solver import Solver
 
 
-class QpsolversSolver(Solver):
+class QpsolversSolver:
     """A solver by its `qpsolvers` name, set up afresh for each problem.
 
     Args:
@@ -38,7 +37,7 @@ class QpsolversSolver(Solver):
         self._options = options
 
     def solve(self, problem: Problem) -> Solution:
-        """See `Solver`."""
+        """See `wbc.qp.Solver`."""
         import qpsolvers
 
         b = problem.bounded

@@ -1,17 +1,34 @@
-"""The base of all solver adapters."""
+"""What the controller expects of a QP solver."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from typing import Protocol, runtime_checkable
 
 from wbc.qp.problem import Problem, Solution
 
 
-class Solver(ABC):
-    """Solves a sequence of similar problems; may keep a workspace between them."""
+@runtime_checkable
+class Solver(Protocol):
+    """Solves one QP per tick; the problems of neighbouring ticks are similar.
+
+    Any object with this method can be given to a controller as `solver=`.
+    """
+
+    def solve(self, problem: Problem) -> Solution:
+        """Solve a problem.
+
+        Args:
+            problem: the QP. Its arrays are the controller's own and are overwritten in the next
+                tick: copy what you keep, change nothing.
+
+        Returns:
+            The solution: x of shape (n,) with `Outcome.SOLVED`; otherwise
+            `Outcome.INFEASIBLE` or `Outcome.FAILED` and the reason in `detail`. A problem
+            without a solution is no reason to raise an exception.
+        """
+
+
+class NamedSolver(Solver, Protocol):
+    """A solver of this library, which can be asked for by its name."""
 
     name: str
-
-    @abstractmethod
-    def solve(self, problem: Problem) -> Solution:
-        """Solve; never raises for a problem without a solution."""

@@ -1,0 +1,81 @@
+"""A controller's limits, checked and sorted by what the QP makes of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from wbc.errors import LimitError, shown
+from wbc.limits.acceleration_bound import AccelerationBound
+from wbc.limits.limit import Limit
+from wbc.limits.torque import TorqueLimit
+from wbc.robot import Robot
+
+AnyLimit: TypeAlias = Limit | AccelerationBound | TorqueLimit
+
+_ACCEPTED = (
+    "a TorqueLimit, a limit on joints (derived from wbc.limits.AccelerationBound: position, "
+    "velocity, acceleration) or rows of your own (derived from wbc.limits.Limit)"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class LimitSet:
+    """Limits by kind; two of them are the same only when they are one object.
+
+    Attributes:
+        torque: limit on the joint torques, or None.
+        bounds: limits on single joints, which become simple bounds.
+        inequalities: general limits, which become rows.
+    """
+
+    torque: TorqueLimit | None
+    bounds: tuple[AccelerationBound, ...]
+    inequalities: tuple[Limit, ...]
+
+    @classmethod
+    def sort(cls, limits: Sequence[AnyLimit], robot: Robot, dt: float) -> LimitSet:
+        """Check limits and bind them to a robot.
+
+        Args:
+            limits: in any order.
+            robot: the robot.
+            dt: control period, s.
+
+        Raises:
+            LimitError: something that is no limit, two torque limits, two general limits of one
+                name, a limit of another robot, or a horizon that is shorter than dt.
+        """
+        if isinstance(limits, AnyLimit) or not isinstance(limits, Sequence):
+            raise LimitError(f"limits = {shown(limits)} is no sequence; write limits=[…]")
+        for limit in limits:
+            if not isinstance(limit, AnyLimit):
+                kind = limit.__name__ if isinstance(limit, type) else type(limit).__name__
+                raise LimitError(
+                    f"{shown(limit)} ({kind}) is not a limit that a controller understands: "
+                    f"give it {_ACCEPTED}"
+                )
+        torque = [limit for limit in limits if isinstance(limit, TorqueLimit)]
+        bounds = tuple(limit for limit in limits if isinstance(limit, AccelerationBound))
+        inequalities = tuple(limit for limit in limits if isinstance(limit, Limit))
+        if len(torque) > 1:
+            raise LimitError("more than one TorqueLimit given; keep the tighter one")
+        if torque and torque[0].maximum.size != robot.na:
+            raise LimitError(
+                f"the torque limit is of a robot with {torque[0].maximum.size} joints, "
+                f"'{robot.name}' has {robot.na}; make it with TorqueLimit(robot)"
+            )
+        for bound in bounds:
+            if 0.0 < bound.horizon < dt:
+                raise LimitError(
+                    f"{bound.name}: its horizon {bound.horizon} s is shorter than the control "
+                    f"period {dt} s, so it would overshoot; give it at least that"
+                )
+        names = [limit.name for limit in inequalities]
+        for name in names:
+            if names.count(name) > 1:
+                raise LimitError(f"two limits are named '{name}'; give one another name")
+        for limit in inequalities:
+            limit.bind(robot)
+        return cls(torque[0] if torque else None, bounds, inequalities)
