@@ -20,7 +20,7 @@ from rostools import (
     some_message,
 )
 
-from wbc.messages import available, message_type, type_hash
+from wbc.messages import available_types, message_type, type_hash
 from wbc.ros import QoSProfile, RosError
 from wbc.ros.qos import LATCHED, ReliabilityPolicy
 
@@ -91,7 +91,7 @@ def test_types_have_the_hashes_that_ros_gives_them(name):
 def test_every_type_comes_back_from_another_process_as_rosbags_writes_it(echo, store):
     """Bytes that rosbags wrote go out, are decoded and encoded there, and come back the same."""
     expected, heard, writers = {}, {}, []
-    for seed, name in enumerate(available()):
+    for seed, name in enumerate(available_types()):
         topic = name.replace("/", "_").lower()
         own = some_message(name, seed).encode()
         data = bytes(store.serialize_cdr(store.deserialize_cdr(own, name), name))

@@ -78,7 +78,7 @@ def swaying(play, com):
 
 def service(driver, kind, name):
     client = driver.create_client(kind, name)
-    assert driver.spin_until(lambda: client.available, PATIENCE)
+    assert driver.spin_until(client.service_is_ready, PATIENCE)
     return client
 
 

@@ -13,7 +13,7 @@ import sys
 import time
 from typing import Any
 
-from wbc.messages import Template, available, message_type
+from wbc.messages import Template, available_types, message_type
 from wbc.ros import Network, Node, QoSProfile, RosError
 from wbc.ros.actions import ActionClient, ActionServer, GoalStatus, ServerGoalHandle
 from wbc.ros.dds_endpoints import DdsWriter
@@ -38,7 +38,7 @@ def echo(node: Node) -> None:
 
     Latched, because what is to hear them may be known later than what they came from.
     """
-    for name in available():
+    for name in available_types():
         topic = name.replace("/", "_").lower()
         back = node.create_publisher(name, f"back/{topic}", LATCHED)
         node.create_subscription(name, f"forth/{topic}", lambda m, _, back=back: back.publish(m))

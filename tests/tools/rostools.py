@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from wbc.messages import available, definition, message_type, schema_text
-from wbc.messages.definition import PRIMITIVES, Field, Shape
+from wbc.messages import available_types, get_definition, message_type, schema_text
+from wbc.messages.definition import PRIMITIVES, Field, Multiplicity
 from wbc.ros import Network, Node
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -200,10 +200,14 @@ def some_message(name: str, seed: int) -> Any:
     rng = np.random.default_rng(seed)
 
     def value(field: Field) -> Any:
-        if field.shape is Shape.ONE:
+        if field.multiplicity is Multiplicity.ONE:
             return one(field)
-        most = min(field.size, 3) if field.shape is Shape.BOUNDED else 3
-        count = field.size if field.shape is Shape.ARRAY else int(rng.integers(1, most + 1))
+        most = min(field.size, 3) if field.multiplicity is Multiplicity.BOUNDED else 3
+        count = (
+            field.size
+            if field.multiplicity is Multiplicity.ARRAY
+            else int(rng.integers(1, most + 1))
+        )
         values = [one(field) for _ in range(count)]
         plain = field.nested or field.type == "string"
         return values if plain else np.array(values, PRIMITIVES[field.type])
@@ -221,7 +225,7 @@ def some_message(name: str, seed: int) -> Any:
         limits = np.iinfo(dtype)
         return int(rng.integers(limits.min, limits.max, dtype=dtype, endpoint=True))
 
-    fields = {field.name: value(field) for field in definition(name).fields}
+    fields = {field.name: value(field) for field in get_definition(name).fields}
     return message_type(name)(**fields)
 
 
@@ -230,7 +234,7 @@ def rosbags_store() -> Any:
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.ROS2_JAZZY)
-    for name in available():
+    for name in available_types():
         if name in store.fielddefs:
             continue
         found = get_types_from_msg(schema_text(name), name)

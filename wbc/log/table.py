@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from wbc.log.errors import LogError
-from wbc.messages import Message, MessageError, Template, definition, message_type
-from wbc.messages.cdr import Place
-from wbc.messages.definition import Shape
+from wbc.messages import Message, MessageError, Template, get_definition, message_type
+from wbc.messages.cdr import FieldLocation
+from wbc.messages.definition import Multiplicity
 
 
 class Table:
@@ -30,7 +30,7 @@ class Table:
         self._whole: list[bytes] = []
         self._numbers: list[np.ndarray] = []
         self._first = b""
-        self._places: list[Place] = []
+        self._places: list[FieldLocation] = []
         try:
             self._keeps_whole = _has_arrays_of_messages(type_name)
         except MessageError:  # a type of somebody else's
@@ -99,7 +99,7 @@ class Table:
     def _rows(self, messages: Sequence[bytes]) -> np.ndarray:
         """(n, m) all numbers of messages, in the order of `_places`."""
         if not self._places:
-            self._places = Template(self.first).places
+            self._places = Template(self.first).locations
         size = len(self._first)
         rows = np.full((len(messages), sum(place.count for place in self._places)), np.nan)
         alike = np.array([len(message) == size for message in messages])
@@ -118,7 +118,7 @@ class Table:
     def _row(self, data: bytes) -> np.ndarray:
         """The same numbers of a message of another size, say with a longer text."""
         template = Template(message_type(self.type_name).decode(data))
-        there = {place.path: place.count for place in template.places}
+        there = {place.path: place.count for place in template.locations}
         parts = [
             template.view(place.path)
             if there.get(place.path) == place.count
@@ -130,6 +130,7 @@ class Table:
 
 def _has_arrays_of_messages(type_name: str) -> bool:
     return any(
-        field.nested and (field.shape is not Shape.ONE or _has_arrays_of_messages(field.type))
-        for field in definition(type_name).fields
+        field.nested
+        and (field.multiplicity is not Multiplicity.ONE or _has_arrays_of_messages(field.type))
+        for field in get_definition(type_name).fields
     )

@@ -1,12 +1,12 @@
-"""ROS 2 messages without ROS: definitions, CDR bytes, type hashes.
+"""ROS 2 messages without ROS: definitions, CDR serialization and type hashes.
 
-Needs numpy alone. `message_type` makes classes to read and write messages with, `Template`
-lays a message out once whose numbers then change at every tick.
+Requires only numpy. `message_type` returns message classes; `Template` serializes a message once
+and then updates its numbers in place.
 """
 
 from wbc.messages.errors import MessageError
-from wbc.messages.library import available, definition, schema_text
 from wbc.messages.message import Message, message_type
+from wbc.messages.registry import available_types, get_definition, schema_text
 from wbc.messages.template import Template
 from wbc.messages.type_hash import service_hash, type_hash
 
@@ -14,8 +14,8 @@ __all__ = [
     "Message",
     "MessageError",
     "Template",
-    "available",
-    "definition",
+    "available_types",
+    "get_definition",
     "message_type",
     "schema_text",
     "service_hash",

@@ -1,8 +1,9 @@
-"""CDR, the bytes of a message on the wire and in logs: OMG's XCDR version 1, plain.
+"""CDR serialization of messages, as sent over DDS and written to logs: OMG's plain XCDR version 1.
 
-Four bytes of header (`00 01 00 00`: little-endian), then the fields in order, each number
-aligned to its size counted from the end of the header. A string is its length with the
-final zero (uint32), its UTF-8 bytes and the zero; a sequence its length, then its elements.
+A header of four bytes (`00 01 00 00`: little-endian) precedes the fields. Each number is aligned
+to its own size, counted from the end of the header. A string is its length including the
+terminating zero (uint32), its UTF-8 bytes and the zero; a sequence is its length (uint32) and its
+elements.
 
 Source: OMG DDS-XTypes 1.3, §7.4; OMG CORBA 3.3, part 2, §9.3.
 """
@@ -16,9 +17,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from wbc.messages.definition import PRIMITIVES, Definition, Field, Shape
+from wbc.messages.definition import PRIMITIVES, Field, MessageDefinition, Multiplicity
 from wbc.messages.errors import MessageError
-from wbc.messages.library import definition
+from wbc.messages.registry import get_definition
 
 HEADER = b"\x00\x01\x00\x00"
 _HEADER_BIG_ENDIAN = b"\x00\x00"
@@ -32,14 +33,14 @@ _SCALARS = {kind: struct.Struct("<" + _CODES[code]) for kind, code in PRIMITIVES
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """Where numbers of a message lie in its bytes.
+class FieldLocation:
+    """Location of a numeric field in the bytes of a message.
 
     Attributes:
-        path: of the field, e.g. "pose.position.x" or "transforms[2].header.stamp.sec".
-        offset: of the first byte, the header counted.
-        dtype: of the numbers, little-endian.
-        count: how many.
+        path: path of the field, e.g. "pose.position.x" or "transforms[2].header.stamp.sec".
+        offset: offset of the first byte, including the CDR header.
+        dtype: type of the numbers, little-endian.
+        count: number of numbers.
     """
 
     path: str
@@ -48,98 +49,102 @@ class Place:
     count: int
 
 
-def encode(type_name: str, message: object, places: list[Place] | None = None) -> bytes:
-    """A message's bytes.
+def encode(type_name: str, message: object, locations: list[FieldLocation] | None = None) -> bytes:
+    """Serialize a message.
 
     Args:
         type_name: full name of its type.
-        message: any object with the type's fields as attributes.
-        places: filled with where each number lies, if given.
+        message: any object that has the fields of the type as attributes.
+        locations: list to which the locations of all numeric fields are appended, or None.
 
     Raises:
-        MessageError: a value does not fit its field; the text names it.
+        MessageError: a value does not fit its field of the given name.
     """
     buffer = bytearray(HEADER)
-    _encode(buffer, definition(type_name), message, "", places)
+    _encode(buffer, get_definition(type_name), message, "", locations)
     return bytes(buffer)
 
 
 def decode(type_name: str, data: Any, make: Callable[[str, dict[str, Any]], Any]) -> Any:
-    """A message from its bytes, of either byte order. Bytes after the end are ignored.
+    """Deserialize a message of either byte order. Bytes after its end are ignored.
 
     Args:
         type_name: full name of its type.
-        data: bytes-like.
-        make: called with a type's name and its fields' values, makes the message.
+        data: bytes-like object.
+        make: called with the name of a type and the values of its fields; returns the message.
 
     Raises:
-        MessageError: the bytes end too early, or are no message of this type.
+        MessageError: the bytes end too early or are not a message of this type.
     """
-    source = _Source(memoryview(data).cast("B"), type_name)
-    return _decode(source, definition(type_name), make)
+    reader = _CdrReader(memoryview(data).cast("B"), type_name)
+    return _decode(reader, get_definition(type_name), make)
 
 
 def _encode(
-    buffer: bytearray, form: Definition, message: object, path: str, places: list[Place] | None
+    buffer: bytearray,
+    form: MessageDefinition,
+    message: object,
+    path: str,
+    locations: list[FieldLocation] | None,
 ) -> None:
     for field in form.fields:
         where = f"{path}.{field.name}" if path else field.name
         try:
             value = getattr(message, field.name)
         except AttributeError:
-            raise MessageError(f"{form.name}: the message has no '{where}'") from None
-        if field.shape is Shape.ONE:
+            raise MessageError(f"{form.name}: the message has no field '{where}'") from None
+        if field.multiplicity is Multiplicity.ONE:
             if field.nested:
-                _encode(buffer, definition(field.type), value, where, places)
+                _encode(buffer, get_definition(field.type), value, where, locations)
             elif field.type == "string":
                 _encode_string(buffer, value, field, where)
             else:
-                _encode_scalar(buffer, value, field, where, places)
+                _encode_scalar(buffer, value, field, where, locations)
         else:
-            _encode_array(buffer, value, field, where, places)
+            _encode_array(buffer, value, field, where, locations)
 
 
 def _encode_scalar(
-    buffer: bytearray, value: Any, field: Field, where: str, places: list[Place] | None
+    buffer: bytearray, value: Any, field: Field, where: str, locations: list[FieldLocation] | None
 ) -> None:
     form = _SCALARS[field.type]
     _align(buffer, form.size)
-    if places is not None:
-        places.append(Place(where, len(buffer), _dtype(field.type), 1))
+    if locations is not None:
+        locations.append(FieldLocation(where, len(buffer), _dtype(field.type), 1))
     try:
         buffer += form.pack(value)
     except struct.error as error:
-        raise MessageError(f"{where} = {value!r} is no {field.type}: {error}") from None
+        raise MessageError(f"{where} = {value!r} is not a valid {field.type}: {error}") from None
 
 
 def _encode_string(buffer: bytearray, value: Any, field: Field, where: str) -> None:
     if not isinstance(value, str):
-        raise MessageError(f"{where} = {value!r} is no string")
+        raise MessageError(f"{where} = {value!r} is not a string")
     text = value.encode("utf-8", "surrogatepass")
-    if field.bound and len(text) > field.bound:
-        raise MessageError(f"{where} has {len(text)} bytes; at most {field.bound} are allowed")
+    if field.max_length and len(text) > field.max_length:
+        raise MessageError(f"{where} has {len(text)} bytes; at most {field.max_length} are allowed")
     _align(buffer, 4)
     buffer += _LENGTH.pack(len(text) + 1) + text + b"\0"
 
 
 def _encode_array(
-    buffer: bytearray, value: Any, field: Field, where: str, places: list[Place] | None
+    buffer: bytearray, value: Any, field: Field, where: str, locations: list[FieldLocation] | None
 ) -> None:
     try:
         count = len(value)
     except TypeError:
-        raise MessageError(f"{where} = {value!r} is no array") from None
-    if field.shape is Shape.ARRAY and count != field.size:
+        raise MessageError(f"{where} = {value!r} is not an array") from None
+    if field.multiplicity is Multiplicity.ARRAY and count != field.size:
         raise MessageError(f"{where} has {count} elements; there must be {field.size}")
-    if field.shape is Shape.BOUNDED and count > field.size:
+    if field.multiplicity is Multiplicity.BOUNDED and count > field.size:
         raise MessageError(f"{where} has {count} elements; at most {field.size} are allowed")
-    if field.shape is not Shape.ARRAY:
+    if field.multiplicity is not Multiplicity.ARRAY:
         _align(buffer, 4)
         buffer += _LENGTH.pack(count)
     if field.nested:
-        form = definition(field.type)
+        form = get_definition(field.type)
         for i, one in enumerate(value):
-            _encode(buffer, form, one, f"{where}[{i}]", places)
+            _encode(buffer, form, one, f"{where}[{i}]", locations)
     elif field.type == "string":
         for i, one in enumerate(value):
             _encode_string(buffer, one, field, f"{where}[{i}]")
@@ -148,12 +153,12 @@ def _encode_array(
         try:
             numbers = np.asarray(value, dtype=dtype)
         except (TypeError, ValueError, OverflowError) as error:
-            raise MessageError(f"{where} is no array of {field.type}: {error}") from None
+            raise MessageError(f"{where} is not an array of {field.type}: {error}") from None
         if numbers.ndim != 1:
             raise MessageError(f"{where} has shape {numbers.shape}; it must have one dimension")
         _align(buffer, dtype.itemsize)
-        if places is not None:
-            places.append(Place(where, len(buffer), dtype, count))
+        if locations is not None:
+            locations.append(FieldLocation(where, len(buffer), dtype, count))
         buffer += numbers.tobytes()
 
 
@@ -167,20 +172,23 @@ def _dtype(kind: str) -> np.dtype[Any]:
     return np.dtype(PRIMITIVES[kind]).newbyteorder("<")
 
 
-class _Source:
-    """Bytes that are read one after another.
+class _CdrReader:
+    """Reads serialized values one after another.
 
     Args:
-        data: header and body.
-        name: of the type, for errors.
+        data: CDR header and body.
+        name: name of the type, for error messages.
+
+    Attributes:
+        order: byte order.
     """
 
     def __init__(self, data: memoryview, name: str) -> None:
         header = bytes(data[:2])
         if len(data) < len(HEADER) or header not in (_LITTLE_ENDIAN, _HEADER_BIG_ENDIAN):
             raise MessageError(
-                f"{name}: {bytes(data[:4]).hex(' ') or 'nothing'} is no header of a plain CDR "
-                "(XCDR1) message; that would be 00 01 00 00"
+                f"{name}: {bytes(data[:4]).hex(' ') or 'nothing'} is not the header of a plain CDR "
+                "(XCDR1) message; expected 00 01 00 00"
             )
         self.order: Literal["<", ">"] = "<" if header == _LITTLE_ENDIAN else ">"
         self.name = name
@@ -188,58 +196,63 @@ class _Source:
         self._at = 0
 
     def take(self, size: int, align: int) -> memoryview:
-        """The next bytes."""
+        """Return the next `size` bytes after alignment."""
         start = self._at + -self._at % align
         stop = start + size
         if stop > len(self._data):
             raise MessageError(
-                f"{self.name}: {size} bytes are due at {start}, and it has only {len(self._data)}"
+                f"{self.name}: {size} bytes expected at offset {start}, but there are "
+                f"only {len(self._data)} bytes"
             )
         self._at = stop
         return self._data[start:stop]
 
     def length(self) -> int:
-        """A length, which cannot be larger than the rest of the message."""
+        """Return the next length, which cannot exceed the rest of the message."""
         value = int(struct.unpack(self.order + "I", self.take(4, 4))[0])
         if value > len(self._data) - self._at:
             raise MessageError(
-                f"{self.name}: a length of {value} at {self._at - 4}, and only "
+                f"{self.name}: length {value} at offset {self._at - 4}, but only "
                 f"{len(self._data) - self._at} bytes follow"
             )
         return value
 
 
-def _decode(source: _Source, form: Definition, make: Callable[[str, dict[str, Any]], Any]) -> Any:
-    return make(form.name, {f.name: _decode_field(source, f, make) for f in form.fields})
+def _decode(
+    reader: _CdrReader, form: MessageDefinition, make: Callable[[str, dict[str, Any]], Any]
+) -> Any:
+    return make(form.name, {f.name: _decode_field(reader, f, make) for f in form.fields})
 
 
-def _decode_field(source: _Source, field: Field, make: Callable[[str, dict[str, Any]], Any]) -> Any:
-    if field.shape is Shape.ONE:
+def _decode_field(
+    reader: _CdrReader, field: Field, make: Callable[[str, dict[str, Any]], Any]
+) -> Any:
+    if field.multiplicity is Multiplicity.ONE:
         if field.nested:
-            return _decode(source, definition(field.type), make)
+            return _decode(reader, get_definition(field.type), make)
         if field.type == "string":
-            return _decode_string(source)
-        dtype = np.dtype(PRIMITIVES[field.type]).newbyteorder(source.order)
-        data = source.take(dtype.itemsize, dtype.itemsize)
+            return _decode_string(reader)
+        dtype = np.dtype(PRIMITIVES[field.type]).newbyteorder(reader.order)
+        data = reader.take(dtype.itemsize, dtype.itemsize)
         return np.frombuffer(data, dtype)[0].item()
-    count = field.size if field.shape is Shape.ARRAY else source.length()
-    if field.shape is Shape.BOUNDED and count > field.size:
+    count = field.size if field.multiplicity is Multiplicity.ARRAY else reader.length()
+    if field.multiplicity is Multiplicity.BOUNDED and count > field.size:
         raise MessageError(
-            f"{source.name}: '{field.name}' has {count} elements, and at most {field.size} may be"
+            f"{reader.name}: '{field.name}' has {count} elements, at most {field.size} are allowed"
         )
     if field.nested:
-        form = definition(field.type)
-        return [_decode(source, form, make) for _ in range(count)]
+        form = get_definition(field.type)
+        return [_decode(reader, form, make) for _ in range(count)]
     if field.type == "string":
-        return [_decode_string(source) for _ in range(count)]
-    dtype = np.dtype(PRIMITIVES[field.type]).newbyteorder(source.order)
+        return [_decode_string(reader) for _ in range(count)]
+    dtype = np.dtype(PRIMITIVES[field.type]).newbyteorder(reader.order)
     if not count:
         return np.empty(0, PRIMITIVES[field.type])
-    data = source.take(count * dtype.itemsize, dtype.itemsize)
+    data = reader.take(count * dtype.itemsize, dtype.itemsize)
     return np.frombuffer(data, dtype).astype(PRIMITIVES[field.type])
 
 
-def _decode_string(source: _Source) -> str:
-    data = bytes(source.take(source.length(), 1))
+def _decode_string(reader: _CdrReader) -> str:
+    data = bytes(reader.take(reader.length(), 1))
     # Some writers send an empty string as length 0, without its zero.
     return data[: -1 if data.endswith(b"\0") else None].decode("utf-8", "surrogateescape")

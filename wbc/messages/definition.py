@@ -1,4 +1,4 @@
-"""Message definitions: the text of `.msg`, `.srv` and `.action` files, parsed.
+"""Message definitions, parsed from the text of `.msg`, `.srv` and `.action` files.
 
 The grammar is that of the ROS 2 interface definition (rosidl), without `wstring`.
 """
@@ -38,11 +38,11 @@ _FIELD = re.compile(
 _CONSTANT = re.compile(r"(?P<type>[a-z]\w*)(?:<=\d+)?\s+(?P<name>[A-Z]\w*)\s*=\s*(?P<value>.+)")
 
 
-class Shape(Enum):
-    """How many there are of a field's type."""
+class Multiplicity(Enum):
+    """How many values of its type a field holds."""
 
     ONE = "one"
-    ARRAY = "array"  #: as many as `Field.size`
+    ARRAY = "array"  #: exactly `Field.size`
     BOUNDED = "bounded"  #: at most `Field.size`
     SEQUENCE = "sequence"  #: any number
 
@@ -52,19 +52,19 @@ class Field:
     """One field of a message.
 
     Attributes:
-        name: of the field.
+        name: name of the field.
         type: a primitive, "string", or the full name of a message.
-        shape: one, or an array of some kind.
-        size: of an array, or its bound.
-        bound: largest length of a string, 0 for none.
-        default: value of a new message's field; None: zero, empty.
+        multiplicity: a single value, or the kind of array.
+        size: length of an array, or the maximum length of a bounded sequence.
+        max_length: maximum length of a string, bytes; 0 for no limit.
+        default: initial value; None for zero or empty.
     """
 
     name: str
     type: str
-    shape: Shape = Shape.ONE
+    multiplicity: Multiplicity = Multiplicity.ONE
     size: int = 0
-    bound: int = 0
+    max_length: int = 0
     default: object = None
 
     @property
@@ -74,14 +74,14 @@ class Field:
 
 
 @dataclass(frozen=True, slots=True)
-class Definition:
-    """The form of a message.
+class MessageDefinition:
+    """Definition of a message type.
 
     Attributes:
-        name: full, e.g. "geometry_msgs/msg/Point".
-        fields: in order, at least one.
-        constants: by name.
-        text: as in the file.
+        name: full name, e.g. "geometry_msgs/msg/Point".
+        fields: the fields in order, at least one.
+        constants: names and values of the constants.
+        text: the text of the definition.
     """
 
     name: str
@@ -91,28 +91,28 @@ class Definition:
 
 
 def full_name(name: str) -> str:
-    """`pkg/Name` as `pkg/msg/Name`.
+    """Return `pkg/msg/Name` for `pkg/Name`; a full name unchanged.
 
     Raises:
-        MessageError: it is no name of a type.
+        MessageError: it is not the name of a type.
     """
     parts = name.split("/")
     if len(parts) == 2:
         parts.insert(1, "msg")
     if len(parts) != 3 or not all(re.fullmatch(r"[A-Za-z]\w*", part) for part in parts):
-        raise MessageError(f"'{name}' is no name of a message type; they look like pkg/msg/Name")
+        raise MessageError(f"'{name}' is not the name of a message type; use pkg/msg/Name")
     return "/".join(parts)
 
 
-def parse(name: str, text: str) -> Definition:
-    """The definition of a message.
+def parse(name: str, text: str) -> MessageDefinition:
+    """Parse the definition of a message type.
 
     Args:
-        name: full name; types without a package are of the same one.
-        text: of a `.msg` file, or of one part of a `.srv` or `.action` file.
+        name: full name; types without a package belong to the same package.
+        text: text of a `.msg` file, or of one part of a `.srv` or `.action` file.
 
     Raises:
-        MessageError: a line is none of the grammar's.
+        MessageError: a line does not follow the grammar.
     """
     package = name.split("/")[0]
     fields, constants = [], []
@@ -125,10 +125,10 @@ def parse(name: str, text: str) -> Definition:
         elif field := _FIELD.fullmatch(line):
             fields.append(_field(field, package))
         else:
-            raise MessageError(f"{name}, line {number}: '{line}' is neither field nor constant")
+            raise MessageError(f"{name}, line {number}: '{line}' is neither a field nor a constant")
     if not fields:
         fields.append(Field(EMPTY_MEMBER, "uint8"))
-    return Definition(name, tuple(fields), tuple(constants), text.strip())
+    return MessageDefinition(name, tuple(fields), tuple(constants), text.strip())
 
 
 def _field(match: re.Match[str], package: str) -> Field:
@@ -139,14 +139,19 @@ def _field(match: re.Match[str], package: str) -> Field:
         near = "builtin_interfaces/" if kind in ("time", "duration") else f"{package}/"
         kind = full_name(kind if "/" in kind else near + kind)
     if match["array"] is None:
-        shape = Shape.ONE
+        multiplicity = Multiplicity.ONE
     elif not match["size"]:
-        shape = Shape.SEQUENCE
+        multiplicity = Multiplicity.SEQUENCE
     else:
-        shape = Shape.BOUNDED if match["bounded"] else Shape.ARRAY
+        multiplicity = Multiplicity.BOUNDED if match["bounded"] else Multiplicity.ARRAY
     default = None if match["default"] is None else _value(match["default"])
     return Field(
-        match["name"], kind, shape, int(match["size"] or 0), int(match["string"] or 0), default
+        match["name"],
+        kind,
+        multiplicity,
+        int(match["size"] or 0),
+        int(match["string"] or 0),
+        default,
     )
 
 

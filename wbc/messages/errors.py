@@ -6,4 +6,4 @@ from wbc.errors import WbcError
 
 
 class MessageError(WbcError, ValueError):
-    """A message type is unknown, its text or its bytes make no sense, or a value does not fit."""
+    """A type is unknown, its definition or its bytes are malformed, or a value does not fit."""

@@ -1,4 +1,4 @@
-"""Messages as dataclasses, made from their definitions."""
+"""Message classes: dataclasses that are created from message definitions."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 import numpy as np
 
 from wbc.messages.cdr import decode, encode
-from wbc.messages.definition import PRIMITIVES, Field, Shape, full_name
-from wbc.messages.library import definition, schema_text
+from wbc.messages.definition import PRIMITIVES, Field, Multiplicity, full_name
+from wbc.messages.registry import get_definition, schema_text
 from wbc.messages.type_hash import type_hash
 
 MessageT = TypeVar("MessageT", bound="Message")
 
 
 class Message:
-    """Base of all messages; `message_type(name)` makes the classes.
+    """Base class of all messages; `message_type(name)` returns the class of a type.
 
-    Numbers are Python's, arrays of numbers are numpy's, other arrays are lists.
+    Numbers are Python numbers, arrays of numbers are numpy arrays, other arrays are lists.
 
     Attributes:
-        type_name: e.g. "geometry_msgs/msg/Point".
+        type_name: full name of the type, e.g. "geometry_msgs/msg/Point".
     """
 
     type_name: ClassVar[str]
@@ -35,7 +35,7 @@ class Message:
         def __setattr__(self, name: str, value: Any) -> None: ...
 
     def encode(self) -> bytes:
-        """The message as CDR, header included.
+        """Serialize the message to CDR, header included.
 
         Raises:
             MessageError: a value does not fit its field.
@@ -44,27 +44,27 @@ class Message:
 
     @classmethod
     def decode(cls: type[MessageT], data: Any) -> MessageT:
-        """A message from CDR.
+        """Deserialize a message from CDR.
 
         Raises:
-            MessageError: the bytes are no message of this type.
+            MessageError: the bytes are not a message of this type.
         """
         message: MessageT = decode(cls.type_name, data, _make)
         return message
 
     @classmethod
     def schema(cls) -> str:
-        """The type's text with those of all types in it, as in mcap schemas (`ros2msg`)."""
+        """Return the definition with those of all nested types, in the format `ros2msg` of mcap."""
         return schema_text(cls.type_name)
 
     @classmethod
     def type_hash(cls) -> str:
-        """The type's hash, `RIHS01_…` (REP 2016)."""
+        """Return the type hash, `RIHS01_…` (REP 2016)."""
         return type_hash(cls.type_name)
 
     @classmethod
     def dds_name(cls) -> str:
-        """The type's name on the wire, `pkg::msg::dds_::Name_`."""
+        """Return the name of the type in DDS, `pkg::msg::dds_::Name_`."""
         package, kind, name = cls.type_name.split("/")
         return f"{package}::{kind}::dds_::{name}_"
 
@@ -78,7 +78,7 @@ class Message:
 
 @cache
 def message_type(name: str) -> type[Message]:
-    """The class of a message type.
+    """Return the class of a message type.
 
     Example:
         >>> Twist = message_type("geometry_msgs/msg/Twist")
@@ -87,12 +87,12 @@ def message_type(name: str) -> type[Message]:
 
     Args:
         name: `pkg/msg/Name` or `pkg/Name`, or a part of a service or an action (see
-            `definition`).
+            `get_definition`).
 
     Raises:
-        MessageError: there is no such type; the text lists near names.
+        MessageError: there is no such type; the message suggests similar names.
     """
-    form = definition(name)
+    form = get_definition(name)
     if form.name != name:
         return message_type(form.name)
     fields = [(f.name, Any, dataclasses.field(default_factory=_default(f))) for f in form.fields]
@@ -114,8 +114,8 @@ def _make(name: str, values: dict[str, Any]) -> Message:
 
 
 def _default(field: Field) -> Callable[[], Any]:
-    if field.shape is not Shape.ONE:
-        count = field.size if field.shape is Shape.ARRAY else 0
+    if field.multiplicity is not Multiplicity.ONE:
+        count = field.size if field.multiplicity is Multiplicity.ARRAY else 0
         if field.nested:
             return lambda: [message_type(field.type)() for _ in range(count)]
         if field.type == "string":

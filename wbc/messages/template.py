@@ -1,7 +1,7 @@
-"""Messages of which only numbers change: laid out once, then filled in place.
+"""Messages of which only the numbers change: serialized once, then updated in place.
 
-A joint state of 32 joints takes a fraction of the time of encoding it anew: writing it is
-a copy into each view.
+An update only copies numbers into the serialized message: for a joint state of 32 joints it takes
+a fraction of the time of a new serialization.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from wbc.messages.cdr import HEADER, Place, encode
+from wbc.messages.cdr import HEADER, FieldLocation, encode
 from wbc.messages.errors import MessageError
 from wbc.messages.message import Message
 
@@ -19,10 +19,9 @@ _STAMP = struct.Struct("<iI")
 
 
 class Template:
-    """The bytes of a message, with views of its numbers.
+    """A serialized message with writable views of its numbers.
 
-    Strings and the lengths of sequences stay as they are in the message that it was made
-    from.
+    Strings and the lengths of sequences are those of the initial message.
 
     Example:
         >>> JointState = message_type("sensor_msgs/msg/JointState")
@@ -34,19 +33,19 @@ class Template:
         array([0.3])
 
     Args:
-        message: the message as it is at first.
+        message: the initial message.
 
     Attributes:
-        data: the bytes, header included; they change with the views.
-        places: where its numbers lie.
+        data: the bytes, CDR header included; they change with the views.
+        locations: locations of all numeric fields.
 
     Raises:
         MessageError: a value of the message does not fit its field.
     """
 
     def __init__(self, message: Message) -> None:
-        self.places: list[Place] = []
-        first = encode(message.type_name, message, self.places)
+        self.locations: list[FieldLocation] = []
+        first = encode(message.type_name, message, self.locations)
         # The body is aligned, not the header: numpy copies faster into aligned numbers.
         lead = 8 - len(HEADER)
         memory = np.zeros(-(-(lead + len(first)) // 8), np.uint64)
@@ -54,49 +53,51 @@ class Template:
         self.data[:] = first
         self._type_name = message.type_name
         self._stamps = [
-            place.offset
-            for place in self.places
-            if place.path == "stamp.sec" or place.path.endswith(".stamp.sec")
+            location.offset
+            for location in self.locations
+            if location.path == "stamp.sec" or location.path.endswith(".stamp.sec")
         ]
 
-    def place(self, path: str) -> Place:
-        """Where the numbers of a field lie: an array, a number, or a message of numbers.
+    def locate(self, path: str) -> FieldLocation:
+        """Return the location of a field that is a number, an array or a message of numbers.
 
         Args:
             path: e.g. "position", "pose.pose" (seven numbers), "transforms[3].transform".
 
         Raises:
-            MessageError: there is nothing of that name, or its numbers are not of one type
-                and side by side.
+            MessageError: there is no such field, or its numbers differ in type or are not
+                contiguous.
         """
         found = [
-            p for p in self.places if p.path == path or p.path.startswith((path + ".", path + "["))
+            p
+            for p in self.locations
+            if p.path == path or p.path.startswith((path + ".", path + "["))
         ]
         if not found:
             raise MessageError(
-                f"{self._type_name} has no numbers '{path}'; there are: "
-                + ", ".join(place.path for place in self.places[:12])
+                f"{self._type_name} has no numeric field '{path}'; there are: "
+                + ", ".join(location.path for location in self.locations[:12])
             )
         first = found[0]
-        count = sum(place.count for place in found)
+        count = sum(location.count for location in found)
         last = found[-1]
         end = last.offset + last.count * last.dtype.itemsize
         if end - first.offset != count * first.dtype.itemsize or any(
-            place.dtype != first.dtype for place in found
+            location.dtype != first.dtype for location in found
         ):
             raise MessageError(
-                f"{self._type_name}: the numbers of '{path}' are not of one type and side by side; "
-                "name a part of it"
+                f"{self._type_name}: the numbers of '{path}' differ in type or are not contiguous; "
+                "select a part of it"
             )
-        return Place(path, first.offset, first.dtype, count)
+        return FieldLocation(path, first.offset, first.dtype, count)
 
     def view(self, path: str) -> np.ndarray:
-        """The numbers of a field, (n,), to be written into; see `place`."""
-        place = self.place(path)
-        return np.frombuffer(self.data, place.dtype, place.count, place.offset)
+        """Return a writable view, shape (n,), of the numbers of a field; see `locate`."""
+        location = self.locate(path)
+        return np.frombuffer(self.data, location.dtype, location.count, location.offset)
 
     def stamp(self, time: float) -> None:
-        """Write a time, s, into every `stamp` of the message."""
+        """Write a time, s, to every `stamp` of the message."""
         seconds = int(time // 1)
         nanoseconds = round(1e9 * (time - seconds))
         if nanoseconds >= 1_000_000_000:
@@ -105,9 +106,9 @@ class Template:
             _STAMP.pack_into(self.data, offset, seconds, nanoseconds)
 
     def encode(self) -> bytes:
-        """A copy of the bytes as they are now."""
+        """Return a copy of the bytes."""
         return bytes(self.data)
 
     def rows(self, count: int) -> np.ndarray[Any, np.dtype[np.uint8]]:
-        """(count, n) copies of the bytes, to fill many messages at once column by column."""
+        """Return copies of the bytes, shape (count, n), to fill many messages column by column."""
         return np.tile(np.frombuffer(self.data, np.uint8), (count, 1))

@@ -1,7 +1,7 @@
-"""Type hashes, by which ROS 2 systems tell whether they mean the same type.
+"""Type hashes, by which ROS 2 systems check that they use the same definition of a type.
 
-The SHA-256 of the type's description, and those of the types in it, as JSON of a fixed
-form. Source: REP 2016, ROS 2 Interface Type Descriptions, and rosidl's
+The hash is the SHA-256 of the descriptions of the type and its nested types, as JSON in a
+canonical format. Source: REP 2016, ROS 2 Interface Type Descriptions, and rosidl's
 `HashedTypeDescription` (RIHS01).
 """
 
@@ -11,8 +11,8 @@ import hashlib
 import json
 from typing import Any
 
-from wbc.messages.definition import Definition, Field, Shape, parse
-from wbc.messages.library import definition, dependencies
+from wbc.messages.definition import Field, MessageDefinition, Multiplicity, parse
+from wbc.messages.registry import dependencies, get_definition
 
 _IDS = {
     "int8": 2,
@@ -31,22 +31,27 @@ _IDS = {
     "string": 17,
 }
 _NESTED, _BOUNDED_STRING = 1, 21
-_SHAPES = {Shape.ONE: 0, Shape.ARRAY: 48, Shape.BOUNDED: 96, Shape.SEQUENCE: 144}
+_SHAPES = {
+    Multiplicity.ONE: 0,
+    Multiplicity.ARRAY: 48,
+    Multiplicity.BOUNDED: 96,
+    Multiplicity.SEQUENCE: 144,
+}
 
 
 def type_hash(name: str) -> str:
-    """The hash of a message type, `RIHS01_` and 64 hexadecimal digits.
+    """Return the hash of a message type, `RIHS01_` and 64 hexadecimal digits.
 
     Raises:
         MessageError: there is no such type.
     """
-    return _hash(definition(name), dependencies(name))
+    return _hash(get_definition(name), dependencies(name))
 
 
 def service_hash(name: str) -> str:
-    """The hash of a service, `pkg/srv/Name`.
+    """Return the hash of a service, `pkg/srv/Name`.
 
-    Its description has the request, the response and an event made of both.
+    It covers the request, the response and the service event that contains both.
 
     Raises:
         MessageError: there is no such service.
@@ -63,12 +68,12 @@ def service_hash(name: str) -> str:
     )
     parts = {event.name: event}
     for part in (f"{name}_Request", f"{name}_Response", "service_msgs/msg/ServiceEventInfo"):
-        for one in (definition(part), *dependencies(part)):
+        for one in (get_definition(part), *dependencies(part)):
             parts[one.name] = one
     return _hash(whole, tuple(parts.values()))
 
 
-def _hash(form: Definition, parts: tuple[Definition, ...]) -> str:
+def _hash(form: MessageDefinition, parts: tuple[MessageDefinition, ...]) -> str:
     description = {
         "type_description": _description(form),
         "referenced_type_descriptions": [
@@ -79,23 +84,23 @@ def _hash(form: Definition, parts: tuple[Definition, ...]) -> str:
     return "RIHS01_" + hashlib.sha256(text.encode()).hexdigest()
 
 
-def _description(form: Definition) -> dict[str, Any]:
+def _description(form: MessageDefinition) -> dict[str, Any]:
     return {"type_name": form.name, "fields": [_field(field) for field in form.fields]}
 
 
 def _field(field: Field) -> dict[str, Any]:
     if field.nested:
         kind = _NESTED
-    elif field.bound:
+    elif field.max_length:
         kind = _BOUNDED_STRING
     else:
         kind = _IDS[field.type]
     return {
         "name": field.name,
         "type": {
-            "type_id": kind + _SHAPES[field.shape],
+            "type_id": kind + _SHAPES[field.multiplicity],
             "capacity": field.size,
-            "string_capacity": field.bound,
+            "string_capacity": field.max_length,
             "nested_type_name": field.type if field.nested else "",
         },
     }

@@ -11,8 +11,8 @@ from functools import cache
 from typing import Any
 
 from wbc.errors import MissingExtra
-from wbc.messages import definition
-from wbc.messages.definition import Field, Shape
+from wbc.messages import get_definition
+from wbc.messages.definition import Field, Multiplicity
 
 #: What `rmw_cyclonedds` puts before a request or reply: the client and its sequence number.
 HEADER_FIELDS = (Field("client_guid", "uint64"), Field("sequence_number", "int64"))
@@ -101,7 +101,7 @@ def _structure(name: str, header: tuple[Field, ...]) -> Any:
     return make_idl_struct(
         f"{short}_",
         f"{package}.{kind}.dds_.{short}_",
-        {field.name: _type(field) for field in (*header, *definition(name).fields)},
+        {field.name: _type(field) for field in (*header, *get_definition(name).fields)},
         dataclassify=False,
     )
 
@@ -123,16 +123,16 @@ def _type(field: Field) -> Any:
     if field.nested:
         element = _nested_type(field.type)
     elif field.type == "string":
-        element = types.bounded_str[field.bound] if field.bound else str
+        element = types.bounded_str[field.max_length] if field.max_length else str
     elif field.type == "bool":
         element = bool
     else:
         element = getattr(types, {"byte": "uint8", "char": "uint8"}.get(field.type, field.type))
-    if field.shape is Shape.ARRAY:
+    if field.multiplicity is Multiplicity.ARRAY:
         return types.array[element, field.size]
-    if field.shape is Shape.BOUNDED:
+    if field.multiplicity is Multiplicity.BOUNDED:
         return types.sequence[element, field.size]
-    return types.sequence[element] if field.shape is Shape.SEQUENCE else element
+    return types.sequence[element] if field.multiplicity is Multiplicity.SEQUENCE else element
 
 
 def with_header(data: bytes, client: int, number: int) -> bytes:

@@ -34,11 +34,11 @@ class FixedTopic(Topic):
         self.name = name
         self.type_name = message.type_name
         self._template = template = Template(message)
-        self._columns = [(template.place(path), numbers) for path, numbers in columns.items()]
+        self._columns = [(template.locate(path), numbers) for path, numbers in columns.items()]
         self._where = where
         self._stamps = [
             place
-            for place in template.places
+            for place in template.locations
             if place.path.endswith(("stamp.sec", "stamp.nanosec"))
         ]
 

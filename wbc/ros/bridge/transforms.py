@@ -185,7 +185,7 @@ def _laid_out(names: list[tuple[str, str]]) -> tuple[Template, np.ndarray, np.nd
     words = (len(template.data) - _CDR_HEADER) // 8
     numbers = np.frombuffer(template.data, np.float64, words, _CDR_HEADER)
     starts = [
-        (template.place(f"transforms[{i}].transform").offset - _CDR_HEADER) // 8
+        (template.locate(f"transforms[{i}].transform").offset - _CDR_HEADER) // 8
         for i in range(len(names))
     ]
     places = (np.array(starts, dtype=int)[:, None] + np.arange(7)).ravel()

@@ -1,6 +1,6 @@
-"""The message types that come along: their texts, as ROS 2 Jazzy has them, and our own.
+"""The bundled message types: those of ROS 2 Jazzy that are used here, and `wbc_msgs`.
 
-A folder per package, as in ROS: `definitions/<package>/{msg,srv,action}/<Name>.<kind>`.
+As in ROS there is a folder per package: `definitions/<package>/{msg,srv,action}/<Name>.<kind>`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from wbc.errors import did_you_mean
-from wbc.messages.definition import Definition, full_name, parse
+from wbc.messages.definition import MessageDefinition, full_name, parse
 from wbc.messages.errors import MessageError
 
 _HERE = Path(__file__).parent / "definitions"
@@ -18,7 +18,7 @@ _PART = {
     "action": ("_Goal", "_Result", "_Feedback"),
 }
 _UUID = "unique_identifier_msgs/UUID goal_id\n"
-#: What an action is made of on the wire: suffix, then the text, {0} being the action's name.
+#: Messages by which an action is sent over DDS: suffix and definition; {0} is the action's name.
 _ACTION = {
     "_SendGoal_Request": _UUID + "{0}_Goal goal\n",
     "_SendGoal_Response": "bool accepted\nbuiltin_interfaces/Time stamp\n",
@@ -30,8 +30,8 @@ _SEPARATOR = "=" * 80
 
 
 @cache
-def available() -> tuple[str, ...]:
-    """Full names of all types, services and actions with their parts."""
+def available_types() -> tuple[str, ...]:
+    """Return the full names of all message types, including the parts of services and actions."""
     names = []
     for path in sorted(_HERE.glob("*/*/*")):
         name = f"{path.parts[-3]}/{path.parts[-2]}/{path.stem}"
@@ -43,15 +43,15 @@ def available() -> tuple[str, ...]:
 
 
 @cache
-def definition(name: str) -> Definition:
-    """The definition of a message type.
+def get_definition(name: str) -> MessageDefinition:
+    """Return the definition of a message type.
 
     Args:
         name: `pkg/msg/Name`, `pkg/Name`, or a part of a service or an action:
             `pkg/srv/Name_Request`, `pkg/action/Name_Goal`, `pkg/action/Name_SendGoal_Request`.
 
     Raises:
-        MessageError: there is no such type; the text lists near names.
+        MessageError: there is no such type; the message suggests similar names.
     """
     name = full_name(name)
     package, kind, short = name.split("/")
@@ -67,27 +67,27 @@ def definition(name: str) -> Definition:
             return parse(name, parts[_PART[kind].index(suffix)])
         if kind == "action" and suffix in _ACTION:
             return parse(name, _ACTION[suffix].format(f"{package}/action/{base}"))
-    raise MessageError(f"there is no message type '{name}'{did_you_mean(name, available())}")
+    raise MessageError(f"there is no message type '{name}'{did_you_mean(name, available_types())}")
 
 
-def dependencies(name: str) -> tuple[Definition, ...]:
-    """The definitions of all message types inside a type, each once, without its own."""
-    found: dict[str, Definition] = {}
+def dependencies(name: str) -> tuple[MessageDefinition, ...]:
+    """Return the definitions of all message types nested in a type, each once."""
+    found: dict[str, MessageDefinition] = {}
 
-    def visit(one: Definition) -> None:
+    def visit(one: MessageDefinition) -> None:
         for field in one.fields:
             if field.nested and field.type not in found:
-                found[field.type] = definition(field.type)
+                found[field.type] = get_definition(field.type)
                 visit(found[field.type])
 
-    visit(definition(name))
+    visit(get_definition(name))
     return tuple(found.values())
 
 
 @cache
 def schema_text(name: str) -> str:
-    """A type's text and those of all types in it, as ROS 2 writes it into mcap (`ros2msg`)."""
-    parts = [definition(name).text]
+    """Return a type's definition and those of all nested types, in the format `ros2msg` of mcap."""
+    parts = [get_definition(name).text]
     for one in dependencies(name):
         package, _, short = one.name.split("/")
         parts.append(f"{_SEPARATOR}\nMSG: {package}/{short}\n{one.text}")
