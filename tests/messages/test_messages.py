@@ -152,7 +152,7 @@ def test_defaults_are_those_of_the_definition():
         (JointState(position=[[1.0]]), r"shape \(1, 1\)"),
         (Twist(linear=3), r"no field 'linear\.x'"),
         (message_type("nav_msgs/Odometry")(child_frame_id=None), "child_frame_id = None"),
-        (message_type("builtin_interfaces/Time")(sec=2**31), "sec = 2147483648 is not a valid int32"),
+        (message_type("builtin_interfaces/Time")(sec=2**31), "= 2147483648 is not a valid int32"),
         (message_type("unique_identifier_msgs/UUID")(uuid=[1, 2]), "there must be 16"),
         (
             message_type("rcl_interfaces/ParameterDescriptor")(
