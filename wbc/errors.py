@@ -105,12 +105,12 @@ def did_you_mean(name: str, names: Iterable[str], most: int = 3) -> str:
         return "; did you mean " + " or ".join(f"'{n}'" for n in near) + "?"
     if not known:
         return ""
-    shown = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
-    return f"; there are: {shown}"
+    listed = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
+    return f"; there are: {listed}"
 
 
-def shown(value: Any) -> str:
-    """Anything, in a few letters."""
+def short_repr(value: Any) -> str:
+    """The `repr` of any value in at most 60 characters, for messages."""
     if value is None:
         return "missing"
     try:

@@ -73,7 +73,7 @@ def test_a_data_file_of_the_users_own_loads(tmp_path):
         ("urdf = 'r.urdf'\nleft_fot = 'x'", "unknown key 'left_fot'; did you mean 'left_foot'"),
         ("urdf = 'r.urdf'\nleft_foot = 3", "'left_foot' is 3; it must be a name"),
         ("urdf = 'r.urdf'\narmature = -0.1", "armature.* positive"),
-        ("urdf = 'r.urdf'\narmature = 'big'", "must be a number"),
+        ("urdf = 'r.urdf'\narmature = 'big'", "must be zero or a positive rotor inertia"),
         ("urdf = 'r.urdf'\nnominal_posture = 3", "must be a table"),
         ("urdf = 'gone.urdf'", "cannot read .*gone.urdf"),
     ],
@@ -122,12 +122,12 @@ def test_an_srdf_gives_the_posture(tmp_path):
     )
     standing = wbc.robot.load("simple_humanoid", srdf=srdf)
     assert standing.q_nominal[7 + standing.joint_index("left_knee")] == pytest.approx(0, abs=0.1)
-    text = write(tmp_path, f'urdf = "r.urdf"\nsrdf = "{srdf}"\nreference = "crouch"\n')
+    text = write(tmp_path, f'urdf = "r.urdf"\nsrdf = "{srdf}"\ngroup_state = "crouch"\n')
     crouching = wbc.robot.load(text, **FEET)
     assert crouching.q_nominal[7 + crouching.joint_index("left_knee")] == pytest.approx(
         1.2, abs=0.1
     )
-    text.write_text(f'urdf = "r.urdf"\nsrdf = "{srdf}"\nreference = "couch"\n')
+    text.write_text(f'urdf = "r.urdf"\nsrdf = "{srdf}"\ngroup_state = "couch"\n')
     with pytest.raises(
         RobotDescriptionError, match="no group_state 'couch'; did you mean 'crouch'"
     ):
@@ -270,3 +270,24 @@ def test_a_wheel_installed_elsewhere_finds_its_robots(tmp_path):
     assert done.stdout.startswith(str(tmp_path / "site"))
     assert "simple_humanoid" in done.stdout.splitlines()[0]
     assert done.stdout.splitlines()[1].split()[1] == "32"
+
+
+def test_a_robot_is_called_as_its_urdf_its_data_file_or_the_caller_says(tmp_path):
+    urdf = changed(tmp_path, ('<robot name="simple_humanoid"', '<robot name="Walter"'))
+    assert wbc.robot.load(urdf, **FEET).name == "Walter"
+    assert wbc.robot.load(urdf, **FEET, name="Wanda").name == "Wanda"
+    feet = 'left_foot = "left_foot"\nright_foot = "right_foot"\n'
+    for text, name in (("", "butler"), ('name = "Wilma"\n', "Wilma")):
+        data_file = tmp_path / "butler.toml"
+        data_file.write_text(f'urdf = "{urdf.name}"\n{feet}{text}')
+        assert wbc.robot.load(data_file).name == name
+    nameless = changed(tmp_path, ('<robot name="simple_humanoid"', "<robot"), name="plain.urdf")
+    assert wbc.robot.load(nameless, **FEET).name == "plain"
+
+
+def test_what_is_stated_about_a_joint_that_is_fixed_does_not_matter():
+    robot = wbc.robot.load(
+        "simple_humanoid", fixed_joints=["*_elbow"], armature={"left_elbow": 0.1}
+    )
+    assert "left_elbow" not in robot.joint_names
+    assert robot.na == 18

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import pytest
-from robottools import CHAPTER, FEET, changed, element, inertial
+from robottools import CHAPTER, FEET, changed, codes, element, inertial
 
+import wbc
 import wbc.robot
-from wbc.errors import RobotDescriptionError, RobotNotFound, WbcError
+from wbc.errors import GaitError, RobotDescriptionError, RobotNotFound, WbcError
 
 
 def load(path, **stated):
@@ -144,7 +145,20 @@ def test_the_chapters_minimal_robot_is_refused_by_name():
         ({"fixed_joints": ["wings"]}, "'wings', which is no joint"),
         ({"sole": {"height": 0.0}}, "height, length and width"),
         ({"sole": {"hight": 0.0}}, "no 'hight'; did you mean 'height'"),
-        ({"sole": {"height": 0.0, "length": -1, "width": 1}}, "finite and positive"),
+        ({"sole": {"height": 0.0, "length": -1, "width": 1}}, "'sole.length' is -1; .*positive, m"),
+        ({"sole": {"height": 0.0, "length": 1, "width": 1, "center": 3}}, "'sole.center' is 3"),
+        ({"armature": -1}, "'armature' is -1; it must be zero or a positive"),
+        ({"armature": float("nan")}, "'armature' is nan"),
+        ({"armature": {"left_knee": -0.1}}, "'armature.left_knee' is -0.1"),
+        ({"nominal_posture": {"left_knee": float("nan")}}, "'nominal_posture.left_knee' is nan"),
+        ({"nominal_posture": [0.3]}, "a table of joint names"),
+        ({"effort_limits": {"left_knee": 0.0}}, "'effort_limits.left_knee' is 0.0; .*positive"),
+        ({"effort_limits": {"knee": 5.0}}, "effort_limits: the model has no joint 'knee'"),
+        ({"velocity_limits": {"left_knee": -2}}, "'velocity_limits.left_knee' is -2"),
+        ({"fixed_joints": "*elbow"}, "'fixed_joints' is .*a list of joint names"),
+        ({"package_dirs": "/tmp"}, "'package_dirs' is '/tmp'; it must be a list of folders"),
+        ({"name": 3}, "'name' is 3; it must be a name"),
+        ({"respect_up_axis": "yes"}, "true or false"),
     ],
 )
 def test_a_wrong_statement_is_named(stated, complaint):
@@ -188,3 +202,45 @@ def test_every_error_is_the_librarys_own_and_one_line(tmp_path):
         with pytest.raises(WbcError) as caught:
             load(path)
         assert "\n" not in str(caught.value)
+
+
+def wheel(side: str) -> str:
+    """A foot's link and joint, as a wheel that turns without limit."""
+    return (
+        f'<link name="{side}_wheel"><inertial><mass value="2"/>'
+        '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
+        '<collision><origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.08" length="0.04"/>'
+        f'</geometry></collision></link><joint name="{side}_axle" type="continuous">'
+        f'<parent link="{side}_shin"/><child link="{side}_wheel"/><origin xyz="0 0 -0.38"/>'
+        '<axis xyz="0 1 0"/><limit effort="20" velocity="30"/></joint>'
+    )
+
+
+def test_wheels_for_feet_are_refused_by_name_with_the_cure(tmp_path):
+    path = changed(tmp_path, ("</robot>", wheel("left") + wheel("right") + "</robot>"))
+    feet = {"left_foot": "left_wheel", "right_foot": "right_wheel"}
+    text = r"the foot 'left_wheel' is a wheel.*'left_axle'.*fixed_joints=\['left_axle'\]"
+    with pytest.raises(RobotDescriptionError, match=text):
+        wbc.robot.load(path, **feet)
+    (finding,) = [f for f in wbc.robot.check_file(path, **feet) if f.severity == "error"]
+    assert "'left_wheel' is a wheel" in finding.what
+    assert "fixed_joints=['left_axle']" in finding.cure
+    # Blocked wheels are feet without ankles.
+    assert wbc.robot.load(path, **feet, fixed_joints=["*_axle"]).soles[0].link == "left_wheel"
+    assert wbc.robot.load(path, **FEET).soles[0].link == "left_foot"
+
+
+def test_legs_without_a_knee_load_and_the_doctor_and_the_walker_say_so():
+    fixed = ("*_knee", "*_ankle_pitch")
+    robot = wbc.robot.load("simple_humanoid", fixed_joints=fixed)
+    assert ("no-knee", "left_foot") in codes(robot.check())
+    with pytest.raises(GaitError, match=r"'simple_humanoid' cannot walk.*left leg.*knee"):
+        wbc.Walker(robot)
+
+
+def test_legs_of_one_joint_are_refused_by_the_walker():
+    names = ("hip_yaw", "hip_roll", "knee", "ankle_pitch", "ankle_roll")
+    robot = wbc.robot.load("simple_humanoid", fixed_joints=[f"*_{name}" for name in names])
+    assert ("no-knee", "right_foot") in codes(robot.check())
+    with pytest.raises(GaitError, match="1 joint"):
+        wbc.Walker(robot)

@@ -7,9 +7,11 @@ import math
 import numpy as np
 import pinocchio as pin
 
+from wbc.errors import GaitError
 from wbc.robot import Robot
 
 _BEND = 0.6  # rad: a knee straighter than this has little grip on height and swing
+_SHORTENING = 0.02  # m by which a knee, at least, brings the ankle nearer to the hip
 _STRENGTH = 0.84  # share of the knee's torque limit that may go into carrying the robot
 _ROLL_MARGIN = 0.08  # rad of the ankle's roll that is left to balance
 _TILT = 0.7  # share of the feet's extra distance by which the farther foot is off its hip
@@ -26,6 +28,9 @@ class LegWorkspace:
 
     Args:
         robot: the robot.
+
+    Raises:
+        GaitError: a leg has no knee.
 
     Attributes:
         knees: indices of both knees into (na,) vectors.
@@ -54,6 +59,17 @@ class LegWorkspace:
         return self._com_height + min(hip - self._hip_height, 0.0)
 
 
+def _no_knee(robot: Robot, side: int) -> GaitError:
+    sole, leg = robot.soles[side], robot.legs[side]
+    joints = ", ".join(f"'{robot.joint_names[index - 6]}'" for index in leg)
+    count = f"{len(leg)} joint{'s' if len(leg) > 1 else ''}"
+    return GaitError(
+        f"'{robot.name}' cannot walk: its {sole.side} leg has {count} ({joints}) between the base "
+        f"and the foot '{sole.link}', and no knee that brings the foot nearer to the hip; "
+        "name the feet below the knees (left_foot, right_foot), or fix fewer joints"
+    )
+
+
 class _Leg:
     """One leg's knee, reach and hip height over the ankle in the nominal posture."""
 
@@ -62,6 +78,8 @@ class _Leg:
         data = model.createData()
         leg = robot.legs[side]
         joints = [j for j in range(1, model.njoints) if model.joints[j].idx_v in leg]
+        if len(joints) < 3:
+            raise _no_knee(robot, side)
 
         def span(configuration: np.ndarray) -> np.ndarray:
             """From the last ankle joint to the first hip joint, world axes."""
@@ -84,6 +102,8 @@ class _Leg:
                 best = max(spans) - min(spans)
                 straight = float(angles[int(np.argmax(spans))])
                 self.knee = index - 6
+        if best < _SHORTENING:
+            raise _no_knee(robot, side)
         bend = math.copysign(_BEND, q[self.knee + 7] - straight)
         self.reach = float(np.linalg.norm(span(bent(self.knee + 6, straight + bend))))
         self.hip_height = float(span(q)[2])

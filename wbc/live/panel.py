@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
-from wbc.errors import MotionError, did_you_mean, shown
+from wbc.errors import MotionError, did_you_mean, short_repr
 from wbc.live.errors import BadRequest
 from wbc.live.words import checked_number
 from wbc.motions import Motion
@@ -109,17 +109,17 @@ class Panel:
             return self._motion(value)
         if name == "pause":
             if not isinstance(value, bool):
-                raise BadRequest(f"pause is {shown(value)}; it is true or false")
+                raise BadRequest(f"pause is {short_repr(value)}; it is true or false")
             return Request(Kind.PAUSE, float(value))
         if name in ("stand", "reset"):
             return Request(Kind[name.upper()])
         names = [knob.name for knob in self.knobs]
         names += ["push", "motion", "pause", "stand", "reset"]
-        raise BadRequest(f"no control {shown(name)}{did_you_mean(name, names)}")
+        raise BadRequest(f"no control {short_repr(name)}{did_you_mean(name, names)}")
 
     def _push(self, value: Any) -> Request:
         if not (isinstance(value, list) and len(value) == 2):
-            raise BadRequest(f"push is {shown(value)}; it is [forward, left] in N·s")
+            raise BadRequest(f"push is {short_repr(value)}; it is [forward, left] in N·s")
         most = self.max_impulse
         forward, left = (checked_number("push", part, -most, most) for part in value)
         if math.hypot(forward, left) > 1.0001 * most:
@@ -138,7 +138,7 @@ class Panel:
                     raise BadRequest(str(error)) from error
         names = [motion.name for motion in self.motions]
         near = did_you_mean(name, names) if isinstance(name, str) else ""
-        raise BadRequest(f"no motion {shown(name)}{near}")
+        raise BadRequest(f"no motion {short_repr(name)}{near}")
 
 
 def _opened(message: str | bytes) -> tuple[str, Any]:
@@ -149,7 +149,7 @@ def _opened(message: str | bytes) -> tuple[str, Any]:
     try:
         said = json.loads(message)
     except (ValueError, RecursionError):
-        raise BadRequest(f"{shown(message)} is not JSON") from None
+        raise BadRequest(f"{short_repr(message)} is not JSON") from None
     if not isinstance(said, dict) or not isinstance(said.get("control"), str):
-        raise BadRequest(f'{shown(said)}: a message is {{"control": NAME, "value": …}}')
+        raise BadRequest(f'{short_repr(said)}: a message is {{"control": NAME, "value": …}}')
     return said["control"], said.get("value")

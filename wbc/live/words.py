@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from wbc.errors import shown
+from wbc.errors import short_repr
 from wbc.live.errors import BadRequest
 
 
@@ -15,8 +15,8 @@ def checked_number(name: str, value: Any, low: float, high: float) -> float:
         BadRequest: it is none, or out of range.
     """
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise BadRequest(f"{name} is {shown(value)}; it is a number")
+        raise BadRequest(f"{name} is {short_repr(value)}; it is a number")
     # Compared as it is: a whole number may be too large for a float.
     if not low <= value <= high:
-        raise BadRequest(f"{name} = {shown(value)} is out of range: {low:g} to {high:g}")
+        raise BadRequest(f"{name} = {short_repr(value)} is out of range: {low:g} to {high:g}")
     return float(value)

@@ -9,6 +9,7 @@ from wbc.errors import WbcError
 from wbc.log.errors import LogError
 from wbc.log.sheet import RobotSheet
 from wbc.robot import available, examples, load
+from wbc.robot.registry import find_robot
 from wbc.robot.urdf import read_urdf
 
 if TYPE_CHECKING:
@@ -26,10 +27,9 @@ def robot_of(sheet: RobotSheet, name_or_path: str | Path | None = None) -> Robot
     Raises:
         LogError: that robot is not there, or has other joints than the log.
     """
-    known = sheet.name in (*available(), *examples())
-    source = name_or_path if name_or_path is not None else sheet.name if known else sheet.urdf
+    source = name_or_path if name_or_path is not None else _known_name(sheet)
     try:
-        robot = load(source) if known or name_or_path else load(source, **_stated(sheet))
+        robot = load(source) if source is not None else load(sheet.urdf, **_stated(sheet))
     except WbcError as error:
         raise LogError(
             f"the log is of '{sheet.name}', which cannot be loaded: {error}; "
@@ -43,6 +43,14 @@ def robot_of(sheet: RobotSheet, name_or_path: str | Path | None = None) -> Robot
             "say which robot it is with --robot"
         )
     return robot
+
+
+def _known_name(sheet: RobotSheet) -> str | None:
+    """The name by which `load` finds the robot, or None: its URDF has to be read where it was."""
+    if sheet.name in available() and find_robot(sheet.name).urdf.name == Path(sheet.urdf).name:
+        return sheet.name
+    stem = Path(sheet.urdf).stem
+    return stem if not Path(sheet.urdf).is_file() and stem in examples() else None
 
 
 def _stated(sheet: RobotSheet) -> dict[str, Any]:

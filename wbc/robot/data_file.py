@@ -4,19 +4,25 @@ urdf = "example-robot-data:talos_data/robots/talos_reduced.urdf"
 left_foot = "left_sole_link"
 right_foot = "right_sole_link"
 armature = 0.05                # kg·m², rotor inertia seen at the joint
-[nominal_posture]              # rad; joints that are left out stay at zero
+[nominal_posture]              # rad
 left_knee = 0.4
+right_knee = 0.4
+
+`docs/robots.md` documents each key.
 """
 
 from __future__ import annotations
 
+import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
+from fnmatch import fnmatchcase
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from wbc.errors import RobotDescriptionError, did_you_mean
+from wbc.errors import RobotDescriptionError, did_you_mean, short_repr
 from wbc.robot.packages import EXAMPLES, example_robot_data
 
 if sys.version_info >= (3, 11):
@@ -27,18 +33,18 @@ else:
 
 @dataclass(frozen=True, slots=True)
 class RobotData:
-    """What is stated about a robot, by its data file or by the caller.
+    """What is stated about a robot, by its data file or by the caller of `load`.
 
     Attributes:
-        name: the robot's name.
         urdf: path of the description.
+        name: the robot's name; empty for the one in the URDF.
         srdf: path of the semantic description, if stated.
         left_foot: link that carries the left sole.
         right_foot: link that carries the right sole.
         torso: link of the upper trunk.
         imu: link or frame where the inertial unit sits.
         nominal_posture: joint name to position, rad or m.
-        reference: name of the SRDF `group_state` to stand in.
+        group_state: name of the SRDF `group_state` to stand in.
         armature: rotor inertia at the joint, kg·m² (kg for sliding joints):
             one number, or by joint name with `default` for the others.
         effort_limits: joint name to effort limit, N·m or N.
@@ -49,43 +55,71 @@ class RobotData:
         fixed_joints: joints to weld at zero, by name or pattern (`*Finger*`).
         respect_up_axis: whether the Collada meshes mean their `<up_axis>`.
         package_dirs: folders that hold packages.
-        source: where these things are stated, for messages.
+        source: name of the data file, for messages.
+        arguments: keys that the caller of `load` states.
     """
 
-    name: str
     urdf: Path
+    name: str = ""
     srdf: Path | None = None
     left_foot: str | None = None
     right_foot: str | None = None
     torso: str | None = None
     imu: str | None = None
     nominal_posture: Mapping[str, float] = field(default_factory=dict)
-    reference: str | None = None
+    group_state: str | None = None
     armature: float | Mapping[str, float] = 0.0
     effort_limits: Mapping[str, float] = field(default_factory=dict)
     velocity_limits: Mapping[str, float] = field(default_factory=dict)
     sole: Mapping[str, Any] = field(default_factory=dict)
     fixed_joints: tuple[str, ...] = ()
     respect_up_axis: bool = False
-    package_dirs: tuple[str, ...] = ()
+    package_dirs: tuple[str | Path, ...] = ()
     source: str = "argument"
+    arguments: frozenset[str] = frozenset()
 
-    def with_overrides(self, **overrides: Any) -> RobotData:
-        """These data with what a caller states instead; None leaves a value as it is."""
-        changes = {key: value for key, value in overrides.items() if value is not None}
-        if "srdf" in changes:
-            changes["srdf"] = Path(changes["srdf"]).expanduser().resolve()
+    def source_of(self, key: str) -> str:
+        """Where a key is stated, for messages: `argument`, or the name of the data file."""
+        return "argument" if key in self.arguments else self.source
+
+    def with_arguments(self, **arguments: Any) -> RobotData:
+        """Return these data with what the caller of `load` states instead; None states nothing.
+
+        Raises:
+            RobotDescriptionError: an unknown key, or a value of the wrong kind.
+        """
+        stated = {key: value for key, value in arguments.items() if value is not None}
+        check_values(stated, "argument")
+        changes: dict[str, Any] = dict(stated)
+        if "srdf" in stated:
+            changes["srdf"] = Path(stated["srdf"]).expanduser().resolve()
             # An SRDF is given for its posture; the data file's own would hide it.
             changes.setdefault("nominal_posture", {})
-        if "fixed_joints" in changes:
-            changes["fixed_joints"] = tuple(changes["fixed_joints"])
-        return replace(self, **changes) if changes else self
+        if "fixed_joints" in stated:
+            changes["fixed_joints"] = tuple(stated["fixed_joints"])
+        if "package_dirs" in stated:
+            changes["package_dirs"] = (*stated["package_dirs"], *self.package_dirs)
+        return replace(self, **changes, arguments=self.arguments | set(stated))
+
+    def without_fixed_joints(self) -> RobotData:
+        """These data less the postures, armatures and limits of joints that they fix."""
+        if not self.fixed_joints:
+            return self
+        tables = {key: getattr(self, key) for key in _TABLES}
+        moving: dict[str, Any] = {
+            key: {name: x for name, x in table.items() if not self.fixes(name)}
+            for key, table in tables.items()
+            if isinstance(table, Mapping)
+        }
+        return replace(self, **moving)
+
+    def fixes(self, joint: str) -> bool:
+        """Whether a name or pattern among `fixed_joints` is that of a joint."""
+        return any(fnmatchcase(joint, pattern) for pattern in self.fixed_joints)
 
 
+KEYS = tuple(f.name for f in fields(RobotData) if f.name not in ("source", "arguments"))
 SOLE_KEYS = ("height", "length", "width", "center")
-_TEXTS = ("left_foot", "right_foot", "torso", "imu", "reference")
-_TABLES = ("nominal_posture", "effort_limits", "velocity_limits")
-_KEYS = tuple(f.name for f in fields(RobotData) if f.name != "source")
 
 
 def read_data(path: Path) -> RobotData:
@@ -99,22 +133,24 @@ def read_data(path: Path) -> RobotData:
         with path.open("rb") as file:
             table = tomllib.load(file)
     except OSError as error:
-        raise RobotDescriptionError(f"cannot read {path}: {error.strerror}") from error
+        raise RobotDescriptionError(
+            f"cannot read {path}: {error.strerror or error}; give the path of a readable file"
+        ) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise RobotDescriptionError(f"{path}: malformed TOML: {error}") from error
-    for key in table:
-        if key not in _KEYS:
-            raise RobotDescriptionError(f"{path}: unknown key '{key}'{did_you_mean(key, _KEYS)}")
+        raise RobotDescriptionError(
+            f"{path}: malformed TOML: {error}; correct that line (text needs quotes)"
+        ) from error
     if not isinstance(table.get("urdf"), str):
         raise RobotDescriptionError(f'{path}: no urdf; state  urdf = "path/of/the.urdf"')
-    _check_kinds(path, table)
+    check_values(table, str(path))
     table["name"] = table.get("name", path.stem)
     for key in ("urdf", "srdf"):
         if key in table:
             table[key] = locate(table[key], path.parent, path)
     table["fixed_joints"] = tuple(table.get("fixed_joints", ()))
     table["package_dirs"] = tuple(
-        str((path.parent / folder).resolve()) for folder in table.get("package_dirs", ())
+        (path.parent / Path(folder).expanduser()).resolve()
+        for folder in table.get("package_dirs", ())
     )
     return RobotData(**table, source=path.name)
 
@@ -135,27 +171,109 @@ def locate(address: str, folder: Path, source: Path) -> Path:
     return root / "robots" / address.split(":", 1)[1]
 
 
-def _check_kinds(path: Path, table: dict[str, Any]) -> None:
-    def wrong(key: str, wanted: str) -> RobotDescriptionError:
-        return RobotDescriptionError(f"{path}: '{key}' is {table[key]!r}; it must be {wanted}")
+def check_values(values: Mapping[str, Any], source: str) -> None:
+    """Refuse unknown keys, and values that cannot be what their key means.
 
-    for key in _TEXTS:
-        if key in table and not isinstance(table[key], str):
-            raise wrong(key, "a name in quotes")
-    for key in _TABLES:
-        if key in table and not _is_number_table(table[key]):
-            raise wrong(key, "a table of joint names and numbers")
-    armature = table.get("armature", 0.0)
-    if not (_is_number(armature) or _is_number_table(armature)):
-        raise wrong("armature", "a number or a table of joint names and numbers")
-    values = armature.values() if isinstance(armature, dict) else [armature]
-    if any(value < 0.0 for value in values):
-        raise wrong("armature", "positive or zero, in kg·m²")
+    Args:
+        values: by key of a robot data file.
+        source: where they are stated, for the message.
+
+    Raises:
+        RobotDescriptionError: names the key, the value and what it must be.
+    """
+    for key, value in values.items():
+        if key not in KEYS:
+            raise RobotDescriptionError(f"{source}: unknown key '{key}'{did_you_mean(key, KEYS)}")
+        accepts, wanted = _CHECKS[key]
+        if key in _TABLES and isinstance(value, Mapping):
+            for entry, number in value.items():
+                if not accepts(number):
+                    raise _wrong(source, f"{key}.{entry}", number, wanted)
+        elif key in _TABLES and key != "armature":
+            raise _wrong(source, key, value, "a table of joint names and numbers")
+        elif not accepts(value):
+            raise _wrong(source, key, value, wanted)
+    if "sole" in values:
+        _check_sole(values["sole"], source)
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
+def _check_sole(sole: Mapping[str, Any], source: str) -> None:
+    """The sizes and the centre of a stated sole."""
+    for key in sole:
+        if key not in SOLE_KEYS:
+            raise RobotDescriptionError(
+                f"{source}: the sole has no '{key}'{did_you_mean(key, SOLE_KEYS)}"
+            )
+    for key in ("height", "length", "width") if sole else ():
+        if key not in sole:
+            raise RobotDescriptionError(
+                f"{source}: the sole has no {key}; state height, length and width, m"
+            )
+        if not _is_finite(sole[key]):
+            raise _wrong(source, f"sole.{key}", sole[key], "a finite number, m")
+        if key != "height" and sole[key] < 0.0:
+            raise _wrong(source, f"sole.{key}", sole[key], "zero or positive, m")
+    center = sole.get("center", (0.0, 0.0))
+    try:
+        right = len(center) == 2 and all(_is_finite(x) for x in center)
+    except TypeError:
+        right = False
+    if not right:
+        raise _wrong(source, "sole.center", center, "two finite numbers (x, y), m")
 
 
-def _is_number_table(value: object) -> bool:
-    return isinstance(value, dict) and all(_is_number(v) for v in value.values())
+def _wrong(source: str, key: str, value: object, wanted: str) -> RobotDescriptionError:
+    return RobotDescriptionError(f"{source}: '{key}' is {short_repr(value)}; it must be {wanted}")
+
+
+def _is_finite(value: object) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _is_zero_or_positive(value: object) -> bool:
+    return _is_finite(value) and float(value) >= 0.0  # type: ignore[arg-type]
+
+
+def _is_positive(value: object) -> bool:
+    return _is_finite(value) and float(value) > 0.0  # type: ignore[arg-type]
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str)
+
+
+def _is_path(value: object) -> bool:
+    return isinstance(value, (str, Path))
+
+
+def _is_list_of(accepts: Callable[[object], bool]) -> Callable[[object], bool]:
+    def check(value: object) -> bool:
+        return isinstance(value, (list, tuple, set, frozenset)) and all(map(accepts, value))
+
+    return check
+
+
+_NAME = (_is_text, "a name (text)")
+_PATH = (_is_path, "a path (text)")
+_TABLES = ("nominal_posture", "armature", "effort_limits", "velocity_limits")
+_CHECKS: dict[str, tuple[Callable[[object], bool], str]] = {
+    "urdf": _PATH,
+    "name": _NAME,
+    "srdf": _PATH,
+    "left_foot": _NAME,
+    "right_foot": _NAME,
+    "torso": _NAME,
+    "imu": _NAME,
+    "nominal_posture": (_is_finite, "a finite position, rad or m"),
+    "group_state": _NAME,
+    "armature": (
+        _is_zero_or_positive,
+        "zero or a positive rotor inertia, kg·m²: one number, or a table by joint name",
+    ),
+    "effort_limits": (_is_positive, "a positive effort, N·m or N"),
+    "velocity_limits": (_is_positive, "a positive velocity, rad/s or m/s"),
+    "sole": (lambda value: isinstance(value, Mapping), "a table of height, length and width, m"),
+    "fixed_joints": (_is_list_of(_is_text), "a list of joint names or patterns, e.g. ['*Finger*']"),
+    "respect_up_axis": (lambda value: isinstance(value, bool), "true or false"),
+    "package_dirs": (_is_list_of(_is_path), "a list of folders, e.g. ['/home/me/workspace/src']"),
+}

@@ -19,12 +19,12 @@ MIN_EFFORT = 1.0
 
 def set_armature(model: pin.Model, data: RobotData) -> None:
     """Write the stated rotor inertia into `model.armature` (nv,); the base has none."""
-    armature = np.zeros(model.nv)
+    armature, source = np.zeros(model.nv), f"{data.source_of('armature')}: armature"
     if isinstance(data.armature, Mapping):
         by_name = dict(data.armature)
         armature[6:] = by_name.pop("default", 0.0)
         for name, value in by_name.items():
-            armature[velocity_index(model, name, data.source)] = value
+            armature[velocity_index(model, name, source)] = value
     else:
         armature[6:] = data.armature
     model.armature = armature
@@ -41,9 +41,11 @@ def set_limits(
     """
     effort, velocity = np.array(model.effortLimit), np.array(model.velocityLimit)
     for name, value in data.effort_limits.items():
-        effort[velocity_index(model, name, data.source)] = value
+        where = f"{data.source_of('effort_limits')}: effort_limits"
+        effort[velocity_index(model, name, where)] = value
     for name, value in data.velocity_limits.items():
-        velocity[velocity_index(model, name, data.source)] = value
+        where = f"{data.source_of('velocity_limits')}: velocity_limits"
+        velocity[velocity_index(model, name, where)] = value
     findings = []
     for joint in range(2, model.njoints):
         name, index = model.names[joint], model.joints[joint].idx_v
@@ -91,8 +93,8 @@ def default_effort(model: pin.Model, joint: int, in_leg: bool) -> float:
     return float(max(STRENGTH * gravity * mass * lever, MIN_EFFORT))
 
 
-def velocity_index(model: pin.Model, name: str, source: str) -> int:
-    """Index into nv of a joint that a data file names.
+def velocity_index(model: pin.Model, name: str, where: str) -> int:
+    """Index into nv of a joint that a table of a data file names; `where` is for the message.
 
     Raises:
         RobotDescriptionError: the model has no such actuated joint.
@@ -100,6 +102,6 @@ def velocity_index(model: pin.Model, name: str, source: str) -> int:
     joint = model.getJointId(name) if model.existJointName(name) else 0
     if joint < 2:
         raise RobotDescriptionError(
-            f"{source}: the model has no joint '{name}'{did_you_mean(name, list(model.names)[2:])}"
+            f"{where}: the model has no joint '{name}'{did_you_mean(name, list(model.names)[2:])}"
         )
     return int(model.joints[joint].idx_v)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -34,68 +34,91 @@ from wbc.robot.urdf import Urdf, read_urdf
 def load(
     name_or_path: str | Path,
     *,
-    srdf: str | Path | None = None,
     left_foot: str | None = None,
     right_foot: str | None = None,
+    nominal_posture: Mapping[str, float] | None = None,
+    srdf: str | Path | None = None,
+    group_state: str | None = None,
+    armature: float | Mapping[str, float] | None = None,
+    effort_limits: Mapping[str, float] | None = None,
+    velocity_limits: Mapping[str, float] | None = None,
+    sole: Mapping[str, Any] | None = None,
+    fixed_joints: Collection[str] | None = None,
+    package_dirs: Collection[str | Path] | None = None,
     torso: str | None = None,
     imu: str | None = None,
-    nominal_posture: Mapping[str, float] | None = None,
-    armature: float | Mapping[str, float] | None = None,
-    sole: Mapping[str, Any] | None = None,
-    fixed_joints: Iterable[str] | None = None,
-    package_dirs: Iterable[str | Path] = (),
+    respect_up_axis: bool | None = None,
     name: str | None = None,
 ) -> Robot:
     """Load a robot.
+
+    The keyword arguments state what the description leaves open; they take precedence over the
+    robot's data file, whose keys have the same names (`docs/robots.md`).
 
     Args:
         name_or_path: a robot with a data file (`available()`), a URDF of
             example-robot-data by name (`examples()`), or the path of a URDF or
             of a robot data file.
-        srdf: semantic description with a posture to stand in.
-        left_foot: link that carries the left sole; guessed from the names of
+        left_foot: link that carries the left sole; by default guessed from the names of
             the links if they leave no doubt.
         right_foot: link that carries the right sole.
-        torso: link of the upper trunk; the link from which the arms branch.
-        imu: frame of the inertial unit; the base link.
-        nominal_posture: joint name to position, rad or m; joints left out stay at 0.
-        armature: rotor inertia at the joints, kg·m², one for all or by joint name.
+        nominal_posture: posture to stand in, joint name to position, rad or m. Leg joints left
+            out are derived such that the soles are flat; others stay at zero.
+        srdf: semantic description with a posture to stand in; by default the one beside the
+            URDF. It hides the data file's `nominal_posture`.
+        group_state: name of the SRDF's `group_state` to stand in; by default the first of
+            `half_sitting`, `standing` and similar names.
+        armature: rotor inertia at the joints, kg·m² (kg for sliding joints), one for all or by
+            joint name, with `default` for the others.
+        effort_limits: joint name to effort limit, N·m or N, in place of the URDF's.
+        velocity_limits: joint name to velocity limit, rad/s or m/s, in place of the URDF's.
         sole: `height` of the sole plane in the foot links, `length`, `width` and, if
             not zero, `center` (x, y) of its rectangle, m, in the foot links' axes; for
             feet that have no shape.
         fixed_joints: joints to weld at zero, by name or pattern (`*Finger*`).
         package_dirs: folders that hold packages, for `package://`.
-        name: the robot's name.
+        torso: link of the upper trunk; by default the link from which the arms branch.
+        imu: frame of the inertial unit; by default the base link.
+        respect_up_axis: whether the Collada meshes mean their `<up_axis>`, which ROS ignores.
+        name: the robot's name; by default the data file's, or the URDF's `<robot name=…>`.
 
     Raises:
         RobotNotFound: no such name and no such file.
-        RobotDescriptionError: the description is malformed or makes no usable
-            model; the text names the link, joint or line and the cure.
+        RobotDescriptionError: an argument cannot be what it is for, or the description is
+            malformed or makes no usable model; the text names the key, link, joint or line,
+            and the cure.
     """
-    data = find_robot(name_or_path).with_overrides(
-        srdf=srdf,
+    data = find_robot(name_or_path).with_arguments(
         left_foot=left_foot,
         right_foot=right_foot,
-        torso=torso,
-        imu=imu,
         nominal_posture=nominal_posture,
+        srdf=srdf,
+        group_state=group_state,
         armature=armature,
+        effort_limits=effort_limits,
+        velocity_limits=velocity_limits,
         sole=sole,
         fixed_joints=fixed_joints,
+        package_dirs=package_dirs,
+        torso=torso,
+        imu=imu,
+        respect_up_axis=respect_up_axis,
         name=name,
     )
-    return build_robot(data, search_folders(data.urdf, (*package_dirs, *data.package_dirs)))
+    return build_robot(data)
 
 
-def build_robot(data: RobotData, folders: tuple[Path, ...]) -> Robot:
-    """Build the robot that the data describe; `folders` may hold its packages.
+def build_robot(data: RobotData) -> Robot:
+    """Build the robot that the data describe.
 
     Raises:
         RobotDescriptionError: the description is malformed or unusable.
     """
-    urdf = read_urdf(data.urdf)
+    urdf, data = read_urdf(data.urdf), data.without_fixed_joints()
+    folders = search_folders(data.urdf, data.package_dirs)
     model = build_model(urdf, _known_joints(data, urdf))
-    model.name = data.name
+    name = data.name or (urdf.element.get("name") or "").strip() or urdf.path.stem
+    model.name = name
     base = link_of(model, urdf, 1)
     facts = [Fact("base", base, "derived", "root of the tree")]
     # Before any repair, which would give a massless end a little inertia and hide it.
@@ -105,7 +128,8 @@ def build_robot(data: RobotData, folders: tuple[Path, ...]) -> Robot:
 
     links, guessed = feet_links(data, urdf)
     for side, link in zip(("left", "right"), links, strict=True):
-        facts.append(Fact.of(f"{side} foot", link, None if guessed else data.source, "its name"))
+        stated_in = None if guessed else data.source_of(f"{side}_foot")
+        facts.append(Fact.of(f"{side} foot", link, stated_in, "its name"))
     feet = (parent_joint(model, links[0]), parent_joint(model, links[1]))
     if feet[0] == feet[1]:
         raise RobotDescriptionError(
@@ -136,17 +160,22 @@ def build_robot(data: RobotData, folders: tuple[Path, ...]) -> Robot:
     imu = _frame(model, data, "imu", data.imu) or base
     armature = float(model.armature.max())
     facts += [
-        Fact.of("torso", torso, data.source if data.torso else None, "where the limbs branch off"),
-        Fact.of("imu", imu, data.source if data.imu else None, "the base link"),
+        Fact.of(
+            "torso",
+            torso,
+            data.source_of("torso") if data.torso else None,
+            "where the limbs branch off",
+        ),
+        Fact.of("imu", imu, data.source_of("imu") if data.imu else None, "the base link"),
         Fact.of(
             "armature",
             f"{armature:g} kg·m²" if armature else "none",
-            data.source if armature else None,
+            data.source_of("armature") if armature else None,
             "none stated",
         ),
     ]
     return Robot(
-        name=data.name,
+        name=name,
         model=model,
         soles=soles,
         torso=torso,
@@ -194,7 +223,7 @@ def _frame(model: pin.Model, data: RobotData, what: str, name: str | None) -> st
     if name is not None and not model.existFrame(name):
         names = [frame.name for frame in model.frames]
         raise RobotDescriptionError(
-            f"{data.source}: {what} is '{name}', but the model has no such frame"
+            f"{data.source_of(what)}: {what} is '{name}', but the model has no such frame"
             f"{did_you_mean(name, names)}"
         )
     return name
@@ -206,7 +235,7 @@ def _known_joints(data: RobotData, urdf: Urdf) -> tuple[str, ...]:
     for pattern in data.fixed_joints:
         if not any(fnmatchcase(name, pattern) for name in names):
             raise RobotDescriptionError(
-                f"{data.source}: fixed_joints names '{pattern}', which is no joint of "
-                f"{urdf.path.name}{did_you_mean(pattern.strip('*?'), names)}"
+                f"{data.source_of('fixed_joints')}: fixed_joints names '{pattern}', which is no "
+                f"joint of {urdf.path.name}{did_you_mean(pattern.strip('*?'), names)}"
             )
     return data.fixed_joints

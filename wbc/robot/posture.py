@@ -21,6 +21,8 @@ FLAT = 1e-4
 EXACT = 1e-9
 # A centre of mass farther out than this part of the sole's half length is brought back.
 SUPPORTED = 0.6
+# Thigh and shank are at least this share of the distance from hip to sole.
+SEGMENT = 0.15
 # A sole narrower than this half size is a point, m.
 POINT = 0.01
 
@@ -54,11 +56,13 @@ def starting_posture(model: pin.Model, data: RobotData) -> Posture:
         # Joints left out stay at zero, or at the limit nearest to it.
         q = pin.neutral(model)
         q[7:] = np.clip(q[7:], model.lowerPositionLimit[7:], model.upperPositionLimit[7:])
-        stated = {velocity_index(model, n, data.source): x for n, x in data.nominal_posture.items()}
+        source = data.source_of("nominal_posture")
+        where = f"{source}: nominal_posture"
+        stated = {velocity_index(model, n, where): x for n, x in data.nominal_posture.items()}
         q[np.array(list(stated)) + 1] = list(stated.values())
-        return Posture(q, "stated joints", True, data.source, frozenset(stated))
+        return Posture(q, "stated joints", True, source, frozenset(stated))
     srdf = data.srdf or find_srdf(data.urdf)
-    reference = read_group_state(srdf, data.reference) if srdf is not None else None
+    reference = read_group_state(srdf, data.group_state) if srdf is not None else None
     if reference is not None:
         q = pin.neutral(model)
         _apply(model, q, reference)
@@ -112,11 +116,11 @@ def nominal_posture(
     ids = (soles[0].frame_id, soles[1].frame_id)
     move = {index for leg in legs for index in leg}
     if not start.how:
-        q = _bent(model, start.q, soles, legs)
-        return Posture(placed(model, q, ids), "knees bent", False, "inverse kinematics")
+        q, bent = _bent(model, start.q, soles, legs)
+        return Posture(placed(model, q, ids), bent, False, "inverse kinematics")
     if start.stated and not move & start.stated_joints:
-        q = _bent(model, start.q, soles, legs)
-        return Posture(placed(model, q, ids), f"{start.how}, knees bent", True, start.source)
+        q, bent = _bent(model, start.q, soles, legs)
+        return Posture(placed(model, q, ids), f"{start.how}, {bent}", True, start.source)
     q = placed(model, start.q, ids)
     completed = _completed(model, q, ids, move - start.stated_joints) if start.stated else None
     if completed is not None:
@@ -175,8 +179,8 @@ def _bent(
     q: np.ndarray,
     soles: tuple[Sole, Sole],
     legs: tuple[tuple[int, ...], tuple[int, ...]],
-) -> np.ndarray:
-    """Knees bent, feet side by side, centre of mass over the soles' midpoint."""
+) -> tuple[np.ndarray, str]:
+    """Knees bent, feet side by side, centre of mass over the soles' midpoint; and what was done."""
     ids = (soles[0].frame_id, soles[1].frame_id)
     q = placed(model, q, ids)
     wanted: dict[int, float] = {}
@@ -186,7 +190,7 @@ def _bent(
             wanted[knee] = knee_bend(model, q, knee)
     move = {index for leg in legs for index in leg}
     q = settle(model, q, ids, move, joints=wanted, align=True, over_soles=True)
-    return q
+    return q, "knees bent" if wanted else "legs without knees"
 
 
 def find_knee(model: pin.Model, q: np.ndarray, sole: Sole, leg: Sequence[int]) -> int | None:
@@ -196,7 +200,7 @@ def find_knee(model: pin.Model, q: np.ndarray, sole: Sole, leg: Sequence[int]) -
     end = data.oMi[sole.joint_id].act(sole.placement.translation)
     joints = [joint for joint in range(2, model.njoints) if model.joints[joint].idx_v in leg]
     hip = data.oMi[joints[0]].translation
-    best, best_span = None, 0.0
+    best, best_span = None, SEGMENT * float(np.linalg.norm(end - hip))
     for joint in joints:
         here = data.oMi[joint].translation
         span = min(float(np.linalg.norm(here - hip)), float(np.linalg.norm(here - end)))

@@ -45,13 +45,13 @@ def find_robot(name_or_path: str | Path) -> RobotData:
     if path.is_file():
         if path.suffix == ".toml":
             return read_data(path.resolve())
-        return RobotData(name=path.stem, urdf=path.resolve())
+        return RobotData(path.resolve())
     names = _examples()
     if text in names:
-        return RobotData(name=text, urdf=names[text])
+        return RobotData(names[text])
     root = example_robot_data()
     if root is not None and text.endswith(".urdf") and (root / "robots" / text).is_file():
-        return RobotData(name=path.stem, urdf=root / "robots" / text)
+        return RobotData(root / "robots" / text)
     if path.is_dir():
         raise RobotDescriptionError(f"{path} is a folder; give the path of the URDF inside it")
     if path.suffix or len(path.parts) > 1:

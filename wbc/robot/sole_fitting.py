@@ -21,6 +21,8 @@ HEADING_SNAP = np.deg2rad(20.0)
 AREA_TIE = 0.02
 # A foot whose contact area is a smaller share of its outline than this does not lie flat.
 FLAT_SHARE = 0.3
+# A wheel's centre is off its axle by less than this share of its radius.
+ROUND = 0.1
 # Points this near to the ground touch it while a foot topples, m.
 TOUCH = 1e-4
 # A toppling foot of many small facets takes that many turns at most.
@@ -112,6 +114,19 @@ def resting_normal(surface: FootSurface, up: np.ndarray) -> np.ndarray:
         angle = float(np.arctan2(height, ahead)[coming].min())
         normal = np.cos(angle) * normal - np.sin(angle) * toppling
     return np.asarray(normal / np.linalg.norm(normal))
+
+
+def is_round(surface: FootSurface, axis: np.ndarray) -> bool:
+    """Whether a foot is as large on one side of its joint's axis (3,) as on the other.
+
+    Args:
+        surface: the foot, in joint coordinates.
+        axis: (3,) unit vector through the origin of the joint.
+    """
+    across = surface.points - np.outer(surface.points @ axis, axis)
+    reach = np.linalg.norm(across, axis=1) + surface.radii
+    middle = 0.5 * (across.max(axis=0) + across.min(axis=0))
+    return bool(np.linalg.norm(middle) < ROUND * reach.max())
 
 
 def _normals(

@@ -9,12 +9,12 @@ from typing import Literal
 import numpy as np
 import pinocchio as pin
 
-from wbc.errors import RobotDescriptionError, did_you_mean
-from wbc.robot.data_file import SOLE_KEYS, RobotData
+from wbc.errors import RobotDescriptionError
+from wbc.robot.data_file import RobotData
 from wbc.robot.finding import Fact
-from wbc.robot.foot_surface import foot_surface
-from wbc.robot.sole_fitting import SoleFit, fit_sole, resting_normal
-from wbc.robot.topology import parent_joint
+from wbc.robot.foot_surface import FootSurface, foot_surface
+from wbc.robot.sole_fitting import SoleFit, fit_sole, is_round, resting_normal
+from wbc.robot.topology import axis_of, parent_joint
 from wbc.robot.urdf import Urdf
 
 Side = Literal["left", "right"]
@@ -97,7 +97,7 @@ def add_soles(
         foot = model.frames[model.getFrameId(link, pin.BODY)]
         if data.sole:
             fit = _stated(data, foot.placement)
-            facts.append(Fact(f"{side} sole", _size(fit), "stated", data.source))
+            facts.append(Fact(f"{side} sole", _size(fit), "stated", fit.source))
         else:
             surface = foot_surface(urdf, model, joint, folders, data.respect_up_axis)
             if not len(surface.points):
@@ -108,6 +108,7 @@ def add_soles(
             if not fit.flat:
                 fit = fit_sole(surface, resting_normal(surface, up), forward, axes)
             if not fit.flat:
+                _refuse_wheel(model, urdf, surface, link, joint)
                 fit = fit_sole(surface, *_directions(model, start, links, joint), axes)
             source = f"{surface.kind} shapes, normal from the {fit.source}"
             facts.append(Fact(f"{side} sole", _size(fit), "derived", source))
@@ -131,6 +132,28 @@ def _frame_names(model: pin.Model) -> dict[Side, str]:
     return {side: side + suffix for side in SIDES}
 
 
+def _refuse_wheel(
+    model: pin.Model, urdf: Urdf, surface: FootSurface, link: str, joint: int
+) -> None:
+    """Refuse a foot without a flat face that turns about its own centre without limit.
+
+    Raises:
+        RobotDescriptionError: the foot is a wheel.
+    """
+    name, index = model.names[joint], model.joints[joint].idx_q
+    turn = model.upperPositionLimit[index] - model.lowerPositionLimit[index]
+    if (
+        model.joints[joint].nq == 1
+        and turn > 2.0 * np.pi
+        and is_round(surface, axis_of(model, joint))
+    ):
+        raise RobotDescriptionError(
+            f"{urdf.path}: the foot '{link}' is a wheel, which turns without limit about its own "
+            f"centre on the joint '{name}' and rolls away from under the robot; name links that "
+            f"can stand, left_foot=… and right_foot=…, or weld the wheel, fixed_joints=['{name}']"
+        )
+
+
 def _directions(
     model: pin.Model, q: np.ndarray, links: tuple[str, str], joint: int
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -152,26 +175,10 @@ def _directions(
 
 def _stated(data: RobotData, placement: pin.SE3) -> SoleFit:
     """The rectangle that a data file states, in the foot link's axes."""
-    for key in data.sole:
-        if key not in SOLE_KEYS:
-            raise RobotDescriptionError(
-                f"{data.source}: the sole has no '{key}'{did_you_mean(key, SOLE_KEYS)}"
-            )
-    try:
-        x, y = data.sole.get("center", (0.0, 0.0))
-        height, length, width = (float(data.sole[k]) for k in ("height", "length", "width"))
-        center = np.array([float(x), float(y), height])
-    except (KeyError, TypeError, ValueError) as error:
-        raise RobotDescriptionError(
-            f"{data.source}: the sole needs height, length and width as numbers in m, "
-            f"and center as two ({error})"
-        ) from error
-    if not (np.isfinite(center).all() and 0.0 <= length < np.inf and 0.0 <= width < np.inf):
-        raise RobotDescriptionError(
-            f"{data.source}: the sole is {length} × {width} m; sizes are finite and positive"
-        )
-    sole = placement * pin.SE3(np.eye(3), center)
-    return SoleFit(sole, 0.5 * length, 0.5 * width, data.source, flat=True)
+    x, y = data.sole.get("center", (0.0, 0.0))
+    height, length, width = (float(data.sole[key]) for key in ("height", "length", "width"))
+    sole = placement * pin.SE3(np.eye(3), np.array([x, y, height], dtype=float))
+    return SoleFit(sole, 0.5 * length, 0.5 * width, data.source_of("sole"), flat=True)
 
 
 def _size(fit: SoleFit) -> str:

@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Sequence
 from typing import Any
 
-from wbc.errors import MotionError, did_you_mean, shown
+from wbc.errors import MotionError, did_you_mean, short_repr
 from wbc.motions.engine.motion import Motion, MotionParameter
 
 # Of a number: seconds, percent, degrees, N·s/kg. What is nearer to zero counts as a slip: a
@@ -44,11 +44,13 @@ def create_motion(motion: type[Motion], values: Any) -> Motion:
     """
     known = {p.name: p for p in motion.parameters()}
     if not isinstance(values, dict):
-        raise MotionError(f"parameters of {motion.name} are {shown(values)}; they are an object")
+        raise MotionError(
+            f"parameters of {motion.name} are {short_repr(values)}; they are an object"
+        )
     for name in values:
         if name not in known:
             raise MotionError(
-                f"{motion.name} has no parameter {shown(name)}{did_you_mean(name, known)}"
+                f"{motion.name} has no parameter {short_repr(name)}{did_you_mean(name, known)}"
             )
     return motion(**{name: _value(motion, known[name], value) for name, value in values.items()})
 
@@ -70,16 +72,16 @@ def parse_motion(text: str, motions: Sequence[type[Motion]]) -> Motion:
     try:
         name, *words = shlex.split(text) or [""]
     except ValueError as error:
-        raise MotionError(f"{shown(text)} cannot be read: {error}") from None
+        raise MotionError(f"{short_repr(text)} cannot be read: {error}") from None
     kinds = {motion.name: motion for motion in motions}
     if name not in kinds:
-        raise MotionError(f"no motion {shown(name)}{did_you_mean(name, kinds)}")
+        raise MotionError(f"no motion {short_repr(name)}{did_you_mean(name, kinds)}")
     known = {p.name: p for p in kinds[name].parameters()}
     values = {}
     for word in words:
         key, equals, value = word.partition("=")
         if not equals:
-            raise MotionError(f"{name}: {shown(word)} is no parameter=value")
+            raise MotionError(f"{name}: {short_repr(word)} is no parameter=value")
         if key in values:
             raise MotionError(f"{name}: {key} is given twice")
         values[key] = _read(known[key], value) if key in known else value
@@ -112,23 +114,25 @@ def _value(motion: type[Motion], parameter: MotionParameter, value: Any) -> Any:
     name, kind = f"{motion.name}: {parameter.name}", _kind(parameter)
     if kind == "choice":
         if value not in parameter.choices:
-            raise MotionError(f"{name} is {shown(value)}; it is {' or '.join(parameter.choices)}")
+            raise MotionError(
+                f"{name} is {short_repr(value)}; it is {' or '.join(parameter.choices)}"
+            )
         return value
     if kind == "vector":
         if value is None and parameter.default is None:
             return None
         size = len(parameter.names)
         if not (isinstance(value, list) and len(value) == size and None not in value):
-            raise MotionError(f"{name} is {shown(value)}; it is {size} numbers")
+            raise MotionError(f"{name} is {short_repr(value)}; it is {size} numbers")
         return tuple(_number(name, x, _MOST) for x in value)
     if kind == "switch":
         if not isinstance(value, bool):
-            raise MotionError(f"{name} is {shown(value)}; it is true or false")
+            raise MotionError(f"{name} is {short_repr(value)}; it is true or false")
         return value
     if kind == "whole":
         number = _number(name, value, _MANY)
         if number != int(number):
-            raise MotionError(f"{name} is {shown(value)}; it is a whole number")
+            raise MotionError(f"{name} is {short_repr(value)}; it is a whole number")
         return int(number)
     if kind == "number":
         number = _number(name, value, _MOST)
@@ -137,15 +141,15 @@ def _value(motion: type[Motion], parameter: MotionParameter, value: Any) -> Any:
         return number
     if not (isinstance(value, str) and len(value) <= _LONGEST and value.isprintable()):
         raise MotionError(
-            f"{name} is {shown(value)}; it is a text of {_LONGEST} characters or less"
+            f"{name} is {short_repr(value)}; it is a text of {_LONGEST} characters or less"
         )
     return value
 
 
 def _number(name: str, value: Any, most: float) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise MotionError(f"{name} is {shown(value)}; it is a number")
+        raise MotionError(f"{name} is {short_repr(value)}; it is a number")
     # Compared as it is: a whole number may be too large for a float.
     if not -most <= value <= most:
-        raise MotionError(f"{name} = {shown(value)} is out of range: {-most:g} to {most:g}")
+        raise MotionError(f"{name} = {short_repr(value)} is out of range: {-most:g} to {most:g}")
     return float(value)

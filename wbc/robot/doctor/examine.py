@@ -7,7 +7,6 @@ into NaN.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -35,33 +34,29 @@ if TYPE_CHECKING:
 REPORTED_BY_LOADER = ("no-effort-limit", "no-velocity-limit")
 
 
-def check_file(
-    path: str | Path, *, package_dirs: Iterable[str | Path] = (), **stated: Any
-) -> list[Finding]:
+def check_file(path: str | Path, **stated: Any) -> list[Finding]:
     """Everything that is wrong with a robot description, worst first; empty if it is sound.
 
     Args:
         path: a URDF, a robot data file, or a robot's name, as for `load`.
-        package_dirs: folders that hold packages.
-        stated: what `load` takes besides (`left_foot`, `right_foot`, `srdf`, …).
+        stated: what `load` takes besides (`left_foot`, `right_foot`, `package_dirs`, …).
 
     Raises:
         RobotNotFound: there is no such file.
     """
     try:
-        data = find_robot(path).with_overrides(**stated)
-        folders = search_folders(data.urdf, (*package_dirs, *data.package_dirs))
+        data = find_robot(path).with_arguments(**stated)
         urdf = read_urdf(data.urdf)
     except RobotNotFound:
         raise
     except RobotDescriptionError as error:
         return [Finding.from_error(error, Path(path).name, "unreadable")]
-    findings = _examine(urdf, folders)
+    findings = _examine(urdf, search_folders(data.urdf, data.package_dirs))
     if not _broken(findings):
         findings += _feet_and_masses(data, urdf)
     if not _broken(findings):
         try:
-            robot = build_robot(data, folders)
+            robot = build_robot(data)
         except RobotDescriptionError as error:
             findings.append(Finding.from_error(error, urdf.path.name, "unloadable"))
         else:

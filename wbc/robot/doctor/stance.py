@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 
 from wbc.robot.finding import Finding
-from wbc.robot.posture import has_soles
+from wbc.robot.posture import find_knee, has_soles
 from wbc.robot.stance import unevenness
 
 if TYPE_CHECKING:
@@ -152,19 +153,31 @@ def _legs(robot: Robot) -> list[Finding]:
         flat = has_soles((sole, sole))
         J = J if flat else J[:3]
         rank = int((np.linalg.svd(J, compute_uv=False) > SINGULAR).sum())
-        if rank < len(J):
-            why = (
-                f"has {len(leg)} joints"
-                if len(leg) < len(J)
-                else "is stretched or has parallel axes in the nominal posture"
-            )
+        if find_knee(model, robot.q_nominal, sole, leg) is None:
             findings.append(
                 Finding(
                     "warning",
                     sole.link,
-                    f"its leg {why} and moves the foot in {rank} of {len(J)} directions",
-                    "the foot cannot be placed freely; tasks on it fight each other",
-                    "bend the knees in the nominal posture, or give the leg the joints it lacks",
+                    f"no joint of its leg is a knee ({_joints(leg)} from base to foot)",
+                    "the robot can stand but not walk or squat: the leg cannot get shorter",
+                    "name the feet below the knees, left_foot=… and right_foot=…, or fix "
+                    "fewer joints",
+                    "no-knee",
+                )
+            )
+        if rank < len(J):
+            few = len(leg) < len(J)
+            state = "is stretched or has parallel axes in the nominal posture"
+            findings.append(
+                Finding(
+                    "warning",
+                    sole.link,
+                    f"its leg {f'has {_joints(leg)}' if few else state} and moves the foot in "
+                    f"{rank} of {len(J)} directions",
+                    "the foot cannot be placed freely; tasks on it conflict",
+                    "give the leg the joints that it lacks"
+                    if few
+                    else "bend the knees in the nominal posture",
                     "rank-deficient-leg",
                 )
             )
@@ -173,13 +186,17 @@ def _legs(robot: Robot) -> list[Finding]:
             Finding(
                 "warning",
                 robot.soles[1].link,
-                f"its leg has {len(robot.legs[1])} joints, the other {len(robot.legs[0])}",
+                f"its leg has {_joints(robot.legs[1])}, the other {len(robot.legs[0])}",
                 "the legs are no pair; a foot may be the wrong link",
                 "check left_foot and right_foot",
                 "unlike-legs",
             )
         )
     return findings
+
+
+def _joints(leg: Sequence[int]) -> str:
+    return f"{len(leg)} joint{'s' if len(leg) > 1 else ''}"
 
 
 def _mass_matrix(robot: Robot) -> list[Finding]:
