@@ -11,7 +11,7 @@ import numpy as np
 
 from wbc.command import Command, Status
 from wbc.contacts import Contact
-from wbc.errors import ContactError, TaskError, WbcError, shown
+from wbc.errors import ContactError, TaskError, WbcError, short_repr
 from wbc.kinematics import Kinematics
 from wbc.limits import (
     AnyLimit,
@@ -132,8 +132,8 @@ class WholeBodyController:
         """
         if not isinstance(task, Task):
             raise TaskError(
-                f"{shown(task)} is no task: add an object such as wbc.ComTask() or one derived "
-                "from wbc.Task"
+                f"{short_repr(task)} is no task: add an object such as wbc.ComTask() or one "
+                "derived from wbc.Task"
             )
         if any(task.name == other.name for other in self.tasks):
             raise TaskError(
@@ -151,7 +151,7 @@ class WholeBodyController:
         """
         if task not in self.tasks:
             names = ", ".join(f"'{t.name}'" for t in self.tasks) or "none"
-            name = f"'{task.name}'" if isinstance(task, Task) else shown(task)
+            name = f"'{task.name}'" if isinstance(task, Task) else short_repr(task)
             raise TaskError(f"no task {name} to remove; there are: {names}")
         self.tasks.remove(task)
 
@@ -180,12 +180,12 @@ class WholeBodyController:
                 f"set_contacts takes a list of all contacts; write set_contacts([{contacts.name}])"
             )
         if not isinstance(contacts, Sequence):
-            raise ContactError(f"{shown(contacts)} is no list of contacts")
+            raise ContactError(f"{short_repr(contacts)} is no list of contacts")
         for contact in contacts:
             if not isinstance(contact, Contact):
                 raise ContactError(
-                    f"{shown(contact)} is no contact: give objects such as wbc.SurfaceContact or "
-                    "ones derived from wbc.Contact"
+                    f"{short_repr(contact)} is no contact: give objects such as "
+                    "wbc.SurfaceContact or ones derived from wbc.Contact"
                 )
         contacts = tuple(contacts)
         if len({c.name for c in contacts}) < len(contacts):
@@ -305,7 +305,7 @@ def _solver(solver: str | Solver | None) -> Solver:
         return make_solver(solver)
     if isinstance(solver, type) or not isinstance(solver, Solver):
         raise WbcError(
-            f"solver = {shown(solver)} is neither a name nor an object with a method "
+            f"solver = {short_repr(solver)} is neither a name nor an object with a method "
             "solve(problem) -> Solution; see wbc.qp.Solver"
         )
     return solver

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from wbc.errors import LimitError, shown
+from wbc.errors import LimitError, short_repr
 from wbc.limits.acceleration_bound import AccelerationBound
 from wbc.limits.limit import Limit
 from wbc.limits.torque import TorqueLimit
@@ -48,12 +48,12 @@ class LimitSet:
                 name, a limit of another robot, or a horizon that is shorter than dt.
         """
         if isinstance(limits, AnyLimit) or not isinstance(limits, Sequence):
-            raise LimitError(f"limits = {shown(limits)} is no sequence; write limits=[…]")
+            raise LimitError(f"limits = {short_repr(limits)} is no sequence; write limits=[…]")
         for limit in limits:
             if not isinstance(limit, AnyLimit):
                 kind = limit.__name__ if isinstance(limit, type) else type(limit).__name__
                 raise LimitError(
-                    f"{shown(limit)} ({kind}) is not a limit that a controller understands: "
+                    f"{short_repr(limit)} ({kind}) is not a limit that a controller understands: "
                     f"give it {_ACCEPTED}"
                 )
         torque = [limit for limit in limits if isinstance(limit, TorqueLimit)]
