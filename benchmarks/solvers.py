@@ -51,10 +51,10 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "tools"))
 from certifiedqp import Optimum, optimum
 from referencetools import Unreduced
 from swaying import Motion, record
-from through_qpsolvers import ThroughQpsolvers
 
 import wbc
 from wbc.qp import Outcome, Problem, Solution, Solver, make_solver
+from wbc.qp.solvers.qpsolvers import QpsolversSolver
 
 SLOW = 3000.0  # µs; solvers that take longer get one pass
 DIRECT = ("wbc", "daqp", "osqp")
@@ -103,7 +103,7 @@ def solver_of(name: str) -> Solver:
     Raises:
         SolverNotFound: unknown or not installed.
     """
-    return make_solver(name) if name in DIRECT else ThroughQpsolvers(name, **OPTIONS.get(name, {}))
+    return make_solver(name, **({} if name in DIRECT else OPTIONS.get(name, {})))
 
 
 def proved(problem: Problem) -> Optimum:
@@ -149,8 +149,8 @@ def run(name: str, problems: Sequence[Problem], passes: int) -> Any:
                 begun = clock()
                 solutions.append(solver.solve(problem))
                 best[k] = min(best[k], 1e-3 * (clock() - begun))
-                if isinstance(solver, ThroughQpsolvers):
-                    inner[k] = min(inner[k], 1e6 * solver.inside)
+                if isinstance(solver, QpsolversSolver):
+                    inner[k] = min(inner[k], 1e6 * solver.solve_time)
             gc.enable()
             if np.median(best) > SLOW:
                 break

@@ -66,7 +66,7 @@ class WholeBodyController:
     Args:
         robot: the robot.
         dt: control period, s.
-        solver: "wbc", "daqp", "osqp" or any dense solver of `qpsolvers` by its name, or an
+        solver: "wbc", "daqp", "osqp" or any solver of `qpsolvers` by its name, or an
             object of your own (see `wbc.qp.Solver`); the fastest that this machine can run when
             left out.
         limits: what the solution holds exactly; torque, position and velocity limits of the

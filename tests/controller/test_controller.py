@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 
 import wbc
 from wbc.command import Status
-from wbc.errors import ContactError, FrameNotFound, LimitError, TaskError, WbcError
+from wbc.errors import ContactError, FrameNotFound, LimitError, StateError, TaskError, WbcError
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 
@@ -221,6 +221,55 @@ def test_bad_use_is_refused_with_the_cure():
         control.set_contacts([wbc.PointContact("right_foot")])
     with pytest.raises(ContactError, match=r"same name.*left_sole.*name="):
         control.set_contacts([wbc.PointContact("left_sole"), wbc.PointContact("left_sole")])
+
+
+@pytest.mark.parametrize(
+    ("use", "error", "text"),
+    [
+        (
+            lambda c: c.add("com"),
+            TaskError,
+            r"'com' is no task: add .*wbc\.ComTask",
+        ),
+        (lambda c: c.add(wbc.ComTask), TaskError, "is no task"),
+        (lambda c: c.remove("com"), TaskError, r"no task 'com' to remove; there are: 'com'"),
+        (
+            lambda c: c.set_contacts(wbc.PointContact("left_sole")),
+            ContactError,
+            r"takes a list of all contacts; write set_contacts\(\[left_sole\]\)",
+        ),
+        (lambda c: c.set_contacts("left_sole"), ContactError, "'l' is no contact"),
+        (lambda c: c.set_contacts(None), ContactError, "no list of contacts"),
+        (lambda c: c.set_contacts([c.robot.soles[0]]), ContactError, "is no contact.*Surface"),
+        (
+            lambda c: c.step(c.robot.q_nominal),
+            StateError,
+            r"ndarray is no state.*State\(q, v\)",
+        ),
+        (lambda c: c.step(None), StateError, "NoneType is no state"),
+    ],
+)
+def test_things_of_the_wrong_type_are_refused_before_anything_changes(use, error, text):
+    control = controller(robot("talos"), "both")
+    tasks, contacts = list(control.tasks), control.contacts
+    with pytest.raises(error, match=text):
+        use(control)
+    assert control.tasks == tasks
+    assert control.contacts is contacts
+    assert control.step(control.robot.standing()).status is Status.OK
+
+
+def test_a_posture_target_that_is_not_finite_is_refused_or_named():
+    bot = robot("talos")
+    with pytest.raises(TaskError, match=r"target\[0\] \(leg_left_1_joint\) is nan"):
+        wbc.PostureTask(bot, np.full(bot.na, np.nan))
+    control = controller(bot, "both")
+    control.tasks[-1].target = np.full(bot.na, np.nan)
+    command = control.step(bot.standing())
+    assert command.status is Status.FAILED
+    assert "task 'posture'" in command.explanation
+    assert "target" in command.explanation
+    assert np.isfinite(command.tau).all()
 
 
 def test_two_contacts_of_one_frame_are_told_apart_by_name():

@@ -49,7 +49,9 @@ def test_every_tick_is_the_proved_optimum_or_the_proved_conflict(solver, kind):
     assert faults(kind, solver) == []
 
 
-@pytest.mark.parametrize("kind", ["any contacts", "exact tasks", "switching contacts"])
+@pytest.mark.parametrize(
+    "kind", ["any contacts", "exact tasks", "switching contacts", "own limits and contacts"]
+)
 @pytest.mark.parametrize("formulation", [wbc.Formulation.REDUCED, wbc.Formulation.FULL])
 def test_the_readable_formulations_have_the_same_optimum(kind, formulation):
     assert faults(kind, DEFAULT, formulation) == []
@@ -61,6 +63,7 @@ def test_the_sample_holds_what_it_is_meant_to_hold():
     assert counts[Truth.UNKNOWN] == 0
     assert counts[Truth.INFEASIBLE] >= 8
     assert counts[Truth.SOLVABLE] >= 80
+    assert sum(r.truth is Truth.SOLVABLE for r in truths["own limits and contacts"]) >= 6
     active = [len(r.optimum.active) for r in truths["limits active"] if r.optimum is not None]
     assert max(active) >= 6
     proofs = [r.optimum for rs in truths.values() for r in rs if r.optimum is not None]

@@ -146,16 +146,6 @@ def test_an_unknown_solver_is_refused_with_near_names():
         wbc.WholeBodyController(robot("talos"), solver="dapq")
 
 
-def test_a_solver_for_sparse_problems_only_is_refused():
-    import qpsolvers
-
-    sparse = sorted(set(qpsolvers.available_solvers) - set(qpsolvers.dense_solvers) - {"osqp"})
-    if not sparse:
-        pytest.skip("every solver that is installed takes dense problems")
-    with pytest.raises(SolverNotFound, match=r"sparse problems only; dense ones are: .*daqp"):
-        make_solver(sparse[0])
-
-
 def test_osqp_missing_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "osqp", None)
     with pytest.raises(SolverNotFound, match=r"'osqp' needs 'osqp'.*pip install osqp"):

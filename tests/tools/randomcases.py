@@ -15,7 +15,7 @@ from referencetools import Setup
 
 import wbc
 from wbc.contacts import Contact
-from wbc.limits import AccelerationBound
+from wbc.limits import AccelerationBound, Limit, LimitRows
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
 import synthetic
@@ -58,6 +58,7 @@ KINDS = {
     "smooth sequence": 12,
     "switching contacts": 12,
     "unloading a foot": 12,
+    "own limits and contacts": 4,
 }  # and ticks of each
 
 
@@ -97,6 +98,50 @@ class Pinned(AccelerationBound):
         return self.low, self.high
 
 
+class VerticalForce(Limit):
+    """The ground carries at most a share of the robot's weight: a limit on contact forces."""
+
+    def __init__(self, robot: wbc.Robot, share: float) -> None:
+        super().__init__("vertical force", 1, unit="N")
+        self.maximum = share * robot.weight
+
+    def write(self, kin: wbc.Kinematics, rows: LimitRows) -> None:
+        for contact, F in rows.forces.items():
+            F[0, :3] = kin.frame(contact.frame).rotation[2]
+        rows.upper[0] = self.maximum
+
+
+class HandHeight(Limit):
+    """A control barrier that keeps the hands above a height; rows of higher hands are free."""
+
+    def __init__(self, robot: wbc.Robot, height: float) -> None:
+        super().__init__("hand height", 2, unit="m/s²", labels=("left", "right"))
+        self.height = height
+        self.frames = hands(robot)
+
+    def write(self, kin: wbc.Kinematics, rows: LimitRows) -> None:
+        for k, frame in enumerate(self.frames):
+            hand = kin.motion(frame)
+            distance = hand.position[2] - self.height
+            if distance < 0.3:
+                rows.A[k] = hand.jacobian[2]
+                rows.lower[k] = -hand.bias[2] - 20.0 * hand.velocity[2] - 100.0 * distance
+
+
+class SixteenSidedSole(wbc.SurfaceContact):
+    """A sole with a finer friction cone: more rows than any of the library's contacts has."""
+
+    def make_cone(self, mu: float) -> np.ndarray:
+        angles = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
+        sides = np.zeros((16, 6))
+        sides[:, 0], sides[:, 1], sides[:, 2] = np.cos(angles), np.sin(angles), -1.2 * mu
+        return np.vstack((super().make_cone(mu), sides))
+
+    @property
+    def cone_labels(self) -> tuple[str, ...]:
+        return (*super().cone_labels, *(f"friction side {k}" for k in range(16)))
+
+
 class Drive:
     """A case set up: what the controller is made of, and what changes from tick to tick.
 
@@ -112,7 +157,17 @@ class Drive:
         self.state = self._first_state()
         bounds, torque = self._limits()
         self.setup = Setup(self.robot, self._tasks(), self.kept[self.chosen], bounds, torque)
-        for thing in (*self.setup.tasks, *(c for some in self.kept.values() for c in some)):
+        if case.kind == "own limits and contacts":
+            self.setup.limits = self._own_limits()
+            self.setup.contacts = [
+                SixteenSidedSole(s.name, s.half_length, s.half_width, friction=0.5)
+                for s in self.robot.soles[: self.rng.integers(1, 3)]
+            ] + self.setup.contacts[2:]
+        for thing in (
+            *self.setup.tasks,
+            *self.setup.contacts,
+            *(c for some in self.kept.values() for c in some),
+        ):
             thing.bind(self.robot)
 
     def controller(
@@ -123,7 +178,8 @@ class Drive:
         torque = [] if setup.torque_limit is None else [setup.torque_limit]
         options = {"solver": solver, "formulation": formulation}
         options = {name: value for name, value in options.items() if value is not None}
-        made = wbc.WholeBodyController(self.robot, limits=[*torque, *setup.bounds], **options)
+        limits = [*torque, *setup.bounds, *setup.limits]
+        made = wbc.WholeBodyController(self.robot, limits=limits, **options)
         for task in setup.tasks:
             made.add(task)
         made.set_contacts(setup.contacts)
@@ -192,6 +248,12 @@ class Drive:
         if rng.random() < 0.1:
             return [], None
         return [position, velocity], wbc.TorqueLimit(bot)
+
+    def _own_limits(self) -> list[Limit]:
+        bot, rng = self.robot, self.rng
+        height = wbc.Kinematics(bot, self.state).frame(hands(bot)[0]).translation[2]
+        force = VerticalForce(bot, rng.uniform(0.5, 1.1))
+        return [force, HandHeight(bot, height + rng.uniform(-0.3, 0.02))][rng.integers(2) :]
 
     def _tasks(self) -> list[wbc.Task]:
         bot, rng, kind = self.robot, self.rng, self.case.kind

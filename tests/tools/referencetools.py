@@ -6,8 +6,8 @@ Jacobians and bias accelerations come from fresh Pinocchio calls:
     min  ½ |G x − d|²   subject to   E x = e,   low ≤ C x ≤ high,
 
 with G stacked from the tasks' rows, soft contacts and regularisation, E from
-`M v̇ + h = Sᵀ τ + Jᵀ f`, exact contacts and exact tasks, C from cones, force, torque and
-acceleration limits. `certifiedqp` solves it.
+`M v̇ + h = Sᵀ τ + Jᵀ f`, exact contacts and exact tasks, C from cones, force, torque,
+acceleration and general limits. `certifiedqp` solves it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import pinocchio as pin
 
 import wbc
 from wbc.contacts import Contact
-from wbc.limits import AccelerationBound
+from wbc.limits import AccelerationBound, Limit, LimitRows
 from wbc.qp import Regularisation
 
 _AXES = pin.ReferenceFrame.LOCAL
@@ -34,6 +34,7 @@ class Setup:
     contacts: list[Contact]
     bounds: list[AccelerationBound]
     torque_limit: wbc.TorqueLimit | None
+    limits: list[Limit] = field(default_factory=list)
     regularisation: Regularisation = field(default_factory=Regularisation)
 
 
@@ -135,7 +136,15 @@ def unreduced(setup: Setup, state: wbc.State) -> Unreduced:
         )
     if setup.torque_limit is not None:
         inside.add(np.eye(na), nv + nf, -setup.torque_limit.maximum, setup.torque_limit.maximum)
-    scale = np.concatenate((np.ones(nv), np.full(nf + na, robot.mass * 9.81)))
+    for limit in setup.limits:
+        A, F = np.zeros((limit.size, nv)), np.zeros((limit.size, nf))
+        columns = {c: F[:, rows] for c, (_, rows) in zip(setup.contacts, names, strict=True)}
+        limited = LimitRows(A, np.full(limit.size, -np.inf), np.full(limit.size, np.inf), columns)
+        limit.write(kin, limited)
+        bounded = np.isfinite(limited.lower) | np.isfinite(limited.upper)
+        rows = np.hstack((A, F))[bounded]
+        inside.add(rows, 0, limited.lower[bounded], limited.upper[bounded])
+    scale = np.concatenate((np.ones(nv), np.full(nf + na, robot.weight)))
     G, d, _ = cost.stacked()
     C, low, high = inside.stacked()
     same = low == high  # bounds that coincide make an equality

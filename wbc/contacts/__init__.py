@@ -1,4 +1,4 @@
-"""Contacts: frames that the ground holds, and the forces they may bear."""
+"""Contacts: frames held by the environment, and the contact forces they can transmit."""
 
 from wbc.contacts.contact import Contact
 from wbc.contacts.point import PointContact

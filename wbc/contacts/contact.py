@@ -32,6 +32,10 @@ class Contact(ABC):
 
     All of these may be changed from tick to tick, but for frame and name.
 
+    A contact of your own derives from this (or from a contact of the library) and returns the
+    rows of its cone, as many as it likes, from `make_cone`, and one text for each from
+    `cone_labels`.
+
     Raises:
         ContactError: a value that makes no sense.
     """
@@ -72,6 +76,13 @@ class Contact(ABC):
         self._robot: Robot | None = None
         self._frame_id = -1
 
+    def __repr__(self) -> str:
+        motion = "exact" if self.motion_weight is None else f"weight {self.motion_weight:g}"
+        force = f", {self.min_force:g} to {self.max_force:g} N"
+        if self.min_force == 0.0 and self.max_force == math.inf:
+            force = ""
+        return f"{type(self).__name__}('{self.name}', friction {self.friction:g}, {motion}{force})"
+
     @property
     def friction(self) -> float:
         """Coulomb coefficient μ."""
@@ -100,7 +111,14 @@ class Contact(ABC):
 
     @abstractmethod
     def make_cone(self, mu: float) -> np.ndarray:
-        """The rows of `cone` for the pyramid's coefficient."""
+        """Return the rows of `cone`, (k, motion_size).
+
+        Their number must not change. Rows may be combinations of force components in N and
+        moments in N·m, contact axes.
+
+        Args:
+            mu: coefficient of the pyramid, μ/√2.
+        """
 
     @property
     @abstractmethod
@@ -112,10 +130,30 @@ class Contact(ABC):
 
         Raises:
             FrameNotFound: the frame is missing.
+            ContactError: `motion_size`, `cone` or `cone_labels` of a contact of your own do not
+                fit together.
         """
         if self._robot is not robot:
+            self._check_cone()
             self._frame_id = robot.frame_id(self.frame)
             self._robot = robot
+
+    def _check_cone(self) -> None:
+        if not 3 <= self.motion_size <= 6:
+            raise ContactError(
+                f"contact '{self.name}': motion_size {self.motion_size} must be from 3 (a force) "
+                "to 6 (a wrench)"
+            )
+        cone, labels = np.asarray(self.cone), self.cone_labels
+        if cone.ndim != 2 or cone.shape[1] != self.motion_size or not np.isfinite(cone).all():
+            raise ContactError(
+                f"contact '{self.name}': make_cone returned an array of shape {cone.shape}; it "
+                f"must be finite, of shape (rows, {self.motion_size})"
+            )
+        if len(labels) != cone.shape[0]:
+            raise ContactError(
+                f"contact '{self.name}': {len(labels)} cone_labels for {cone.shape[0]} rows"
+            )
 
     def write(self, kin: Kinematics, J: np.ndarray, a: np.ndarray) -> None:
         """Write `J` (motion_size, nv) and `a` (motion_size,) of `J v̇ = a`, contact axes.

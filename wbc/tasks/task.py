@@ -126,8 +126,13 @@ class Task(ABC):
             raise TaskError(
                 f"task '{self.name}': {what} has shape {array.shape}, expected ({size},)"
             )
-        if not np.isfinite(array).all():
-            raise TaskError(f"task '{self.name}': {what} = {array} must be finite")
+        bad = np.flatnonzero(~np.isfinite(array))
+        if bad.size:
+            first = int(bad[0])
+            entry = f" ({self.labels[first]})" if first < len(self.labels) else ""
+            raise TaskError(
+                f"task '{self.name}': {what}[{first}]{entry} is {array[first]}, it must be finite"
+            )
         return array
 
     def bind(self, robot: Robot) -> None:  # noqa: B027 - most tasks need nothing here

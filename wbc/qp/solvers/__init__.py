@@ -13,7 +13,7 @@ def make_solver(name: str | None = None, **options: object) -> NamedSolver:
 
     Args:
         name: "wbc" (the library's own, compiled), "daqp", "osqp" (persistent workspace), or
-            the name of any dense solver that `qpsolvers` finds installed ("quadprog", "proxqp",
+            the name of any solver that `qpsolvers` finds installed ("quadprog", "proxqp",
             …). When left out: "wbc", or "daqp" where kernels cannot be compiled.
         options: passed on to the solver, by its own names.
 

@@ -1,6 +1,8 @@
-"""Every dense solver that `qpsolvers` finds, for research and comparison."""
+"""Every solver that `qpsolvers` finds, for research and comparison."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
@@ -12,8 +14,12 @@ class QpsolversSolver:
     """A solver by its `qpsolvers` name, set up afresh for each problem.
 
     Args:
-        name: one of `qpsolvers.dense_solvers`.
+        name: one of `qpsolvers.available_solvers`; one that takes sparse problems only gets them
+            sparse.
         options: passed to the solver untouched.
+
+    Attributes:
+        solve_time: what the solver itself took of the last call, s.
 
     Raises:
         SolverNotFound: no such solver, or it is not installed.
@@ -23,45 +29,45 @@ class QpsolversSolver:
         import qpsolvers  # imports every installed solver: seconds
 
         if name not in qpsolvers.available_solvers:
-            known = sorted({"wbc", "daqp", "osqp", *qpsolvers.dense_solvers})
+            known = sorted({"wbc", "daqp", "osqp", *qpsolvers.available_solvers})
             raise SolverNotFound(
                 f"QP solver '{name}' is unknown or not installed{did_you_mean(name, known)} "
                 f"(most solvers come with  pip install {name}  or  pip install 'wbc[solvers]' )"
             )
-        if name not in qpsolvers.dense_solvers:
-            raise SolverNotFound(
-                f"QP solver '{name}' takes sparse problems only; "
-                f"dense ones are: {', '.join(sorted({'wbc', 'daqp', *qpsolvers.dense_solvers}))}"
-            )
         self.name = name
+        self.solve_time = 0.0
         self._options = options
+        self._sparse = name not in qpsolvers.dense_solvers
 
     def solve(self, problem: Problem) -> Solution:
         """See `wbc.qp.Solver`."""
         import qpsolvers
 
-        b = problem.bounded
         n = problem.g.size
-        lb, ub = np.full(n, -np.inf), np.full(n, np.inf)
-        lb[:b], ub[:b] = problem.lb[:b], problem.ub[:b]
-        equal = problem.equality[b:]
-        low, high, C = problem.lb[b:], problem.ub[b:], problem.C
-        below, above = ~equal & np.isfinite(low), ~equal & np.isfinite(high)
-        qp = qpsolvers.Problem(
-            problem.H,
-            problem.g,
-            np.vstack((C[above], -C[below])),
-            np.concatenate((high[above], -low[below])),
-            C[equal] if equal.any() else None,
-            high[equal] if equal.any() else None,
-            lb,
-            ub,
-        )
         try:
+            qp = qpsolvers.Problem(*self._arguments(problem))
             found = qpsolvers.solve_problem(qp, solver=self.name, **self._options)
         except Exception as error:
             return Solution(np.zeros(n), Outcome.FAILED, detail=f"{self.name}: {error}")
+        self.solve_time = found.solve_time or 0.0
         if found.found and found.x is not None and np.isfinite(found.x).all():
-            return Solution(np.array(found.x, dtype=float), Outcome.SOLVED)
+            return Solution(found.x, Outcome.SOLVED)
         # qpsolvers reports "not found" alike for infeasible problems and failures.
         return Solution(np.zeros(n), Outcome.FAILED, detail=f"{self.name} found no solution")
+
+    def _arguments(self, problem: Problem) -> tuple[Any, ...]:
+        """P, q, G, h, A, b, lb and ub."""
+        bounded, n = problem.bounded, problem.g.size
+        lb, ub = np.full(n, -np.inf), np.full(n, np.inf)
+        lb[:bounded], ub[:bounded] = problem.lb[:bounded], problem.ub[:bounded]
+        equal = problem.equality[bounded:]
+        low, high, C = problem.lb[bounded:], problem.ub[bounded:], problem.C
+        below, above = ~equal & np.isfinite(low), ~equal & np.isfinite(high)
+        P, G = problem.H, np.vstack((C[above], -C[below]))
+        A = C[equal] if equal.any() else None
+        if self._sparse:
+            from scipy.sparse import csc_matrix
+
+            P, G, A = csc_matrix(P), csc_matrix(G), None if A is None else csc_matrix(A)
+        h = np.concatenate((high[above], -low[below]))
+        return P, problem.g, G, h, A, None if A is None else high[equal], lb, ub
