@@ -103,7 +103,7 @@ def at_the_top(time: float, player: MotionPlayer) -> bool:
 
 def on_one_leg(time: float, player: MotionPlayer) -> bool:
     """A foot is held up."""
-    return player.context.lifted is not None and len(player.context.pushes) > 0
+    return player.context.stance.lifted is not None and len(player.context.pushes) > 0
 
 
 def stepping(time: float, player: MotionPlayer) -> bool:

@@ -283,7 +283,7 @@ def starts(robot: wbc.Robot, seconds: float) -> list[Row]:
             asked: float = asked,
         ) -> None:
             if abs(now - asked) < 1e-9:
-                helm.requests.begin()[:] = (Kind.MOTION, helm.shelf.put(packed), len(packed))
+                helm.requests.begin()[:] = (Kind.MOTION, helm.shelf.write(packed), len(packed))
                 helm.requests.publish()
             helm._clock.wait()
             start = time.thread_time_ns()

@@ -28,14 +28,14 @@ class KickTheAir(Motion):
         """The script."""
         for arm in context.upper_body.arms:
             side = 1.0 if arm.side == "left" else -1.0
-            context.reach(arm.side, (0.3, side * 0.4, 1.2), duration=1.5, counts=False)
-        yield from context.lift("right", height=0.08)
+            context.hands.reach(arm.side, (0.3, side * 0.4, 1.2), duration=1.5)
+        yield from context.feet.lift("right", height=0.08)
         for _ in range(self.kicks):
             context.turn_trunk((0.0, -0.08, 0.0), duration=0.6)
-            yield from context.move_foot(forward=self.reach, up=0.1, duration=0.6)
+            yield from context.feet.move_foot(forward=self.reach, up=0.1, duration=0.6)
             context.turn_trunk((0.0, 0.08, 0.0), duration=0.6)
-            yield from context.move_foot(forward=-self.reach, up=0.1, duration=0.6)
-        yield from context.put_down()
+            yield from context.feet.move_foot(forward=-self.reach, up=0.1, duration=0.6)
+        yield from context.feet.put_down()
         context.com.follow(lambda t: np.array([0.0, 0.02 * np.sin(6.0 * t), 0.0]))  # a small sway
         yield from context.wait(1.5)
         context.note(f"{self.kicks} kicks")

@@ -118,7 +118,7 @@ class Trip(Shrug):
     name: ClassVar[str] = "trip"
 
     def play(self, body):
-        body.com.go(np.array([0.01, 0.0, 0.0]), 0.1)
+        body.com.move_to(np.array([0.01, 0.0, 0.0]), 0.1)
         yield
         raise wbc.errors.MotionError("trip: over its own feet")
 
@@ -164,7 +164,7 @@ def ask(helm, control, value=None):
     numbers = request.first, request.second
     if request.motion is not None:
         packed = pack(request.motion, helm._performer.robot)
-        numbers = helm.shelf.put(packed), len(packed)
+        numbers = helm.shelf.write(packed), len(packed)
     helm.requests.begin()[:] = (request.kind, *numbers)
     helm.requests.publish()
 
@@ -348,7 +348,7 @@ def test_nothing_is_checked_or_planned_in_the_loop(helm, player, plant, monkeypa
     helm.begin()
     estimate = wbc.Estimate(player.robot.standing())
     for data in packed:
-        helm.requests.begin()[:] = (Kind.MOTION, helm.shelf.put(data), len(data))
+        helm.requests.begin()[:] = (Kind.MOTION, helm.shelf.write(data), len(data))
         helm.requests.publish()
         for _ in range(1500):
             helm(0.0)

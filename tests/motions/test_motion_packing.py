@@ -76,7 +76,7 @@ def test_a_motion_is_checked_once_per_robot(robot):
 
 
 def test_plans_that_cannot_be_pickled_are_refused_with_the_cure(robot):
-    with pytest.raises(MotionError, match=r"hum cannot be handed .* keep functions"):
+    with pytest.raises(MotionError, match=r"hum cannot be sent .* keep functions"):
         pack(Hum(), robot)
 
 

@@ -44,7 +44,7 @@ def test_value_velocity_and_acceleration_never_jump_whatever_is_ordered(script):
     x = reference()
     for kind, place, duration, ticks in script:
         if kind == "go":
-            x.go(np.array([place, -place]), duration)
+            x.move_to(np.array([place, -place]), duration)
         else:
             x.follow(circle, blend=duration)
         for _ in range(ticks):
@@ -59,7 +59,7 @@ def test_value_velocity_and_acceleration_never_jump_whatever_is_ordered(script):
 
 def test_going_from_rest_keeps_the_limits_and_ends_at_rest_where_it_was_told():
     x = reference()
-    time = x.go(np.array([0.8, -0.2]), 0.1)
+    time = x.move_to(np.array([0.8, -0.2]), 0.1)
     assert time > 0.1  # the limits ask for more
     speed = acceleration = 0.0
     for _ in range(math.ceil(time / DT) + 1):
@@ -96,9 +96,9 @@ def test_a_path_with_a_corner_asks_for_no_endless_acceleration():
 def test_nonsense_is_refused():
     x = reference()
     with pytest.raises(MotionError, match=r"2 numbers was given \(3,\)"):
-        x.go(np.zeros(3))
+        x.move_to(np.zeros(3))
     with pytest.raises(MotionError, match="finite"):
-        x.go(np.array([0.0, np.nan]))
+        x.move_to(np.array([0.0, np.nan]))
     with pytest.raises(MotionError, match=r"\(1,\)"):
         x.follow(lambda t: np.zeros(1))
 

@@ -147,14 +147,14 @@ class TwoSteps(Motion):
     summary: ClassVar[str] = "walk until two feet have landed"
 
     def play(self, context: MotionContext) -> Script:
-        context.walk((0.2, 0.0, 0.0))
+        context.feet.walk((0.2, 0.0, 0.0))
         for step in (1, 2):
-            yield from context.touchdown()
+            yield from context.feet.until_touchdown()
             context.note(f"{step}: {context.walker.steps} after {context.time:.2f} s")
-        context.walk((0.0, 0.0, 0.0))
+        context.feet.walk((0.0, 0.0, 0.0))
         yield from context.until(lambda: context.standing)
         began = context.time
-        yield from context.touchdown(at_most=0.5)  # none comes
+        yield from context.feet.until_touchdown(timeout=0.5)  # none comes
         context.note(f"waited {context.time - began:.2f} s")
 
 
@@ -192,11 +192,11 @@ class Mixture(Motion):
     def play(self, context: MotionContext) -> Script:
         context.com.follow(lambda t: 0.02 * np.array([np.sin(3 * t), np.cos(3 * t), np.sin(4 * t)]))
         context.turn_trunk((0.0, 0.15, 0.3), 0.6)
-        context.reach("left", (0.35, 0.2, 1.1), 0.8, counts=False)
+        context.hands.reach("left", (0.35, 0.2, 1.1), 0.8)
         yield from context.wait(1.3)
-        context.hands["left"].release()
-        context.com.go(0.0, 0.6)
-        yield from context.lift("left", 0.05, 0.6)
+        context.hands.release(side="left")
+        context.com.move_to(0.0, 0.6)
+        yield from context.feet.lift("left", 0.05, 0.6)
         yield from context.wait(1.0)
 
 
@@ -388,12 +388,12 @@ def test_motions_that_a_robot_cannot_do_are_refused_with_the_bound():
 def test_orders_at_the_wrong_moment_are_refused():
     context = MotionPlayer(robot("simple_humanoid")).context
     with pytest.raises(MotionError, match="no foot is lifted"):
-        next(context.move_foot())
-    context.lean.go(1.0, 0.1)
+        next(context.feet.move_foot())
+    context.stance.weight_shift.move_to(1.0, 0.1)
     for _ in range(5):
-        context.lean.advance(0.002)
+        context.stance.weight_shift.advance(0.002)
     with pytest.raises(MotionError, match="weight in the middle"):
-        context.walk((0.2, 0.0, 0.0))
+        context.feet.walk((0.2, 0.0, 0.0))
 
 
 def test_the_catalogue_names_every_motion_once_and_the_show_plays_all_of_them():

@@ -127,7 +127,7 @@ def test_a_motion_is_played_and_over_when_the_robot_stands_again(play, com):
         ("wive", "no motion 'wive'; did you mean 'wave'"),
         ("", "no motion ''"),
         ("squat deep=3", "squat has no parameter 'deep'; did you mean 'depth'"),
-        ("squat depth=deep", "squat: depth is 'deep'; it is a number"),
+        ("squat depth=deep", "squat: depth is 'deep'; it must be a number"),
         ("squat depth", "'depth' is no parameter=value"),
         ("squat depth=95", "cannot go down by 95 %"),
     ],
@@ -242,7 +242,7 @@ def helm(robot):
 def order(helm, mailbox, motion, robot):
     packed = pack(motion, robot)
     orders = Orders.none(robot.na)
-    orders.motions, orders.slot, orders.size = 1, helm.shelf.put(packed), len(packed)
+    orders.motions, orders.slot, orders.size = 1, helm.shelf.write(packed), len(packed)
     mailbox.post(orders)
     helm(0.0)
     return orders

@@ -70,11 +70,11 @@ def _add_option(group: Any, parameter: MotionParameter) -> None:
     settings: dict[str, Any] = {"dest": _destination(parameter), "default": default}
     if isinstance(default, bool):
         group.add_argument(
-            _option(parameter), action="store_true", help=parameter.about, **settings
+            _option(parameter), action="store_true", help=parameter.description, **settings
         )
         return
     told = "" if default in (None, ()) else f" (default: {_text(default)})"
-    settings["help"] = parameter.about.replace("%", "%%") + told.replace("%", "%%")
+    settings["help"] = parameter.description.replace("%", "%%") + told.replace("%", "%%")
     if parameter.choices:
         settings["choices"] = parameter.choices
     elif parameter.names:

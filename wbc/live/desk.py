@@ -82,7 +82,7 @@ class Desk:
     def _wish_for(self, motion: Motion, sender: Visitor) -> None:
         self._forget_wish()
         self._wish = _Wish(motion, sender)
-        plan = self._planner.known(motion)
+        plan = self._planner.cached(motion)
         if plan is not None:
             self._planned(plan)
             return
@@ -91,18 +91,18 @@ class Desk:
 
     def _planned(self, plan: PlannedMotion) -> None:
         name = plan.motion.name
-        if plan.why and name not in self.unable and self._planner.known(plan.motion):
-            self.unable[name] = plan.why
+        if plan.error and name not in self.unable and self._planner.cached(plan.motion):
+            self.unable[name] = plan.error
             self.tell({"unable": self.unable})
         wish = self._wish
         if wish is None or wish.motion != plan.motion:
             return
         self._forget_wish()
         try:
-            if plan.why:
-                raise BadRequest(plan.why)
+            if plan.error:
+                raise BadRequest(plan.error)
             self._check_open()
-            slot = self._shelf.put(plan.packed)
+            slot = self._shelf.write(plan.packed)
         except (BadRequest, MotionError) as error:
             _answer(wish.sender, {"error": str(error)})
             return

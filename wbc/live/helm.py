@@ -87,7 +87,7 @@ class Helm:
             if kind == Kind.KNOB:
                 self._settings[int(first)].turn(float(second))
         self.pushes.restart()
-        self.manager.begin()
+        self.manager.reset()
         self.paused = self.reset_wanted = False
         self._fresh = True
 
@@ -109,7 +109,7 @@ class Helm:
         if self._reset_due():
             raise StopRun("reset")
         self._fresh = False
-        self.manager.steer()
+        self.manager.update()
         for impulse in self._performer.pop_pushes():
             self._push(impulse)
         self.pushes.tick(self._plant.time)
@@ -142,7 +142,7 @@ class Helm:
                 heading = self._performer.walker.standing_frame.rotation
                 self._push(heading @ np.array([first, second, 0.0]))
             elif kind == Kind.MOTION:
-                data = self.shelf.take(int(first), int(second))
+                data = self.shelf.read(int(first), int(second))
                 self.manager.play(unpack(data, self._performer.robot))
             elif kind == Kind.STAND:
                 self.manager.stand()

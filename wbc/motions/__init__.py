@@ -4,7 +4,7 @@ from wbc.motions.bow import Bow
 from wbc.motions.demo import Demo
 from wbc.motions.engine.context import MotionContext
 from wbc.motions.engine.motion import Motion, MotionParameter, Script, once_per_robot, parameter
-from wbc.motions.engine.motion_reference import MotionReference, Target
+from wbc.motions.engine.motion_reference import FrameTarget, MotionReference
 from wbc.motions.engine.packing import pack, unpack
 from wbc.motions.engine.player import MotionPlayer
 from wbc.motions.engine.reference import SmoothReference
@@ -24,6 +24,7 @@ __all__ = [
     "MOTIONS",
     "Bow",
     "Demo",
+    "FrameTarget",
     "Jump",
     "Keyframes",
     "Look",
@@ -40,7 +41,6 @@ __all__ = [
     "Squat",
     "StepInPlace",
     "Sway",
-    "Target",
     "Wave",
     "find_motion",
     "once_per_robot",

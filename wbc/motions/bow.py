@@ -10,10 +10,10 @@ import numpy as np
 
 from wbc.errors import MotionError
 from wbc.ik.objective import PostureObjective, PostureSolution
+from wbc.ik.posture_checks import holding_effort, pelvis_violation
 from wbc.ik.posture_ik import PostureIK
 from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
-from wbc.motions.engine.statics import holding_effort, pelvis_violation
+from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_robot, parameter
 from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
 
@@ -34,7 +34,7 @@ class Bow(Motion):
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "angle", "seconds")
+        check_positive(self, "angle", "seconds")
         pose = self._pose(robot)
         short = abs(math.degrees(pose.torso[1]) - self.angle) > math.degrees(_MISS)
         why = pelvis_violation(robot, pose.q)
@@ -60,6 +60,6 @@ class Bow(Motion):
     def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
         context.go_to_posture(self._pose(context.robot), self.seconds)
-        yield from context.arrive(context.torso, context.posture)
+        yield from context.until_arrived(context.torso, context.posture)
         yield from context.wait(self.hold)
         yield from context.go_home(self.seconds)

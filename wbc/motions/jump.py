@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
+from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_robot, parameter
 from wbc.motions.jumping import JumpController, JumpPlan, plan_jump
 from wbc.robot import Robot
 
@@ -36,7 +36,7 @@ class Jump(Motion):
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "clearance")
+        check_positive(self, "clearance")
         self.plan(robot)
 
     def play(self, context: MotionContext) -> Script:
@@ -47,7 +47,7 @@ class Jump(Motion):
         )
         yield  # making it takes a tick, and so does its first step
         yield from context.until(lambda: context.standing)
-        yield from context.settle()
+        yield from context.feet.until_settled()
         assert context.state is not None
         controller.reset(context.state)
         context.start_override(controller)

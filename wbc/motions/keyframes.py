@@ -56,6 +56,6 @@ class Keyframes(Motion):
         context.torso.follow(plan.torso, _BLEND)
         context.pelvis.follow(plan.pelvis, _BLEND)
         for side, place in plan.places.items():
-            context.lead(side, place)
+            context.hands.follow(side, place)
         yield from context.wait(plan.duration + self.hold)
         yield from context.go_home()

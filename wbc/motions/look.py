@@ -11,7 +11,7 @@ import numpy as np
 from wbc.errors import MotionError
 from wbc.kinematics import Kinematics
 from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
+from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_robot, parameter
 from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
 
@@ -47,7 +47,7 @@ class Look(Motion):
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "frequency", "seconds")
+        check_positive(self, "frequency", "seconds")
         if not 0.0 <= self.radius < math.inf:
             raise MotionError(f"look: radius = {self.radius} m must not be negative")
         gaze = self._gaze(robot)

@@ -11,7 +11,7 @@ import numpy as np
 
 from wbc.errors import MotionError
 from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, parameter, positive
+from wbc.motions.engine.motion import Motion, Script, check_positive, parameter
 from wbc.robot import Robot
 from wbc.robot.upper_body import SIDES, Side
 
@@ -34,7 +34,7 @@ class OneLeg(Motion):
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "hold", "height")
+        check_positive(self, "hold", "height")
         if self.height > 30.0:
             raise MotionError(f"one-leg: height = {self.height} % is beyond 30 % of the leg")
 
@@ -45,11 +45,11 @@ class OneLeg(Motion):
         push = self.impulse * np.array([math.cos(angle), math.sin(angle), 0.0])
         for leg in carrying:
             up: Side = "right" if leg == "left" else "left"
-            yield from context.lift(up, 0.01 * self.height * context.robot.leg_length)
+            yield from context.feet.lift(up, 0.01 * self.height * context.robot.leg_length)
             yield from context.wait(0.5 * self.hold)
             context.request_push(push)
             yield from context.wait(0.5 * self.hold)
-            yield from context.put_down()
+            yield from context.feet.put_down()
 
     def _side(self) -> Side:
         return "left" if self.leg == "left" else "right"

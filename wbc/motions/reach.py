@@ -12,7 +12,7 @@ from wbc.errors import MotionError
 from wbc.ik.objective import PostureSolution
 from wbc.ik.posture_ik import PostureIK
 from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
+from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_robot, parameter
 from wbc.motions.reaching.arm_paths import ArmPaths
 from wbc.motions.reaching.closest_posture import closest_posture
 from wbc.motions.reaching.place_sampler import PlaceSampler, SampledPlaces
@@ -44,7 +44,7 @@ class Reach(Motion):
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "random", "seconds", "hold")
+        check_positive(self, "random", "seconds", "hold")
         upper_body = UpperBody.of(robot)
         if self.left is None and self.right is None:
             upper_body.both_arms()
@@ -84,17 +84,18 @@ class Reach(Motion):
             # are led the last millimetres.
             yield from self._go(context, goal.way)
             for side, place in goal.places.items():
-                context.reach(side, place, _LAST, counts=goal.counts or side not in goal.misses)
+                context.hands.reach(
+                    side, place, _LAST, is_target=goal.counts or side not in goal.misses
+                )
             yield from context.wait(_LAST + self.hold)
         yield from self._go(context, plan.back)
         yield from context.go_home(self.seconds)
 
     def _go(self, context: MotionContext, way: Sequence[PostureSolution]) -> Script:
-        for hand in context.hands.values():
-            hand.release(_LAST)
+        context.hands.release(_LAST)
         for pose in way:
             context.go_to_posture(pose, self.seconds)
-            yield from context.arrive(context.posture)
+            yield from context.until_arrived(context.posture)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from wbc.errors import MotionError
 from wbc.estimation import Estimate
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
+from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_robot, parameter
 from wbc.motions.engine.reference import Path, SmoothReference
 from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
@@ -84,7 +84,7 @@ class Sine(Motion):
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "seconds")
+        check_positive(self, "seconds")
         self._joints(robot)
 
     @once_per_robot
@@ -117,8 +117,8 @@ class Sine(Motion):
             yield from self._open_loop(context, posture)
 
     def _balanced(self, context: MotionContext, posture: Path) -> Script:
-        context.posture.go(posture(0.0), _LEAD_IN)
-        yield from context.arrive(context.posture)
+        context.posture.move_to(posture(0.0), _LEAD_IN)
+        yield from context.until_arrived(context.posture)
         context.posture.follow(posture)
         yield from context.wait(self.seconds)
         yield from context.go_home(1.0)
@@ -173,7 +173,7 @@ class JointPdController:
         """Go back to the posture of standing."""
         if self._rest is None:
             self._rest = 0.0
-            self._reference.go(self._home, _LEAD_IN)
+            self._reference.move_to(self._home, _LEAD_IN)
 
     @property
     def done(self) -> bool:

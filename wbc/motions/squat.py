@@ -10,10 +10,10 @@ import numpy as np
 
 from wbc.errors import MotionError
 from wbc.ik.objective import PostureObjective, PostureSolution
+from wbc.ik.posture_checks import holding_effort, pelvis_violation
 from wbc.ik.posture_ik import PostureIK
 from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
-from wbc.motions.engine.statics import holding_effort, pelvis_violation
+from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_robot, parameter
 from wbc.robot import Robot
 
 _GRAVITY = 9.81
@@ -36,7 +36,7 @@ class Squat(Motion):
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "depth", "frequency", "times")
+        check_positive(self, "depth", "frequency", "times")
         ik = PostureIK(robot)
         self._bends(robot)
         why = self._hindrance(ik, self._pose(ik, robot, self.depth), self.depth)
@@ -100,6 +100,6 @@ class Squat(Motion):
         context.com.follow(lambda t: np.array([0.0, 0.0, -depth * share(t)]))
         context.posture.follow(joints)
         yield from context.wait(self.times / self.frequency)
-        context.com.go(0.0, 0.8)
-        context.posture.go(home, 0.8)
-        yield from context.arrive(context.com, context.posture)
+        context.com.move_to(0.0, 0.8)
+        context.posture.move_to(home, 0.8)
+        yield from context.until_arrived(context.com, context.posture)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, parameter, positive
+from wbc.motions.engine.motion import Motion, Script, check_positive, parameter
 from wbc.robot import Robot
 
 
@@ -21,10 +21,10 @@ class StepInPlace(Motion):
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "steps")
+        check_positive(self, "steps")
 
     def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
-        context.step_in_place(self.steps)
+        context.feet.step_in_place(self.steps)
         yield from context.until(lambda: not context.standing)
         yield from context.until(lambda: context.standing)

@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from wbc.errors import MotionError
+from wbc.ik.posture_checks import support_half_size
 from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, parameter, positive
-from wbc.motions.engine.statics import support_half_size
+from wbc.motions.engine.motion import Motion, Script, check_positive, parameter
 from wbc.robot import Robot
 
 _SUPPORT = 0.86  # share of the support that the motion may use
@@ -31,7 +31,7 @@ class Sway(Motion):
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "size", "frequency", "rounds")
+        check_positive(self, "size", "frequency", "rounds")
         support, share = support_half_size(robot), 0.0
         for angle in np.linspace(0.0, 2.0 * math.pi, 33):
             share = max(share, float((np.abs(self._zmp(robot, angle)) / support).max()))
@@ -55,8 +55,8 @@ class Sway(Motion):
         """See `Motion.play`."""
         context.com.follow(self.place, blend=1.0 / self.frequency)
         yield from context.wait(self.rounds / self.frequency)
-        context.com.go(0.0, 1.0)
-        yield from context.arrive(context.com)
+        context.com.move_to(0.0, 1.0)
+        yield from context.until_arrived(context.com)
 
     def place(self, time: float) -> np.ndarray:
         """(3,) offset of the CoM at a time, m."""

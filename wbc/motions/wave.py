@@ -12,7 +12,7 @@ from wbc.errors import MotionError
 from wbc.ik.objective import PostureObjective
 from wbc.ik.posture_ik import PostureIK
 from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter, positive
+from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_robot, parameter
 from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
 
@@ -43,7 +43,7 @@ class Wave(Motion):
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
-        positive(self, "frequency", "seconds")
+        check_positive(self, "frequency", "seconds")
         self._postures(robot)
 
     @once_per_robot
@@ -94,17 +94,17 @@ class Wave(Motion):
         """See `Motion.play`."""
         up, swing = self._postures(context.robot)
         if self.walk:
-            context.walk((self._speed(context), 0.0, 0.0))
-        context.posture.go(up, _RAISE)
-        yield from context.arrive(context.posture)
+            context.feet.walk((self._speed(context), 0.0, 0.0))
+        context.posture.move_to(up, _RAISE)
+        yield from context.until_arrived(context.posture)
         rate = 2.0 * math.pi * self.frequency
         context.posture.follow(
             lambda t: up + math.sin(rate * t) * swing, blend=0.5 / self.frequency
         )
         yield from context.wait(self.seconds)
-        context.posture.go(context.posture.home, _RAISE)
+        context.posture.move_to(context.posture.home, _RAISE)
         if self.walk:
-            context.walk((0.0, 0.0, 0.0))
-        yield from context.arrive(context.posture)
+            context.feet.walk((0.0, 0.0, 0.0))
+        yield from context.until_arrived(context.posture)
         if self.walk:
             yield from context.until(lambda: context.standing)

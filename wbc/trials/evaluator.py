@@ -79,7 +79,7 @@ class RunEvaluator:
         left, right = (self._place(sole.name) for sole in self._robot.soles)
         heading = self._heading()
         if reference.com is not None:
-            origin = right + reference.lean * (left - right)
+            origin = right + reference.weight_shift * (left - right)
             error = heading.T @ (self._data.com[0] - origin) - reference.com
             self._squares += float(error @ error)
             self._ticks += 1

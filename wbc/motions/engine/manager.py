@@ -1,4 +1,4 @@
-"""Who says what a player does next: one thing at a time, whatever is asked and whenever."""
+"""The motion manager: decides what a motion player does next, whatever is commanded and when."""
 
 from __future__ import annotations
 
@@ -9,68 +9,68 @@ from wbc.gait import Velocity
 from wbc.motions.engine.motion import Motion
 from wbc.motions.engine.player import MotionPlayer
 
-STANDING = (0.0, 0.0, 0.0)
+ZERO_VELOCITY = (0.0, 0.0, 0.0)
 
 
 class MotionStatus(IntEnum):
-    """What became of the motion that was asked for last."""
+    """Status of the motion that was commanded last."""
 
-    NONE = 0  #: none has been asked for
+    NONE = 0  #: no motion has been commanded
     WAITING = 1  #: for the robot to stand
     PLAYING = 2
-    RETURNING = 3  #: to standing, after it was left off or gave up
+    RETURNING = 3  #: to standing, after the motion was canceled or aborted
     DONE = 4
-    ABORTED = 5  #: the player's last note says why
-    CANCELED = 6  #: for something else
+    ABORTED = 5  #: the context's last note says why
+    CANCELED = 6  #: in favour of another command
 
 
 class MotionManager:
-    """Has a player walk, play and stand, between two ticks.
+    """Makes a player walk, play motions and stand, one thing at a time, between two ticks.
 
-    A motion that is asked for while the robot walks, or plays another, begins when it is back to
-    standing; so does walking. Only a motion for `while_walking` goes along with it. None is
-    checked or planned here: they come prepared.
+    A motion that is commanded while the robot walks, or plays another, begins when the robot
+    stands again; so does walking. Only a motion for `while_walking` combines with walking.
+    Motions are neither checked nor planned here: they come prepared.
 
     Args:
-        player: who does it.
+        player: the player.
 
     Attributes:
-        stage: of the motion that was asked for last.
+        status: of the motion that was commanded last.
     """
 
     def __init__(self, player: MotionPlayer) -> None:
-        self._performer = player
-        self.begin()
+        self._player = player
+        self.reset()
 
-    def begin(self) -> None:
-        """A run begins: what was asked for before it is forgotten."""
-        self._wanted = self._given = STANDING
+    def reset(self) -> None:
+        """Forget all commands: a run begins."""
+        self._commanded = self._applied = ZERO_VELOCITY
         self._next: Motion | None = None
         self._current: Motion | None = None
-        self._given_up = 0
+        self._aborted = 0
         self._outcome = MotionStatus.DONE
         self.status = MotionStatus.NONE
 
     @property
     def velocity(self) -> tuple[float, float, float]:
-        """Forward, left (m/s) and turn left (rad/s), as wanted.
+        """Commanded velocity: forward, left (m/s) and turn left (rad/s).
 
-        A motion that does not go along with walking ends for any velocity but zero.
+        Any velocity but zero cancels a motion that does not combine with walking.
         """
-        return self._wanted
+        return self._commanded
 
     @velocity.setter
     def velocity(self, value: Sequence[float]) -> None:
         forward, left, turn = value
-        self._wanted = (float(forward), float(left), float(turn))
-        if self._wanted == STANDING:
+        self._commanded = (float(forward), float(left), float(turn))
+        if self._commanded == ZERO_VELOCITY:
             return
-        playing = self._performer.playing
+        playing = self._player.playing
         if self._next is not None and not self._next.while_walking:
-            self._drop()
+            self._cancel()
         elif playing is not None and not playing.while_walking:
-            self._drop()
-            self._performer.interrupt()
+            self._cancel()
+            self._player.interrupt()
 
     @property
     def waiting(self) -> Motion | None:
@@ -78,69 +78,69 @@ class MotionManager:
         return self._next
 
     def play(self, motion: Motion) -> None:
-        """Play a motion that has been prepared, instead of what goes on or waits."""
-        player = self._performer
-        self._drop()
+        """Play a motion that has been prepared, instead of what is playing or waiting."""
+        player = self._player
+        self._cancel()
         self._current, self.status = motion, MotionStatus.WAITING
         if not motion.while_walking:
-            self._wanted = STANDING
+            self._commanded = ZERO_VELOCITY
         elif self._may_walk:
             player.blend(motion)
-            self._handed_over()
+            self._start_watching()
             return
-        self._leave_off()
+        self._return_to_standing()
         self._next = motion
 
     def stand(self) -> None:
-        """Leave off whatever it is, and come to a stand."""
-        self._wanted = STANDING
-        self._drop()
-        self._leave_off()
+        """Cancel whatever the robot does, and come to a stand."""
+        self._commanded = ZERO_VELOCITY
+        self._cancel()
+        self._return_to_standing()
 
-    def steer(self) -> None:
-        """Before a tick: go on to what is next, if it is time for it."""
-        player = self._performer
-        self._watch(player.playing)
+    def update(self) -> None:
+        """Start what is next, if it is time for it; call this before each tick."""
+        player = self._player
+        self._update_status(player.playing)
         if not self._may_walk:
-            self._given = STANDING
+            self._applied = ZERO_VELOCITY
         elif self._next is not None:
             motion, self._next = self._next, None
             player.play(motion)
-            self._handed_over()
-        elif self._wanted != self._given:
-            # Clamped here, since the walker's own way of saying so takes a warning per tick.
-            self._given = self._wanted
-            wanted = Velocity(*self._wanted).clamped(player.walker.gait)
-            player.velocity = (wanted.forward, wanted.left, wanted.turn)
+            self._start_watching()
+        elif self._commanded != self._applied:
+            # Clamped here, because the walker would warn at every tick.
+            self._applied = self._commanded
+            clamped = Velocity(*self._commanded).clamped(player.walker.gait)
+            player.velocity = (clamped.forward, clamped.left, clamped.turn)
 
     @property
     def _may_walk(self) -> bool:
-        """Nothing goes on that walking would have to wait for."""
-        playing = self._performer.playing
-        return self._performer.idle or (playing is not None and playing.while_walking)
+        """Whether nothing is going on that walking would have to wait for."""
+        playing = self._player.playing
+        return self._player.idle or (playing is not None and playing.while_walking)
 
-    def _handed_over(self) -> None:
-        self._given_up = len(self._performer.aborted_motions)
+    def _start_watching(self) -> None:
+        self._aborted = len(self._player.aborted_motions)
         self.status = MotionStatus.PLAYING
 
-    def _drop(self) -> None:
-        """The motion that waits or plays is not wanted any more."""
+    def _cancel(self) -> None:
+        """Cancel the motion that waits or plays."""
         self._next = None
         if self.status in (MotionStatus.WAITING, MotionStatus.PLAYING):
             self.status, self._outcome = MotionStatus.RETURNING, MotionStatus.CANCELED
 
-    def _leave_off(self) -> None:
-        player = self._performer
-        # On its way back to standing it goes on, and standing there is nothing to leave off.
+    def _return_to_standing(self) -> None:
+        player = self._player
+        # A player on its way back continues; one that stands has nothing to interrupt.
         if player.playing is not None or (player.idle and not player.context.at_home):
             player.interrupt()
-            self._given = STANDING
+            self._applied = ZERO_VELOCITY
 
-    def _watch(self, playing: Motion | None) -> None:
-        """See what became of the motion: a tick has passed since it was handed over."""
+    def _update_status(self, playing: Motion | None) -> None:
+        """Update the status: a tick has passed since the motion was handed to the player."""
         if self.status is MotionStatus.PLAYING and playing is not self._current:
-            gave_up = len(self._performer.aborted_motions) > self._given_up
+            aborted = len(self._player.aborted_motions) > self._aborted
             self.status = MotionStatus.RETURNING
-            self._outcome = MotionStatus.ABORTED if gave_up else MotionStatus.DONE
-        if self.status is MotionStatus.RETURNING and self._performer.idle:
+            self._outcome = MotionStatus.ABORTED if aborted else MotionStatus.DONE
+        if self.status is MotionStatus.RETURNING and self._player.idle:
             self.status = self._outcome

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 M = TypeVar("M", bound="Motion")
 P = TypeVar("P")
 
-#: What `Motion.play` is: each `yield` is one tick.
+#: What `Motion.play` returns: each `yield` lets one tick pass.
 Script = Generator[None, None, None]
 
 
@@ -29,11 +29,11 @@ class Motion(ABC):
     """Something to do, from standing to standing.
 
     A motion is a frozen dataclass: its fields are its parameters, and the command line's
-    options. `play` is a generator that gives orders to the body; each `yield` lets one tick
-    pass, and `yield from context.wait(…)`, `context.until(…)`, `context.shift_weight(…)` and
-    the like pass several. Being a generator, it can be interrupted at any `yield`; the player then
-    brings the body home. It should leave the body at home when it ends; what it forgets is
-    brought home for it.
+    options. `play` is a generator that sets the references of a context; each `yield` lets one
+    tick pass, and `yield from context.wait(…)`, `context.until(…)`, `context.feet.lift(…)` and
+    the like let several pass. Because it is a generator, it can be interrupted at any `yield`;
+    the player then brings the robot home. It should leave every reference at home when it ends;
+    the player brings home what it does not.
 
     Attributes:
         name: one word, as on the command line.
@@ -45,13 +45,13 @@ class Motion(ABC):
 
     @property
     def while_walking(self) -> bool:
-        """Whether the robot may walk meanwhile: legs and CoM are none of this motion's business.
+        """Whether the robot may walk meanwhile, because the motion leaves legs and CoM alone.
 
         Such a motion neither starts nor ends walking; others begin when the robot stands.
         """
         return False
 
-    def check(self, robot: Robot) -> None:  # noqa: B027 - most have nothing to check
+    def check(self, robot: Robot) -> None:  # noqa: B027 - most motions have nothing to check
         """Refuse what this robot cannot do, before it starts; plan what is `once_per_robot`.
 
         Raises:
@@ -61,8 +61,8 @@ class Motion(ABC):
     def prepare(self, robot: Robot) -> None:
         """Check, and plan, once per robot. It may take a second: never in a running loop.
 
-        What has been prepared starts without delay: prepare it before the loop, or in another
-        process, and hand it over (`wbc.motions.pack`).
+        A motion that has been prepared starts without delay: prepare it before the loop, or in
+        another process, and hand it over (`wbc.motions.pack`).
 
         Raises:
             MotionError: the robot cannot do it.
@@ -71,20 +71,20 @@ class Motion(ABC):
 
     @abstractmethod
     def play(self, context: MotionContext) -> Script:
-        """The script.
+        """Return the script.
 
         Raises:
-            MotionError: it gives up; the player notes why and brings the body home.
+            MotionError: the motion aborts; the player notes why and brings the robot home.
         """
 
     @classmethod
     def for_demo(cls) -> Motion:
-        """Return the motion as `Demo` plays it: with its default parameters unless overridden."""
+        """Return the motion as `Demo` plays it: with default parameters unless overridden."""
         return cls()
 
     @classmethod
     def parameters(cls) -> tuple[MotionParameter, ...]:
-        """What may be chosen, in order."""
+        """Return the parameters of this type of motion, in order."""
         found = []
         for field in dataclasses.fields(cls):
             default = field.default
@@ -95,7 +95,7 @@ class Motion(ABC):
                 MotionParameter(
                     field.name,
                     default,
-                    field.metadata.get("about", ""),
+                    field.metadata.get("description", ""),
                     tuple(field.metadata.get("choices", ())),
                     tuple(field.metadata.get("names", ())),
                 )
@@ -108,57 +108,57 @@ class MotionParameter:
     """A parameter of a motion.
 
     Attributes:
-        name: of the field.
-        default: its type is the parameter's.
-        about: what it is, with its unit.
+        name: name of the field.
+        default: default value; its type is the parameter's.
+        description: meaning and unit.
         choices: the values that it may have; any when empty.
-        names: of the components of a vector; empty for anything else.
+        names: names of the components of a vector; empty for anything else.
     """
 
     name: str
     default: Any
-    about: str
+    description: str
     choices: tuple[str, ...]
     names: tuple[str, ...]
 
 
 def parameter(
-    default: Any, about: str, *, choices: Sequence[str] = (), names: Sequence[str] = ()
+    default: Any, description: str, *, choices: Sequence[str] = (), names: Sequence[str] = ()
 ) -> Any:
-    """A field of a motion that is a parameter, with its unit said in `about`.
+    """Return a dataclass field that is a parameter of a motion.
 
     Args:
-        default: its type is the parameter's.
-        about: what it is, with its unit.
+        default: default value; its type is the parameter's.
+        description: meaning and unit.
         choices: for a text, the values that it may have.
         names: for a vector, one name per component.
     """
-    metadata = {"about": about, "choices": tuple(choices), "names": tuple(names)}
+    metadata = {"description": description, "choices": tuple(choices), "names": tuple(names)}
     return dataclasses.field(default=default, metadata=metadata)
 
 
 class _PerRobot(WeakKeyDictionary[Robot, P]):
-    """Plans by robot; they go with a motion that is pickled."""
+    """Plans by robot; they are pickled along with the motion."""
 
     def __reduce__(self) -> tuple[type, tuple[dict[Robot, P]]]:
         return _PerRobot, (dict(self),)
 
 
 def once_per_robot(plan: Callable[[M, Robot], P]) -> Callable[[M, Robot], P]:
-    """A method of a motion that plans for a robot: computed once, in `check`, before it starts.
+    """Cache a planning method of a motion by robot; call it in `check`, before the loop.
 
     `play` runs inside the control loop, where there is no time to plan.
     """
     key = f"_{plan.__name__}_per_robot"
 
     @functools.wraps(plan)
-    def remembered(motion: M, robot: Robot) -> P:
+    def cached(motion: M, robot: Robot) -> P:
         found: _PerRobot[P] = motion.__dict__.setdefault(key, _PerRobot())
         if robot not in found:
             found[robot] = plan(motion, robot)
         return found[robot]
 
-    return remembered
+    return cached
 
 
 @once_per_robot
@@ -168,7 +168,7 @@ def _checked(motion: Motion, robot: Robot) -> None:
 
 
 def _check_values(motion: Motion) -> None:
-    """Texts are of those that may be chosen, numbers are finite."""
+    """Check that texts are among their choices and that numbers are finite."""
     for parameter in motion.parameters():
         value = getattr(motion, parameter.name)
         if parameter.choices and value not in parameter.choices:
@@ -179,7 +179,7 @@ def _check_values(motion: Motion) -> None:
             raise MotionError(f"{motion.name}: {parameter.name} = {value} must be finite")
 
 
-def positive(motion: Motion, *names: str) -> None:
+def check_positive(motion: Motion, *names: str) -> None:
     """Refuse parameters that are not positive and finite.
 
     Raises:

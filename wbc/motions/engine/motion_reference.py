@@ -1,4 +1,4 @@
-"""What a player promises at an instant, relative to the soles: motions are judged by it."""
+"""What a motion player commits to at a tick, so that evaluators can compare it with the truth."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import numpy as np
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
-    """A place where a frame of the robot is to be.
+class FrameTarget:
+    """A position that a frame of the robot has been brought to and is held at.
 
     Attributes:
-        frame: name.
-        place: (3,) m, in the standing frame (origin on the ground midway between the soles,
-            x forward).
+        frame: name of the frame.
+        place: (3,) position in the standing frame (origin on the ground midway between the
+            soles, x forward), m.
         number: counts the targets of this frame; a new number is a new target.
     """
 
@@ -25,15 +25,15 @@ class Target:
 
 @dataclass(frozen=True, slots=True)
 class MotionReference:
-    """Where the CoM and other things are wanted, so that anybody can compare with the truth.
+    """References of CoM and frames at one tick, relative to the soles.
 
     Attributes:
-        lean: the origin for `com` is on the ground between the soles' centres, at this share
-            of the way from the right to the left one; its x axis is their mean heading.
-        com: (3,) CoM wanted, m; None while walking, whose plan is one of the DCM.
-        targets: places that are held right now.
+        weight_shift: the origin for `com` is on the ground between the soles' centres, at this
+            share of the way from the right to the left one; its x axis is their mean heading.
+        com: (3,) reference of the CoM, m; None while walking, whose plan is one of the DCM.
+        targets: the frames that are held at a position now.
     """
 
-    lean: float
+    weight_shift: float
     com: np.ndarray | None
-    targets: tuple[Target, ...] = ()
+    targets: tuple[FrameTarget, ...] = ()

@@ -1,4 +1,4 @@
-"""What may step in the walker's place for a while."""
+"""The protocol of a controller that replaces the walker for a while."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from wbc.telemetry import Balance, Telemetry
 
 
 class ControllerOverride(Protocol):
-    """Steps in the walker's place, for a motion that leaves the ground."""
+    """A controller that steps instead of the walker, for a motion that leaves the ground."""
 
     def step(self, estimate: Estimate) -> Command:
-        """One tick."""
+        """Compute the command of one tick."""
 
     def abandon(self) -> None:
         """Return to standing as soon as that is safe."""
 
     @property
     def done(self) -> bool:
-        """It stands, and may be relieved."""
+        """Whether the robot stands again, so that the walker may take over."""
 
     @property
     def balance(self) -> Balance:
-        """How the balance is."""
+        """CoM, DCM and ZMP after the last tick."""
 
     @property
     def telemetry(self) -> Telemetry:
-        """What it sees and intends, for observers."""
+        """Measured and planned quantities after the last tick, for observers."""
 
     @property
     def dcm_error(self) -> float:

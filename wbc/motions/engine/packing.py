@@ -1,4 +1,4 @@
-"""Motions on their way from a process that has time to plan to one that has not."""
+"""Packing prepared motions, to plan in one process and play in another."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ _ROBOT = "robot"
 
 
 class _Pickler(pickle.Pickler):
-    """Leaves the robot at home: the other side has its own."""
+    """Leaves the robot out: the other process has its own."""
 
     def __init__(self, file: io.BytesIO, robot: Robot) -> None:
         super().__init__(file, pickle.HIGHEST_PROTOCOL)
         self._robot = robot
 
-    def persistent_id(self, thing: Any) -> str | None:
-        return _ROBOT if thing is self._robot else None
+    def persistent_id(self, value: Any) -> str | None:
+        return _ROBOT if value is self._robot else None
 
 
 class _Unpickler(pickle.Unpickler):
@@ -34,24 +34,24 @@ class _Unpickler(pickle.Unpickler):
 
 
 def check_importable(motion: type[Motion]) -> None:
-    """Refuse a motion that another process could not find.
+    """Refuse a motion type that another process could not import.
 
     Raises:
-        MotionError: it is not at the top of a module that can be imported.
+        MotionError: it is not defined at the top level of an importable module.
     """
     if motion.__module__ == "__main__" or "<locals>" in motion.__qualname__:
         raise MotionError(
-            f"the motion '{motion.name}' is defined where another process cannot find it "
+            f"the motion '{motion.name}' is defined where another process cannot import it "
             f"({motion.__module__}.{motion.__qualname__}): put it in a module of its own"
         )
 
 
 def pack(motion: Motion, robot: Robot) -> bytes:
-    """Prepare a motion, and pack it together with its plans: 0.1 to 130 kB.
+    """Prepare a motion, and pickle it together with its plans: 0.1 to 130 kB.
 
     Args:
         motion: may be prepared already.
-        robot: who is to play it.
+        robot: the robot that is to play it.
 
     Raises:
         MotionError: the robot cannot do it, or its plans cannot be pickled.
@@ -62,17 +62,17 @@ def pack(motion: Motion, robot: Robot) -> bytes:
         _Pickler(file, robot).dump(motion)
     except (pickle.PicklingError, TypeError, AttributeError) as error:
         raise MotionError(
-            f"{motion.name} cannot be handed to another process: {error}; keep functions and open "
-            "files out of what is once_per_robot"
+            f"{motion.name} cannot be sent to another process: {error}; keep functions and open "
+            "files out of what its once_per_robot methods return"
         ) from error
     return file.getvalue()
 
 
 def unpack(data: bytes, robot: Robot) -> Motion:
-    """The motion, prepared; takes well below a millisecond.
+    """Return a packed motion, prepared; takes well below a millisecond.
 
     Args:
-        data: of `pack`, from a process that is trusted: unpickling may run any code.
+        data: result of `pack` from a trusted process: unpickling may run any code.
         robot: the same robot in this process.
     """
     motion: Motion = _Unpickler(io.BytesIO(data), robot).load()

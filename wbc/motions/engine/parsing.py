@@ -1,4 +1,4 @@
-"""A motion chosen by name, with its parameters as JSON or a line of text has them."""
+"""Motions from text and from JSON: parsing and checking their parameters."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from typing import Any
 from wbc.errors import MotionError, did_you_mean, short_repr
 from wbc.motions.engine.motion import Motion, MotionParameter
 
-# Of a number: seconds, percent, degrees, N·s/kg. What is nearer to zero counts as a slip: a
-# script divides by it in the loop, where nobody looks for overflows.
-_LEAST, _MOST = 1e-6, 1e4
-_MANY = 100  # of a whole number: each of them may be planned
-_LONGEST = 300  # characters
+# Bounds of a number: seconds, percent, degrees, N·s/kg. A script may divide by it in the loop,
+# where nobody checks for overflows, so what is nearer to zero counts as a typing error.
+_MIN, _MAX = 1e-6, 1e4
+_MAX_INTEGER = 100  # each of them may be planned
+_MAX_LENGTH = 300  # characters
 
 
 def describe_motion(motion: type[Motion]) -> dict[str, Any]:
-    """A motion for the page."""
+    """Return name, summary and parameters of a motion as plain data, for JSON."""
     parameters = [
         {
             "name": p.name,
             "kind": _kind(p),
             "default": p.default,
-            "about": p.about,
+            "about": p.description,
             "choices": p.choices,
             "names": p.names,
         }
@@ -33,19 +33,19 @@ def describe_motion(motion: type[Motion]) -> dict[str, Any]:
 
 
 def create_motion(motion: type[Motion], values: Any) -> Motion:
-    """The motion with these parameters, the others as they are by default.
+    """Return a motion with these parameters, the others at their defaults.
 
     Args:
-        motion: which.
-        values: name -> value, as they come from JSON.
+        motion: type of the motion.
+        values: name -> value, as decoded from JSON.
 
     Raises:
-        MotionError: there is no such parameter, or it cannot be that; the text says why.
+        MotionError: there is no such parameter, or it cannot have that value.
     """
     known = {p.name: p for p in motion.parameters()}
     if not isinstance(values, dict):
         raise MotionError(
-            f"parameters of {motion.name} are {short_repr(values)}; they are an object"
+            f"parameters of {motion.name} are {short_repr(values)}; they must be an object"
         )
     for name in values:
         if name not in known:
@@ -56,18 +56,18 @@ def create_motion(motion: type[Motion], values: Any) -> Motion:
 
 
 def parse_motion(text: str, motions: Sequence[type[Motion]]) -> Motion:
-    """The motion that a line of text means.
+    """Return the motion that a line of text describes.
 
     Example:
         >>> parse_motion("squat depth=15 times=2", MOTIONS)
         >>> parse_motion("reach left=0.3,0.2,1", MOTIONS)
 
     Args:
-        text: a name, then parameters; a value with spaces is quoted.
-        motions: among which.
+        text: name, then parameter=value …; quote a value that has spaces.
+        motions: the types to choose from.
 
     Raises:
-        MotionError: it means none; the text says why.
+        MotionError: the text does not describe one of them.
     """
     try:
         name, *words = shlex.split(text) or [""]
@@ -81,7 +81,7 @@ def parse_motion(text: str, motions: Sequence[type[Motion]]) -> Motion:
     for word in words:
         key, equals, value = word.partition("=")
         if not equals:
-            raise MotionError(f"{name}: {short_repr(word)} is no parameter=value")
+            raise MotionError(f"{name}: {short_repr(word)} is not of the form parameter=value")
         if key in values:
             raise MotionError(f"{name}: {key} is given twice")
         values[key] = _read(known[key], value) if key in known else value
@@ -89,7 +89,7 @@ def parse_motion(text: str, motions: Sequence[type[Motion]]) -> Motion:
 
 
 def _read(parameter: MotionParameter, text: str) -> Any:
-    """A value as JSON would have it; what cannot be read stays a text, and is refused as such."""
+    """Return the value that JSON would have; a text that cannot be parsed is refused later."""
     kind = _kind(parameter)
     if kind == "switch":
         return {"true": True, "false": False}.get(text, text)
@@ -115,7 +115,7 @@ def _value(motion: type[Motion], parameter: MotionParameter, value: Any) -> Any:
     if kind == "choice":
         if value not in parameter.choices:
             raise MotionError(
-                f"{name} is {short_repr(value)}; it is {' or '.join(parameter.choices)}"
+                f"{name} is {short_repr(value)}; it must be {' or '.join(parameter.choices)}"
             )
         return value
     if kind == "vector":
@@ -123,33 +123,33 @@ def _value(motion: type[Motion], parameter: MotionParameter, value: Any) -> Any:
             return None
         size = len(parameter.names)
         if not (isinstance(value, list) and len(value) == size and None not in value):
-            raise MotionError(f"{name} is {short_repr(value)}; it is {size} numbers")
-        return tuple(_number(name, x, _MOST) for x in value)
+            raise MotionError(f"{name} is {short_repr(value)}; it must be {size} numbers")
+        return tuple(_number(name, x, _MAX) for x in value)
     if kind == "switch":
         if not isinstance(value, bool):
-            raise MotionError(f"{name} is {short_repr(value)}; it is true or false")
+            raise MotionError(f"{name} is {short_repr(value)}; it must be true or false")
         return value
     if kind == "whole":
-        number = _number(name, value, _MANY)
+        number = _number(name, value, _MAX_INTEGER)
         if number != int(number):
-            raise MotionError(f"{name} is {short_repr(value)}; it is a whole number")
+            raise MotionError(f"{name} is {short_repr(value)}; it must be an integer")
         return int(number)
     if kind == "number":
-        number = _number(name, value, _MOST)
-        if 0.0 < abs(number) < _LEAST:
-            raise MotionError(f"{name} = {number:g} is too small: 0, or {_LEAST:g} and more")
+        number = _number(name, value, _MAX)
+        if 0.0 < abs(number) < _MIN:
+            raise MotionError(f"{name} = {number:g} is too small: 0, or {_MIN:g} and more")
         return number
-    if not (isinstance(value, str) and len(value) <= _LONGEST and value.isprintable()):
+    if not (isinstance(value, str) and len(value) <= _MAX_LENGTH and value.isprintable()):
         raise MotionError(
-            f"{name} is {short_repr(value)}; it is a text of {_LONGEST} characters or less"
+            f"{name} is {short_repr(value)}; it must be a text of {_MAX_LENGTH} characters or fewer"
         )
     return value
 
 
-def _number(name: str, value: Any, most: float) -> float:
+def _number(name: str, value: Any, bound: float) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise MotionError(f"{name} is {short_repr(value)}; it is a number")
+        raise MotionError(f"{name} is {short_repr(value)}; it must be a number")
     # Compared as it is: a whole number may be too large for a float.
-    if not -most <= value <= most:
-        raise MotionError(f"{name} = {short_repr(value)} is out of range: {-most:g} to {most:g}")
+    if not -bound <= value <= bound:
+        raise MotionError(f"{name} = {short_repr(value)} is out of range: {-bound:g} to {bound:g}")
     return float(value)

@@ -1,4 +1,4 @@
-"""Checks and plans motions in another process than the loop's, so that a tick never has to."""
+"""Planning motions outside the loop's process, so that a tick never has to."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from wbc.motions.engine.motion import Motion
 from wbc.motions.engine.packing import pack
 from wbc.robot import Robot
 
-#: s, for `sys.setswitchinterval` of a process that plans: its other threads get through so soon.
+#: s, for `sys.setswitchinterval` of a process that plans: its other threads stay responsive.
 SWITCH_INTERVAL = 2e-4
 
 logger = logging.getLogger(__name__)
@@ -20,51 +20,49 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class PlannedMotion:
-    """What became of planning a motion.
+    """A motion that has been checked and planned for a robot.
 
     Attributes:
         motion: the motion.
-        packed: it with its plans, see `wbc.motions.pack`; empty if it cannot be done.
-        why: the robot cannot do it; empty if it can.
+        packed: the motion with its plans, see `wbc.motions.pack`; empty on an error.
+        error: why the robot cannot do it; empty if it can.
     """
 
     motion: Motion
     packed: bytes
-    why: str
+    error: str
 
 
 class MotionPlanner:
-    """Plans one motion after the other, in a thread that nobody waits for in the end.
-
-    It begins with `start`.
+    """Plans one motion after the other, in a daemon thread that `start` starts.
 
     Args:
-        robot: who is to play them.
-        motions: planned as they are by default, as soon as there is nothing else to do; kept.
-        done: told of each plan, from that thread.
+        robot: the robot that is to play the motions.
+        motions: planned with default parameters when nothing is requested; the plans are cached.
+        done: called with each planned motion, from that thread.
     """
 
     def __init__(
         self, robot: Robot, motions: Sequence[type[Motion]], done: Callable[[PlannedMotion], None]
     ) -> None:
         self._robot, self._done = robot, done
-        self._kept: dict[type[Motion], PlannedMotion] = {}
+        self._cache: dict[type[Motion], PlannedMotion] = {}
         self._left = [kind() for kind in reversed(motions)]
         self._requested: Motion | None = None
         self._changed = threading.Condition()
 
     def start(self) -> None:
-        """Begin."""
+        """Start the thread."""
         threading.Thread(target=self._work, daemon=True).start()
 
-    def known(self, motion: Motion) -> PlannedMotion | None:
-        """The plan, if there is one already."""
+    def cached(self, motion: Motion) -> PlannedMotion | None:
+        """Return the plan of a motion if it is cached."""
         with self._changed:
-            plan = self._kept.get(type(motion))
+            plan = self._cache.get(type(motion))
         return plan if plan is not None and plan.motion == motion else None
 
     def request(self, motion: Motion | None) -> None:
-        """Plan this motion next, instead of the one requested before."""
+        """Plan this motion next, instead of the one requested before; None requests nothing."""
         with self._changed:
             self._requested = motion
             self._changed.notify()
@@ -72,10 +70,10 @@ class MotionPlanner:
     def _work(self) -> None:
         while True:
             motion, standard = self._take()
-            plan = self.known(motion) or self._plan(motion)
+            plan = self.cached(motion) or self._plan(motion)
             if standard:
                 with self._changed:
-                    self._kept[type(motion)] = plan
+                    self._cache[type(motion)] = plan
             self._done(plan)
 
     def _take(self) -> tuple[Motion, bool]:

@@ -1,10 +1,11 @@
-"""The player: a controller that plays motions on top of the walker's balance."""
+"""The motion player: a controller that plays motions on top of the walker's balance."""
 
 from __future__ import annotations
 
 import logging
 from collections import deque
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -25,8 +26,12 @@ logger = logging.getLogger(__name__)
 class MotionPlayer:
     """Plays motions one after the other; stands, balanced, when there is none.
 
-    A motion that raises an error, or leads the CoM where the feet do not support it, is given
-    up: the robot goes back to standing, and `aborted_motions` and the context's notes tell.
+    A motion that raises an error, or moves the CoM where the feet do not support it, is
+    aborted: the robot returns to standing, and `aborted_motions` and the context's notes tell.
+
+    A player can be copied and pickled while no script runs, and the copy continues identically.
+    A script is a Python generator, which nothing can copy: while one runs the attempt raises a
+    `MotionError`.
 
     Args:
         robot: the robot.
@@ -36,9 +41,12 @@ class MotionPlayer:
 
     Attributes:
         robot: the robot.
-        dt: s.
-        walker: shared balance; walking, standing and motions have one and the same.
-        context: what the motions command.
+        dt: control period, s.
+        walker: the walker; walking, standing and motions share its balance.
+        context: the references that motions set.
+
+    Raises:
+        MotionError: the robot cannot do one of the motions.
     """
 
     def __init__(
@@ -59,14 +67,30 @@ class MotionPlayer:
         self._queue: deque[Motion] = deque()
         self._playing: Motion | None = None
         self._script: Script | None = None
-        self._given_up: list[str] = []
+        self._aborted: list[str] = []
         self.reset(robot.standing())
 
+    def __repr__(self) -> str:
+        playing = "idle" if self.idle else f"playing {self._playing!r}"
+        if self._playing is None and not self.idle:
+            playing = "returning to standing" if self._script is not None else "about to play"
+        waiting = f", {len(self._queue)} waiting" if self._queue else ""
+        return f"MotionPlayer({self.robot.name}, dt={self.dt:g} s, {playing}{waiting})"
+
+    def __getstate__(self) -> dict[str, Any]:
+        if self._script is not None:
+            name = "the return to standing" if self._playing is None else f"'{self._playing.name}'"
+            raise MotionError(
+                f"a motion player cannot be copied during {name}: its script is a Python "
+                "generator; copy the player before the motion begins, or when it is idle"
+            )
+        return self.__dict__.copy()
+
     def play(self, *motions: Motion) -> None:
-        """Play these after what is going on and what waits.
+        """Play motions after the present one and those that wait.
 
         A motion that has not been prepared is checked and planned here, which may take a second.
-        In a running loop play what has been prepared: `Motion.prepare` before the loop, or
+        In a running loop play prepared motions: `Motion.prepare` before the loop, or
         `wbc.motions.pack` in another process and `unpack` here. `interrupt` and `blend` likewise.
 
         Raises:
@@ -77,7 +101,7 @@ class MotionPlayer:
         self._queue.extend(motions)
 
     def interrupt(self, *motions: Motion) -> None:
-        """Leave off at once, forget what waits, return to standing and play these.
+        """Stop at once, forget what waits, return to standing, and play these motions.
 
         Raises:
             MotionError: the robot cannot do one of them.
@@ -91,10 +115,11 @@ class MotionPlayer:
         self._playing, self._script = None, self.context.go_home()
 
     def blend(self, motion: Motion) -> None:
-        """Go over to a motion at once, and forget what waits.
+        """Change over to a motion at once, and forget what waits.
 
-        What the new motion does not order goes home meanwhile; but feet come first: a lifted
-        one is put down before it begins, and walking ends unless it is one for `while_walking`.
+        References that the new motion does not set go home meanwhile; but feet come first: a
+        lifted one is put down before the motion begins, and walking ends unless the motion is
+        one for `while_walking`.
 
         Raises:
             MotionError: the robot cannot do it.
@@ -103,21 +128,21 @@ class MotionPlayer:
         self._queue.clear()
         if self._script is not None:
             self._script.close()
-        self._playing, self._script = motion, self._over_to(motion)
+        self._playing, self._script = motion, self._blend_script(motion)
 
     @property
     def playing(self) -> Motion | None:
-        """The motion that is going on; None while it stands or returns to standing."""
+        """The present motion; None while the robot stands or returns to standing."""
         return self._playing
 
     @property
     def aborted_motions(self) -> tuple[str, ...]:
-        """Names of the motions that gave up since the reset; the notes say why."""
-        return tuple(self._given_up)
+        """Names of the motions that aborted since the reset; the notes say why."""
+        return tuple(self._aborted)
 
     @property
     def idle(self) -> bool:
-        """Nothing is going on and nothing waits."""
+        """Whether nothing is being played and nothing waits."""
         return self._script is None and not self._queue
 
     def reset(self, state: State) -> None:
@@ -129,30 +154,31 @@ class MotionPlayer:
         if self._script is not None:
             self._script.close()
         self._playing = self._script = None
-        self._given_up.clear()
+        self._aborted.clear()
         self.walker.reset(state)
         self.context.reset()
         self._queue.clear()
         self._queue.extend(self._program)
 
     def step(self, estimate: Estimate) -> Command:
-        """One tick; see `Walker.step`."""
+        """Compute the command of one tick; see `Walker.step`."""
         context = self.context
-        context.sense(estimate)
-        self._go_on()
+        context.begin_tick(estimate)
+        self._run_script()
         if context.override is not None:
-            context.time += self.dt
+            context.clock.advance()
             command = context.override.step(estimate)
         else:
             self._advance()
             command = self.walker.step(estimate)
-        context.observe(command)
+        context.end_tick(command)
         return command
 
-    def _go_on(self) -> None:
+    def _run_script(self) -> None:
+        """Run the script up to its next `yield`."""
         if self._script is None and self._queue:
             self._playing = self._queue.popleft()
-            self._script = self._whole(self._playing)
+            self._script = self._motion_script(self._playing)
         if self._script is None:
             return
         try:
@@ -160,67 +186,68 @@ class MotionPlayer:
         except StopIteration:
             self._playing = self._script = None
         except Exception as error:  # whatever a script does, the robot keeps its balance
-            self._give_up(error)
+            self._abort(error)
 
     def _advance(self) -> None:
-        """Move the references on; paths that a motion gave may be wrong from some time on."""
+        """Advance the references; a path that a motion gave may fail at any time."""
         try:
             self.context.advance()
         except Exception as error:
-            self._give_up(error)
+            self._abort(error)
             self.context.home_upper_body()
-            for hand in self.context.hands.values():
-                hand.stay()
+            self.context.hands.hold()
             self.context.advance()
 
-    def _give_up(self, error: Exception) -> None:
-        """The motion ends, and the body goes home; a fault of nobody's motion is raised."""
+    def _abort(self, error: Exception) -> None:
+        """End the motion and go home; raise an error that no motion has caused."""
         motion, text = self._playing, str(error)
         if not isinstance(error, MotionError):
             if motion is None:
                 raise error
-            logger.error("the motion '%s' has a fault", motion.name, exc_info=error)
+            logger.error("the motion '%s' raised an error", motion.name, exc_info=error)
             text = f"{motion.name}: {type(error).__name__}: {error}"
         if motion is not None:
-            self._given_up.append(motion.name)
+            self._aborted.append(motion.name)
         self.context.note(text)
         self._playing, self._script = None, self.context.go_home()
 
-    def _over_to(self, motion: Motion) -> Script:
-        context = self.context
-        yield from context.release_override()
-        if motion.while_walking and context.may_walk:
-            context.home_upper_body()
-        else:
-            context.home_all()
-            yield from context.stand()
-        yield from self._whole(motion)
-
-    def _whole(self, motion: Motion) -> Script:
+    def _motion_script(self, motion: Motion) -> Script:
+        """Return the script of a motion, and of what brings home what the motion does not."""
         context = self.context
         yield from motion.play(context)
-        if motion.while_walking and context.may_walk:
+        if motion.while_walking and context.stance.may_walk:
             yield from context.settle_upper_body()
         elif not context.at_home:
             yield from context.go_home()
 
+    def _blend_script(self, motion: Motion) -> Script:
+        """Return the script that changes over to a motion."""
+        context = self.context
+        yield from context.release_override()
+        if motion.while_walking and context.stance.may_walk:
+            context.home_upper_body()
+        else:
+            context.home_all()
+            yield from context.feet.stand()
+        yield from self._motion_script(motion)
+
     def pop_pushes(self) -> list[np.ndarray]:
-        """Return the pushes that motions requested since the last call and clear them.
+        """Return the pushes that motions requested since the last call, and clear them.
 
         Returns:
-            (3,) impulses on the torso, world axes, N·s.
+            (3,) impulses on the torso, world axes, N·s; see `MotionContext.request_push`.
         """
         pushes = self.context.pushes
-        if not pushes:  # in nearly every tick; the frame takes some 20 µs
+        if not pushes:  # in nearly every tick; the standing frame takes some 20 µs
             return []
         frame = self.walker.standing_frame
-        due = [self.robot.mass * (frame.rotation @ impulse) for impulse in pushes]
+        impulses = [self.robot.mass * (frame.rotation @ impulse) for impulse in pushes]
         pushes.clear()
-        return due
+        return impulses
 
     @property
     def velocity(self) -> tuple[float, float, float]:
-        """See `Walker.velocity`; motions of the arms go on while it walks."""
+        """Commanded walking velocity, see `Walker.velocity`; motions of the arms continue."""
         return self.walker.velocity
 
     @velocity.setter
@@ -229,22 +256,22 @@ class MotionPlayer:
 
     @property
     def reference(self) -> MotionReference:
-        """What is promised at this tick, relative to the soles."""
+        """What the references commit to at this tick, relative to the soles."""
         return self.context.reference()
 
     @property
     def balance(self) -> Balance:
-        """See `Walker.balance`."""
+        """CoM, DCM and ZMP after the last tick, see `Walker.balance`."""
         return (self.context.override or self.walker).balance
 
     @property
     def telemetry(self) -> Telemetry:
-        """What it sees and intends, for observers."""
+        """Measured and planned quantities after the last tick, for observers."""
         return (self.context.override or self.walker).telemetry
 
     @property
     def steps(self) -> int:
-        """Touchdowns since the reset."""
+        """Number of touchdowns since the reset."""
         return self.walker.steps
 
     @property

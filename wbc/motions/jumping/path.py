@@ -10,8 +10,9 @@ import pinocchio as pin
 
 from wbc.motions.jumping.profile import Moment
 from wbc.robot import Robot
+from wbc.robot.statics import smallest_wrenches
 
-_MOMENT_SCALE = 0.05  # m, makes moments comparable to forces when both soles share the load
+_LEVER = 0.05  # m, makes moments comparable to forces when both soles share the load
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,6 @@ class JumpPath:
         Of the wrenches that the base rows ask for, the smallest.
         """
         model, data = self.robot.model, self.robot.model.createData()
-        scale = np.tile([1.0, 1.0, 1.0, *(3 * [_MOMENT_SCALE])], 2)[:, None]
         torque = np.empty((len(self.height), self.robot.na, 3))
         for k, q in enumerate(self.q):
             pin.computeJointJacobians(model, data, q)
@@ -77,7 +77,7 @@ class JumpPath:
             J = np.vstack(
                 [pin.getFrameJacobian(model, data, s.frame_id, pin.LOCAL) for s in self.robot.soles]
             )
-            wrenches = scale * (np.linalg.pinv(J[:, :6].T * scale.T) @ self.force[k, :6])
+            wrenches = smallest_wrenches(J, self.force[k, :6], _LEVER)
             torque[k] = self.force[k, 6:] - J[:, 6:].T @ wrenches
         return torque
 

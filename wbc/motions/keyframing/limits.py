@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from wbc.motions.engine.statics import holding_effort, pelvis_violation, support_half_size
+from wbc.ik.posture_checks import holding_effort, pelvis_violation, support_half_size
 from wbc.motions.keyframing.keyframe import KeyframeError
 from wbc.motions.keyframing.plan import KeyframePlan, KeyframePlanner
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from wbc.errors import MotionError
 from wbc.ik.objective import PostureObjective, PostureSolution
+from wbc.ik.posture_checks import MAX_TORQUE_SHARE, max_effort_along
 from wbc.ik.posture_ik import PostureIK
-from wbc.motions.engine.statics import STRENGTH, max_effort_along
 from wbc.motions.reaching.place_sampler import PlaceSampler
 
 _OTHERS = 40  # postures that a way may lead over
@@ -35,7 +35,7 @@ class ArmPaths:
         self, before: PostureSolution, after: PostureSolution
     ) -> tuple[PostureSolution, ...]:
         """Postures to go to one after the other, `after` last; over standing when need be."""
-        if self._heaviest(before, after) <= STRENGTH:
+        if self._heaviest(before, after) <= MAX_TORQUE_SHARE:
             return (after,)
         home = self._posing.home
         stops = [*reversed(self._from_home(before)), home, *self._from_home(after)]
@@ -51,7 +51,7 @@ class ArmPaths:
         home = self._posing.home
         way: tuple[PostureSolution, ...] = (pose,)
         lightest = self._heaviest(home, pose)
-        if lightest <= STRENGTH:
+        if lightest <= MAX_TORQUE_SHARE:
             return way
 
         def detour(over: PostureSolution) -> float:
@@ -61,7 +61,7 @@ class ArmPaths:
             heaviest = max(self._heaviest(home, over), self._heaviest(over, pose))
             if heaviest < lightest:
                 lightest, way = heaviest, (over, pose)
-            if lightest <= STRENGTH:
+            if lightest <= MAX_TORQUE_SHARE:
                 break
         return way
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wbc.ik.objective import PostureObjective, PostureSolution
+from wbc.ik.posture_checks import MAX_TORQUE_SHARE, holding_effort, pelvis_violation
 from wbc.ik.posture_ik import PostureIK
-from wbc.motions.engine.statics import STRENGTH, holding_effort, pelvis_violation
 from wbc.motions.reaching.place_sampler import Places, SampledPlaces
 
 _REACHABLE = 0.003  # m: nearer than this the posture is on the place
@@ -108,8 +108,8 @@ def _candidates(ik: PostureIK, wished: SampledPlaces) -> list[_Candidate]:
         pose = ik.find(objective, wished.q)
         need = holding_effort(ik.robot, pose.q)
         heavy = f"'{need.joint}' would need {100.0 * need.ratio:.0f} % of its torque farther out"
-        hindrance = heavy if need.ratio > STRENGTH else pelvis_violation(ik.robot, pose.q)
-        tried.append(_Candidate(pose, hindrance, max(need.ratio - STRENGTH, 0.0)))
+        hindrance = heavy if need.ratio > MAX_TORQUE_SHARE else pelvis_violation(ik.robot, pose.q)
+        tried.append(_Candidate(pose, hindrance, max(need.ratio - MAX_TORQUE_SHARE, 0.0)))
         if tried[-1].will_do:
             break
     return tried

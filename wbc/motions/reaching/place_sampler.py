@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from wbc.errors import MotionError
+from wbc.ik.posture_checks import holding_effort
 from wbc.ik.posture_ik import PostureIK
-from wbc.motions.engine.statics import holding_effort
 from wbc.robot.upper_body import Arm
 
 _STRENGTH = 0.75  # share of any torque limit, at rest: the rest moves and balances

@@ -11,6 +11,7 @@ import pinocchio as pin
 from wbc.robot.finding import Finding
 from wbc.robot.posture import find_knee, has_soles
 from wbc.robot.stance import unevenness
+from wbc.robot.statics import holding_torques
 
 if TYPE_CHECKING:
     from wbc.robot.robot import Robot
@@ -221,17 +222,7 @@ def _mass_matrix(robot: Robot) -> list[Finding]:
 
 def _strength(robot: Robot) -> list[Finding]:
     """Torques that hold the nominal posture, from the least contact wrenches that balance it."""
-    model, data = robot.model, robot.model.createData()
-    gravity = pin.computeGeneralizedGravity(model, data, robot.q_nominal)
-    pin.computeJointJacobians(model, data, robot.q_nominal)
-    J = np.vstack(
-        [
-            pin.getFrameJacobian(model, data, sole.frame_id, pin.LOCAL_WORLD_ALIGNED)
-            for sole in robot.soles
-        ]
-    )
-    wrenches = np.linalg.lstsq(J[:, :6].T, gravity[:6], rcond=None)[0]
-    tau = gravity[6:] - J[:, 6:].T @ wrenches
+    tau = holding_torques(robot.model, robot.q_nominal, [s.frame_id for s in robot.soles])
     return [
         Finding(
             "warning",

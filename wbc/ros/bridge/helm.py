@@ -9,7 +9,7 @@ import numpy as np
 
 from wbc.motions import MotionPlayer, unpack
 from wbc.motions.engine.blob_buffer import BlobBuffer
-from wbc.motions.engine.manager import STANDING, MotionManager, MotionStatus
+from wbc.motions.engine.manager import ZERO_VELOCITY, MotionManager, MotionStatus
 from wbc.ros.bridge.mailbox import Mailbox, Orders
 from wbc.ros.bridge.slip import Slip
 from wbc.runtime.loop import StopRun
@@ -40,7 +40,7 @@ class Helm:
         self.manager = MotionManager(player)
         self.shelf, self.slip = BlobBuffer(), Slip()
         self._push = getattr(plant, "push", None)
-        self._velocity = STANDING
+        self._velocity = ZERO_VELOCITY
         self._forgotten = 0.0  # the end of a velocity that was asked for in the run before
         self._pushes = self._resets = self._stands = 0
         self.motions = 0
@@ -61,7 +61,7 @@ class Helm:
         orders = self._mailbox.look()
         now = time.monotonic()
         lasts = now < orders.velocity_until and orders.velocity_until != self._forgotten
-        velocity = orders.velocity if lasts else STANDING
+        velocity = orders.velocity if lasts else ZERO_VELOCITY
         if velocity != self._velocity:
             self._velocity = self.manager.velocity = velocity
         if orders is not self._orders:
@@ -79,8 +79,8 @@ class Helm:
         self._forgotten = orders.velocity_until
         self._pushes, self._resets = orders.pushes, orders.resets
         self.motions, self._stands = orders.motions, orders.stands
-        self._velocity = STANDING
-        self.manager.begin()
+        self._velocity = ZERO_VELOCITY
+        self.manager.reset()
         self._begun = False
 
     @property
@@ -109,13 +109,13 @@ class Helm:
             self.manager.stand()
         if orders.motions != self.motions:
             self.motions = orders.motions
-            packed = self.shelf.take(orders.slot, orders.size)
+            packed = self.shelf.read(orders.slot, orders.size)
             self.manager.play(unpack(packed, self._performer.robot))
 
     def _steer(self) -> None:
         manager, player = self.manager, self._performer
         before = manager.status
-        manager.steer()
+        manager.update()
         if manager.status is not before and player.context.notes:
             self.slip.write(self.motions, player.context.notes[-1])
         for impulse in player.pop_pushes():

@@ -135,9 +135,9 @@ class PlayMotion:
 
     def _order(self, plan: PlannedMotion) -> None:
         try:
-            if plan.why:
-                raise MotionError(plan.why)
-            slot = self._shelf.put(plan.packed)
+            if plan.error:
+                raise MotionError(plan.error)
+            slot = self._shelf.write(plan.packed)
         except MotionError as error:
             self._drop(GoalStatus.ABORTED, str(error))
             return

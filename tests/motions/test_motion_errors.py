@@ -59,7 +59,9 @@ def com_path(value):
 
 def hand_path(value):
     def script(context):
-        context.lead("left", lambda t: np.array([0.3, 0.3, 1.0]) + from_half_a_second_on(value)(t))
+        context.hands.follow(
+            "left", lambda t: np.array([0.3, 0.3, 1.0]) + from_half_a_second_on(value)(t)
+        )
         yield from context.wait(3.0)
 
     return script
@@ -78,7 +80,7 @@ def shaken(context):
 def com_to(*place):
     def script(context):
         yield from context.wait(0.2)
-        context.com.go(place, 0.1)
+        context.com.move_to(place, 0.1)
         yield from context.wait(3.0)
 
     return script
@@ -92,7 +94,7 @@ def bend(context):
 
 def far_off(context):
     yield from context.wait(0.2)
-    context.posture.go(1e6)
+    context.posture.move_to(1e6)
     yield from context.wait(3.0)
 
 
@@ -106,7 +108,7 @@ FAULTS = {
     "shaking beyond the feet": (shaken, "of what the soles support"),
     "a CoM in front of the toes": (com_to(0.2, 0.0, 0.0), "of what the soles support"),
     "a CoM beside the feet": (com_to(0.0, -0.3, 0.0), "of what the soles support"),
-    "a CoM near the ground": (com_to(0.0, 0.0, -0.5), "count as a fall"),
+    "a CoM near the ground": (com_to(0.0, 0.0, -0.5), "counts as a fall"),
     "a trunk bent too far": (bend, "counts as a fall"),
     "a posture out of this world": (far_off, "more than 30 s"),
 }
@@ -130,7 +132,7 @@ def test_a_fault_of_a_script_is_logged_with_its_traceback(robot, caplog):
     for _ in range(200):
         player.step(estimate)
     (record,) = caplog.records
-    assert "the motion 'scripted' has a fault" in record.getMessage()
+    assert "the motion 'scripted' raised an error" in record.getMessage()
     assert record.exc_info[0] is KeyError
 
 
@@ -143,8 +145,8 @@ def test_a_hasty_order_within_the_feet_takes_the_time_that_it_needs(robot, place
 
 def test_a_foot_held_far_out_is_brought_back_before_it_is_put_down(robot):
     def script(context):
-        yield from context.lift("left", 0.15)
-        yield from context.move_foot(forward=0.1, left=0.2, up=0.2)
+        yield from context.feet.lift("left", 0.15)
+        yield from context.feet.move_foot(forward=0.1, left=0.2, up=0.2)
         raise MotionError("enough")
 
     player, report = play(robot, script, 10.0)
@@ -168,24 +170,24 @@ def at_random(seed):
             time = rng.uniform(0.1, 1.0)
             order = rng.integers(7)
             if order == 0:
-                context.com.go(rng.uniform([-0.1, -0.15, -0.2], [0.1, 0.15, 0.05]), time)
+                context.com.move_to(rng.uniform([-0.1, -0.15, -0.2], [0.1, 0.15, 0.05]), time)
             elif order == 1:
                 size, rate = rng.uniform(0.0, 0.05, 3), rng.uniform(1.0, 12.0)
                 context.com.follow(lambda t, size=size, rate=rate: size * np.sin(rate * t))
             elif order == 2:
                 context.turn_trunk(rng.uniform(-1.0, 1.0, 3) * [0.6, 0.9, 1.2], time)
             elif order == 3:
-                for side in context.hands:
+                for side in context.hands.sides:
                     place = rng.uniform([-0.5, -1.0, 0.2], [1.0, 1.0, 2.0])
-                    context.reach(side, place, time, counts=False)
+                    context.hands.reach(side, place, time)
             elif order == 4 and context.standing:
-                yield from context.lift(
+                yield from context.feet.lift(
                     ("left", "right")[rng.integers(2)], rng.uniform(0.03, 0.35) * leg
                 )
-            elif order == 5 and context.lifted:
-                yield from context.move_foot(*(rng.uniform(-0.2, 0.3, 3) * leg), time)
-            elif order == 6 and context.may_walk:
-                context.walk(rng.uniform(-1.0, 1.0, 3) * [0.3, 0.1, 0.2])
+            elif order == 5 and context.stance.lifted:
+                yield from context.feet.move_foot(*(rng.uniform(-0.2, 0.3, 3) * leg), time)
+            elif order == 6 and context.stance.may_walk:
+                context.feet.walk(rng.uniform(-1.0, 1.0, 3) * [0.3, 0.1, 0.2])
             yield from context.wait(rng.uniform(0.1, 0.6))
 
     return script
@@ -200,7 +202,7 @@ def test_orders_at_random_make_nobody_fall(robot, seed):
 
 def reference(support=lambda: SQUARE):
     return ComReference(
-        speed=1.0, acceleration=1.0, omega=OMEGA, sinking=lambda: 0.3, support=support
+        speed=1.0, acceleration=1.0, omega=OMEGA, descent=lambda: 0.3, support=support
     )
 
 
@@ -208,7 +210,7 @@ def reference(support=lambda: SQUARE):
 @settings(max_examples=50)
 def test_on_an_accepted_way_the_zmp_stays_on_the_soles(x, y, duration):
     com = reference()
-    com.go([x, y, 0.0], duration)
+    com.move_to([x, y, 0.0], duration)
     while not com.arrived:
         com.advance(0.002)
         zmp = com.value - com.acceleration / OMEGA**2
@@ -219,7 +221,7 @@ def test_on_an_accepted_way_the_zmp_stays_on_the_soles(x, y, duration):
 def test_a_place_off_the_soles_is_refused_and_nothing_moves(angle, distance):
     com = reference()
     with pytest.raises(MotionError, match="soles support"):
-        com.go([distance * np.cos(angle), distance * np.sin(angle), 0.0], 5.0)
+        com.move_to([distance * np.cos(angle), distance * np.sin(angle), 0.0], 5.0)
     com.advance(0.002)
     assert com.at_home
 
@@ -245,9 +247,9 @@ def test_a_path_is_refused_while_there_is_time_to_return(speed):
 
 def test_on_the_way_from_step_to_step_it_goes_up_and_down_only():
     com = reference(support=list)
-    com.go([0.0, 0.0, -0.05], 1.0)
+    com.move_to([0.0, 0.0, -0.05], 1.0)
     with pytest.raises(MotionError, match="while the robot steps"):
-        com.go([0.05, 0.0, 0.0], 1.0)
+        com.move_to([0.05, 0.0, 0.0], 1.0)
     assert com.goal.tolist() == [0.0, 0.0, -0.05]
 
 

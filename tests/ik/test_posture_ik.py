@@ -10,8 +10,8 @@ from coretools import robot
 import wbc
 from wbc.errors import MotionError
 from wbc.ik.objective import PostureObjective
+from wbc.ik.posture_checks import holding_effort, support_half_size
 from wbc.ik.posture_ik import PostureIK
-from wbc.motions.engine.statics import holding_effort, support_half_size
 from wbc.motions.sine import match_joints, pattern
 from wbc.robot.upper_body import UpperBody
 
@@ -119,7 +119,7 @@ def test_static_torques_hold_the_robot_still(name):
     assert J.T @ force == pytest.approx(kin.bias_forces - tau, abs=1e-6)
     assert force[2] + force[8] == pytest.approx(one.weight)
     assert need.ratio == pytest.approx((np.abs(need.torque) / one.tau_max).max())
-    one_leg = holding_effort(one, one.q_nominal, lean=1.0)
+    one_leg = holding_effort(one, one.q_nominal, weight_shift=1.0)
     assert one_leg.ratio > need.ratio
 
 
