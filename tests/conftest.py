@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 from needs import need_browser
 
-from wbc.qp import load_kernels
+from wbc.qp import load_qp_kernels
 from wbc.view.browser import SOFTWARE, new_browser
 
 # Times vary on a shared machine: no deadline, and no complaint about slow generation. Examples
@@ -23,7 +23,7 @@ settings.load_profile("calm")
 @pytest.fixture(scope="session", autouse=True)
 def kernels() -> None:
     """Compiled before the first test: in no test's time or output, nor in a process's it starts."""
-    load_kernels()
+    load_qp_kernels()
 
 
 @pytest.fixture(scope="module")

@@ -29,7 +29,7 @@ from wbc.qp import (
     Solution,
     Solver,
     explain,
-    load_kernels,
+    load_qp_kernels,
     make_solver,
     non_finite_rows,
 )
@@ -105,8 +105,8 @@ class WholeBodyController:
             limits = (TorqueLimit(robot), JointPositionLimit(robot), JointVelocityLimit(robot))
         self.set_limits(limits)
         if formulation is None:
-            formulation = Formulation.COMPILED if load_kernels() else Formulation.REDUCED
-        elif formulation is Formulation.COMPILED and not load_kernels():
+            formulation = Formulation.COMPILED if load_qp_kernels() else Formulation.REDUCED
+        elif formulation is Formulation.COMPILED and not load_qp_kernels():
             raise WbcError("Formulation.COMPILED needs Numba; run  pip install numba")
         self.formulation = formulation
         self.regularisation = regularisation or Regularisation()

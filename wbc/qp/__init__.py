@@ -3,7 +3,7 @@
 from wbc.qp.assembly import Assembly, Formulation
 from wbc.qp.cost import Regularisation
 from wbc.qp.explanation import explain
-from wbc.qp.jit_loading import KernelsUnavailable, load_kernels
+from wbc.qp.kernel_loading import load_qp_kernels
 from wbc.qp.problem import Outcome, Problem, Solution
 from wbc.qp.row_errors import non_finite_rows
 from wbc.qp.solvers import Solver, make_solver
@@ -11,14 +11,13 @@ from wbc.qp.solvers import Solver, make_solver
 __all__ = [
     "Assembly",
     "Formulation",
-    "KernelsUnavailable",
     "Outcome",
     "Problem",
     "Regularisation",
     "Solution",
     "Solver",
     "explain",
-    "load_kernels",
+    "load_qp_kernels",
     "make_solver",
     "non_finite_rows",
 ]

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from wbc.jit.compile import subkernel
 from wbc.qp.kernels import groups
-from wbc.qp.kernels.jit import subkernel
 from wbc.qp.kernels.schema import ArrayField, Sizes, fields_of
 
 _GROUPS: tuple[type, ...] = (

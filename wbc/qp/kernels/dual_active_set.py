@@ -22,6 +22,7 @@ import math
 
 import numpy as np
 
+from wbc.jit.compile import kernel, subkernel
 from wbc.qp.kernels.factors import (
     backward,
     cholesky,
@@ -29,7 +30,6 @@ from wbc.qp.kernels.factors import (
     forward,
     solve_factored,
 )
-from wbc.qp.kernels.jit import kernel, subkernel
 
 SOLVED, INFEASIBLE, ITERATION_LIMIT, NOT_CONVEX, NOT_EXACT = 0, 1, 2, 3, 4
 

@@ -9,8 +9,8 @@ import math
 
 import numpy as np
 
+from wbc.jit.compile import subkernel
 from wbc.qp.kernels.groups import AffineMaps
-from wbc.qp.kernels.jit import subkernel
 
 
 @subkernel

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from wbc.qp.kernels.jit import subkernel
+from wbc.jit.compile import subkernel
 
 _INDEPENDENT = 1e-11  # least share of a row that the rows before it do not span
 

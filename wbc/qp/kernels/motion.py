@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from wbc.jit.compile import subkernel
 from wbc.qp.kernels.groups import Frames, Tree
-from wbc.qp.kernels.jit import subkernel
 
 
 @subkernel

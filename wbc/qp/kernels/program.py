@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from wbc.jit.compile import kernel, subkernel
 from wbc.qp.kernels.buffers import (
     read_bounds,
     read_contacts,
@@ -28,7 +29,6 @@ from wbc.qp.kernels.groups import (
     JointTasks,
     QuadraticProgram,
 )
-from wbc.qp.kernels.jit import kernel, subkernel
 from wbc.qp.kernels.motion import move_centroid, move_frames, sweep
 from wbc.qp.kernels.rows import write_contacts, write_joint_bounds, write_tasks
 

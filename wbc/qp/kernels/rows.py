@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
+from wbc.jit.compile import subkernel
 from wbc.qp.kernels.groups import Contacts, DenseRows, Frames, JointBounds, MotionTasks
-from wbc.qp.kernels.jit import subkernel
 from wbc.qp.kernels.motion import log3
 
 ACCELERATIONS, POSITIONS, VELOCITIES = 0, 1, 2  #: kinds of `JointBounds`

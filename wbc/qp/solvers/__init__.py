@@ -1,7 +1,7 @@
 """QP solvers by name, one adapter per file."""
 
 from wbc.errors import SolverNotFound
-from wbc.qp.jit_loading import load_kernels
+from wbc.qp.kernel_loading import load_qp_kernels
 from wbc.qp.solvers.daqp import DaqpSolver
 from wbc.qp.solvers.solver import NamedSolver, Solver
 
@@ -21,9 +21,9 @@ def make_solver(name: str | None = None, **options: object) -> NamedSolver:
         SolverNotFound: unknown or not installed; the text says what is there.
     """
     if name is None:
-        name = "wbc" if load_kernels() else "daqp"
+        name = "wbc" if load_qp_kernels() else "daqp"
     if name == "wbc":
-        if not load_kernels():
+        if not load_qp_kernels():
             raise SolverNotFound(
                 "QP solver 'wbc' needs Numba; run  pip install numba  or take 'daqp'"
             )

@@ -1,12 +1,16 @@
-"""Loads the compiled kernels, says what it waits for, and does without them where it must."""
+"""Loads compiled kernels, says when that takes long, and warns when it is impossible."""
 
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import sys
 import threading
 import time
 import warnings
+from pathlib import Path
+
+from wbc.jit.cache import cache_folder
 
 _PATIENCE = 4.0  # s of computing before a word: several times what reading them from the disk takes
 
@@ -15,19 +19,23 @@ class KernelsUnavailable(UserWarning):
     """The compiled kernels cannot be had: ticks take longer; the text says why, and the cure."""
 
 
-def load_kernels() -> bool:
-    """Import the kernels; False when that is impossible, with a `KernelsUnavailable` warning.
+def load_kernels(*modules: str) -> bool:
+    """Import modules with kernels; False when Numba cannot, with a `KernelsUnavailable` warning.
 
-    The first import on a machine compiles them (about fifteen seconds), later ones read the machine
+    The first import on a machine compiles them (some twenty seconds), later ones read the machine
     code from the disk (about half a second, most of it Numba's own import).
+
+    Args:
+        modules: dotted names.
     """
-    if "wbc.qp.compiled" in sys.modules and "wbc.qp.kernels.dual_active_set" in sys.modules:
+    if all(module in sys.modules for module in modules) and "numba" in sys.modules:
         return True
     done = threading.Event()
-    threading.Thread(target=_tell_when_slow, args=(done,), daemon=True).start()
+    threading.Thread(target=_tell_when_slow, args=(done, modules[-1]), daemon=True).start()
     try:
-        importlib.import_module("wbc.qp.compiled")
-        importlib.import_module("wbc.qp.kernels.dual_active_set")
+        importlib.import_module("numba")
+        for module in modules:
+            importlib.import_module(module)
     except ImportError as error:
         _warn(f"Numba cannot be imported ({error}); run  pip install numba")
         return False
@@ -47,13 +55,16 @@ def _warn(why: str) -> None:
     )
 
 
-def _tell_when_slow(done: threading.Event) -> None:
+def _tell_when_slow(done: threading.Event, module: str) -> None:
     start = time.process_time()  # not the wall clock: a busy machine is no compiler
     while time.process_time() - start < _PATIENCE:
         if done.wait(0.1):
             return
-    print(
-        "wbc: compiling the controller's kernels, once for this machine: about 15 s",
-        file=sys.stderr,
-        flush=True,
+    spec = importlib.util.find_spec(module)
+    cached = spec is not None and cache_folder(Path(spec.origin or "").parent)
+    often = (
+        "once for this machine"
+        if cached
+        else "in every process, for no cache folder can be written: set NUMBA_CACHE_DIR to one"
     )
+    print(f"wbc: compiling kernels, {often}: some 15 s", file=sys.stderr, flush=True)

@@ -1,16 +1,21 @@
-"""How the kernels are compiled: ahead of the first tick, and kept on disk."""
+"""How kernels are compiled: when their module is imported, and cached on disk.
+
+Without Numba the decorators return the function as it is: plain Python.
+"""
 
 from __future__ import annotations
 
-import hashlib
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numba
+from wbc.jit.cache import cache_folder
+
+try:
+    import numba
+except ImportError:
+    numba = None
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -22,15 +27,22 @@ _OPTIONS: dict[str, Any] = {
 }
 
 
-def kernel(signature: str) -> Callable[[F], F]:
+def argument_types(*examples: Any) -> tuple[Any, ...]:
+    """Return the Numba types of arguments like these, as a signature for `kernel`."""
+    return () if numba is None else tuple(numba.typeof(example) for example in examples)
+
+
+def kernel(signature: str | tuple[Any, ...]) -> Callable[[F], F]:
     """Compile a function for one signature when its module is imported.
 
-    The machine code is kept beside the module or in the user's cache folder; where neither can
+    The machine code is cached beside the module or in the user's cache folder; where neither can
     be written it is compiled in every process.
     """
 
     def compiled(function: F) -> F:
-        with _cache_by_content() as cached:
+        if numba is None:
+            return function
+        with _cache_by_content(Path(function.__code__.co_filename).parent) as cached:
             made: F = numba.njit(signature, cache=cached, no_cfunc_wrapper=True, **_OPTIONS)(
                 function
             )
@@ -41,6 +53,8 @@ def kernel(signature: str) -> Callable[[F], F]:
 
 def subkernel(function: F) -> F:
     """Compile a function that only kernels call."""
+    if numba is None:
+        return function
     # What is called from nowhere else needs no wrappers, which take long to compile. Inlined,
     # because the code that was just compiled would call a copy that is optimised differently from
     # the one that is kept on disk: the same tick would round differently in the next process.
@@ -51,37 +65,22 @@ def subkernel(function: F) -> F:
 
 
 @contextmanager
-def _cache_by_content() -> Iterator[bool]:
-    """Have Numba keep machine code in a folder named after the text of all kernels.
+def _cache_by_content(source: Path) -> Iterator[bool]:
+    """Have Numba keep machine code in a folder named after the text of all kernels of a folder.
 
-    Left alone it looks at the date of the kernel's own file, and runs old code when a part in
-    another file was changed.
+    Left alone it looks at the date of the kernel's own file, and runs old code when a subkernel
+    in another file was changed.
+
+    Args:
+        source: the kernels' folder.
 
     Yields:
         Whether there is such a folder.
     """
     before = numba.config.CACHE_DIR
-    folder = _folder(before)
+    folder = cache_folder(source)
     numba.config.CACHE_DIR = folder or before
     try:
         yield bool(folder)
     finally:
         numba.config.CACHE_DIR = before
-
-
-@lru_cache
-def _folder(asked: str) -> str:
-    """The first of Numba's cache folder (if one was asked for), here, or the user's that works."""
-    here = Path(__file__).parent
-    text = b"".join(path.read_bytes() for path in sorted(here.glob("*.py")))
-    name = f"wbc-kernels-{hashlib.sha256(text).hexdigest()[:16]}"
-    users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    for parent in [Path(asked)] if asked else [here / "__pycache__", users / "wbc"]:
-        folder = parent / name
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError:
-            continue
-        if os.access(folder, os.W_OK):
-            return str(folder)
-    return ""
