@@ -33,6 +33,7 @@ from .kinematics import Kinematics as Kinematics
 from .limits import JointAccelerationLimit as JointAccelerationLimit
 from .limits import JointPositionLimit as JointPositionLimit
 from .limits import JointVelocityLimit as JointVelocityLimit
+from .limits import Limit as Limit
 from .limits import TorqueLimit as TorqueLimit
 from .measurement import Measurement as Measurement
 from .qp import Formulation as Formulation

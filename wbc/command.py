@@ -16,7 +16,7 @@ class Status(Enum):
     FAILED = "failed"  #: the solver gave up: safe torques
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Command:
     """The output of one tick. Always finite; torques always within limits.
 
@@ -40,3 +40,9 @@ class Command:
     v_target: np.ndarray
     status: Status = Status.OK
     explanation: str = ""
+
+    def __repr__(self) -> str:
+        torque = f"largest torque {float(np.abs(self.tau).max(initial=0.0)):.4g} N·m"
+        forces = [f"{name} {wrench[2]:.4g} N" for name, wrench in self.wrenches.items()]
+        reason = [self.explanation] if self.explanation else []
+        return f"Command({', '.join([self.status.value, torque, *forces, *reason])})"

@@ -123,6 +123,14 @@ class WholeBodyController:
         """Return everything but the assemblies, which refer to memory and are made again."""
         return {**self.__dict__, "_assemblies": {}}
 
+    def __repr__(self) -> str:
+        tasks = ", ".join(task.name for task in self.tasks) or "none"
+        contacts = ", ".join(contact.name for contact in self._contacts) or "none"
+        return (
+            f"WholeBodyController('{self.robot.name}', dt {self.dt:g} s, tasks: {tasks}; "
+            f"contacts: {contacts})"
+        )
+
     def add(self, task: TaskT) -> TaskT:
         """Add a task and return it.
 

@@ -9,12 +9,13 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.errors import StateError
+from wbc.formatting import format_vector
 
 QUATERNION_TOLERANCE = 1e-3
 _SHORTEST, _LONGEST = (1.0 - QUATERNION_TOLERANCE) ** 2, (1.0 + QUATERNION_TOLERANCE) ** 2
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class State:
     """Configuration and velocity of a floating-base robot.
 
@@ -27,11 +28,16 @@ class State:
     q: np.ndarray
     v: np.ndarray
 
-    def is_valid(self, nq: int, nv: int) -> bool:
-        """Whether this is a floating-base state that `validated` would return as it is.
+    def __repr__(self) -> str:
+        base, joints = format_vector(self.q[:3], "m"), max(len(self.q) - 7, 0)
+        fastest = float(np.abs(self.v[6:]).max(initial=0.0))
+        return f"State(base at {base}, {joints} joints, the fastest at {fastest:.3g} rad/s)"
 
-        True only for float arrays of these sizes, finite, with a unit quaternion; False says
-        nothing: `validated` tells what is wrong, if anything is.
+    def is_valid(self, nq: int, nv: int) -> bool:
+        """Return whether this is a floating-base state that `validated` returns as it is.
+
+        True only for float arrays of these sizes, finite, with a unit quaternion. When it is
+        False, `validated` converts the state or tells what is wrong.
         """
         q, v = self.q, self.v
         if not (type(q) is np.ndarray and type(v) is np.ndarray and nq == nv + 1):
@@ -43,7 +49,7 @@ class State:
         return _SHORTEST < length < _LONGEST and math.isfinite(q.dot(q) + v.dot(v))
 
     def validated(self, model: pin.Model) -> State:
-        """This state as float arrays, or a `StateError` that names the entry.
+        """Return this state as float arrays.
 
         Raises:
             StateError: wrong size, NaN or infinity, or a quaternion that is
@@ -72,16 +78,16 @@ def _checked_vector(name: str, x: np.ndarray, size: int, model: pin.Model) -> np
         first = int(bad[0])
         raise StateError(
             f"state.{name}[{first}] ({_coordinate(model, name, first)}) is {x[first]:g}"
-            f"{f', and {bad.size - 1} entries more' if bad.size > 1 else ''}; "
-            "a controller needs a finite state: look at the estimator or sensor behind it"
+            f"{f', and {bad.size - 1} more entries' if bad.size > 1 else ''}; "
+            "a controller needs a finite state: check the estimator or sensor that it comes from"
         )
     return x
 
 
 def _coordinate(model: pin.Model, name: str, index: int) -> str:
-    """What an entry of q or v is, in words."""
+    """Return which joint an entry of q or v belongs to."""
     for joint, text in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
         start, size = (joint.idx_q, joint.nq) if name == "q" else (joint.idx_v, joint.nv)
         if start <= index < start + size:
             return f"joint '{text}'" if size == 1 else f"joint '{text}', entry {index - start}"
-    return "no joint's"
+    return "no joint"

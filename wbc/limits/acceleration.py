@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from wbc.formatting import format_range
 from wbc.kinematics import Kinematics
 from wbc.limits.acceleration_bound import AccelerationBound
-from wbc.limits.per_joint import format_per_joint, per_joint
+from wbc.limits.per_joint import per_joint
 from wbc.robot import Robot
 
 
@@ -27,7 +28,7 @@ class JointAccelerationLimit(AccelerationBound):
         self.maximum = per_joint(self.name, "maximum", maximum, robot)
 
     def __repr__(self) -> str:
-        return f"JointAccelerationLimit({format_per_joint(self.maximum, self.unit)})"
+        return f"JointAccelerationLimit({format_range(self.maximum, self.unit)})"
 
     def bounds(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
         """See `AccelerationBound`."""

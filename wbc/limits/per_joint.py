@@ -43,11 +43,3 @@ def default_braking(robot: Robot) -> np.ndarray:
     """
     inertia = np.diag(Kinematics(robot, robot.standing()).mass_matrix)[6:]
     return np.asarray(np.minimum(20.0, 0.5 * robot.tau_max / inertia))
-
-
-def format_per_joint(values: np.ndarray, unit: str) -> str:
-    """Return "2 to 30 rad/s", or one number when all joints have the same."""
-    low, high = values.min(initial=np.inf), values.max(initial=-np.inf)
-    if low > high:
-        return ""
-    return f"{low:g} {unit}" if low == high else f"{low:g} to {high:g} {unit}"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.limits.per_joint import format_per_joint, per_joint
+from wbc.formatting import format_range
+from wbc.limits.per_joint import per_joint
 from wbc.robot import Robot
 
 
@@ -30,4 +31,4 @@ class TorqueLimit:
         self.maximum = per_joint(self.name, "maximum", limit * scale, robot)
 
     def __repr__(self) -> str:
-        return f"TorqueLimit({format_per_joint(self.maximum, self.unit)})"
+        return f"TorqueLimit({format_range(self.maximum, self.unit)})"

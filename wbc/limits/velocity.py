@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from wbc.formatting import format_range
 from wbc.kinematics import Kinematics
 from wbc.limits.acceleration_bound import AccelerationBound
-from wbc.limits.per_joint import default_braking, format_per_joint, per_joint
+from wbc.limits.per_joint import default_braking, per_joint
 from wbc.robot import Robot
 
 
@@ -43,7 +44,7 @@ class JointVelocityLimit(AccelerationBound):
         self.braking = per_joint(self.name, "braking", braking, robot)
 
     def __repr__(self) -> str:
-        maximum = format_per_joint(self.maximum, "rad/s")
+        maximum = format_range(self.maximum, "rad/s")
         return f"JointVelocityLimit({maximum}, horizon {self.horizon:g} s)"
 
     def bounds(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:

@@ -1,4 +1,4 @@
-"""Tasks: what the robot should do, as rows in the acceleration."""
+"""Tasks: desired accelerations, as linear rows `A v̇ = b`."""
 
 from wbc.tasks.com import ComTask
 from wbc.tasks.frame import FrameTask, OrientationTask, PositionTask

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from wbc.formatting import format_vector
 from wbc.kinematics import Kinematics
-from wbc.tasks.motion import MotionTask, TaskReference
+from wbc.tasks.motion import HELD, MotionTask, TaskReference
 
 
 class ComTask(MotionTask):
@@ -41,6 +42,9 @@ class ComTask(MotionTask):
         self.target = None if target is None else self._vector("target", target, 3)
         self.velocity = np.zeros(3)
         self.acceleration = np.zeros(3)
+
+    def _format_target(self) -> str:
+        return HELD if self.target is None else format_vector(self.target, "m")
 
     def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
         """See `MotionTask.write_reference`."""

@@ -6,9 +6,10 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.errors import TaskError
+from wbc.formatting import format_vector
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
-from wbc.tasks.motion import MotionTask, TaskReference
+from wbc.tasks.motion import HELD, MotionTask, TaskReference
 
 
 def is_rotation(R: np.ndarray) -> bool:
@@ -80,6 +81,12 @@ class FrameTask(_FrameTask):
             )
         self.target = target
 
+    def _format_target(self) -> str:
+        if self.target is None:
+            return HELD
+        rotation = format_vector(np.degrees(pin.rpy.matrixToRpy(self.target.rotation)), "°")
+        return f"{format_vector(self.target.translation, 'm')}, roll pitch yaw {rotation}"
+
     def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
         """See `MotionTask.write_reference`."""
         if self.target is None:
@@ -117,6 +124,9 @@ class PositionTask(_FrameTask):
         super().__init__(frame, weight, kp, kd, priority, name or f"{frame} position")
         self.labels = ("x", "y", "z")
         self.target = None if target is None else self._vector("target", target, 3)
+
+    def _format_target(self) -> str:
+        return HELD if self.target is None else format_vector(self.target, "m")
 
     def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
         """See `MotionTask.write_reference`."""
@@ -159,6 +169,12 @@ class OrientationTask(_FrameTask):
             if target.shape != (3, 3) or not is_rotation(target):
                 raise TaskError(f"task '{self.name}': target is not a (3, 3) rotation matrix")
         self.target = target
+
+    def _format_target(self) -> str:
+        if self.target is None:
+            return HELD
+        rotation = np.degrees(pin.rpy.matrixToRpy(self.target))
+        return f"roll pitch yaw {format_vector(rotation, '°')}"
 
     def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
         """See `MotionTask.write_reference`."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from wbc.formatting import format_vector
 from wbc.kinematics import Kinematics
 from wbc.tasks.motion import MotionTask, TaskReference
 
@@ -37,6 +38,9 @@ class AngularMomentumTask(MotionTask):
         self.labels = ("x", "y", "z")
         self.target = np.zeros(3)
         self.rate = np.zeros(3)
+
+    def _format_target(self) -> str:
+        return format_vector(self.target, "kg·m²/s")
 
     def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
         """See `MotionTask.write_reference`."""

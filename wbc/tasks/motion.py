@@ -11,11 +11,12 @@ import pinocchio as pin
 from wbc.kinematics import Centroid, FrameKinematics, Kinematics
 from wbc.tasks.task import Task
 
+HELD = "held where first evaluated"  #: how `repr` shows a target that is None
 CENTROID = 0  #: in place of a frame's index; frame 0 is the universe, which does not move
 
 
 class TaskReference:
-    """Where a `MotionTask` wants its frame, and how it is to move there; world axes.
+    """Desired pose and motion of the frame of a `MotionTask`, in world axes.
 
     Args:
         pose: as the attribute; identity when left out.
@@ -81,22 +82,22 @@ class MotionTask(Task):
 
     @abstractmethod
     def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
-        """Write what is wanted; takes the present pose when there is no target."""
+        """Write where the frame is to be; a target of None becomes the present pose."""
 
     def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
         """See `Task.write`."""
-        wanted, rows = self._reference, self.components
-        self.write_reference(kin, wanted)
+        reference, rows = self._reference, self.components
+        self.write_reference(kin, reference)
         error = np.empty(6)
         at: Centroid | FrameKinematics
         if self._frame_id == CENTROID:
             at = kin.centroid
-            error[3:] = wanted.position - at.velocity[3:]
+            error[3:] = reference.position - at.velocity[3:]
         else:
             at = kin.motion(self._frame_id)
-            error[3:] = pin.log3(wanted.rotation @ at.rotation.T)
-        error[:3] = wanted.position - at.position
+            error[3:] = pin.log3(reference.rotation @ at.rotation.T)
+        error[:3] = reference.position - at.position
         A[:] = at.jacobian[rows]
-        np.subtract(wanted.acceleration[rows], at.bias[rows], out=b)
-        b += self.kd * (wanted.velocity[rows] - at.velocity[rows])
+        np.subtract(reference.acceleration[rows], at.bias[rows], out=b)
+        b += self.kd * (reference.velocity[rows] - at.velocity[rows])
         b += self.kp * error[rows]

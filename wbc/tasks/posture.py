@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from wbc.errors import TaskError, did_you_mean
+from wbc.formatting import format_range
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 from wbc.tasks.task import JointTask
@@ -66,6 +67,9 @@ class PostureTask(JointTask):
         self.target = self._vector("target", target, self.size)
         self.velocity = np.zeros(self.size)
         self.acceleration = np.zeros(self.size)
+
+    def _format_target(self) -> str:
+        return f"of {self.size} joints, {format_range(np.asarray(self.target), 'rad')}"
 
     def write_joints(self, kin: Kinematics, b: np.ndarray) -> None:
         """See `JointTask.write_joints`."""

@@ -8,18 +8,19 @@ from typing import Any, ClassVar
 import numpy as np
 
 from wbc.errors import TaskError
+from wbc.formatting import format_range
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 
 
 class Task(ABC):
-    """A wish for the acceleration: rows `A v̇ = b`, weighted or exact.
+    """A desired acceleration: rows `A v̇ = b`, weighted or exact.
 
     A weighted task (priority 1) adds `½ Σ wᵢ (Aᵢ v̇ − bᵢ)²` to the cost; an exact
     one (priority 0) becomes equality rows. The second-order form is
     `b = a_ref + kd (v_ref − v) + kp (x_ref ⊖ x) − J̇ v`.
 
-    A task of your own derives from this and says its rows in `write`.
+    A task of your own derives from this and writes its rows in `write`.
 
     Args:
         name: unique within a controller; explanations quote it.
@@ -66,6 +67,17 @@ class Task(ABC):
         self.__dict__.update(state)
         for gain in (self._weight, self._kp, self._kd):
             gain.setflags(write=False)
+
+    def __repr__(self) -> str:
+        role = "exact" if self.priority == 0 else f"weight {format_range(self.weight)}"
+        gains = f"kp {format_range(self.kp)} 1/s², kd {format_range(self.kd)} 1/s"
+        target = self._format_target()
+        texts = [f"'{self.name}'", role, gains, *([f"target {target}"] if target else [])]
+        return f"{type(self).__name__}({', '.join(texts)})"
+
+    def _format_target(self) -> str:
+        """Return the target with its unit for `repr`; empty when there is none to show."""
+        return ""
 
     @property
     def weight(self) -> np.ndarray:
@@ -146,11 +158,17 @@ class Task(ABC):
 
     @abstractmethod
     def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
-        """Write `A` (m, nv) and `b` (m,) of the wish `A v̇ = b`, unweighted."""
+        """Write the rows of this tick, unweighted.
+
+        Args:
+            kin: kinematics of the present state.
+            A: (m, nv) to be written; the array of the last tick.
+            b: (m,) to be written.
+        """
 
 
 class JointTask(Task):
-    """A task each of whose rows wishes for one joint's acceleration.
+    """A task each of whose rows is about one joint's acceleration.
 
     Weighted ones need no dense rows: they only touch H's diagonal.
 
@@ -162,7 +180,7 @@ class JointTask(Task):
 
     @abstractmethod
     def write_joints(self, kin: Kinematics, b: np.ndarray) -> None:
-        """Write `b` (m,), the wished accelerations, rad/s²."""
+        """Write `b` (m,), the desired joint accelerations, rad/s²."""
 
     def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
         """See `Task.write`."""
