@@ -29,8 +29,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from logfile import Messages, compared
-from replay import Replay, record, walker
+from shared.mcap_comparison import Messages, compare_writers
+from shared.replay import Replay, record, walker
 
 import wbc
 from wbc.log import FlightRecorder
@@ -69,7 +69,7 @@ def run(
     )
     if not report.survived:
         raise SystemExit(f"{robot.name} does not do what was recorded: {report.fell_why}")
-    return plant.commanded - plant.asked, report.overruns
+    return plant.commanded_at - plant.measured_at, report.overruns
 
 
 def measure(name: str, seconds: float, rounds: int, speed: float) -> dict[str, Any]:
@@ -94,7 +94,7 @@ def measure(name: str, seconds: float, rounds: int, speed: float) -> dict[str, A
             log = Log(path)
             with_plan = np.isin(LoggedRun(log).stamps, log.stamps("/footsteps"))
             planned.append(with_plan[: len(timed.spent)])
-            written = compared(path)
+            written = compare_writers(path)
             topics = Messages.of(path).share()
             facts.append(
                 {

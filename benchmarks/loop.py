@@ -36,8 +36,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from replay import Idle, Replay, lateness, record, walker
-from watched import Loop, watched
+from shared.observed_loop import ObservedLoop, observed
+from shared.replay import Idle, Replay, lateness, record, walker
 
 import wbc
 
@@ -128,8 +128,8 @@ def measure(
             gc.enable()
 
     with tempfile.TemporaryDirectory(prefix="wbc-loop-") as folder:
-        loop = Loop(controller, plant, Path(folder), before_tick=collect)
-        with watched(loop, setting.observers):
+        loop = ObservedLoop(controller, plant, Path(folder), before_tick=collect)
+        with observed(loop, setting.observers):
             before = stolen()
             report, conditions = loop.run(
                 len(walk) * dt,
@@ -139,8 +139,8 @@ def measure(
             after = stolen()
     if not report.survived:
         raise SystemExit(f"'{setting.name}' is not what was recorded: {report.fell_why}")
-    work = plant.commanded - plant.asked
-    return Times([lateness(plant.asked, dt)], [work], conditions, after - before)
+    work = plant.commanded_at - plant.measured_at
+    return Times([lateness(plant.measured_at, dt)], [work], conditions, after - before)
 
 
 def summary(setting: Setting, rate: float, times: Times) -> dict[str, Any]:

@@ -1,12 +1,12 @@
 """What observers cost the 500 Hz walking loop: viewer, log, ROS 2, live page, and all of them.
 
 The loop is `wbc.run` in real time with the player's own work in every tick; a walk in MuJoCo is
-recorded once and replayed, so that the physics takes no part. Each observer has its audience: a
+recorded once and replayed, so that the physics takes no part. Each observer has a client: a
 page that takes every frame, a ROS 2 node that takes joint states and transforms at 50 Hz.
 
 All of them are there from the beginning, and are switched on and off while the loop runs: every
 fifth of a second another cell's turn comes, in random order, all cells once in each block of turns.
-Who is switched off is not called, and its processes and its audience's are stopped. So every cell
+An observer that is off is not called, and its processes and its client's are stopped. So every cell
 is measured in the same process, in the same memory and at the same time: two runs of one and the
 same loop differ by a tenth and more on a shared machine. The first ticks after switching do not
 count. Three figures of each tick, with their ratio to the ticks with nothing and the 95 % interval
@@ -47,9 +47,9 @@ import live as live_benchmark
 import numpy as np
 import ros2 as ros2_benchmark
 from loop import neighbour, stolen
-from replay import Replay, lateness, record
-from stopwatch import Stopwatch
-from watched import OBSERVERS, Loop, Watcher, watched
+from shared.observed_loop import OBSERVERS, AttachedObserver, ObservedLoop, observed
+from shared.replay import Replay, lateness, record
+from shared.tick_timer import TickTimer
 
 import wbc
 from wbc.motions import MotionPlayer
@@ -121,15 +121,15 @@ class Case:
         self.conditions = ""
 
     @contextlib.contextmanager
-    def _loop(self, names: tuple[str, ...]) -> Iterator[Loop]:
+    def _loop(self, names: tuple[str, ...]) -> Iterator[ObservedLoop]:
         plant = Replay(self.robot, DT, self.walk)
         with tempfile.TemporaryDirectory(prefix="wbc-observers-") as folder:
-            loop = Loop(MotionPlayer(self.robot, DT), plant, Path(folder), self.domain)
+            loop = ObservedLoop(MotionPlayer(self.robot, DT), plant, Path(folder), self.domain)
             loop.velocity = (self.speed, 0.0, 0.0)
-            with watched(loop, tuple(name for name in names if name != BUSY)):
+            with observed(loop, tuple(name for name in names if name != BUSY)):
                 yield loop
 
-    def _run(self, loop: Loop, ticks: int) -> None:
+    def _run(self, loop: ObservedLoop, ticks: int) -> None:
         report, self.conditions = loop.run(ticks * DT, wbc.RealTime())
         if not report.survived:
             raise SystemExit(f"the walk is not what was recorded: {report.fell_why}")
@@ -137,7 +137,7 @@ class Case:
     def measure(self, cells: dict[str, Cell], rng: np.random.Generator) -> None:
         """One round: the whole walk, with turns of all cells."""
         names = list(cells)
-        watch = Stopwatch(len(self.walk))
+        watch = TickTimer(len(self.walk))
         blocks = (len(self.walk) // TURN - 1) // len(names)
         if blocks < 1:
             raise SystemExit(f"{len(self.walk) * DT} s are too short for {len(names)} turns")
@@ -146,14 +146,14 @@ class Case:
             everyone = dict.fromkeys(n for cell in names for n in CELLS[cell])
             loop = stack.enter_context(self._loop(tuple(everyone)))
             if BUSY in names:
-                loop.watchers[BUSY] = Watcher((stack.enter_context(neighbour()),))
+                loop.observers[BUSY] = AttachedObserver((stack.enter_context(neighbour()),))
 
             def switch(_: float) -> None:
                 turn, within = divmod(loop.plant.ticks, TURN)
                 if within == 0 and turn > 0:  # in the first turn all are called once
                     wanted = CELLS[turns[turn - 1]] if turn <= len(turns) else ()
-                    for name, watcher in loop.watchers.items():
-                        watcher.switch(name in wanted)
+                    for name, observer in loop.observers.items():
+                        observer.switch(name in wanted)
 
             loop.before_tick = switch
             with watch.running():
@@ -161,20 +161,20 @@ class Case:
         self._keep(cells, turns, watch, loop.plant)
 
     def _keep(
-        self, cells: dict[str, Cell], turns: list[str], watch: Stopwatch, plant: Replay
+        self, cells: dict[str, Cell], turns: list[str], watch: TickTimer, plant: Replay
     ) -> None:
         wall, cpu = watch.times(plant.ticks)
-        kinds = np.array([plant.commanded - plant.asked, wall, cpu])
+        kinds = np.array([plant.commanded_at - plant.measured_at, wall, cpu])
         for turn, name in enumerate(turns, 1):
             # The last tick of a turn has the switching in it.
             counted = slice(turn * TURN + SETTLING, (turn + 1) * TURN - 1)
             cells[name].times.append(kinds[:, counted])
-            cells[name].late.append(lateness(plant.asked[counted], DT))
+            cells[name].late.append(lateness(plant.measured_at[counted], DT))
 
     def undisturbed(self, seconds: float, names: tuple[str, ...]) -> dict[str, Any]:
         """What the observers tell when they watch all the time, and their calls in µs of CPU."""
         ticks = min(round(seconds / DT), len(self.walk))
-        watch = Stopwatch(ticks)
+        watch = TickTimer(ticks)
         with self._loop(names) as loop, watch.running():
             loop.wrap = watch.wrap
             self._run(loop, ticks)

@@ -1,6 +1,6 @@
 """How the tick grows with the robot, its contacts and its tasks.
 
-Synthetic humanoids (see `synthetic.py`) sway on their feet: the controller's own accelerations,
+Synthetic humanoids (`shared/synthetic.py`) sway on their feet: the controller's own accelerations,
 integrated, are the plant. The states are recorded, and replayed by a fresh controller several
 times over; of each tick the least CPU time counts, since other work on the machine only ever adds
 to it. Three sweeps, one thing changed in each:
@@ -36,7 +36,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-import synthetic
+from shared import synthetic
 
 import wbc
 from wbc.command import Status

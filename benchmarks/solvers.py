@@ -50,7 +50,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "tools"))
 from certifiedqp import Optimum, optimum
 from referencetools import Unreduced
-from swaying import Motion, record
+from shared.sway_recording import Motion, record
 
 import wbc
 from wbc.qp import Outcome, Problem, Solution, Solver, make_solver

@@ -2,7 +2,7 @@
 
 Measured in a loop of the given rate: `show` of a full snapshot to the live viewer (into
 shared memory) and to a recording (into a list), and `due`, which a loop may ask first.
-Then the viewer's own frames per second, as an audience that answers at once receives
+Then the viewer's own frames per second, as a client that answers at once receives
 them, and with --browser as a headless Chromium draws them (in software: far below a GPU).
 """
 
@@ -69,7 +69,7 @@ def cost(what: str, action: Callable[[Snapshot], object], snapshots: list[Snapsh
     return {"what": what, "p50_us": p50, "p99_us": p99, "max_us": most}
 
 
-class Audience(threading.Thread):
+class Client(threading.Thread):
     """A page without a picture: it answers every frame at once, and counts."""
 
     def __init__(self, url: str) -> None:
@@ -94,20 +94,20 @@ class Audience(threading.Thread):
 
 
 def frames(robot: wbc.Robot, rate: float, seconds: float) -> Row:
-    """Frames per second that reach an audience, and their size."""
+    """Frames per second that reach a client, and their size."""
     with Meshcat(robot, port=0, rate=rate, announce=False) as viewer:
-        audience = Audience(viewer.url)
+        client = Client(viewer.url)
         tick = 0
-        while audience.frames < 3:  # the scene is complete, and the show goes on
+        while client.frames < 3:  # the scene is complete, and the show goes on
             viewer.show(full_snapshot(robot, tick := tick + 1, 1.0 / rate))
             time.sleep(1.0 / rate)
-        before, nbytes, start = audience.frames, audience.nbytes, time.perf_counter()
+        before, nbytes, start = client.frames, client.nbytes, time.perf_counter()
         while time.perf_counter() < start + seconds:
             if viewer.due(0.0):
                 viewer.show(full_snapshot(robot, tick := tick + 1, 1.0 / rate))
             time.sleep(0.001)
-        count = audience.frames - before
-        size = (audience.nbytes - nbytes) / max(count, 1)
+        count = client.frames - before
+        size = (client.nbytes - nbytes) / max(count, 1)
         passed = time.perf_counter() - start
     return {"what": f"frames at {rate:g} Hz", "fps": count / passed, "bytes_per_frame": size}
 

@@ -17,7 +17,7 @@ FOLDER = Path(__file__).parents[2] / "benchmarks"
 def lateness():
     sys.path.insert(0, str(FOLDER))
     try:
-        import replay
+        from shared import replay
     finally:
         sys.path.remove(str(FOLDER))
     return replay.lateness

@@ -18,7 +18,7 @@ from wbc.contacts import Contact
 from wbc.limits import AccelerationBound, Limit, LimitRows
 
 sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
-import synthetic
+from shared import synthetic
 
 NAMED = ("talos", "g1", "simple_humanoid")
 SYNTHETIC = ((16, 1), (20, 2), (24, 3), (28, 4), (33, 5), (40, 6))  # joints, seed

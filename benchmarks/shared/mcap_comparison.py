@@ -1,4 +1,4 @@
-"""What fills a log, and what it would cost to write its messages with the package `mcap`."""
+"""The messages of a log written by the library and by the package `mcap`, compared."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ CHUNK = 0.4  # s, as the log's process has it
 BLOCK = 50  # ticks that it takes at once, ten times a second
 
 
-class Kept(Topic):
-    """A topic whose messages are there already."""
+class RecordedTopic(Topic):
+    """A topic whose messages have been read from a file."""
 
     def __init__(self, name: str, type_name: str) -> None:
         self.name, self.type_name = name, type_name
@@ -40,29 +40,29 @@ class Messages:
         rows: channel, stamp (ns) and bytes of each message.
     """
 
-    topics: dict[int, Kept] = field(default_factory=dict)
+    topics: dict[int, RecordedTopic] = field(default_factory=dict)
     schemas: dict[int, tuple[str, bytes]] = field(default_factory=dict)
     rows: list[tuple[int, int, bytes]] = field(default_factory=list)
 
     @staticmethod
     def of(path: Path) -> Messages:
-        """Those of a file."""
+        """Read the messages of a file."""
         found = Messages()
         with path.open("rb") as file:
             for schema, channel, message in make_reader(file).iter_messages():
                 assert schema is not None
-                found.topics.setdefault(channel.id, Kept(channel.topic, schema.name))
+                found.topics.setdefault(channel.id, RecordedTopic(channel.topic, schema.name))
                 found.schemas[channel.id] = (schema.name, schema.data)
                 found.rows.append((channel.id, message.log_time, message.data))
         return found
 
     @property
     def seconds(self) -> float:
-        """From the first to the last."""
+        """Time from the first to the last message, s."""
         return 1e-9 * (self.rows[-1][1] - self.rows[0][1])
 
     def share(self) -> dict[str, float]:
-        """Topic -> MB per minute of its messages alone, compressed in chunks."""
+        """Return MB per minute of each topic alone, compressed in chunks."""
         import zstandard
 
         found = {}
@@ -75,7 +75,7 @@ class Messages:
         return dict(sorted(found.items(), key=lambda item: -item[1]))
 
     def written_here(self, path: Path) -> float:
-        """CPU time of writing them with the library's own `McapFile`, s."""
+        """Write them with the library's `McapFile`; return the CPU time, s."""
         blocks = self._blocks()
         start = time.process_time()
         file = McapFile(path)
@@ -110,7 +110,7 @@ class Messages:
         return blocks
 
     def written_by_package(self, path: Path) -> float:
-        """The same with the package's writer."""
+        """Write them with the package's writer; return the CPU time, s."""
         size = sum(len(data) for _, _, data in self.rows)
         start = time.process_time()
         with path.open("wb") as file:
@@ -128,8 +128,8 @@ class Messages:
         return time.process_time() - start
 
 
-def compared(path: Path) -> dict[str, float]:
-    """A log's messages written in both ways: CPU time (µs per message, least of three) and size."""
+def compare_writers(path: Path) -> dict[str, float]:
+    """Write a log's messages both ways; return CPU time (µs per message, least of 3) and size."""
     messages = Messages.of(path)
     found: dict[str, float] = {}
     for name, write in (

@@ -1,8 +1,8 @@
-"""A loop that is watched: each observer with its audience, in processes of their own.
+"""A control loop with observers attached, each with a client in a process of its own.
 
-The loop is `wbc.run` in real time, with the controller's own work in every tick and a recorded walk
-in place of physics, see `replay`. Between two ticks an observer can be switched off and on: it is
-not called then, and its processes are stopped by a signal.
+The loop is `wbc.run` in real time: the controller computes every tick, and a recorded walk (see
+`replay`) takes the place of physics. Between two ticks an observer can be switched off and on.
+While it is off it is not called, and its processes are stopped by SIGSTOP.
 """
 
 from __future__ import annotations
@@ -16,41 +16,40 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from audience import audience
-from replay import Replay
-
 import wbc
+from shared.clients import connected_client
+from shared.replay import Replay
 from wbc.runtime.clock import Clock
 from wbc.runtime.protocols import Controller, Observer, Recorder
 from wbc.runtime.real_time import RealTime, punctual
 from wbc.runtime.snapshot import Snapshot
 from wbc.runtime.tick import Tick
 
-Helm = Callable[[float], None]
+BeforeTick = Callable[[float], None]
 #: Wraps a call of the loop's thread; gets what is called, and whether it waits for the tick first.
 Wrap = Callable[[str, Callable[..., None], bool], Callable[..., None]]
 
 
 @dataclass
-class Watcher:
-    """One that watches.
+class AttachedObserver:
+    """An observer of the loop.
 
     Attributes:
-        processes: its own, then its audience.
-        recorder: told of every tick.
-        helm: called before every tick.
-        paces: its helm waits for the tick's time, so that the loop does not.
-        on: whether it is called, and its processes run.
+        processes: its own, then its client's.
+        recorder: called after every tick.
+        before_tick: called before every tick.
+        owns_clock: `before_tick` waits for the time of the tick, so that the loop does not.
+        on: whether it is called and its processes run.
     """
 
     processes: tuple[int, ...]
     recorder: Recorder | None = None
-    helm: Helm | None = None
-    paces: bool = False
+    before_tick: BeforeTick | None = None
+    owns_clock: bool = False
     on: bool = True
 
     def switch(self, on: bool) -> None:
-        """On or off; between two ticks."""
+        """Switch it on or off, between two ticks."""
         if on is not self.on:
             self.on = on
             for pid in self.processes:
@@ -62,19 +61,19 @@ def _plain(_: str, call: Callable[..., None], __: bool) -> Callable[..., None]:
 
 
 @dataclass
-class Loop:
-    """A loop and who watches it.
+class ObservedLoop:
+    """A control loop and its observers.
 
     Attributes:
         controller: what it runs; the live page and ROS 2 need a player.
         plant: what it plays in.
         folder: for files.
         domain: of ROS 2; the next one may be used, too.
-        velocity: of the recording, which an observer's helm sets to zero; None leaves it.
-        before_tick: called before everything else, perhaps to switch watchers.
-        wrap: what is done around the watchers' calls.
-        watchers: by name.
-        figures: what the watchers tell afterwards.
+        velocity: of the recording, which an observer's `before_tick` sets to zero; None leaves it.
+        before_tick: called before everything else, e.g. to switch observers.
+        wrap: applied to each call of an observer.
+        observers: by name.
+        figures: what the observers measured, by name with unit.
     """
 
     controller: Any
@@ -82,19 +81,19 @@ class Loop:
     folder: Path
     domain: int = 93
     velocity: tuple[float, float, float] | None = None
-    before_tick: Helm = lambda _: None
+    before_tick: BeforeTick = lambda _: None
     wrap: Wrap = _plain
-    watchers: dict[str, Watcher] = field(default_factory=dict)
+    observers: dict[str, AttachedObserver] = field(default_factory=dict)
     figures: dict[str, float] = field(default_factory=dict)
 
     def run(self, length: float, wanted: RealTime, estimator: Any = None) -> tuple[wbc.Report, str]:
-        """Run for so many s; the report, and what the system granted."""
-        spent = {name: cpu_seconds(w.processes[0]) for name, w in self.watchers.items()}
-        paced = any(watcher.paces for watcher in self.watchers.values())
-        told: list[wbc.LoopConditions] = []
+        """Run for `length` s; return the report and the loop's conditions."""
+        spent = {name: cpu_seconds(w.processes[0]) for name, w in self.observers.items()}
+        paced = any(observer.owns_clock for observer in self.observers.values())
+        conditions: list[wbc.LoopConditions] = []
         with contextlib.ExitStack() as stack:
             if paced:
-                told.append(stack.enter_context(punctual(wanted)))
+                conditions.append(stack.enter_context(punctual(wanted)))
             report = wbc.run(
                 self.controller,
                 self.plant,
@@ -102,31 +101,35 @@ class Loop:
                 estimator=estimator,
                 log=_Recorders(self),
                 real_time=False if paced else wanted,
-                announce=told.append,
-                before_tick=self._helm(Clock(self.plant.dt, 1) if paced else None),
+                announce=conditions.append,
+                before_tick=self._before_tick(Clock(self.plant.dt, 1) if paced else None),
             )
-        for name, watcher in self.watchers.items():
-            watcher.switch(True)
-            share = (cpu_seconds(watcher.processes[0]) - spent[name]) / length
+        for name, observer in self.observers.items():
+            observer.switch(True)
+            share = (cpu_seconds(observer.processes[0]) - spent[name]) / length
             self.figures[f"{name}: its process, % of a core"] = 100.0 * share
-        return report, told[0].describe()
+        return report, conditions[0].describe()
 
-    def _helm(self, clock: Clock | None) -> Helm:
-        """All helms in turn; when the one that paces is off, a clock keeps the time."""
-        helms = [
-            (w, w.paces, self.wrap(f"{name}: looking for requests", w.helm, w.paces))
-            for name, w in self.watchers.items()
-            if w.helm is not None
+    def _before_tick(self, clock: Clock | None) -> BeforeTick:
+        """Call all observers in turn; while none owns the clock, this one keeps time."""
+        callbacks = [
+            (
+                w,
+                w.owns_clock,
+                self.wrap(f"{name}: requests", w.before_tick, w.owns_clock),
+            )
+            for name, w in self.observers.items()
+            if w.before_tick is not None
         ]
-        helms.sort(key=lambda found: not found[1])  # who waits for the tick comes first
+        callbacks.sort(key=lambda found: not found[1])  # the owner of the clock comes first
 
         def before_tick(now: float) -> None:
             self.before_tick(now)
-            if clock is not None and not any(w.on and paces for w, paces, _ in helms):
+            if clock is not None and not any(w.on and owns_clock for w, owns_clock, _ in callbacks):
                 clock.wait()
-            for watcher, _, helm in helms:
-                if watcher.on:
-                    helm(now)
+            for observer, _, callback in callbacks:
+                if observer.on:
+                    callback(now)
             if self.velocity is not None and self.plant.ticks == 0:
                 self.controller.velocity = self.velocity
 
@@ -134,12 +137,12 @@ class Loop:
 
 
 class _Recorders:
-    """All recorders of a loop, those that are switched off excepted."""
+    """All recorders of a loop that are switched on."""
 
-    def __init__(self, loop: Loop) -> None:
+    def __init__(self, loop: ObservedLoop) -> None:
         self._found = [
             (w, w.recorder, loop.wrap(f"{name}: a tick", w.recorder.record, False))
-            for name, w in loop.watchers.items()
+            for name, w in loop.observers.items()
             if w.recorder is not None
         ]
 
@@ -150,8 +153,8 @@ class _Recorders:
 
     def record(self, tick: Any, controller: Controller) -> None:
         """See `wbc.runtime.protocols.Recorder`."""
-        for watcher, _, record in self._found:
-            if watcher.on:
+        for observer, _, record in self._found:
+            if observer.on:
                 record(tick, controller)
 
     def end(self, report: wbc.Report) -> None:
@@ -161,7 +164,7 @@ class _Recorders:
 
 
 class Frames:
-    """Shows a viewer 30 snapshots a second, as `wbc.run` does.
+    """Shows a viewer 30 snapshots per second, as `wbc.run` does.
 
     Not by `wbc.run` itself, since that would make them for one that is switched off, too.
     """
@@ -183,7 +186,7 @@ class Frames:
 
 
 def cpu_seconds(pid: int) -> float:
-    """Processor time that a process has had, s; NaN if unknown."""
+    """Return the CPU time of a process, s; NaN if unknown."""
     try:
         fields = Path(f"/proc/{pid}/stat").read_text("ascii").rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
@@ -192,23 +195,23 @@ def cpu_seconds(pid: int) -> float:
 
 
 @contextlib.contextmanager
-def viewer(loop: Loop) -> Iterator[Watcher]:
-    """The view in the browser."""
+def viewer(loop: ObservedLoop) -> Iterator[AttachedObserver]:
+    """Attach the viewer."""
     with wbc.view.Meshcat(loop.plant.robot, port=0, announce=False) as meshcat:
-        with audience("page", meshcat.url) as looking:
-            yield Watcher((meshcat.pid, looking.pid), Frames(meshcat, loop.plant.dt))
-        loop.figures["viewer: frames at a page, Hz"] = looking.rates.get("frames", 0.0)
+        with connected_client("page", meshcat.url) as client:
+            yield AttachedObserver((meshcat.pid, client.pid), Frames(meshcat, loop.plant.dt))
+        loop.figures["viewer: frames at a page, Hz"] = client.rates.get("frames", 0.0)
 
 
 @contextlib.contextmanager
-def log(loop: Loop) -> Iterator[Watcher]:
-    """The flight recorder."""
+def log(loop: ObservedLoop) -> Iterator[AttachedObserver]:
+    """Attach the flight recorder."""
     from wbc.log import FlightRecorder
     from wbc.log.reader import Log
 
     path = loop.folder / f"{time.monotonic_ns()}.mcap"
     with FlightRecorder(path, loop.plant.robot) as recorder:
-        yield Watcher((recorder.pid,), recorder)
+        yield AttachedObserver((recorder.pid,), recorder)
     own = Log(path).tables["log"]
     minutes = int(own["ticks"]) * loop.plant.dt / 60.0
     if minutes:
@@ -217,44 +220,46 @@ def log(loop: Loop) -> Iterator[Watcher]:
     loop.figures["log: longest write, ms"] = 1e3 * float(own["longest_write_s"])
 
 
-def _ros(loop: Loop, name: str, domain: int, rate: float) -> Iterator[Watcher]:
+def _ros(loop: ObservedLoop, name: str, domain: int, rate: float) -> Iterator[AttachedObserver]:
     from wbc.ros import Network
     from wbc.ros.bridge import Bridge
 
     network = Network(domain)
     with Bridge(loop.controller, loop.plant, network=network, update_rate=rate) as bridge:
-        with audience("ros", str(domain)) as listening:
-            yield Watcher((bridge.pid, listening.pid), bridge, helm=bridge.helm)
-        for topic, reached in listening.rates.items():
+        with connected_client("ros", str(domain)) as client:
+            yield AttachedObserver((bridge.pid, client.pid), bridge, before_tick=bridge.helm)
+        for topic, reached in client.rates.items():
             loop.figures[f"{name}: {topic} at a node, Hz"] = reached
 
 
 @contextlib.contextmanager
-def ros(loop: Loop) -> Iterator[Watcher]:
-    """The robot's node, and one that listens to joint states and transforms at 50 Hz."""
+def ros(loop: ObservedLoop) -> Iterator[AttachedObserver]:
+    """Attach the ROS 2 node, with a subscriber to joint states and transforms at 50 Hz."""
     yield from _ros(loop, "ROS 2", loop.domain, 50.0)
 
 
 @contextlib.contextmanager
-def fast_ros(loop: Loop) -> Iterator[Watcher]:
-    """The same, with as many joint states as there are ticks."""
+def fast_ros(loop: ObservedLoop) -> Iterator[AttachedObserver]:
+    """Attach the ROS 2 node, with joint states at every tick."""
     yield from _ros(loop, "ROS 2 at 500 Hz", loop.domain + 1, 500.0)
 
 
 @contextlib.contextmanager
-def live(loop: Loop) -> Iterator[Watcher]:
-    """The live page, from when it knows what the robot can do."""
+def live(loop: ObservedLoop) -> Iterator[AttachedObserver]:
+    """Attach the live page, once its process has planned its motions."""
     from wbc.live import Live
 
     with Live(loop.controller, loop.plant, port=0, announce=False) as page:
-        with audience("live", page.url) as looking:
+        with connected_client("live", page.url) as client:
             _settled(page.pid)
-            yield Watcher((page.pid, looking.pid), page, helm=page.helm, paces=True)
-        loop.figures["live page: frames at a page, Hz"] = looking.rates.get("frames", 0.0)
+            yield AttachedObserver(
+                (page.pid, client.pid), page, before_tick=page.helm, owns_clock=True
+            )
+        loop.figures["live page: frames at a page, Hz"] = client.rates.get("frames", 0.0)
 
 
 def _settled(pid: int) -> None:
-    """Wait until a process has no more to do than to wait."""
+    """Wait until a process is idle."""
     idle = 0
     while idle < 5:
         before = cpu_seconds(pid)
@@ -262,9 +267,9 @@ def _settled(pid: int) -> None:
         idle = idle + 1 if cpu_seconds(pid) - before < 0.07 else 0
 
 
-Watching = Callable[[Loop], contextlib.AbstractContextManager[Watcher]]
-#: Name of an observer -> how it comes to watch.
-OBSERVERS: Mapping[str, Watching] = {
+Attach = Callable[[ObservedLoop], contextlib.AbstractContextManager[AttachedObserver]]
+#: Name of an observer -> context manager that attaches it.
+OBSERVERS: Mapping[str, Attach] = {
     "viewer": viewer,
     "log": log,
     "ROS 2": ros,
@@ -274,9 +279,9 @@ OBSERVERS: Mapping[str, Watching] = {
 
 
 @contextlib.contextmanager
-def watched(loop: Loop, observers: tuple[str, ...]) -> Iterator[Loop]:
-    """A loop with these observers."""
+def observed(loop: ObservedLoop, observers: tuple[str, ...]) -> Iterator[ObservedLoop]:
+    """Attach these observers to a loop while the context lasts."""
     with contextlib.ExitStack() as stack:
         for name in observers:
-            loop.watchers[name] = stack.enter_context(OBSERVERS[name](loop))
+            loop.observers[name] = stack.enter_context(OBSERVERS[name](loop))
         yield loop

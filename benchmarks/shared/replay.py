@@ -15,11 +15,11 @@ import wbc
 from wbc.motions import MotionPlayer
 
 Walking = wbc.Walker | MotionPlayer
-MORE = 10.0  # periods: after a longer hold-up the loop does not catch up
+MAX_DELAY = 10.0  # periods: after a longer interruption the loop does not catch up
 
 
-class Keeper:
-    """A plant that keeps the measurements of another."""
+class RecordingPlant:
+    """A plant that records the measurements of another."""
 
     def __init__(self, plant: Any) -> None:
         self.plant, self.robot, self.dt = plant, plant.robot, plant.dt
@@ -38,11 +38,11 @@ class Keeper:
 
 
 class Replay:
-    """A plant that was recorded; notes when it is asked and when it is commanded."""
+    """A recorded plant; keeps the times at which it is measured and commanded."""
 
     def __init__(self, robot: wbc.Robot, dt: float, measurements: list[wbc.Measurement]) -> None:
         self.robot, self.dt, self._measurements = robot, dt, measurements
-        self.asked, self.commanded = np.zeros((2, len(measurements)))
+        self.measured_at, self.commanded_at = np.zeros((2, len(measurements)))
         self.ticks = 0
 
     @property
@@ -50,16 +50,16 @@ class Replay:
         return self.ticks * self.dt
 
     def measure(self) -> wbc.Measurement:
-        self.asked[self.ticks] = time.perf_counter()
+        self.measured_at[self.ticks] = time.perf_counter()
         return self._measurements[self.ticks]
 
     def step(self, command: wbc.Command) -> None:
-        self.commanded[self.ticks] = time.perf_counter()
+        self.commanded_at[self.ticks] = time.perf_counter()
         self.ticks += 1
 
 
 class Idle:
-    """Controller and estimator with nothing to do."""
+    """Controller and estimator that do nothing."""
 
     def __init__(self, robot: wbc.Robot) -> None:
         self._estimate = wbc.Estimate(robot.standing())
@@ -94,24 +94,24 @@ def record(
     controller = controller or walker(robot, dt, speed)
     controller.velocity = (speed, 0.0, 0.0)
     with wbc.sim.Mujoco(robot, dt=dt) as plant:
-        keeper = Keeper(plant)
-        report = wbc.run(controller, keeper, length)
+        plant_recorder = RecordingPlant(plant)
+        report = wbc.run(controller, plant_recorder, length)
     if not report.survived:
         raise SystemExit(f"{robot.name} fell at {report.fell_at_s} s: {report.fell_why}")
-    return keeper.measurements
+    return plant_recorder.measurements
 
 
 def lateness(asked: np.ndarray, dt: float) -> np.ndarray:
-    """(n,) how much later than on a perfect schedule each of n ticks began, s.
+    """Return (n,) the delay of each of n ticks behind a perfect schedule, s.
 
-    The schedule begins anew after a hold-up of `MORE` periods; each stretch of it lies so that its
-    most punctual tick is not late.
+    The schedule restarts after an interruption of `MAX_DELAY` periods; each part of it is placed
+    such that its most punctual tick is not late.
     """
     late = np.zeros_like(asked)
     due, begin = asked[0], 0
     for k, now in enumerate(asked):
         late[k] = now - due
-        if late[k] >= MORE * dt:
+        if late[k] >= MAX_DELAY * dt:
             late[begin : k + 1] -= late[begin : k + 1].min()
             due, begin = now, k + 1
         due += dt

@@ -12,7 +12,7 @@ import numpy as np
 from wbc.runtime.clock import Clock
 
 
-class Stopwatch:
+class TickTimer:
     """Times every tick, from the end of a wait for the clock to the beginning of the next.
 
     Args:

@@ -4,7 +4,7 @@ Two legs of six joints and two feet always; the other joints are dealt out to sp
 of up to seven joints, and then fingers, five chains on each hand. Links are boxes of homogeneous
 mass, so that inertias are physical and add up to about 60 kg whatever the number of joints.
 
-    python benchmarks/synthetic.py 60 > humanoid.urdf
+    python benchmarks/shared/synthetic.py 60 > humanoid.urdf
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import wbc
 
 Vector = tuple[float, float, float]
 
-LEAST_JOINTS = 15
+MIN_JOINTS = 15
 POSTURE = {"hip_pitch": -0.35, "knee": 0.7, "ankle_pitch": -0.35, "elbow": 1.2}
 _LEG = ("hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle_pitch", "ankle_roll")
 _ARM = ("shoulder_pitch", "elbow", "shoulder_roll", "shoulder_yaw", "wrist_pitch")
@@ -74,8 +74,8 @@ class Share:
         Raises:
             ValueError: fewer than two legs and a pair of shoulders need.
         """
-        if joints < LEAST_JOINTS:
-            raise ValueError(f"{joints} joints are too few: give at least {LEAST_JOINTS}")
+        if joints < MIN_JOINTS:
+            raise ValueError(f"{joints} joints are too few: give at least {MIN_JOINTS}")
         left = joints - 2 * len(_LEG)
         spine = min(left - 2, 1 + joints // 20)
         neck = 2 if joints >= 26 else 0
@@ -91,7 +91,7 @@ def urdf(joints: int, seed: int | None = None) -> str:
     """A humanoid of that many joints.
 
     Args:
-        joints: actuated ones, at least `LEAST_JOINTS`.
+        joints: actuated ones, at least `MIN_JOINTS`.
         seed: varies lengths, masses and torque limits by up to a quarter; none when left out.
     """
     rng = np.random.default_rng(seed)
@@ -255,7 +255,7 @@ def _text(vector: tuple[float, ...]) -> str:
 def main() -> None:
     """Print one."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("joints", type=int, help=f"at least {LEAST_JOINTS}")
+    parser.add_argument("joints", type=int, help=f"at least {MIN_JOINTS}")
     parser.add_argument("--seed", type=int, help="vary lengths, masses and torque limits")
     args = parser.parse_args()
     print(urdf(args.joints, args.seed), end="")

@@ -1,0 +1,1 @@
+"""What several benchmarks use: recorded walks, observed loops, clients, synthetic robots."""
