@@ -1,18 +1,20 @@
-"""The `wbc` command: a thin face over the Python API, one file per subcommand."""
+"""The `wbc` command: one file per subcommand, over the Python API."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-_INTERRUPTED = 130
+from wbc.cli.interrupt import exit_on_interrupt
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the `wbc` command, see `wbc.cli.entry.main`; Ctrl-C is heard from the first import on."""
-    try:
-        from wbc.cli.entry import main as run
-    except KeyboardInterrupt:
-        return _INTERRUPTED
+    """Run the `wbc` command; return its exit code, see `wbc.cli.entry.run`.
+
+    Args:
+        arguments: the arguments of the command line; those of `sys.argv` by default.
+    """
+    with exit_on_interrupt():  # the import takes most of a second
+        from wbc.cli.entry import run
     return run(arguments)
 
 

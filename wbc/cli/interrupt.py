@@ -1,33 +1,53 @@
-"""Ctrl-C that lets a run end by itself."""
+"""Handling of Ctrl-C: an immediate exit while starting, an orderly end of a run."""
 
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 from collections.abc import Iterator
 from types import FrameType
 
+INTERRUPTED = 130  #: exit code after Ctrl-C: 128 + SIGINT, as in shells
+
 
 @contextlib.contextmanager
-def interruptible() -> Iterator[list[int]]:
-    """Ctrl-C asks for the end instead of tearing the tick apart; a second one does not ask.
+def exit_on_interrupt() -> Iterator[None]:
+    """End the process silently on Ctrl-C, with exit code 130.
+
+    For imports: a `KeyboardInterrupt` inside the initialization of an extension module may be
+    turned into another error, or be printed and dropped.
+    """
+    with _handler(lambda *_: os._exit(INTERRUPTED)):
+        yield
+
+
+@contextlib.contextmanager
+def graceful_interrupt() -> Iterator[list[int]]:
+    """Record Ctrl-C instead of raising `KeyboardInterrupt`; a second Ctrl-C raises it.
 
     Yields:
-        A list that is empty until then.
+        A list that contains the signal number once Ctrl-C was pressed.
     """
-    asked: list[int] = []
+    received: list[int] = []
 
-    def ask(signum: int, _: FrameType | None) -> None:
-        if asked:
+    def record(signum: int, _: FrameType | None) -> None:
+        if received:
             raise KeyboardInterrupt
-        asked.append(signum)
+        received.append(signum)
 
+    with _handler(record):
+        yield received
+
+
+@contextlib.contextmanager
+def _handler(handler: object) -> Iterator[None]:
     try:
-        before = signal.signal(signal.SIGINT, ask)
-    except ValueError:  # not in the main thread, which alone gets signals
-        yield asked
+        previous = signal.signal(signal.SIGINT, handler)  # type: ignore[arg-type]
+    except ValueError:  # signals reach the main thread only
+        yield
         return
     try:
-        yield asked
+        yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGINT, previous)

@@ -1,4 +1,4 @@
-"""Parsing of the command line: `argparse` with one-line errors, and checked values."""
+"""Command line parsing: `argparse` with one-line errors, and types that check their values."""
 
 from __future__ import annotations
 
@@ -8,17 +8,15 @@ import os
 from pathlib import Path
 from typing import NamedTuple, NoReturn
 
-FELL = ERRORS = 1
-BAD_INPUT = 2
-INTERRUPTED = 130
+from wbc.cli.exit_codes import BAD_INPUT
 
 
-class Push(NamedTuple):
-    """A push on the torso.
+class PushOption(NamedTuple):
+    """A push on the torso, given by `--push`.
 
     Attributes:
-        time: when it sets in, s.
-        impulse: N·s, world axes; the robot starts heading along +x.
+        time: start of the push, s.
+        impulse: impulse, N·s, in world axes; the robot starts heading along +x.
     """
 
     time: float
@@ -26,7 +24,7 @@ class Push(NamedTuple):
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser that says what is wrong in one line."""
+    """An argument parser that reports errors in one line."""
 
     def __init__(self, **options: object) -> None:
         options.setdefault("formatter_class", argparse.RawDescriptionHelpFormatter)
@@ -34,19 +32,23 @@ class Parser(argparse.ArgumentParser):
         super().__init__(**options)  # type: ignore[arg-type]
 
     def error(self, message: str) -> NoReturn:
+        """Exit with the message; see `argparse.ArgumentParser.error`."""
         self.exit(BAD_INPUT, f"{self.prog}: {message} (see {self.prog} --help)\n")
 
 
 def number(text: str) -> float:
-    """A finite number."""
-    value = _float(text)
+    """Parse a finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number") from None
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"'{text}' is not a finite number")
     return value
 
 
 def seconds(text: str) -> float:
-    """A positive time."""
+    """Parse a positive time, s."""
     value = number(text)
     if value <= 0.0:
         raise argparse.ArgumentTypeError(f"{text} s is not a positive time")
@@ -54,42 +56,49 @@ def seconds(text: str) -> float:
 
 
 def seed(text: str) -> int:
-    """A whole number from 0 on."""
+    """Parse a non-negative integer."""
     if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number from 0 on")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number, 0 or greater")
     return int(text)
 
 
-def push(text: str) -> Push:
-    """`"T IX IY IZ"`."""
+def push(text: str) -> PushOption:
+    """Parse `"T IX IY IZ"`."""
     parts = text.replace(",", " ").split()
     if len(parts) != 4:
         raise argparse.ArgumentTypeError(
-            f"'{text}' has {len(parts)} numbers where a push has four, in quotes: "
+            f"'{text}' has {len(parts)} numbers, but a push has four, in quotes: "
             '"T IX IY IZ", the time in s and the impulse in N·s'
         )
     time, *impulse = (number(part) for part in parts)
     if time < 0.0:
         raise argparse.ArgumentTypeError(f"'{text}': the time of a push must not be negative")
-    return Push(time, (impulse[0], impulse[1], impulse[2]))
+    return PushOption(time, (impulse[0], impulse[1], impulse[2]))
 
 
-def output(text: str) -> Path:
-    """A file that can be written; its folder is made."""
+def joint_value(text: str) -> tuple[str, float]:
+    """Parse `JOINT=VALUE`."""
+    name, equals, value = text.rpartition("=")
+    if not (name and equals):
+        raise argparse.ArgumentTypeError(f"'{text}' is not of the form JOINT=VALUE")
+    return name, number(value)
+
+
+def output_file(text: str) -> Path:
+    """Parse the path of a file to write; check that it can be written, and create its folder."""
     path = Path(text).expanduser()
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise argparse.ArgumentTypeError(f"cannot make {path.parent}: {error.strerror}") from None
+        raise argparse.ArgumentTypeError(f"cannot create {path.parent}: {error.strerror}") from None
     if path.is_dir():
         raise argparse.ArgumentTypeError(f"{path} is a folder; give the path of a file")
-    if not os.access(path if path.exists() else path.parent, os.W_OK):
-        raise argparse.ArgumentTypeError(f"{path} may not be written")
-    return path
-
-
-def _float(text: str) -> float:
+    existed = path.exists()
     try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a number") from None
+        # Permissions alone do not tell: a file system may be read-only, and root may do anything.
+        os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_NONBLOCK))
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f"cannot write {path}: {error.strerror}") from None
+    if not existed:
+        path.unlink()
+    return path
