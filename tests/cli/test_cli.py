@@ -137,6 +137,8 @@ def test_a_urdf_with_named_feet_needs_no_data_file(wbc_command):
         (("walk", "--seed", "-1", "--no-view"), "whole number"),
         (("walk", "--terrain", "hills"), "'tiles'"),
         (("walk", "--json", "/", "--no-view"), "is a folder"),
+        (("walk", "--log", "/proc/nowhere.mcap", "--no-view"), "cannot write /proc/nowhere.mcap"),
+        (("robots", "--left-foot", "toe"), "need a ROBOT"),
         (("walk", "--html", "/dev/null/x.html", "--no-view"), "/dev/null"),
         (("robots", "nosuch"), "no robot 'nosuch'"),
         (("view", "nosuch"), "no robot 'nosuch'"),

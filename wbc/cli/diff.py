@@ -1,4 +1,4 @@
-"""`wbc diff`: where two runs part."""
+"""`wbc diff`: where two logged runs diverge."""
 
 from __future__ import annotations
 
@@ -6,13 +6,12 @@ import argparse
 import math
 from typing import Any
 
+from wbc.cli.exit_codes import FAILED, SUCCESS
+from wbc.cli.formatting import output_width, paragraph, table
 from wbc.cli.parser import number
-from wbc.cli.text import paragraph, table
 from wbc.log.diff import STAGES, Difference, Parting, compare
 from wbc.log.run import LoggedRun
 
-DIFFERENT = 1
-_WIDTH = 100
 _CAUSES = {
     "measured": "what was measured differs before anything that was computed: sensors, ground, "
     "pushes or start are not the same",
@@ -28,9 +27,9 @@ def add_to(subcommands: Any) -> None:
     """Add the subcommand."""
     parser = subcommands.add_parser(
         "diff",
-        help="say where two logged runs part",
-        description="Compares two logs tick by tick: when they part, in which quantity first, "
-        "and by how much. Exit code 0: the same; 1: different.",
+        help="find where two logged runs diverge",
+        description="Compares two logs tick by tick: when they diverge, in which quantity first, "
+        "and by how much. Exit code 0: the logs are equal; 1: they differ.",
     )
     parser.add_argument("first", metavar="LOG1")
     parser.add_argument("second", metavar="LOG2")
@@ -39,13 +38,13 @@ def add_to(subcommands: Any) -> None:
         type=number,
         default=0.0,
         metavar="X",
-        help="differences up to this do not count, SI units (default: 0)",
+        help="largest difference to ignore, in SI units (default: 0)",
     )
     parser.set_defaults(execute=execute)
 
 
 def execute(options: argparse.Namespace) -> int:
-    """Compare; returns the exit code."""
+    """Compare; return the exit code."""
     first, second = LoggedRun.read(options.first), LoggedRun.read(options.second)
     difference = compare(first, second, options.tolerance)
     print(f"1  {first.log.path}: {first.title}\n2  {second.log.path}: {second.title}\n")
@@ -56,7 +55,7 @@ def execute(options: argparse.Namespace) -> int:
         rows = [(n, a or "—", b or "—") for n, (a, b) in difference.parameters.items()]
         print(f"\n{table(('parameter', 'in 1', 'in 2'), [tuple(map(_short, r)) for r in rows])}")
     same = not difference.partings and difference.ends[0] == difference.ends[1]
-    return 0 if same else DIFFERENT
+    return SUCCESS if same else FAILED
 
 
 def _verdict(difference: Difference) -> str:
@@ -70,7 +69,7 @@ def _verdict(difference: Difference) -> str:
             f"{first.stage}:\n{first.name}, {first.part}: {_value(first.a)} against "
             f"{_value(first.b)}{first.unit and ' ' + first.unit}, by {_gap(first)}."
         )
-        lines.append(paragraph(f"→ {_CAUSES[first.stage]}", 0, _WIDTH))
+        lines.append(paragraph(f"→ {_CAUSES[first.stage]}", 0, output_width()))
     one, other = difference.ends
     if one != other:
         lines.append(

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import wbc
 from wbc.cli import diff, doctor, live, log, motion, plot, replay, robots, ros2, stand, view, walk
-from wbc.cli.exit_codes import BAD_INPUT, INTERRUPTED, OUTPUT_FAILED, SUCCESS
+from wbc.cli.exit_codes import BAD_INPUT, FAILED, INTERRUPTED, OUTPUT_FAILED, SUCCESS
 from wbc.cli.output import OutputError, standard_streams
 from wbc.cli.parser import Parser
 from wbc.errors import WbcError
@@ -53,7 +53,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
         stdout.flush()
         if stdout.failed:
             print(f"wbc: cannot write to standard output: {stdout.error}", file=sys.stderr)
-            code = code or OUTPUT_FAILED
+            code = OUTPUT_FAILED if code in (SUCCESS, FAILED) else code
     return code
 
 

@@ -5,6 +5,6 @@ from wbc.cli.interrupt import INTERRUPTED
 SUCCESS = 0
 FAILED = 1  #: the robot fell, the model has errors, the logs differ
 BAD_INPUT = 2
-OUTPUT_FAILED = 3  #: all went well, but the report or a file could not be written
+OUTPUT_FAILED = 3  #: standard output or a file could not be written
 
 __all__ = ["BAD_INPUT", "FAILED", "INTERRUPTED", "OUTPUT_FAILED", "SUCCESS"]

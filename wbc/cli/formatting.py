@@ -1,32 +1,60 @@
-"""Tables of text."""
+"""Tables and paragraphs of text."""
 
 from __future__ import annotations
 
+import itertools
+import shutil
+import sys
 import textwrap
 from collections.abc import Sequence
 
+_MIN_COLUMN = 12  # characters
 
-def table(head: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
-    """Columns as wide as they need to be, two blanks apart.
+
+def terminal_width() -> int | None:
+    """Return the width of the terminal, characters; None if standard output is no terminal."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+
+
+def output_width() -> int:
+    """Return the width for paragraphs: that of the terminal, between 40 and 100 characters."""
+    return max(40, min(terminal_width() or 80, 100))
+
+
+def table(
+    head: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    right: Sequence[int] = (),
+    width: int | None = None,
+) -> str:
+    """Format a table with columns that are two spaces apart.
 
     Args:
-        head: the columns' names.
-        rows: of as many texts each.
-        right: indices of the columns that are aligned to the right.
+        head: titles of the columns.
+        rows: texts of each row.
+        right: indices of the columns to align to the right.
+        width: width to which the widest columns are wrapped, characters; None for no limit.
     """
     widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
+    gaps = 2 * (len(widths) - 1)
+    while width is not None and sum(widths) + gaps > width and max(widths) > _MIN_COLUMN:
+        widths[widths.index(max(widths))] -= 1
 
-    def line(row: Sequence[str]) -> str:
-        cells = (
-            text.rjust(width) if k in right else text.ljust(width)
-            for k, (text, width) in enumerate(zip(row, widths, strict=True))
-        )
-        return "  ".join(cells).rstrip()
+    def lines(row: Sequence[str]) -> list[str]:
+        cells = [textwrap.wrap(text, w) or [""] for text, w in zip(row, widths, strict=True)]
+        return [
+            "  ".join(
+                part.rjust(w) if k in right else part.ljust(w)
+                for k, (part, w) in enumerate(zip(parts, widths, strict=True))
+            ).rstrip()
+            for parts in itertools.zip_longest(*cells, fillvalue="")
+        ]
 
-    return "\n".join([line(head), "─" * (sum(widths) + 2 * len(widths) - 2), *map(line, rows)])
+    body = [line for row in rows for line in lines(row)]
+    return "\n".join([*lines(head), "─" * (sum(widths) + gaps), *body])
 
 
 def paragraph(text: str, indent: int, width: int) -> str:
-    """Text in lines of some width, each indented."""
+    """Wrap a text to lines of a given width, each indented by a number of spaces."""
     blank = " " * indent
     return textwrap.fill(text, width, initial_indent=blank, subsequent_indent=blank)

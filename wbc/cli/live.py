@@ -7,17 +7,18 @@ import contextlib
 from typing import Any
 
 import wbc
-from wbc.cli.interrupt import interruptible
-from wbc.cli.keepsakes import Keepsakes, add_keepsake_options
-from wbc.cli.parser import FELL, INTERRUPTED, seconds, seed
+from wbc.cli.exit_codes import FAILED, INTERRUPTED, SUCCESS
+from wbc.cli.interrupt import graceful_interrupt
+from wbc.cli.parser import seconds
 from wbc.cli.progress import ProgressLine
-from wbc.cli.robot_options import add_robot_options, stated
+from wbc.cli.robot_options import add_model_options, add_robot_option, load_arguments
+from wbc.cli.run_outputs import RunOutputs, add_output_options
+from wbc.cli.simulation import MAX_TILE_EXTENT, add_terrain_options
 from wbc.driving import drive
 from wbc.motions import MotionPlayer
 from wbc.sim import Flat, Mujoco, Tiles
 
-_DURATION = 3600.0
-_TILES = 12.0  # m
+_DURATION = 3600.0  # s
 
 
 def add_to(subcommands: Any) -> None:
@@ -25,48 +26,54 @@ def add_to(subcommands: Any) -> None:
     parser = subcommands.add_parser(
         "live",
         help="drive a robot in MuJoCo from the browser",
-        description="A robot in MuJoCo under torque control, and a page that shows and drives it: "
-        "velocity, motions, pushes, gait, gains, slow motion. It runs until Ctrl-C. A log keeps "
-        "all of it, --html and --video the time since the last reset.",
+        description="Simulates a robot in MuJoCo under torque control and serves a web page that "
+        "shows and drives it: velocity, motions, pushes, gait, gains, slow motion. It runs until "
+        "Ctrl-C. --log records everything, --html and --video the time since the last reset.",
+    )
+    add_robot_option(parser)
+    parser.add_argument(
+        "--duration",
+        type=seconds,
+        default=_DURATION,
+        metavar="S",
+        help=f"duration, s (default: {_DURATION:g})",
+    )
+    add_terrain_options(parser)
+    parser.add_argument(
+        "--solver", metavar="NAME", help="QP solver (default: the solver of the library)"
     )
     parser.add_argument(
-        "--robot",
-        default="talos",
-        metavar="NAME|FILE",
-        help="a robot's name, or a URDF or robot data file (default: talos)",
-    )
-    parser.add_argument(
-        "--duration", type=seconds, default=_DURATION, metavar="S", help="s (default: an hour)"
-    )
-    parser.add_argument("--terrain", choices=("flat", "tiles"), default="flat", help="see wbc walk")
-    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="see wbc walk")
-    parser.add_argument("--solver", metavar="NAME", help="see wbc walk")
-    parser.add_argument(
-        "--port", type=_port, metavar="N", help="of the page (default: the first free from 7000 on)"
+        "--port",
+        type=_port,
+        metavar="N",
+        help="port of the page (default: the first free one from 7000 on)",
     )
     parser.add_argument(
         "--host",
         default="127.0.0.1",
         metavar="ADDRESS",
-        help="to listen on; whoever reaches it can drive the robot (default: this machine only)",
+        help="address to listen on; anyone who can reach it can drive the robot (default: "
+        "127.0.0.1, this machine only)",
     )
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
-    add_keepsake_options(parser)
-    add_robot_options(parser)
+    add_output_options(parser)
+    add_model_options(parser)
     parser.set_defaults(execute=execute)
 
 
 def execute(options: argparse.Namespace) -> int:
-    """Drive; returns the exit code."""
+    """Run; return the exit code."""
     from wbc.live import Live
 
-    robot = wbc.load(options.robot, **stated(options))
+    robot = wbc.load(options.robot, **load_arguments(options))
     player = MotionPlayer(robot, walker=wbc.Walker(robot, solver=options.solver))
-    terrain = Flat() if options.terrain == "flat" else Tiles(seed=options.seed, extent=_TILES)
+    terrain = (
+        Flat() if options.terrain == "flat" else Tiles(seed=options.seed, extent=MAX_TILE_EXTENT)
+    )
     plant = Mujoco(robot, dt=player.dt, terrain=terrain, seed=options.seed)
-    keepsakes = Keepsakes(options, robot, terrain.boxes())
+    outputs = RunOutputs(options, robot, terrain.boxes())
     with contextlib.ExitStack() as stack:
-        logs = keepsakes.logs(stack)
+        logs = outputs.open_logs(stack)
         live = stack.enter_context(
             Live(player, plant, host=options.host, port=options.port, boxes=terrain.boxes())
         )
@@ -76,27 +83,29 @@ def execute(options: argparse.Namespace) -> int:
             webbrowser.open(live.url)
         line = ProgressLine()
         stack.callback(line.close)
-        interrupted = stack.enter_context(interruptible())
+        interrupted = stack.enter_context(graceful_interrupt())
         report = drive(
             live,
             player,
             plant,
             options.duration,
             log=logs,
-            recording=keepsakes.recording,
+            recording=outputs.recording,
             stop=lambda: bool(interrupted),
             progress=line.show,
-            told=line.note,
+            told=line.print,
         )
     if report is not None:
         print(report.table())
-    keepsakes.finish()
+    outputs.write()
     if interrupted:
         return INTERRUPTED
-    return 0 if report is not None and report.survived else FELL
+    return SUCCESS if report is not None and report.survived else FAILED
 
 
 def _port(text: str) -> int:
     if not (text.isdecimal() and int(text) < 65536):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a port: 0 to 65535, 0 for any")
+        raise argparse.ArgumentTypeError(
+            f"'{text}' is not a port; use 0 to 65535, 0 for any free one"
+        )
     return int(text)

@@ -1,4 +1,4 @@
-"""`wbc log`: what a log holds, and the repair of one that was interrupted."""
+"""`wbc log`: contents of a log, and repair of an interrupted one."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from wbc.cli.parser import output
-from wbc.cli.text import table
+from wbc.cli.formatting import table
+from wbc.cli.parser import output_file
 from wbc.errors import WbcError
 from wbc.log.reader import Log
 from wbc.log.recovery import repair
@@ -19,24 +19,27 @@ def add_to(subcommands: Any) -> None:
     """Add the subcommand."""
     parser = subcommands.add_parser(
         "log",
-        help="tell what a log holds; repair one that was interrupted",
-        description="Tells topics, parameters and versions of a log. A log that was interrupted "
-        "holds everything up to its last chunk, but other programs may need its end: "
-        "--repair writes a copy that has one.",
+        help="print the contents of a log, or repair an interrupted one",
+        description="Prints topics, parameters and versions of a log. An interrupted log contains "
+        "everything up to its last chunk, but lacks the summary that other programs may need: "
+        "--repair writes a complete copy.",
     )
     parser.add_argument("log", metavar="LOG")
     parser.add_argument(
-        "--repair", type=output, metavar="FILE", help="write a whole copy; may be LOG itself"
+        "--repair",
+        type=output_file,
+        metavar="FILE",
+        help="write a complete copy to FILE, which may be LOG itself",
     )
     parser.set_defaults(execute=execute)
 
 
 def execute(options: argparse.Namespace) -> int:
-    """Tell or repair; returns the exit code."""
+    """Print or repair; return the exit code."""
     path = Path(options.log)
     if options.repair is not None:
         end = repair(_copy(path, options.repair))
-        print(f"{options.repair.resolve()}: whole up to {end:.3f} s")
+        print(f"{options.repair.resolve()}: complete up to {end:.3f} s")
         return 0
     log = Log(path)
     print(_title(log))
@@ -50,12 +53,12 @@ def execute(options: argparse.Namespace) -> int:
 def _title(log: Log) -> str:
     size = log.path.stat().st_size / 1e6
     text = f"{log.path}: {size:.1f} MB, "
-    text += LoggedRun(log).title if log.topics else "without a tick"
+    text += LoggedRun(log).title if log.topics else "no ticks"
     dropped = log.tables.get("log", {}).get("dropped", "0")
     if dropped != "0":
         text += f"; {dropped} ticks were dropped"
     if not log.complete:
-        text += "\nIt was interrupted; here is what it holds.  wbc log --repair  completes it."
+        text += "\nThe log was interrupted; complete it with  wbc log --repair."
     return text
 
 

@@ -1,4 +1,4 @@
-"""`wbc motion`: a robot does something besides walking, with a report."""
+"""`wbc motion`: a robot plays a motion in MuJoCo, with a report."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ import math
 from typing import Any
 
 from wbc.cli import simulation
+from wbc.cli.formatting import table, terminal_width
 from wbc.cli.parser import number
-from wbc.cli.text import table
 from wbc.motions import Motion, MotionPlayer
 from wbc.motions.engine.motion import MotionParameter
 from wbc.motions.registry import MOTIONS
 from wbc.trials import MotionRunner, RunEvaluator
 
-_AT_MOST = 300.0  # s
+_MAX_DURATION = 300.0  # s
 
 
 def add_to(subcommands: Any) -> None:
@@ -23,37 +23,38 @@ def add_to(subcommands: Any) -> None:
     parser = subcommands.add_parser(
         "motion",
         help="sway, squat, wave, reach and more in MuJoCo",
-        description="A robot plays a motion in MuJoCo under torque control, from standing to "
-        "standing, and a report says how.  wbc motion NAME --help  tells a motion's options.",
+        description="Simulates a robot in MuJoCo that plays a motion, from standing to standing, "
+        "under torque control, and prints a report. `wbc motion NAME --help` prints the options "
+        "of a motion.",
     )
     parser.add_argument("--list", action="store_true", help="list the motions")
     parser.set_defaults(execute=execute, motion=None)
     names = parser.add_subparsers(title="motions", metavar="NAME")
     for motion in MOTIONS:
         one = names.add_parser(motion.name, help=motion.summary, description=inspect.getdoc(motion))
-        group = one.add_argument_group("the motion")
+        group = one.add_argument_group("motion")
         for parameter in motion.parameters():
             _add_option(group, parameter)
-        simulation.add_options(one, "until the motion is over")
+        simulation.add_options(one, "until the motion ends")
         one.set_defaults(motion=motion)
 
 
 def execute(options: argparse.Namespace) -> int:
-    """Play; returns the exit code."""
+    """Play; return the exit code."""
     motion: type[Motion] | None = options.motion
     if motion is None:
-        print(_catalogue())
+        print(_list_of_motions())
         return 0
     chosen = {p.name: getattr(options, _destination(p)) for p in motion.parameters()}
-    run = simulation.Simulation(options)
+    run = simulation.SimulatedRun(options)
     player = MotionPlayer(run.robot, motions=[motion(**chosen)], walker=run.walker)
-    runner = MotionRunner(player, options.duration or _AT_MOST)
-    return run.perform(
+    runner = MotionRunner(player, options.duration or _MAX_DURATION)
+    return run.run(
         player,
-        options.duration or _AT_MOST + 1.0,
+        options.duration or _MAX_DURATION + 1.0,
         runner,
         RunEvaluator(),
-        expected=options.duration or math.inf,  # it is over when it is over
+        expected_duration=options.duration or math.inf,  # it ends with the motion
     )
 
 
@@ -73,8 +74,8 @@ def _add_option(group: Any, parameter: MotionParameter) -> None:
             _option(parameter), action="store_true", help=parameter.description, **settings
         )
         return
-    told = "" if default in (None, ()) else f" (default: {_text(default)})"
-    settings["help"] = parameter.description.replace("%", "%%") + told.replace("%", "%%")
+    shown = "" if default in (None, ()) else f" (default: {_text(default)})"
+    settings["help"] = parameter.description.replace("%", "%%") + shown.replace("%", "%%")
     if parameter.choices:
         settings["choices"] = parameter.choices
     elif parameter.names:
@@ -94,11 +95,11 @@ def _text(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def _catalogue() -> str:
+def _list_of_motions() -> str:
     rows = [(motion.name, motion.summary) for motion in MOTIONS]
     return (
-        f"{table(('motion', 'what it does'), rows)}\n\n"
-        "wbc motion NAME --robot ROBOT      plays it:  wbc motion squat --robot g1 --depth 15\n"
-        "wbc motion NAME --help             tells its options\n"
-        "wbc robots                         lists the robots"
+        f"{table(('motion', 'description'), rows, width=terminal_width())}\n\n"
+        "wbc motion NAME --robot ROBOT   play a motion: wbc motion squat --robot g1 --depth 15\n"
+        "wbc motion NAME --help          print its options\n"
+        "wbc robots                      list the robots"
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import textwrap
 from pathlib import Path
 from typing import NamedTuple, NoReturn
 
@@ -23,11 +24,20 @@ class PushOption(NamedTuple):
     impulse: tuple[float, float, float]
 
 
+class _HelpFormatter(argparse.RawDescriptionHelpFormatter):
+    """Wraps texts of one paragraph; keeps the lines of longer ones."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        if "\n" in text.strip():
+            return super()._fill_text(text, width, indent)
+        return textwrap.fill(text, width, initial_indent=indent, subsequent_indent=indent)
+
+
 class Parser(argparse.ArgumentParser):
     """An argument parser that reports errors in one line."""
 
     def __init__(self, **options: object) -> None:
-        options.setdefault("formatter_class", argparse.RawDescriptionHelpFormatter)
+        options.setdefault("formatter_class", _HelpFormatter)
         options.setdefault("allow_abbrev", False)
         super().__init__(**options)  # type: ignore[arg-type]
 

@@ -1,4 +1,4 @@
-"""`wbc plot`: the standard pictures of a log."""
+"""`wbc plot`: the standard plots of a log."""
 
 from __future__ import annotations
 
@@ -14,25 +14,30 @@ def add_to(subcommands: Any) -> None:
     """Add the subcommand."""
     parser = subcommands.add_parser(
         "plot",
-        help="draw the standard pictures of a log",
-        description="Draws CoM, DCM and ZMP against the footsteps, from above and over time, "
-        "torques against their limits, and tick time.",
+        help="draw the standard plots of a log",
+        description="Plots CoM, DCM and ZMP with the footsteps, from above and over time, the "
+        "torques with their limits, and the tick times.",
     )
-    parser.add_argument("log", metavar="LOG", help="a log, see --log of the other subcommands")
     parser.add_argument(
-        "--out", type=Path, metavar="FOLDER", help="for the pictures (default: beside the log)"
+        "log", metavar="LOG", help="path of a log, see --log of the other subcommands"
+    )
+    parser.add_argument(
+        "--out",
+        type=Path,
+        metavar="FOLDER",
+        help="folder of the plots (default: the folder of the log)",
     )
     parser.add_argument(
         "--format",
         choices=[kind[1:] for kind in KINDS],
         default="png",
-        help="of the pictures (default: png)",
+        help="file format (default: png)",
     )
     parser.set_defaults(execute=execute)
 
 
 def execute(options: argparse.Namespace) -> int:
-    """Draw; returns the exit code."""
+    """Plot; return the exit code."""
     folder = options.out if options.out is not None else Path(options.log).parent
     for path in plot(LoggedRun.read(options.log), folder, f".{options.format}"):
         print(path.resolve())

@@ -1,4 +1,4 @@
-"""`wbc replay`: move through a log in the browser, or make a page or a film of it."""
+"""`wbc replay`: replay a log in the browser, or write a page or a video of it."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ import argparse
 import webbrowser
 from typing import Any
 
-from wbc.cli.parser import output
-from wbc.cli.progress import Rendering
+from wbc.cli.output import OutputError
+from wbc.cli.parser import output_file
+from wbc.cli.progress import RenderingProgress
+from wbc.errors import WbcError
 from wbc.log.robot import robot_of
 from wbc.log.run import LoggedRun
 from wbc.view import Recording, Replay, Strip
@@ -19,27 +21,36 @@ def add_to(subcommands: Any) -> None:
     """Add the subcommand."""
     parser = subcommands.add_parser(
         "replay",
-        help="move through a log in the browser, or film it",
-        description="Shows a log in the browser, with a slider through all of its time, until "
-        "Ctrl-C. Space plays and pauses, the arrow keys step by 20 ms, with Shift by 1 s.",
+        help="replay a log in the browser, or write a video of it",
+        description="Shows a log in the browser with a timeline, until Ctrl-C. Space plays and "
+        "pauses, the arrow keys step by 20 ms, with Shift by 1 s.",
     )
-    parser.add_argument("log", metavar="LOG", help="a log, see --log of the other subcommands")
+    parser.add_argument(
+        "log", metavar="LOG", help="path of a log, see --log of the other subcommands"
+    )
     parser.add_argument(
         "--robot",
         metavar="NAME|FILE",
-        help="the robot, if it is not found by the name that the log says",
+        help="the robot, if it cannot be found by its name in the log",
     )
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
-    parser.add_argument("--port", type=int, metavar="N", help="of the page (default: 7000 or next)")
     parser.add_argument(
-        "--html", type=output, metavar="FILE", help="write a page that plays offline, and end"
+        "--port",
+        type=int,
+        metavar="N",
+        help="port of the page (default: the first free one from 7000 on)",
     )
-    parser.add_argument("--video", type=output, metavar="FILE.mp4", help="write a film, and end")
+    parser.add_argument(
+        "--html", type=output_file, metavar="FILE", help="write a page that plays offline, and exit"
+    )
+    parser.add_argument(
+        "--video", type=output_file, metavar="FILE.mp4", help="write a video, and exit"
+    )
     parser.set_defaults(execute=execute)
 
 
 def execute(options: argparse.Namespace) -> int:
-    """Show; returns the exit code."""
+    """Replay; return the exit code."""
     video = Video(options.video) if options.video is not None else None
     run = LoggedRun.read(options.log)
     robot = robot_of(run.sheet, options.robot)
@@ -47,17 +58,20 @@ def execute(options: argparse.Namespace) -> int:
     if options.html is not None or video is not None:
         recording = Recording(robot, boxes=boxes)
         record(run, recording)
-        if options.html is not None:
-            print(f"recording: {recording.save(options.html).resolve()}")
-        if video is not None:
-            with Rendering() as rendering:
-                path = video.render(recording, rendering.show)
-            print(f"video: {path.resolve()}")
+        try:
+            if options.html is not None:
+                print(f"recording: {recording.save(options.html).resolve()}")
+            if video is not None:
+                with RenderingProgress() as progress:
+                    path = video.render(recording, progress.show)
+                print(f"video: {path.resolve()}")
+        except WbcError as error:
+            raise OutputError(str(error)) from error
         return 0
     replay = Replay(robot, run, port=options.port, boxes=boxes, strips=_strips(run))
 
     def ready(url: str) -> None:
-        print(f"{run.title}\nReplay: {url}\nCtrl-C ends", flush=True)
+        print(f"{run.title}\nReplay: {url}\nPress Ctrl-C to stop.", flush=True)
         if options.open:
             webbrowser.open(url)
 

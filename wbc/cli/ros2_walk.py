@@ -7,63 +7,64 @@ import contextlib
 from typing import Any
 
 import wbc
-from wbc.cli.interrupt import interruptible
-from wbc.cli.keepsakes import Keepsakes, add_keepsake_options
-from wbc.cli.parser import FELL, INTERRUPTED, number, seconds, seed
+from wbc.cli.exit_codes import FAILED, INTERRUPTED, SUCCESS
+from wbc.cli.interrupt import graceful_interrupt
+from wbc.cli.parser import number, seconds
 from wbc.cli.progress import ProgressLine
-from wbc.cli.robot_options import add_robot_options, stated
+from wbc.cli.robot_options import add_model_options, add_robot_option, load_arguments
 from wbc.cli.ros2_options import add_verb, network
+from wbc.cli.run_outputs import RunOutputs, add_output_options
+from wbc.cli.simulation import MAX_TILE_EXTENT, add_terrain_options
 from wbc.driving import drive
 from wbc.sim import Flat, Mujoco, Tiles
 
-_DURATION = 3600.0
-_TILES = 12.0  # m
+_DURATION = 3600.0  # s
 
 
 def add_to(verbs: Any) -> None:
     """Add the verb."""
-    parser = add_verb(verbs, "walk", "a robot in MuJoCo that a ROS 2 system sees and drives", _walk)
-    parser.add_argument(
-        "--robot",
-        default="talos",
-        metavar="NAME|FILE",
-        help="a robot's name, or a URDF or robot data file (default: talos)",
-    )
+    parser = add_verb(verbs, "walk", "simulate a robot that a ROS 2 system drives", _walk)
+    add_robot_option(parser)
     parser.add_argument(
         "--rate",
         type=number,
         default=50.0,
         metavar="HZ",
-        help="of /joint_states, 1 to 500 Hz; the node's parameter update_rate (default: 50)",
+        help="rate of /joint_states, 1 to 500 Hz; the node's parameter update_rate (default: 50)",
     )
     parser.add_argument(
-        "--duration", type=seconds, default=_DURATION, metavar="S", help="s (default: an hour)"
+        "--duration",
+        type=seconds,
+        default=_DURATION,
+        metavar="S",
+        help=f"duration, s (default: {_DURATION:g})",
     )
-    parser.add_argument("--terrain", choices=("flat", "tiles"), default="flat", help="see wbc walk")
-    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="see wbc walk")
-    parser.add_argument("--view", action="store_true", help="also show it in the browser")
+    add_terrain_options(parser)
+    parser.add_argument("--view", action="store_true", help="show the robot in the browser")
     parser.add_argument(
-        "--as-fast-as-possible", action="store_true", help="do not wait for the wall clock"
+        "--as-fast-as-possible", action="store_true", help="run faster than real time"
     )
     parser.add_argument(
         "--sim-time",
         action="store_true",
-        help="stamp messages with the time of /clock, for nodes with use_sim_time; "
-        "the node's parameter of that name",
+        help="stamp messages with the time of /clock, for nodes with use_sim_time; the parameter "
+        "use_sim_time of the node",
     )
-    add_keepsake_options(parser)
-    add_robot_options(parser)
+    add_output_options(parser)
+    add_model_options(parser)
 
 
 def _walk(options: argparse.Namespace) -> int:
     from wbc.motions import MotionPlayer
     from wbc.ros.bridge import Bridge
 
-    robot = wbc.load(options.robot, **stated(options))
+    robot = wbc.load(options.robot, **load_arguments(options))
     player = MotionPlayer(robot)
-    terrain = Flat() if options.terrain == "flat" else Tiles(seed=options.seed, extent=_TILES)
+    terrain = (
+        Flat() if options.terrain == "flat" else Tiles(seed=options.seed, extent=MAX_TILE_EXTENT)
+    )
     plant = Mujoco(robot, dt=player.dt, terrain=terrain, seed=options.seed)
-    keepsakes = Keepsakes(options, robot, terrain.boxes())
+    outputs = RunOutputs(options, robot, terrain.boxes())
     with contextlib.ExitStack() as stack:
         viewer = None
         if options.view:
@@ -77,27 +78,30 @@ def _walk(options: argparse.Namespace) -> int:
                 use_sim_time=options.sim_time,
             )
         )
-        logs = keepsakes.logs(stack)
-        print(f"[INFO] [wbc]: {robot.name} stands at your /cmd_vel; Ctrl-C ends", flush=True)
+        logs = outputs.open_logs(stack)
+        print(
+            f"[INFO] [wbc]: {robot.name} is ready; it listens to /cmd_vel. Press Ctrl-C to stop.",
+            flush=True,
+        )
         line = ProgressLine()
         stack.callback(line.close)
-        interrupted = stack.enter_context(interruptible())
+        interrupted = stack.enter_context(graceful_interrupt())
         report = drive(
             bridge,
             player,
             plant,
             options.duration,
             viewer=viewer,
-            recording=keepsakes.recording,
+            recording=outputs.recording,
             log=logs,
             real_time=not options.as_fast_as_possible,
             stop=lambda: bool(interrupted),
             progress=line.show,
-            told=line.note,
+            told=line.print,
         )
     if report is not None:
         print(report.table())
-    keepsakes.finish()
+    outputs.write()
     if interrupted:
         return INTERRUPTED
-    return 0 if report is not None and report.survived else FELL
+    return SUCCESS if report is not None and report.survived else FAILED

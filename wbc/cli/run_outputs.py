@@ -30,7 +30,10 @@ def add_output_options(parser: Any) -> None:
         "--html", type=output_file, metavar="FILE", help="write a 3D recording that opens offline"
     )
     parser.add_argument(
-        "--video", type=output_file, metavar="FILE.mp4", help="write a video, rendered after the run"
+        "--video",
+        type=output_file,
+        metavar="FILE.mp4",
+        help="write a video, rendered after the run",
     )
 
 

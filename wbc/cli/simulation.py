@@ -1,4 +1,4 @@
-"""What all simulated runs share: options, the run in MuJoCo, and its report."""
+"""What the simulated runs share: options, the run in MuJoCo, and its report."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import wbc
-from wbc.cli.interrupt import interruptible
-from wbc.cli.itinerary import Itinerary, Velocity
-from wbc.cli.keepsakes import Keepsakes, add_keepsake_options
-from wbc.cli.parser import FELL, INTERRUPTED, output, push, seconds, seed
+from wbc.cli.exit_codes import FAILED, INTERRUPTED, SUCCESS
+from wbc.cli.interrupt import graceful_interrupt
+from wbc.cli.parser import output_file, push, seconds, seed
 from wbc.cli.progress import ProgressLine
-from wbc.cli.robot_options import add_robot_options, stated
+from wbc.cli.robot_options import add_model_options, add_robot_option, load_arguments
+from wbc.cli.run_outputs import RunOutputs, add_output_options, write_report
+from wbc.cli.velocity_schedule import Velocity, VelocitySchedule
 from wbc.errors import PlantError, WbcError
 from wbc.runtime.loop import StopRun
 from wbc.runtime.protocols import Controller, Recorder
@@ -23,116 +24,126 @@ from wbc.sim import Flat, Mujoco, Terrain, Tiles
 from wbc.trials import RunEvaluator
 from wbc.view import Meshcat
 
-_REACH = 1.5  # m/s: tiles are laid as far as this takes the robot, and a bit
-_FARTHEST = 12.0  # m
+_MAX_SPEED = 1.5  # m/s, by which the extent of the tiles is chosen
+_TILE_MARGIN = 2.0  # m
+MAX_TILE_EXTENT = 12.0  #: m
+
+
+def add_terrain_options(parser: argparse.ArgumentParser) -> None:
+    """Add `--terrain` and `--seed`."""
+    parser.add_argument(
+        "--terrain",
+        choices=("flat", "tiles"),
+        default="flat",
+        help="flat ground, or square tiles of random height up to 30 mm (default: flat)",
+    )
+    parser.add_argument(
+        "--seed",
+        type=seed,
+        default=0,
+        metavar="N",
+        help="random seed of sensor noise and tiles (default: 0)",
+    )
 
 
 def add_options(parser: argparse.ArgumentParser, duration: str) -> None:
-    """The options that every simulated run has."""
-    run = parser.add_argument_group("the run")
-    run.add_argument(
-        "--robot",
-        default="talos",
-        metavar="NAME|FILE",
-        help="a robot's name, or a URDF or robot data file (default: talos)",
+    """Add the options of a simulated run."""
+    add_robot_option(parser)
+    parser.add_argument(
+        "--duration", type=seconds, metavar="S", help=f"duration, s (default: {duration})"
     )
-    run.add_argument("--duration", type=seconds, metavar="S", help=f"s (default: {duration})")
-    run.add_argument(
+    parser.add_argument(
         "--push",
         type=push,
         action="append",
         default=[],
         metavar='"T IX IY IZ"',
-        help="push the torso from T s on, for 0.1 s, with an impulse in N·s, world axes "
-        "(the robot starts heading along x); may be given again",
+        help="push the torso at T s for 0.1 s with an impulse in N·s, in world axes (the robot "
+        "starts heading along x); repeatable",
     )
-    run.add_argument(
-        "--terrain",
-        choices=("flat", "tiles"),
-        default="flat",
-        help="flat, or square tiles of random height up to 30 mm",
-    )
-    run.add_argument(
-        "--seed", type=seed, default=0, metavar="N", help="of sensor noise and tiles (default: 0)"
-    )
-    run.add_argument(
+    add_terrain_options(parser)
+    parser.add_argument(
         "--ground-truth",
         action="store_true",
-        help="give the controller the simulator's exact state instead of an estimate",
+        help="give the controller the exact state of the simulator instead of an estimate",
     )
-    run.add_argument("--solver", metavar="NAME", help="QP solver (default: wbc, the library's own)")
-    run.add_argument("--real-time", action="store_true", help="a second takes a second, not less")
-    run.add_argument("--no-view", action="store_true", help="no view in the browser")
-    run.add_argument("--json", type=output, metavar="FILE", help="also write the report as JSON")
-    add_keepsake_options(run)
-    add_robot_options(parser)
+    parser.add_argument(
+        "--solver", metavar="NAME", help="QP solver (default: the solver of the library)"
+    )
+    parser.add_argument("--real-time", action="store_true", help="run no faster than real time")
+    parser.add_argument("--no-view", action="store_true", help="do not show the run in the browser")
+    parser.add_argument("--json", type=output_file, metavar="FILE", help="write the report as JSON")
+    add_output_options(parser)
+    add_model_options(parser)
 
 
-class Simulation:
-    """A robot and its walker, to be run in MuJoCo as the options say.
+class SimulatedRun:
+    """A robot and its walker, and a run in MuJoCo as requested by the options.
 
     Args:
-        options: parsed, see `add_options`.
+        options: parsed options, see `add_options`.
 
     Attributes:
         robot: the robot.
-        walker: its controller.
+        walker: the walking controller.
 
     Raises:
-        WbcError: bad input; the text says which.
+        WbcError: bad input; the message says which.
     """
 
     def __init__(self, options: argparse.Namespace) -> None:
         self._options = options
-        self.robot = wbc.load(options.robot, **stated(options))
+        self.robot = wbc.load(options.robot, **load_arguments(options))
         self.walker = wbc.Walker(self.robot, solver=options.solver)
 
-    def run(self, itinerary: Itinerary, duration: float) -> int:
-        """Walk along an itinerary, show, report; returns the exit code.
+    def walk(self, schedule: VelocitySchedule, duration: float) -> int:
+        """Walk according to a velocity schedule; see `run`."""
+        return self.run(self.walker, duration, _VelocityCommands(self.walker, schedule))
 
-        Raises:
-            WbcError: bad input.
-        """
-        return self.perform(self.walker, duration, _Helm(self.walker, itinerary))
-
-    def perform(
+    def run(
         self,
         controller: Controller,
         duration: float,
         before_tick: Callable[[float, Mujoco], None],
         evaluator: RunEvaluator | None = None,
-        expected: float | None = None,
+        expected_duration: float | None = None,
     ) -> int:
-        """Run a controller, show, report; returns the exit code.
+        """Run a controller, print the report and write the requested files.
 
         Args:
-            controller: that steps with the walker's period.
-            duration: s, at most.
-            before_tick: called with time and plant before each tick, see `wbc.run`.
-            evaluator: adds its figures to the report.
-            expected: how long it will take as far as is known, s; the duration if left out.
+            controller: a controller with the period of the walker.
+            duration: maximum duration, s.
+            before_tick: called with the time, s, and the plant before each tick.
+            evaluator: extends the report.
+            expected_duration: duration to show in the progress line, s; `duration` by default.
+
+        Returns:
+            The exit code.
 
         Raises:
-            WbcError: bad input.
+            WbcError: bad input, or a file cannot be written.
         """
         options = self._options
         terrain = self._terrain(duration)
         plant = self._plant(terrain, duration)
-        keepsakes = Keepsakes(options, self.robot, terrain.boxes())
+        outputs = RunOutputs(options, self.robot, terrain.boxes())
         with contextlib.ExitStack() as stack:
             viewer = None
             if not options.no_view:
                 viewer = stack.enter_context(Meshcat(self.robot, boxes=terrain.boxes()))
-            logs: list[Recorder] = [*keepsakes.logs(stack)]
+            logs: list[Recorder] = [*outputs.open_logs(stack)]
             if evaluator is not None:
                 logs.append(evaluator)
             line = ProgressLine()
             stack.callback(line.close)
-            interrupted = stack.enter_context(interruptible())
-            stack.enter_context(_clamping_told(line))
+            interrupted = stack.enter_context(graceful_interrupt())
+            stack.enter_context(_clamping_notes(line))
 
             def progress(now: Progress) -> None:
-                line.show(now if expected is None else replace(now, duration=expected))
+                shown = (
+                    now if expected_duration is None else replace(now, duration=expected_duration)
+                )
+                line.show(shown)
                 if interrupted:
                     raise StopRun("interrupted")
 
@@ -144,30 +155,31 @@ class Simulation:
                     duration,
                     estimator=estimator,
                     viewer=viewer,
-                    recording=keepsakes.recording,
+                    recording=outputs.recording,
                     log=logs,
                     real_time=options.real_time,
-                    announce=lambda conditions: line.note(conditions.describe()),
+                    announce=lambda conditions: line.print(conditions.describe()),
                     before_tick=lambda time: before_tick(time, plant),
                     progress=progress,
                 )
             except PlantError as error:
-                line.note(f"the run ended: {error}")
-                return FELL
+                line.print(f"The simulation failed: {error}")
+                return FAILED
         if evaluator is not None:
             report = evaluator.amend(report)
         print(report.table())
-        if options.json is not None:
-            report.save(options.json)
-        keepsakes.finish()
+        with contextlib.ExitStack() as stack:
+            stack.callback(outputs.write)  # even if the report cannot be written
+            write_report(report, options)
         if interrupted:
             return INTERRUPTED
-        return 0 if report.survived and not report.aborted_motions else FELL
+        return SUCCESS if report.survived and not report.aborted_motions else FAILED
 
     def _terrain(self, duration: float) -> Terrain:
         if self._options.terrain == "flat":
             return Flat()
-        return Tiles(seed=self._options.seed, extent=min(_FARTHEST, 2.0 + _REACH * duration))
+        extent = min(MAX_TILE_EXTENT, _TILE_MARGIN + _MAX_SPEED * duration)
+        return Tiles(seed=self._options.seed, extent=extent)
 
     def _plant(self, terrain: Terrain, duration: float) -> Mujoco:
         options = self._options
@@ -185,28 +197,28 @@ class Simulation:
         return plant
 
 
-class _Helm:
-    """Steers a walker along an itinerary; a velocity is set once, not at every tick."""
+class _VelocityCommands:
+    """Sets the velocity of a walker according to a schedule, when it changes."""
 
-    def __init__(self, walker: wbc.Walker, itinerary: Itinerary) -> None:
+    def __init__(self, walker: wbc.Walker, schedule: VelocitySchedule) -> None:
         self._walker = walker
-        self._itinerary = itinerary
+        self._schedule = schedule
         self._velocity: Velocity | None = None
 
     def __call__(self, time: float, plant: Mujoco) -> None:
-        velocity = self._itinerary.velocity(time)
+        velocity = self._schedule.velocity(time)
         if velocity != self._velocity:
             self._velocity = self._walker.velocity = velocity
 
 
 @contextlib.contextmanager
-def _clamping_told(line: ProgressLine) -> Iterator[None]:
-    """A velocity command that is clamped is told in one line."""
+def _clamping_notes(line: ProgressLine) -> Iterator[None]:
+    """Print each warning about a clamped velocity command as one line."""
 
-    def tell(message: Warning | str, *_: object, **__: object) -> None:
-        line.note(f"note: {message}")
+    def show(message: Warning | str, *_: object, **__: object) -> None:
+        line.print(f"note: {message}")
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", wbc.VelocityClamped)
-        warnings.showwarning = tell
+        warnings.showwarning = show
         yield

@@ -6,22 +6,24 @@ import argparse
 from typing import Any
 
 from wbc.cli import simulation
-from wbc.cli.itinerary import Itinerary
+from wbc.cli.velocity_schedule import VelocitySchedule
 
-_DURATION = 5.0
+_DURATION = 5.0  # s
 
 
 def add_to(subcommands: Any) -> None:
     """Add the subcommand."""
     parser = subcommands.add_parser(
         "stand",
-        help="stand in MuJoCo, perhaps against pushes",
-        description="A robot stands in MuJoCo under torque control, and a report says how.",
+        help="stand in MuJoCo, with pushes if you like",
+        description="Simulates a standing robot in MuJoCo under torque control and prints a "
+        "report.",
     )
     simulation.add_options(parser, f"{_DURATION:g}")
     parser.set_defaults(execute=execute)
 
 
 def execute(options: argparse.Namespace) -> int:
-    """Stand; returns the exit code."""
-    return simulation.Simulation(options).run(Itinerary(()), options.duration or _DURATION)
+    """Stand; return the exit code."""
+    run = simulation.SimulatedRun(options)
+    return run.walk(VelocitySchedule(()), options.duration or _DURATION)
