@@ -30,7 +30,7 @@ from wbc.trials import Scenario, circle, forward, run_scenario, sideways, stop_a
 
 SCENARIOS: dict[str, list[Scenario]] = {
     "talos": [
-        forward(10.0, 0.53, cruise=0.5),
+        forward(10.0, 0.53, min_cruise_speed=0.5),
         sideways(2.0, 0.15),
         turn(180.0, 0.3),
         circle(1.0, 0.25),
@@ -38,18 +38,18 @@ SCENARIOS: dict[str, list[Scenario]] = {
         stop_and_stand(0.5),
     ],
     "g1": [
-        forward(10.0, 0.39, cruise=0.35),
+        forward(10.0, 0.39, min_cruise_speed=0.35),
         turn(90.0, 0.3),
         sideways(1.0, 0.1),
         stop_and_stand(0.35),
     ],
     "simple_humanoid": [
-        forward(10.0, 0.43, cruise=0.4),
+        forward(10.0, 0.43, min_cruise_speed=0.4),
         turn(90.0, 0.3),
         sideways(1.0, 0.1),
         stop_and_stand(0.4),
     ],
-    "romeo": [forward(10.0, 0.22, cruise=0.2), stop_and_stand(0.2)],
+    "romeo": [forward(10.0, 0.22, min_cruise_speed=0.2), stop_and_stand(0.2)],
 }
 
 
@@ -87,7 +87,7 @@ def main() -> int:
             fate = report.fell_why or (report.explanation[:80] if report.qp_failures else "")
             print(
                 f"{mark} {name:16} {scenario.name:28} seed {seed}  "
-                f"{scenario.measure(report):7.2f} {scenario.unit}  {fate}",
+                f"{scenario.metric(report):7.2f} {scenario.unit}  {fate}",
                 file=sys.stderr,
                 flush=True,
             )
@@ -112,7 +112,7 @@ def main() -> int:
 
 
 def table(results: dict[tuple[str, int], list[wbc.Report]]) -> str:
-    """A Markdown table, one row per robot and scenario."""
+    """Return a Markdown table with one row per robot and scenario."""
     lines = [
         "| robot | scenario | passed | reached (worst) | cruise, m/s | DCM error, mm rms | "
         "peak torque | beyond joint limits, rad | QP failures | tick, µs (p50 / p99) | "
@@ -126,7 +126,7 @@ def table(results: dict[tuple[str, int], list[wbc.Report]]) -> str:
         def median(key: str, of: list[wbc.Report] = reports) -> float:
             return statistics.median(getattr(r, key) for r in of)
 
-        worst = min(scenario.measure(r) for r in reports)
+        worst = min(scenario.metric(r) for r in reports)
         lines.append(
             f"| {name} | {scenario.name} | {passed}/{len(reports)} | {worst:.2f} {scenario.unit} | "
             f"{median('cruise_speed_m_s'):.2f} | {median('dcm_error_rms_mm'):.1f} | "

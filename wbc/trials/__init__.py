@@ -3,7 +3,7 @@
 from wbc.trials.evaluator import RunEvaluator
 from wbc.trials.motion_trial import MotionRunner, run_motions
 from wbc.trials.scenario import Scenario, circle, forward, sideways, stop_and_stand, turn
-from wbc.trials.trial import run_scenario
+from wbc.trials.walking_trial import run_scenario
 
 __all__ = [
     "MotionRunner",

@@ -1,4 +1,4 @@
-"""Compares what a controller intends with what is true: for reports, never for control."""
+"""Compares a controller's reference with the true state: for reports, never for control."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from wbc.runtime.tick import Tick
 from wbc.state import State
 from wbc.trials.flight import FlightDetector
 
-_REACHED = 0.01  # m
-_LOADED = 0.05  # share of the weight that the command puts on a sole that stands
+_REACHED = 0.01  # m; a target that was missed by less has been reached
+_LOADED = 0.05  # share of the weight that the command puts on a sole in contact
 
 
 class RunEvaluator:
-    """A recorder of a run that knows the truth; `amend` adds its figures to the report.
+    """A recorder that compares a run with the true state; `amend` adds its figures to the report.
 
-    The CoM and the targets are compared relative to the true soles, so that an estimate that
-    has drifted over the ground counts for nothing; tilt and height count.
+    CoM and targets are compared relative to the true soles and their heading. Horizontal drift of
+    the estimate therefore does not count as an error; tilt and height do.
     """
 
     def begin(self, controller: Controller, plant: Plant) -> None:
         """See `wbc.runtime.protocols.Recorder`."""
         self._robot: Robot = plant.robot
         self._data = plant.robot.model.createData()
-        self._performer = controller if isinstance(controller, MotionPlayer) else None
+        self._player = controller if isinstance(controller, MotionPlayer) else None
         self._flights = FlightDetector(plant.robot)
-        self._squares, self._ticks = 0.0, 0
+        self._square_sum, self._ticks = 0.0, 0
         self._slip = 0.0
         self._anchors: dict[str, np.ndarray] = {}
         self._errors: dict[tuple[str, int], float] = {}
@@ -43,26 +43,26 @@ class RunEvaluator:
         if tick.truth is None:
             return
         self._flights.record(tick)
-        self._move(tick.truth)
+        self._update_kinematics(tick.truth)
         for sole in self._robot.soles:
             wrench = tick.command.wrenches.get(sole.name)
             if wrench is None or wrench[2] < _LOADED * self._robot.weight:
                 self._anchors.pop(sole.name, None)
                 continue
-            place = self._place(sole.name)[:2]
-            anchor = self._anchors.setdefault(sole.name, place)
-            self._slip = max(self._slip, math.hypot(*(place - anchor)))
-        if self._performer is not None:
-            self._compare(self._performer.reference)
+            position = self._position(sole.name)[:2]
+            anchor = self._anchors.setdefault(sole.name, position)
+            self._slip = max(self._slip, math.hypot(*(position - anchor)))
+        if self._player is not None:
+            self._compare(self._player.reference)
 
     def end(self, report: Report) -> None:
         """See `wbc.runtime.protocols.Recorder`."""
 
     def amend(self, report: Report) -> Report:
-        """The report with what was found."""
+        """Return the report with CoM error, foot slip, targets, notes and flights added."""
         errors = [1e3 * e for e in self._errors.values()]
-        rms = 1e3 * math.sqrt(self._squares / self._ticks) if self._ticks else None
-        player = self._performer
+        rms = 1e3 * math.sqrt(self._square_sum / self._ticks) if self._ticks else None
+        player = self._player
         return replace(
             report,
             com_error_rms_mm=rms,
@@ -76,31 +76,31 @@ class RunEvaluator:
         )
 
     def _compare(self, reference: MotionReference) -> None:
-        left, right = (self._place(sole.name) for sole in self._robot.soles)
+        left, right = (self._position(sole.name) for sole in self._robot.soles)
         heading = self._heading()
         if reference.com is not None:
             origin = right + reference.weight_shift * (left - right)
             error = heading.T @ (self._data.com[0] - origin) - reference.com
-            self._squares += float(error @ error)
+            self._square_sum += float(error @ error)
             self._ticks += 1
-        for target in reference.targets:  # the last tick of each target stays
-            place = heading.T @ (self._place(target.frame) - 0.5 * (left + right))
-            error = float(np.linalg.norm(place - target.place))
+        for target in reference.targets:  # the error at the last tick of each target counts
+            position = heading.T @ (self._position(target.frame) - 0.5 * (left + right))
+            error = float(np.linalg.norm(position - target.place))
             self._errors[target.frame, target.number] = error
 
-    def _move(self, truth: State) -> None:
+    def _update_kinematics(self, truth: State) -> None:
         model, data = self._robot.model, self._data
         pin.centerOfMass(model, data, truth.q)  # also the forward kinematics
 
-    def _pose(self, frame: str) -> pin.SE3:
+    def _placement(self, frame: str) -> pin.SE3:
         frame_id = self._robot.frame_id(frame)
         return pin.updateFramePlacement(self._robot.model, self._data, frame_id)
 
-    def _place(self, frame: str) -> np.ndarray:
-        return np.array(self._pose(frame).translation)
+    def _position(self, frame: str) -> np.ndarray:
+        return np.array(self._placement(frame).translation)
 
     def _heading(self) -> np.ndarray:
-        axes = [self._pose(sole.name).rotation[:2, 0] for sole in self._robot.soles]
+        axes = [self._placement(sole.name).rotation[:2, 0] for sole in self._robot.soles]
         x, y = axes[0] + axes[1]
         angle = math.atan2(y, x)
         c, s = math.cos(angle), math.sin(angle)

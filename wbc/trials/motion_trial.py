@@ -1,4 +1,4 @@
-"""One motion, one robot, one seed."""
+"""Seeded trials of motions in physics."""
 
 from __future__ import annotations
 
@@ -12,43 +12,42 @@ from wbc.runtime.report import Report
 from wbc.sim import Mujoco
 from wbc.trials.evaluator import RunEvaluator
 
-_LAST = 1.0  # s of standing after, in which it may still fall
+_STANDING = 1.0  # s of standing after the last motion, in which the robot may still fall
 
 
 class MotionRunner:
-    """What a player needs around it in a simulation; called before each tick.
+    """Applies the pushes that motions request, and ends the run; called before each tick.
 
-    Grants the pushes that a motion asks for, and ends the run when the player has been
-    standing idle for a second.
+    The run ends when the player has been idle for one second.
 
     Args:
-        player: the player.
-        at_most: s until everything has to be done.
+        player: the motion player.
+        time_limit: time by which all motions must have ended, s.
     """
 
-    def __init__(self, player: MotionPlayer, at_most: float = math.inf) -> None:
-        self._performer = player
-        self._at_most = at_most
-        self._since: float | None = None
+    def __init__(self, player: MotionPlayer, time_limit: float = math.inf) -> None:
+        self._player = player
+        self._time_limit = time_limit
+        self._idle_since: float | None = None
 
     def __call__(self, time: float, plant: Mujoco) -> None:
-        """Look after it.
+        """Apply requested pushes before the tick at `time` (s).
 
         Raises:
-            RunComplete: everything is done.
-            StopRun: it should have been by now.
+            RunComplete: all motions have ended.
+            StopRun: they have not ended within the time limit.
         """
-        if time >= self._at_most:
-            playing = self._performer.playing
-            what = "it" if playing is None else f"'{playing.name}'"
-            raise StopRun(f"{what} is not over after {self._at_most:g} s")
-        for impulse in self._performer.pop_pushes():
+        if time >= self._time_limit:
+            playing = self._player.playing
+            what = "the run" if playing is None else f"'{playing.name}'"
+            raise StopRun(f"{what} has not ended after {self._time_limit:g} s")
+        for impulse in self._player.pop_pushes():
             plant.push(impulse)
-        if not self._performer.idle:
-            self._since = None
-        elif self._since is None:
-            self._since = time
-        elif time - self._since >= _LAST:
+        if not self._player.idle:
+            self._idle_since = None
+        elif self._idle_since is None:
+            self._idle_since = time
+        elif time - self._idle_since >= _STANDING:
             raise RunComplete
 
 
@@ -57,23 +56,23 @@ def run_motions(
     motions: Sequence[Motion],
     seed: int = 0,
     *,
-    at_most: float = 600.0,
+    time_limit: float = 600.0,
     before_tick: Callable[[float, MotionPlayer, Mujoco], None] | None = None,
 ) -> Report:
     """Play motions in MuJoCo with noisy sensors and the estimator, and compare with the truth.
 
     Args:
         robot: the robot.
-        motions: one after the other.
+        motions: played one after the other.
         seed: of the sensor noise.
-        at_most: s; what is not over by then has not survived.
-        before_tick: called with time, player and plant, e.g. to push.
+        time_limit: time by which all motions must have ended, s; later counts as not survived.
+        before_tick: called with time (s), player and plant before each tick, e.g. to push.
 
     Raises:
-        MotionError: the robot cannot do one of them.
+        MotionError: the robot cannot perform one of the motions.
     """
     player = MotionPlayer(robot, motions=motions)
-    evaluator, runner = RunEvaluator(), MotionRunner(player, at_most)
+    evaluator, runner = RunEvaluator(), MotionRunner(player, time_limit)
     with Mujoco(robot, dt=player.dt, seed=seed) as plant:
 
         def tick(time: float) -> None:
@@ -81,5 +80,5 @@ def run_motions(
                 before_tick(time, player, plant)
             runner(time, plant)
 
-        report = run(player, plant, at_most + 1.0, log=evaluator, before_tick=tick)
+        report = run(player, plant, time_limit + 1.0, log=evaluator, before_tick=tick)
     return evaluator.amend(report)

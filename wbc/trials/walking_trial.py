@@ -1,4 +1,4 @@
-"""One scenario, one robot, one seed."""
+"""Seeded trials of walking scenarios in physics."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def run_scenario(
 
     Args:
         robot: the robot.
-        scenario: what it has to do.
+        scenario: the walk and what counts as success.
         seed: of the sensor noise.
-        walker: `Walker(robot)` when left out.
-        estimator: the filter on what the sensors deliver when left out; a
+        walker: its controller; `Walker(robot)` by default.
+        estimator: its state estimator; by default the filter on noisy sensors. A
             `GroundTruthEstimator` gets the exact state.
-        start: where it starts; standing at the origin when left out.
+        start: initial state; by default the robot stands at the origin.
     """
     walker = walker or Walker(robot)
 
