@@ -4,7 +4,7 @@ A page without a picture moves a slider of a robot that stands in a real-time ru
 Measured from the message: until the loop begins the tick that takes it, until that tick's command
 is there, and until the first frame of that tick or later reaches a page. That the command is
 another one is checked against the same run without the message: physics repeat.
-Then what the loop pays per tick: looking for requests, and showing itself; and the worst tick
+Then what the loop pays per tick: looking for commands, and showing itself; and the worst tick
 from the moment on in which each motion is asked for.
 """
 
@@ -25,15 +25,15 @@ from typing import Any
 import numpy as np
 
 import wbc
-from wbc.errors import MotionError
 from wbc.live import Live
-from wbc.live.helm import Helm
-from wbc.live.panel import Kind
-from wbc.motions import MOTIONS, MotionPlayer, pack
+from wbc.motions import MOTIONS, MotionPlayer
+from wbc.runtime.clock import Clock
+from wbc.runtime.mode import Mode
 from wbc.runtime.real_time import RealTime, punctual
 from wbc.runtime.report import Report
 from wbc.runtime.tick import Tick
 from wbc.sim import Mujoco
+from wbc.teleop import Acknowledgement, CommandClient, CommandHandler, MotionCommand
 
 Row = dict[str, float | str]
 _SETTLE = 0.3  # s of standing before the message
@@ -84,8 +84,10 @@ class Page(threading.Thread):
 class Watch:
     """Notes when each tick began and when its command was there."""
 
-    def __init__(self, live: Live) -> None:
-        self._live = live
+    def __init__(self, handler: CommandHandler) -> None:
+        self._handler = handler
+        self._taken = 0
+        handler.add_observer(self._count)
         self.began: list[float] = []
         self.ended: list[float] = []
         self.taken: list[int] = []
@@ -96,10 +98,13 @@ class Watch:
         """See `wbc.runtime.protocols.Recorder`."""
 
     def before_tick(self, now: float) -> None:
-        """Let the page's requests in."""
-        self._live.helm(now)
+        """Let the page's commands in."""
+        self._handler.before_tick(now)
         self.began.append(time.perf_counter())
-        self.taken.append(self._live.helm.taken)
+        self.taken.append(self._taken)
+
+    def _count(self, *_: object) -> None:
+        self._taken += 1
 
     def record(self, tick: Tick, controller: object) -> None:
         """Note the command."""
@@ -111,11 +116,13 @@ class Watch:
         """See `wbc.runtime.protocols.Recorder`."""
 
 
-def stand(live: Live, player: MotionPlayer, plant: Mujoco, seconds: float) -> Watch:
+def stand(live: Live, handler: CommandHandler, seconds: float) -> Watch:
     """A real-time run from the start."""
-    watch = Watch(live)
-    plant.reset()
-    wbc.run(player, plant, seconds, log=(watch, live), before_tick=watch.before_tick)
+    watch = Watch(handler)
+    handler.plant.reset()
+    handler.begin()
+    logs = (watch, live)
+    wbc.run(handler.player, handler.plant, seconds, log=logs, before_tick=watch.before_tick)
     return watch
 
 
@@ -130,11 +137,16 @@ def slider(robot: wbc.Robot, repeats: int) -> tuple[list[Row], dict[str, list[fl
     player = MotionPlayer(robot)
     plant = Mujoco(robot, dt=player.dt)
     seconds = _SETTLE + 0.5
-    with Live(player, plant, port=0, announce=False) as live, punctual(RealTime()):
+    with (
+        CommandHandler(player, plant) as handler,
+        Live(handler, port=0, announce=False) as live,
+        punctual(RealTime()),
+    ):
         page = Page(live.url)
-        quiet = stand(live, player, plant, seconds)
+        quiet = stand(live, handler, seconds)
         while not page.ready.is_set():
-            live.helm.lie()
+            live.idle(Mode.PAUSED)
+            time.sleep(0.01)
         for k in range(repeats):
             sent: list[float] = []
 
@@ -146,7 +158,7 @@ def slider(robot: wbc.Robot, repeats: int) -> tuple[list[Row], dict[str, list[fl
             wait = _SETTLE + float(rng.uniform(0.0, 0.05))
             timer = threading.Timer(wait, move, [0.1 + 1e-4 * k])
             timer.start()
-            watch = stand(live, player, plant, seconds)
+            watch = stand(live, handler, seconds)
             timer.join()
             took = int(np.argmax(np.array(watch.taken) > watch.taken[0]))
             differs = [
@@ -222,8 +234,11 @@ def cost(robot: wbc.Robot, ticks: int) -> list[Row]:
     plant = Mujoco(robot, dt=player.dt)
     looking: list[float] = []
     showing: list[float] = []
-    with Live(player, plant, port=0, announce=False) as live:
-        helm = live.helm
+    with (
+        CommandHandler(player, plant, owns_clock=False) as handler,
+        Live(handler, port=0, announce=False) as live,
+    ):
+        clock = Clock(player.dt, ticks)
 
         class Timed:
             def begin(self, controller: Any, plant: Any) -> None:
@@ -238,36 +253,42 @@ def cost(robot: wbc.Robot, ticks: int) -> list[Row]:
                 live.end(report)
 
         def before_tick(now: float) -> None:
-            helm._clock.wait()
+            clock.wait()
             start = time.thread_time_ns()
-            helm._take()
-            helm._steer()
+            handler.before_tick(now)
             looking.append(1e-3 * (time.thread_time_ns() - start))
 
         player.velocity = (0.1, 0.0, 0.0)
         wbc.run(player, plant, ticks * player.dt, log=Timed(), before_tick=before_tick)
     rows: list[Row] = []
-    for what, values in (("looking for requests", looking), ("showing a tick", showing)):
+    for what, values in (("looking for commands", looking), ("showing a tick", showing)):
         p50, p99, mean = *np.percentile(values, [50, 99]), np.mean(values)
         rows.append({"what": what, "unit": "µs", "p50": p50, "p99": p99, "mean": mean})
     return rows
 
 
 def starts(robot: wbc.Robot, seconds: float) -> list[Row]:
-    """CPU time of the worst tick after each motion was asked for, ms: helm and controller."""
+    """CPU time of the worst tick after each motion command, ms: command handler and controller."""
     rows: list[Row] = []
     for kind in MOTIONS:
-        try:
-            packed = pack(kind(), robot)  # as the page's process does it
-        except MotionError as error:
-            print(f"left out: {error}")
-            continue
         player = MotionPlayer(robot)
         plant = Mujoco(robot, dt=player.dt)
-        helm = Helm(player, plant, MOTIONS, lambda: None)
+        handler = CommandHandler(player, plant, owns_clock=False)
+        client = CommandClient(robot, handler.open_channel().config, "benchmark")
+        client.start_planning()
+        client.send(MotionCommand(kind()))  # as the page's process does it
+        refusals: list[Acknowledgement] = []
+        while client.planning is not None:
+            refusals += client.poll()
+            time.sleep(0.01)
+        refusals += client.poll()
+        if refusals:
+            print(f"left out: {refusals[0].reason}")
+            continue
         spent: list[float] = []
         asked = player.dt * round(1.0 / player.dt)
         step = player.step
+        clock = Clock(player.dt, 1)
 
         def timed_step(*arguments: Any, step: Any = step, spent: list[float] = spent) -> Any:
             start = time.thread_time_ns()
@@ -277,18 +298,15 @@ def starts(robot: wbc.Robot, seconds: float) -> list[Row]:
 
         def before_tick(
             now: float,
-            helm: Helm = helm,
+            handler: CommandHandler = handler,
             spent: list[float] = spent,
-            packed: bytes = packed,
             asked: float = asked,
+            clock: Clock = clock,
         ) -> None:
-            if abs(now - asked) < 1e-9:
-                helm.requests.begin()[:] = (Kind.MOTION, helm.shelf.write(packed), len(packed))
-                helm.requests.publish()
-            helm._clock.wait()
+            clock.wait()
             start = time.thread_time_ns()
-            helm._take()
-            helm._steer()
+            if now > asked - 1e-9:
+                handler.before_tick(now)
             spent.append(1e-6 * (time.thread_time_ns() - start))
 
         player.step = timed_step  # type: ignore[method-assign]

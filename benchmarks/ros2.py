@@ -3,7 +3,7 @@
 - publishing: CPU time per message in the thread that publishes and in the whole process (DDS has
   threads of its own), with a subscriber in another process. "Anew" encodes a message object each
   time, "template" fills numbers into bytes that were laid out once, as the robot's node does.
-- the loop: what a tick pays for its copy into shared memory and for its look at the orders, at
+- the loop: what a tick pays for its copy into shared memory and for its look for commands, at
   500 Hz, with the robot's node publishing everything.
 - the way: latency from the stamp in one process to the callback in another, and loss, of joint
   states at 500 Hz on the loopback interface.
@@ -30,6 +30,7 @@ from wbc.ros import Network, Node, QoSProfile
 from wbc.ros.bridge import Bridge
 from wbc.ros.bridge.transforms import MovingLinks, links
 from wbc.runtime.tick import Tick
+from wbc.teleop import CommandHandler
 
 Row = dict[str, float | str]
 JOINTS = 32
@@ -115,8 +116,12 @@ def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
     measurement, estimate = plant.measure(), wbc.Estimate(robot.standing())
     command = player.step(estimate)
     number = int(RATE * seconds)
-    records, helms, both = (np.zeros(number) for _ in range(3))
-    with Bridge(player, plant, network=Network(domain)) as bridge:
+    records, commands, both = (np.zeros(number) for _ in range(3))
+    with (
+        CommandHandler(player, plant, owns_clock=False) as handler,
+        Bridge(handler, network=Network(domain)) as bridge,
+    ):
+        handler.begin()
         bridge.begin(player, plant)
         tick = Tick(0.0, measurement, estimate, command, None, 1e-4, 2e-4)
         due = time.perf_counter()
@@ -127,17 +132,21 @@ def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
             while time.perf_counter() < due:
                 time.sleep(max(due - time.perf_counter() - 3e-4, 0.0))
             start = time.thread_time_ns()
-            bridge.helm(0.0)
+            handler.before_tick(0.0)
             middle = time.thread_time_ns()
             bridge.record(tick, player)
             end = time.thread_time_ns()
-            helms[i], records[i], both[i] = middle - start, end - middle, end - start
+            commands[i], records[i], both[i] = middle - start, end - middle, end - start
         gc.enable()
     moving = MovingLinks([link for link in links(robot) if link.joint is not None])
     kinematics = each("tf", lambda: moving.at(estimate.state.q[7:]), 2000)["tf_us"]
     rows = [
         {"what": what, **spread(1e-3 * values)}
-        for what, values in (("helm", helms), ("record", records), ("both", both))
+        for what, values in (
+            ("looking for commands", commands),
+            ("record", records),
+            ("both", both),
+        )
     ]
     rows.append({"what": "all links for tf, in the node's process", "p50_us": kinematics})
     return rows

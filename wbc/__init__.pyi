@@ -1,7 +1,6 @@
 """The public names of `wbc`, each once: type checkers and `wbc/__init__.py` read this list."""
 
 from . import contacts as contacts
-from . import driving as driving
 from . import errors as errors
 from . import estimation as estimation
 from . import gait as gait
@@ -15,6 +14,7 @@ from . import robot as robot
 from . import ros as ros
 from . import sim as sim
 from . import tasks as tasks
+from . import teleop as teleop
 from . import trials as trials
 from . import view as view
 from . import walking as walking

@@ -223,11 +223,16 @@ def log(loop: ObservedLoop) -> Iterator[AttachedObserver]:
 def _ros(loop: ObservedLoop, name: str, domain: int, rate: float) -> Iterator[AttachedObserver]:
     from wbc.ros import Network
     from wbc.ros.bridge import Bridge
+    from wbc.teleop import CommandHandler
 
     network = Network(domain)
-    with Bridge(loop.controller, loop.plant, network=network, update_rate=rate) as bridge:
+    with (
+        CommandHandler(loop.controller, loop.plant, owns_clock=False) as handler,
+        Bridge(handler, network=network, update_rate=rate) as bridge,
+    ):
         with connected_client("ros", str(domain)) as client:
-            yield AttachedObserver((bridge.pid, client.pid), bridge, before_tick=bridge.helm)
+            processes = (bridge.pid, client.pid)
+            yield AttachedObserver(processes, bridge, before_tick=handler.before_tick)
         for topic, reached in client.rates.items():
             loop.figures[f"{name}: {topic} at a node, Hz"] = reached
 
@@ -248,12 +253,16 @@ def fast_ros(loop: ObservedLoop) -> Iterator[AttachedObserver]:
 def live(loop: ObservedLoop) -> Iterator[AttachedObserver]:
     """Attach the live page, once its process has planned its motions."""
     from wbc.live import Live
+    from wbc.teleop import CommandHandler
 
-    with Live(loop.controller, loop.plant, port=0, announce=False) as page:
+    with (
+        CommandHandler(loop.controller, loop.plant) as handler,
+        Live(handler, port=0, announce=False) as page,
+    ):
         with connected_client("live", page.url) as client:
             _settled(page.pid)
             yield AttachedObserver(
-                (page.pid, client.pid), page, before_tick=page.helm, owns_clock=True
+                (page.pid, client.pid), page, before_tick=handler.before_tick, owns_clock=True
             )
         loop.figures["live page: frames at a page, Hz"] = client.rates.get("frames", 0.0)
 

@@ -17,9 +17,12 @@ options = parser.parse_args()
 robot = wbc.load(options.robot)
 player = MotionPlayer(robot)
 
-with wbc.sim.Mujoco(robot) as plant, Bridge(player, plant) as bridge:
-    report = wbc.run(
-        player, plant, options.duration, log=bridge, before_tick=bridge.helm, real_time=True
-    )
+with (
+    wbc.sim.Mujoco(robot) as plant,
+    wbc.teleop.CommandHandler(player, plant) as handler,
+    Bridge(handler) as bridge,
+):
+    report = wbc.teleop.run(handler, options.duration, clients=[bridge])
 
+assert report is not None
 print(report.table())

@@ -7,7 +7,6 @@ import os
 import re
 import signal
 import time
-from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
@@ -21,13 +20,12 @@ from wbc.process import RecordRing
 from wbc.ros import Network, QoSProfile
 from wbc.ros.actions import ActionClient, GoalStatus
 from wbc.ros.bridge import Bridge
-from wbc.ros.bridge.helm import Helm
 from wbc.ros.bridge.layout import Layout, Sample
-from wbc.ros.bridge.mailbox import Mailbox, Orders
-from wbc.ros.bridge.walk_to import TYPE
+from wbc.ros.bridge.navigate_to_pose import TYPE
 from wbc.ros.parameters import ParameterType
 from wbc.ros.qos import LATCHED, ROSOUT, TF
-from wbc.runtime.loop import StopRun
+from wbc.runtime.mode import Mode
+from wbc.teleop import CommandHandler
 
 pytest.importorskip("cyclonedds")
 pytest.importorskip("mujoco")
@@ -422,7 +420,7 @@ def test_what_it_says_is_on_rosout_for_who_comes_late_too(hear, velocity):
     velocity.publish(bad)
     for come in (lambda: early, lambda: hear("rcl_interfaces/msg/Log", "/rosout", ROSOUT)):
         said = come().wait(lambda m: "cmd_vel" in m.msg and "inf" in m.msg)
-        assert (said.level, said.name, said.file) == (30, "wbc", "steering.py")
+        assert (said.level, said.name, said.file) == (30, "wbc", "cmd_vel.py")
         assert said.function
         assert said.line > 0
         assert seconds(said.stamp) == pytest.approx(time.time(), abs=60.0)
@@ -455,7 +453,11 @@ def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
     player = MotionPlayer(robot)
     plant = wbc.sim.Mujoco(robot)
     domain = new_domain()
-    with Bridge(player, plant, network=Network(domain)) as bridge, node("d", domain) as driver:
+    with (
+        CommandHandler(player, plant, owns_clock=False) as handler,
+        Bridge(handler, network=Network(domain)) as bridge,
+        node("d", domain) as driver,
+    ):
         velocity = driver.create_publisher(Twist.type_name, "cmd_vel")
         assert driver.spin_until(lambda: velocity.get_subscription_count() > 0, PATIENCE)
         command = Twist()
@@ -468,7 +470,7 @@ def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
                 velocity.publish(command)
             if 0.7 <= now < 0.7 + 1.5 * player.dt and bridge.alive:
                 os.kill(bridge.pid, signal.SIGKILL)
-            bridge.helm(now)
+            handler.before_tick(now)
             wanted.append(player.velocity[0])
             ticks.extend(Sample.of(layout, record) for record in reader.read())
 
@@ -479,7 +481,7 @@ def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
         assert max(wanted) == pytest.approx(0.2)
         assert wanted[-1] == 0.0
         assert not bridge.alive
-        bridge.lie()  # with what it had not told yet
+        bridge.idle(Mode.FALLEN)  # with what it had not told yet
         ticks.extend(Sample.of(layout, record) for record in reader.read())
     assert report.survived
     # At 50 Hz it is shown 100 ticks per second, and told of every one how it went.
@@ -495,163 +497,6 @@ def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
         assert abs(np.linalg.norm(tick.q[3:7]) - 1.0) < 1e-6
 
 
-def test_orders_reach_the_loop_whole():
-    mailbox = Mailbox(3)
-    other = Mailbox(3, os.dup(mailbox.descriptor))
-    assert np.isnan(mailbox.look().joints).all()
-    orders = Orders(
-        joints=np.array([1.0, np.nan, 3.0]),
-        velocity=(0.1, 0.2, 0.3),
-        velocity_until=5.0,
-        arrival=6.0,
-        joint_speed=7.0,
-        pushes=8,
-        impulse=(9.0, 10.0, 11.0),
-        push_duration=12.0,
-        resets=13,
-    )
-    other.post(orders)
-    seen = mailbox.look()
-    assert np.array_equal(seen.joints, orders.joints, equal_nan=True)
-    assert {**vars(seen), "joints": 0} == {**vars(orders), "joints": 0}
-    assert mailbox.look() is seen
-
-
-class Pushed:
-    """A plant that only counts pushes."""
-
-    def __init__(self):
-        self.pushes = []
-
-    def push(self, impulse, *, duration):
-        self.pushes.append((impulse.tolist(), duration))
-
-
-@pytest.fixture
-def helm(robot):
-    mailbox, player, plant = Mailbox(robot.na), MotionPlayer(robot), Pushed()
-    made = Helm(mailbox, player, plant)
-    made.begin()
-    made(0.0)
-    yield made, mailbox, player, plant
-    made.close()
-
-
-def test_a_velocity_lasts_as_long_as_it_says(helm, robot, monkeypatch):
-    steer, mailbox, player, _ = helm
-    orders = Orders.none(robot.na)
-    orders.velocity, orders.velocity_until = (0.1, 0.0, 0.0), 5.0
-    mailbox.post(orders)
-    now = 4.99
-    monkeypatch.setattr("wbc.ros.bridge.helm.time", SimpleNamespace(monotonic=lambda: now))
-    steer(0.0)
-    assert player.velocity == (0.1, 0.0, 0.0)
-    now = 5.01
-    steer(0.0)
-    assert player.velocity == (0.0, 0.0, 0.0)
-
-
-def test_a_velocity_of_before_a_reset_is_forgotten(helm, robot):
-    steer, mailbox, player, _ = helm
-    orders = Orders.none(robot.na)
-    orders.velocity, orders.velocity_until = (0.1, 0.0, 0.0), time.monotonic() + 100.0
-    mailbox.post(orders)
-    steer.begin()
-    orders.pushes = 1  # something else is asked for meanwhile
-    mailbox.post(orders)
-    for _ in range(2):
-        steer(0.0)
-        assert player.velocity == (0.0, 0.0, 0.0)
-    orders.velocity_until += 1.0
-    mailbox.post(orders)
-    steer(0.0)
-    assert player.velocity == (0.1, 0.0, 0.0)
-
-
-def test_a_stick_that_is_pushed_and_let_go_at_random_makes_nobody_fall(robot):
-    player, plant = MotionPlayer(robot), wbc.sim.Mujoco(robot)
-    mailbox = Mailbox(robot.na)
-    steer = Helm(mailbox, player, plant)
-    steer.begin()
-    orders, rng, due = Orders.none(robot.na), np.random.default_rng(2), 0.3
-
-    def before_tick(now):
-        nonlocal due
-        if now >= due:
-            orders.velocity = (0.2 * float(rng.integers(2)), 0.0, 0.0)
-            orders.velocity_until = time.monotonic() + 100.0
-            mailbox.post(orders)
-            due = now + rng.uniform(0.02, 0.5)
-        steer(now)
-
-    report = wbc.run(player, plant, 7.0, before_tick=before_tick)
-    assert report.survived, report.fell_why
-    assert report.steps > 2
-
-
-def test_joints_move_no_faster_than_they_may_and_arrive(helm, robot):
-    steer, mailbox, player, _ = helm
-    elbow, posture = robot.joint_index("left_elbow"), player.context.posture
-    start = posture.value.copy()
-    orders = Orders.none(robot.na)
-    orders.joints[elbow] = start[elbow] + 0.01
-    orders.joint_speed = 0.5
-    mailbox.post(orders)
-    steer(0.0)
-    assert posture.value[elbow] - start[elbow] == pytest.approx(0.5 * player.dt)
-    for _ in range(20):
-        steer(0.0)
-    assert posture.value[elbow] == pytest.approx(start[elbow] + 0.01)
-    others = np.arange(robot.na) != elbow
-    assert np.array_equal(posture.value[others], start[others])
-
-
-def test_joints_take_their_time_when_they_have_it(helm, robot):
-    steer, mailbox, player, _ = helm
-    elbow, posture = robot.joint_index("left_elbow"), player.context.posture
-    start = posture.value[elbow]
-    orders = Orders.none(robot.na)
-    orders.joints[elbow] = start + 0.1
-    orders.arrival = time.monotonic() + 100.0
-    mailbox.post(orders)
-    steer(0.0)
-    assert 0.0 < posture.value[elbow] - start < 1e-5
-
-
-def test_a_push_is_given_once(helm, robot):
-    steer, mailbox, _, plant = helm
-    orders = Orders.none(robot.na)
-    orders.pushes, orders.impulse, orders.push_duration = 1, (0.0, 5.0, 0.0), 0.2
-    mailbox.post(orders)
-    for _ in range(3):
-        steer(0.0)
-    assert plant.pushes == [([0.0, 5.0, 0.0], 0.2)]
-
-
-def test_a_reset_ends_the_run_but_not_before_its_first_tick(helm, robot):
-    steer, mailbox, _, _ = helm
-    orders = Orders.none(robot.na)
-    orders.resets = 1
-    steer.begin()
-    mailbox.post(orders)
-    steer(0.0)  # the first tick
-    with pytest.raises(StopRun):
-        steer(0.0)
-    assert steer.reset_wanted
-    steer.begin()
-    steer(0.0)
-    steer(0.0)
-    assert not steer.reset_wanted
-
-
-def test_orders_that_are_being_written_are_not_read():
-    mailbox = Mailbox(1)
-    mailbox.post(Orders.none(1))
-    before = mailbox.look()
-    mailbox._sequence[0] += 1
-    assert mailbox.look() is before
-
-
 def test_a_record_has_room_for_what_a_tick_has(robot):
     layout = Layout.of(robot)
-    assert layout.size == 11 + robot.nq + robot.nv + robot.na + 12 + 12 + 3 * 32
+    assert layout.size == 9 + robot.nq + robot.nv + robot.na + 12 + 12 + 3 * 32

@@ -7,6 +7,7 @@ import contextlib
 from typing import Any
 
 import wbc
+from wbc import teleop
 from wbc.cli.exit_codes import FAILED, INTERRUPTED, SUCCESS
 from wbc.cli.interrupt import graceful_interrupt
 from wbc.cli.parser import seconds
@@ -14,7 +15,6 @@ from wbc.cli.progress import ProgressLine
 from wbc.cli.robot_options import add_model_options, add_robot_option, load_arguments
 from wbc.cli.run_outputs import RunOutputs, add_output_options
 from wbc.cli.simulation import MAX_TILE_EXTENT, add_terrain_options
-from wbc.driving import drive
 from wbc.motions import MotionPlayer
 from wbc.sim import Flat, Mujoco, Tiles
 
@@ -74,8 +74,9 @@ def execute(options: argparse.Namespace) -> int:
     outputs = RunOutputs(options, robot, terrain.boxes())
     with contextlib.ExitStack() as stack:
         logs = outputs.open_logs(stack)
+        handler = stack.enter_context(teleop.CommandHandler(player, plant))
         live = stack.enter_context(
-            Live(player, plant, host=options.host, port=options.port, boxes=terrain.boxes())
+            Live(handler, host=options.host, port=options.port, boxes=terrain.boxes())
         )
         if options.open:
             import webbrowser
@@ -84,16 +85,15 @@ def execute(options: argparse.Namespace) -> int:
         line = ProgressLine()
         stack.callback(line.close)
         interrupted = stack.enter_context(graceful_interrupt())
-        report = drive(
-            live,
-            player,
-            plant,
+        report = teleop.run(
+            handler,
             options.duration,
+            clients=[live],
             log=logs,
             recording=outputs.recording,
             stop=lambda: bool(interrupted),
             progress=line.show,
-            told=line.print,
+            message=line.print,
         )
     if report is not None:
         print(report.table())

@@ -7,6 +7,7 @@ import contextlib
 from typing import Any
 
 import wbc
+from wbc import teleop
 from wbc.cli.exit_codes import FAILED, INTERRUPTED, SUCCESS
 from wbc.cli.interrupt import graceful_interrupt
 from wbc.cli.parser import number, seconds
@@ -15,7 +16,6 @@ from wbc.cli.robot_options import add_model_options, add_robot_option, load_argu
 from wbc.cli.ros2_options import add_verb, network
 from wbc.cli.run_outputs import RunOutputs, add_output_options
 from wbc.cli.simulation import MAX_TILE_EXTENT, add_terrain_options
-from wbc.driving import drive
 from wbc.sim import Flat, Mujoco, Tiles
 
 _DURATION = 3600.0  # s
@@ -69,10 +69,11 @@ def _walk(options: argparse.Namespace) -> int:
         viewer = None
         if options.view:
             viewer = stack.enter_context(wbc.view.Meshcat(robot, boxes=terrain.boxes()))
+        # The loop keeps the time, which need not be that of the wall clock.
+        handler = stack.enter_context(teleop.CommandHandler(player, plant, owns_clock=False))
         bridge = stack.enter_context(
             Bridge(
-                player,
-                plant,
+                handler,
                 network=network(options),
                 update_rate=options.rate,
                 use_sim_time=options.sim_time,
@@ -80,24 +81,23 @@ def _walk(options: argparse.Namespace) -> int:
         )
         logs = outputs.open_logs(stack)
         print(
-            f"[INFO] [wbc]: {robot.name} is ready; it listens to /cmd_vel. Press Ctrl-C to stop.",
+            f"[INFO] [wbc]: {robot.name} is ready; listening on /cmd_vel. Press Ctrl-C to stop.",
             flush=True,
         )
         line = ProgressLine()
         stack.callback(line.close)
         interrupted = stack.enter_context(graceful_interrupt())
-        report = drive(
-            bridge,
-            player,
-            plant,
+        report = teleop.run(
+            handler,
             options.duration,
+            clients=[bridge],
             viewer=viewer,
             recording=outputs.recording,
             log=logs,
             real_time=not options.as_fast_as_possible,
             stop=lambda: bool(interrupted),
             progress=line.show,
-            told=line.print,
+            message=line.print,
         )
     if report is not None:
         print(report.table())

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from enum import IntEnum
 
 import numpy as np
 
+from wbc.runtime.mode import Mode
 
-class Mode(IntEnum):
-    """What the loop is doing."""
-
-    RUNNING = 0
-    PAUSED = 1
-    FALLEN = 2  #: it waits to be reset
+NO_MOTION, RETURNING = -1, -2  # values of `playing`
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +26,6 @@ class Gauges:
         playing: index of the motion; -1 none, -2 on the way back to standing.
         pushes: that have been survived or not, so far.
         survived: how many of them.
-        taken: orders taken since the loop was made.
         run: counts resets.
     """
 
@@ -45,13 +39,12 @@ class Gauges:
     playing: int
     pushes: int
     survived: int
-    taken: int
     run: int
 
     @staticmethod
     def of(record: np.ndarray) -> Gauges:
         """The gauges in a record."""
-        (time, mode, error, tick, forward, left, turn, playing, pushes, survived, taken, run) = (
+        (time, mode, error, tick, forward, left, turn, playing, pushes, survived, run) = (
             record.tolist()
         )
         return Gauges(
@@ -65,7 +58,6 @@ class Gauges:
             int(playing),
             int(pushes),
             int(survived),
-            int(taken),
             int(run),
         )
 

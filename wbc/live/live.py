@@ -1,24 +1,21 @@
-"""`Live`: a page that drives a robot in a running loop, from a process of its own."""
+"""`Live`: a page that shows and drives a robot in a running loop, served by another process."""
 
 from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wbc.closeable import Closeable
+from wbc.live.config import LiveServerConfig
 from wbc.live.errors import LiveError
-from wbc.live.gauges import SIZE, Mode
-from wbc.live.helm import RETURNING, Helm
-from wbc.live.order import Order
-from wbc.motions import Motion, MotionPlayer
-from wbc.motions.engine.packing import check_importable
-from wbc.motions.registry import MOTIONS
+from wbc.live.gauges import NO_MOTION, RETURNING, SIZE
 from wbc.process import ChildProcess, ProcessStartError, RecordRing
+from wbc.runtime.mode import Mode
 from wbc.runtime.snapshot import Snapshot
+from wbc.teleop import CommandHandler
 from wbc.view.due import next_due
 from wbc.view.ring import Ring
 from wbc.view.slot import Layout
@@ -30,86 +27,72 @@ if TYPE_CHECKING:
     from wbc.runtime.tick import Tick
 
 _RATE = 40.0  # Hz of snapshots
-_GAUGES = 100.0  # Hz of the figures; each tells of the worst tick since the last
-_NOTED = 8.0  # s of plant time: how long a motion's note is shown
+_STATUS_RATE = 100.0  # Hz of the live status; each has the largest values since the last
+_NOTE_DURATION = 8.0  # s of plant time for which a motion's note is shown
 
 
 class Live(Closeable):
-    """Serves a page that shows a robot and drives it.
+    """Serves a page that shows a robot and sends commands to it.
 
-    The page and everything about it live in another process. The loop's process copies figures
-    and snapshots of some ticks into shared memory, and looks there for requests before each
-    tick; it never waits, and goes on when the other process has died.
+    The page is served by another process. The loop's process copies the status and snapshots of
+    some ticks into shared memory; it never waits, and goes on when the other process has died.
 
     Example:
-        >>> with Live(player, plant) as live:
-        ...     drive(live, player, plant, 3600.0)
+        >>> with CommandHandler(player, plant) as handler, Live(handler) as live:
+        ...     wbc.teleop.run(handler, 3600.0, clients=[live])
 
     Args:
-        player: whom to drive.
-        plant: what it is in; it may have `push` and `reset`.
+        handler: takes the page's commands.
         host: address to listen on; by default only this machine can reach the page.
         port: None takes the first free one from 7000 on, 0 any free one.
         boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
-        motions: that get a button; the whole catalogue when left out.
         announce: print the page's address.
 
     Attributes:
-        helm: takes requests; `before_tick` of `wbc.run`.
-        paces: the helm does: the loop's own clock would not know slow motion.
-        rescue: how a robot that fell is set on its feet.
+        reset_hint: how a person resets the robot on the page.
         url: address of the page.
 
     Raises:
         LiveError: the page cannot be served.
-        MotionError: a motion is not at the top of a module.
     """
 
-    paces = True
-    rescue = "Reset on the page sets it on its feet"
+    reset_hint = "press Reset (R) on the page"
 
     def __init__(
         self,
-        player: MotionPlayer,
-        plant: Any,
+        handler: CommandHandler,
         *,
         host: str = "127.0.0.1",
         port: int | None = None,
         boxes: np.ndarray | None = None,
-        motions: Sequence[type[Motion]] = MOTIONS,
         announce: bool = True,
     ) -> None:
-        for motion in motions:
-            check_importable(motion)
-        robot = player.robot
-        self._performer, self._plant = player, plant
+        self._handler, self._player = handler, handler.player
+        robot = self._player.robot
         self._snapshots = Ring(Layout.of(robot.model))
         self._gauges = RecordRing(SIZE)
-        self.helm = Helm(player, plant, motions, self._idle)
-        self._mode = Mode.RUNNING
         self._run = 0
-        self._due = self._gauges_due = self._noted_until = 0.0
-        self._worst_error = self._worst_time = 0.0  # since the figures were shown
+        self._due = self._gauges_due = self._note_end = 0.0
+        self._worst_error = self._worst_time = 0.0  # since the last status
         self._notes = 0
         self._last = np.zeros(SIZE)
-        self._shared = (self._snapshots, self._gauges, self.helm.requests, self.helm.shelf)
-        descriptors = [memory.descriptor for memory in self._shared]
+        channel = handler.open_channel().config
+        self._shared = (self._snapshots, self._gauges)
+        descriptors = [*channel.descriptors, *(memory.descriptor for memory in self._shared)]
         self._process = ChildProcess("wbc.live.server", descriptors, title="the live page")
-        order = Order(
+        config = LiveServerConfig(
             robot=robot,
             boxes=checked_boxes(boxes),
-            panel=self.helm.panel,
+            channel=channel,
             host=host,
             port=port,
             rate=_RATE,
             snapshots=self._snapshots.descriptor,
             gauges=self._gauges.descriptor,
-            requests=self.helm.requests.descriptor,
-            shelf=self.helm.shelf.descriptor,
             parent=os.getpid(),
         )
         try:
-            self.url = str(self._process.configure(order)["url"])
+            self.url = str(self._process.configure(config)["url"])
         except BaseException as error:
             self.close()
             if isinstance(error, ProcessStartError):
@@ -120,99 +103,86 @@ class Live(Closeable):
 
     @property
     def alive(self) -> bool:
-        """Whether the page's process is there."""
+        """Whether the page's process runs."""
         return self._process.alive
 
     @property
     def pid(self) -> int:
-        """Of the page's process."""
+        """Process id of the page's process."""
         return self._process.pid
 
     def begin(self, controller: Controller, plant: Plant) -> None:
         """A run begins, see `wbc.runtime.protocols.Recorder`."""
         self._run += 1
-        self._mode = Mode.RUNNING
         self._notes = 0
         self._due = self._gauges_due = 0.0  # a run that begins paused shows its first tick
         self._worst_error = self._worst_time = 0.0
-        self.helm.begin()
 
     def record(self, tick: Tick, controller: Controller) -> None:
         """Show a tick. Never waits; whatever happens to the page, returns."""
-        self._worst_error = max(self._worst_error, self._performer.dcm_error)
+        self._worst_error = max(self._worst_error, self._player.dcm_error)
         self._worst_time = max(self._worst_time, tick.estimator_time + tick.controller_time)
         now = time.perf_counter()
         if now >= self._gauges_due:
-            self._gauges_due = next_due(self._gauges_due, now, 1.0 / _GAUGES)
-            self._gauge(tick.time)
+            self._gauges_due = next_due(self._gauges_due, now, 1.0 / _STATUS_RATE)
+            self._show_status(tick.time)
             self._process.warn_if_exited(now)
         if now >= self._due:
             self._due = next_due(self._due, now, 1.0 / _RATE)
-            doing = self._doing(tick.time)
-            self._snapshots.write(Snapshot.of(tick, self._performer, doing))
+            self._snapshots.write(Snapshot.of(tick, self._player, self._activity(tick.time)))
 
-    def _gauge(self, time: float) -> None:
-        helm = self.helm
+    def _show_status(self, time: float) -> None:
+        pushes = self._handler.pushes
         record = self._gauges.begin()
         record[:] = (
             time,
             Mode.RUNNING,
             self._worst_error,
             self._worst_time,
-            *self._performer.velocity,
-            helm.playing,
-            helm.pushes.decided,
-            helm.pushes.survived,
-            helm.taken,
+            *self._player.velocity,
+            self._playing(),
+            pushes.decided,
+            pushes.survived,
             self._run,
         )
         self._gauges.publish()
         self._last = record
         self._worst_error = self._worst_time = 0.0
 
-    def _doing(self, now: float) -> str:
-        playing = self.helm.playing
-        if playing >= 0:
-            return self.helm.panel.motions[playing].name
-        notes = self._performer.context.notes
+    def _playing(self) -> int:
+        playing = self._player.playing
+        if playing is not None:
+            return self._handler.capabilities.motions.index(type(playing))
+        return NO_MOTION if self._player.idle else RETURNING
+
+    def _activity(self, now: float) -> str:
+        """Return the line of text below the robot's name."""
+        playing = self._player.playing
+        if playing is not None:
+            return playing.name
+        notes = self._player.context.notes
         if len(notes) != self._notes:
-            self._notes, self._noted_until = len(notes), now + _NOTED
-        if notes and now < self._noted_until:
+            self._notes, self._note_end = len(notes), now + _NOTE_DURATION
+        if notes and now < self._note_end:
             return notes[-1]
-        return "back to standing" if playing == RETURNING else ""
+        return "" if self._player.idle else "returning to standing"
 
     def end(self, report: Report) -> None:
         """The run is over, see `wbc.runtime.protocols.Recorder`."""
 
-    @property
-    def reset_wanted(self) -> bool:
-        """Whether a reset has been asked for since the run began."""
-        return self.helm.reset_wanted
-
-    def heed(self, stop: Callable[[], bool]) -> None:
-        """Ask this while it is paused: whether to end the run."""
-        self.helm.stop = stop
-
-    def lie(self) -> None:
-        """It fell: say so to the page, and look whether a reset is wanted."""
-        if self._mode is not Mode.FALLEN:
-            self._mode = Mode.FALLEN
-            self.helm.pushes.fell()
-        self.helm.lie()
-
-    def _idle(self) -> None:
-        """While nothing moves, the page is told so, and that requests are taken."""
-        helm = self.helm
+    def idle(self, mode: Mode) -> None:
+        """Tell the page that there are no ticks: the loop is paused, or the robot has fallen."""
+        pushes = self._handler.pushes
         last = self._last.copy()
         record = self._gauges.begin()
         record[:] = last
-        record[1] = Mode.PAUSED if self._mode is Mode.RUNNING else self._mode
-        record[-4:] = (helm.pushes.decided, helm.pushes.survived, helm.taken, self._run)
+        record[1] = mode
+        record[-3:] = (pushes.decided, pushes.survived, self._run)
         self._gauges.publish()
         self._last = record
 
     def close(self) -> None:
-        """End the page."""
+        """End the page's process."""
         self._process.close()
         for memory in self._shared:
             memory.close()

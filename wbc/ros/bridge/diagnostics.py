@@ -8,11 +8,12 @@ import numpy as np
 
 from wbc.command import Status
 from wbc.messages import message_type
-from wbc.ros.bridge.layout import Mode, Sample
-from wbc.ros.bridge.order import Order
+from wbc.ros.bridge.config import NodeConfig
+from wbc.ros.bridge.layout import Sample
 from wbc.ros.node import Node
 from wbc.ros.rate_limiter import RateLimiter
 from wbc.ros.stamp import stamp_from_seconds
+from wbc.runtime.mode import Mode
 
 _ARRAY = message_type("diagnostic_msgs/msg/DiagnosticArray")
 _STATUS = message_type("diagnostic_msgs/msg/DiagnosticStatus")
@@ -27,12 +28,12 @@ class Diagnostics:
     An overrun is a tick that came more than a period late.
     """
 
-    def __init__(self, node: Node, order: Order) -> None:
+    def __init__(self, node: Node, config: NodeConfig) -> None:
         self._publisher = node.create_publisher(_ARRAY.type_name, "/diagnostics")
         self._name, self._robot, self._dt = (
             node.fully_qualified_name.lstrip("/"),
-            order.robot.name,
-            order.dt,
+            config.robot.name,
+            config.dt,
         )
         # Its name is that of ROS 2's own `diagnostic_updater`.
         period = node.declare_parameter(

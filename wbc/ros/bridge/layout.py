@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
 from functools import cached_property
 
 import numpy as np
 
-from wbc.motions.engine.manager import MotionStatus
 from wbc.robot import Robot
+from wbc.runtime.mode import Mode
 from wbc.telemetry import PHASES
 
 #: Numbers that stand first, in the order in which they are written.
@@ -22,18 +21,9 @@ HEAD = (
     "phase",
     "steps",
     "dcm_error",  # m
-    "motions",  # taken so far
-    "stage",  # of the last of them
     "timed",  # numbers in `timing`
 )
 MOST = 32  #: ticks that a record tells the timing of
-
-
-class Mode(IntEnum):
-    """What the loop is doing."""
-
-    RUNNING = 0
-    FALLEN = 1  #: it waits to be reset
 
 
 @dataclass(frozen=True)
@@ -89,8 +79,6 @@ class Sample:
         phase: index into `PHASES`.
         steps: touchdowns so far.
         dcm_error: m.
-        motions: how many the loop has been asked for.
-        stage: what became of the last of them.
         q: (nq,) configuration, Pinocchio's convention.
         v: (nv,) velocity, Pinocchio's convention.
         tau: (na,) joint torques, N·m.
@@ -108,8 +96,6 @@ class Sample:
     phase: int
     steps: int
     dcm_error: float
-    motions: int
-    stage: MotionStatus
     q: np.ndarray
     v: np.ndarray
     tau: np.ndarray
@@ -124,7 +110,7 @@ class Sample:
     def of(layout: Layout, record: np.ndarray) -> Sample:
         """A sample of a record, which it keeps views of."""
         head = record[: len(HEAD)].tolist()
-        stamp, time, run, mode, status, phase, steps, error, motions, stage, timed = head
+        stamp, time, run, mode, status, phase, steps, error, timed = head
         arrays, start = {}, len(HEAD)
         for name, size in layout.body:
             arrays[name] = record[start : start + size]
@@ -140,8 +126,6 @@ class Sample:
             int(phase),
             int(steps),
             error,
-            int(motions),
-            MotionStatus(int(stage)),
             **arrays,
         )
 

@@ -8,26 +8,28 @@ plan could not be played.
 from __future__ import annotations
 
 import logging
-import queue
 from typing import Any
 
 from wbc.errors import MotionError
 from wbc.messages import message_type
 from wbc.motions import Motion
-from wbc.motions.engine.blob_buffer import BlobBuffer
-from wbc.motions.engine.manager import MotionStatus
 from wbc.motions.engine.parsing import parse_motion
-from wbc.motions.engine.planning import MotionPlanner, PlannedMotion
 from wbc.ros.actions import ActionServer, GoalStatus, ServerGoalHandle
-from wbc.ros.bridge.layout import Mode, Sample
-from wbc.ros.bridge.mailbox import Mailbox, Orders
-from wbc.ros.bridge.order import Order
-from wbc.ros.bridge.slip import Slip
-from wbc.ros.bridge.steering import Steering
-from wbc.ros.bridge.walk_to import WalkTo
+from wbc.ros.bridge.cmd_vel import CmdVel
+from wbc.ros.bridge.layout import Sample
+from wbc.ros.bridge.navigate_to_pose import NavigateToPose
 from wbc.ros.node import Node
 from wbc.ros.rate_limiter import RateLimiter
 from wbc.ros.stamp import stamp_from_seconds
+from wbc.runtime.mode import Mode
+from wbc.teleop import (
+    Acknowledgement,
+    CommandClient,
+    CommandRefused,
+    MotionCommand,
+    Outcome,
+    StandCommand,
+)
 
 logger = logging.getLogger(__name__)
 
@@ -35,34 +37,28 @@ NAME = "play_motion2"
 TYPE = "play_motion2_msgs/action/PlayMotion2"
 _LIST = "play_motion2_msgs/srv/ListMotions"
 _READY = "play_motion2_msgs/srv/IsMotionReady"
-_LOOK = 0.02  # s between two looks for what has been planned
 _FEEDBACK_RATE = 5.0  # Hz
 
 
 class PlayMotion:
-    """Serves the action, and the services that tell which motions there are.
+    """Serves the action, and the two services that go with it.
 
-    Motions are checked and planned here, where nobody waits for a tick. A goal is over when the
-    robot is back to standing, also when it is cancelled or who sent it has gone. Like every
-    order, it takes the place of the one before.
+    A goal is over when the robot stands again; when it is cancelled, or when its client is gone,
+    the robot stops first. Another goal takes its place, and so does walking.
+
+    Args:
+        node: serves the action.
+        client: plans the motions and sends the commands.
+        cmd_vel: stops when a motion begins.
+        navigate: its goal is aborted when a motion begins.
     """
 
     def __init__(
-        self,
-        node: Node,
-        steering: Steering,
-        walk_to: WalkTo,
-        orders: Orders,
-        mailbox: Mailbox,
-        order: Order,
+        self, node: Node, client: CommandClient, cmd_vel: CmdVel, navigate: NavigateToPose
     ) -> None:
-        self._steering, self._walk_to = steering, walk_to
-        self._orders, self._mailbox = orders, mailbox
-        self._motions = order.motions
-        self._shelf, self._slip = BlobBuffer(order.shelf), Slip(order.slip)
-        self._plans: queue.SimpleQueue[PlannedMotion] = queue.SimpleQueue()
-        self._planner = MotionPlanner(order.robot, (), self._plans.put)
-        self._planner.start()
+        self._client, self._cmd_vel, self._navigate = client, cmd_vel, navigate
+        client.on_motion_sent = self._on_motion_sent
+        self._motions = client.capabilities.motions
         self._server = ActionServer(
             node,
             TYPE,
@@ -71,40 +67,57 @@ class PlayMotion:
             handle_accepted_callback=self._begin,
             cancel_callback=self._cancel,
         )
-        self._listed = message_type(f"{_LIST}_Response")(
-            motion_keys=[m.name for m in order.motions]
-        )
-        node.create_service(_LIST, f"{NAME}/list_motions", lambda *_: self._listed)
+        self._list = message_type(f"{_LIST}_Response")(motion_keys=[m.name for m in self._motions])
+        node.create_service(_LIST, f"{NAME}/list_motions", lambda *_: self._list)
         node.create_service(_READY, f"{NAME}/is_motion_ready", self._is_ready)
-        node.create_timer(_LOOK, self._look)
-        self._tells = RateLimiter(_FEEDBACK_RATE)
+        self._feedback_due = RateLimiter(_FEEDBACK_RATE)
         self._sample: Sample | None = None
         self._goal: ServerGoalHandle | None = None
-        self._motion: Motion | None = None  # of the goal, while it is being planned
-        self._orphaned = False  # the loop plays what belongs to an earlier goal
+        self._command = 0  # number of the goal's command
+        self._sent = False  # the goal's motion is in the loop, no longer being planned
+        self._orphaned = False  # the loop plays the motion of an earlier goal
         self._ending: tuple[GoalStatus, str] | None = None
-        steering.sets_out = self._forget
 
     def take(self, sample: Sample) -> None:
-        """One tick more."""
+        """Take a tick of the loop."""
         before, self._sample = self._sample, sample
         goal = self._goal
         if goal is None:
             return
         if before is not None and sample.run != before.run:
-            self.stop("the robot was reset")
+            self.abort("the robot was reset")
         elif sample.mode is Mode.FALLEN:
-            self.stop("the robot fell")
-        elif self._motion is None and sample.motions == self._orders.motions:
-            self._follow(goal, sample)
+            self.abort("the robot fell")
+        elif self._sent and self._ending is None and not goal.client_alive:
+            self._stop_motion(GoalStatus.ABORTED, "the client of the goal is gone")
+        elif self._sent and self._feedback_due.is_due(sample.stamp):
+            feedback: Any = self._server.feedback_type(
+                current_time=stamp_from_seconds(sample.stamp)
+            )
+            goal.publish_feedback(feedback)
 
-    def stop(self, why: str) -> None:
-        """End the goal that is pursued, if there is one."""
+    def on_acknowledgement(self, acknowledgement: Acknowledgement) -> None:
+        """End the goal when its motion is over."""
+        if self._goal is None or acknowledgement.id != self._command:
+            return
+        reason = acknowledgement.reason
+        match acknowledgement.outcome:
+            case Outcome.DONE:
+                self._finish(GoalStatus.SUCCEEDED, "")
+            case Outcome.ABORTED:
+                self._finish(GoalStatus.ABORTED, f"the robot gave up the motion: {reason}")
+            case Outcome.SUPERSEDED:
+                self._finish(*(self._ending or (GoalStatus.ABORTED, reason)))
+            case Outcome.REFUSED:
+                self._finish_unsent(GoalStatus.ABORTED, reason)
+
+    def abort(self, reason: str) -> None:
+        """Abort the goal in progress, if there is one."""
         if self._goal is not None:
-            self._finish(GoalStatus.ABORTED, why)
+            self._finish(GoalStatus.ABORTED, reason)
 
     def _is_ready(self, request: Any, response: Any) -> Any:
-        """Whether a goal would be begun now, as far as its text goes."""
+        """Return whether a goal with this text would be accepted now."""
         try:
             parse_motion(request.motion_key, self._motions)
         except MotionError:
@@ -117,91 +130,56 @@ class PlayMotion:
 
     def _begin(self, goal: ServerGoalHandle) -> None:
         try:
-            motion = parse_motion(goal.request.motion_name, self._motions)
-        except MotionError as error:  # what goes on goes on
+            command = MotionCommand(parse_motion(goal.request.motion_name, self._motions))
+        except MotionError as error:  # the motion in progress goes on
             goal.finish(GoalStatus.ABORTED, self._server.result_type(error=str(error)))
             return
-        self._orphaned = self._goal is not None and (self._motion is None or self._orphaned)
-        self.stop("another goal took its place")
-        self._goal, self._motion, self._ending = goal, motion, None
-        self._planner.request(motion)
-
-    def _look(self) -> None:
-        """Have the loop play what has been planned."""
-        while not self._plans.empty():
-            plan = self._plans.get()
-            if plan.motion == self._motion:
-                self._order(plan)
-
-    def _order(self, plan: PlannedMotion) -> None:
+        self._orphaned = self._goal is not None and (self._sent or self._orphaned)
+        self.abort("another goal took its place")
+        self._goal, self._sent, self._ending = goal, False, None
         try:
-            if plan.error:
-                raise MotionError(plan.error)
-            slot = self._shelf.write(plan.packed)
-        except MotionError as error:
-            self._drop(GoalStatus.ABORTED, str(error))
-            return
-        if not plan.motion.while_walking:
-            self._walk_to.stop("a motion took its place")
-            self._steering.stand()
-        orders = self._orders
-        orders.motions, orders.slot, orders.size = orders.motions + 1, slot, len(plan.packed)
-        self._mailbox.post(orders)
-        self._motion = None
-        logger.info("%s: %s", NAME, plan.motion.name)
+            self._command = self._client.send(command)
+        except CommandRefused as error:
+            self._finish_unsent(GoalStatus.ABORTED, str(error))
 
-    def _forget(self) -> None:
-        """The robot is to walk: a motion that is being planned comes too late for it."""
-        if self._motion is not None and not self._motion.while_walking:
-            self._drop(GoalStatus.ABORTED, "the robot was told to walk")
+    def _on_motion_sent(self, motion: Motion) -> None:
+        self._sent, self._orphaned = True, False
+        if not motion.while_walking:
+            self._navigate.abort("a motion took its place")
+            self._cmd_vel.stand()
+        logger.info("%s: %s", NAME, motion.name)
 
     def _cancel(self, goal: ServerGoalHandle) -> bool:
         if goal is not self._goal:
             return False
-        if self._motion is None:
-            self._leave_off(GoalStatus.CANCELED, "cancelled")
+        if self._sent:
+            self._stop_motion(GoalStatus.CANCELED, "cancelled")
         else:
-            self._drop(GoalStatus.CANCELED, "cancelled")
+            self._finish_unsent(GoalStatus.CANCELED, "cancelled")
         return True
 
-    def _drop(self, state: GoalStatus, why: str) -> None:
-        """End a goal that has not come to the loop; what it has taken the place of ends too."""
-        self._finish(state, why)
+    def _finish_unsent(self, state: GoalStatus, error: str) -> None:
+        """End a goal whose motion never reached the loop, and the motion that it superseded."""
+        self._finish(state, error)
         if self._orphaned:
             self._stand()
 
-    def _leave_off(self, state: GoalStatus, why: str) -> None:
-        """Come to a stand; then the goal is over."""
-        self._ending = (state, why)
+    def _stop_motion(self, state: GoalStatus, error: str) -> None:
+        """Stop the motion; the goal is over when the robot stands."""
+        self._ending = (state, error)
         self._stand()
 
     def _stand(self) -> None:
-        self._orders.stands += 1
-        self._mailbox.post(self._orders)
-
-    def _follow(self, goal: ServerGoalHandle, sample: Sample) -> None:
-        """See what the loop makes of it."""
-        if sample.stage is MotionStatus.DONE:
-            self._finish(GoalStatus.SUCCEEDED, "")
-        elif sample.stage is MotionStatus.ABORTED:
-            why = self._slip.read(sample.motions)
-            self._finish(GoalStatus.ABORTED, f"the robot gave it up: {why}")
-        elif sample.stage is MotionStatus.CANCELED:
-            self._finish(
-                *(self._ending or (GoalStatus.ABORTED, "it was left off for another order"))
-            )
-        elif self._ending is None and not goal.client_alive:
-            self._leave_off(GoalStatus.ABORTED, "who sent the goal has gone")
-        elif self._tells.is_due(sample.stamp):
-            feedback: Any = self._server.feedback_type(
-                current_time=stamp_from_seconds(sample.stamp)
-            )
-            goal.publish_feedback(feedback)
+        try:
+            self._client.send(StandCommand())
+        except CommandRefused as error:
+            logger.warning("%s: %s", NAME, error)
 
     def _finish(self, state: GoalStatus, error: str) -> None:
-        goal, self._goal, self._motion = self._goal, None, None
+        goal, self._goal = self._goal, None
         assert goal is not None
-        self._planner.request(None)
-        done = state is GoalStatus.SUCCEEDED
+        if not self._sent:
+            self._client.cancel_planning()
+        succeeded = state is GoalStatus.SUCCEEDED
         logger.info("%s %s: %s", NAME, goal.request.motion_name, error or "done")
-        goal.finish(state, self._server.result_type(success=done, error=error))
+        goal.finish(state, self._server.result_type(success=succeeded, error=error))

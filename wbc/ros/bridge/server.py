@@ -1,7 +1,7 @@
-"""The node's own process: shows the loop's ticks to ROS 2, and posts its orders.
+"""The node's process: it publishes the loop's ticks and sends commands to the loop.
 
-Started by `Bridge` as `python -m wbc.ros.bridge.server`. It ends when its standard input does: a
-parent that dies, however it dies, takes it along.
+`Bridge` starts it as `python -m wbc.ros.bridge.server`. It ends when its standard input is closed:
+a parent that dies, even by SIGKILL, ends it.
 """
 
 from __future__ import annotations
@@ -12,9 +12,8 @@ import sys
 from wbc.errors import WbcError
 from wbc.motions.engine.planning import SWITCH_INTERVAL
 from wbc.process import RecordRing, parent
+from wbc.ros.bridge.config import NodeConfig
 from wbc.ros.bridge.layout import Layout
-from wbc.ros.bridge.mailbox import Mailbox
-from wbc.ros.bridge.order import Order
 from wbc.ros.bridge.robot_node import RobotNode
 from wbc.ros.node import Node
 from wbc.ros.rosout import log_to_rosout
@@ -23,22 +22,21 @@ from wbc.ros.rosout import log_to_rosout
 def main() -> None:
     """Serve until the parent is gone."""
     sys.setswitchinterval(SWITCH_INTERVAL)
-    order: Order = parent.receive_config()
-    layout = Layout.of(order.robot)
-    ring = RecordRing(layout.size, order.ring)
-    mailbox = Mailbox(order.robot.na, order.mailbox)
+    config: NodeConfig = parent.receive_config()
+    layout = Layout.of(config.robot)
+    ring = RecordRing(layout.size, config.ring)
     with contextlib.ExitStack() as stack:
         try:
-            node = Node(order.name, namespace=order.space, network=order.network)
+            node = Node(config.name, namespace=config.namespace, network=config.network)
             stack.enter_context(node)
             stack.enter_context(log_to_rosout(node))
-            robot_node = RobotNode(node, order, ring, mailbox)
+            robot_node = RobotNode(node, config, ring)
         except WbcError as error:
             parent.reply({"error": str(error)})
             return
         parent.reply({"node": node.fully_qualified_name})
-        parent_monitor = parent.ParentMonitor(order.parent)
-        node.spin_until(lambda: parent_monitor.gone)
+        monitor = parent.ParentMonitor(config.parent)
+        node.spin_until(lambda: monitor.gone)
         robot_node.stop()
 
 

@@ -13,45 +13,51 @@ from typing import Any
 
 import numpy as np
 
+from wbc.robot import Robot
 from wbc.robot.attitude import heading
 from wbc.ros.actions import ActionServer, GoalStatus, ServerGoalHandle
-from wbc.ros.bridge.approach import Approach, Pose
-from wbc.ros.bridge.layout import Mode, Sample
-from wbc.ros.bridge.order import Order
+from wbc.ros.bridge.cmd_vel import CmdVel
+from wbc.ros.bridge.layout import Sample
+from wbc.ros.bridge.pose_controller import PlanarPose, PoseController
 from wbc.ros.bridge.state_topics import WORLD, base_frame
-from wbc.ros.bridge.steering import Steering
 from wbc.ros.node import Node
 from wbc.ros.rate_limiter import RateLimiter
 from wbc.ros.stamp import duration_from_seconds, stamp_from_seconds
+from wbc.runtime.mode import Mode
 from wbc.state import State
 
 logger = logging.getLogger(__name__)
 
 TYPE = "nav2_msgs/action/NavigateToPose"
-_WORLDS = ("", WORLD, "map", "world")
-_HERE = ("base_link", "base_footprint")  # and the robot's own name for its base
+_WORLD_FRAMES = ("", WORLD, "map", "world")
+_BASE_FRAMES = ("base_link", "base_footprint")  # and the robot's own name for its base
 _RATE = 20.0  # Hz, of the steering
 _FEEDBACK_RATE = 5.0  # Hz
-_HOLD = 0.5  # s that a velocity lasts when nobody renews it
-_STILL = 0.3  # s of standing before it counts
+_VELOCITY_TIMEOUT = 0.5  # s after which the robot stops when no velocity follows
+_STANDING_TIME = 0.3  # s of standing before it counts
 _NEAR = 0.8  # m: it steps there in any direction
 _GAIN = 0.6  # 1/s
-_STUCK = 20.0  # s without coming nearer
-_PROGRESS = 0.03  # m that count as coming nearer
-_TRIES = 5  # corrections after coming to a stand beside the goal
+_STUCK_TIMEOUT = 20.0  # s without coming nearer
+_MIN_PROGRESS = 0.03  # m that count as coming nearer
+_MAX_CORRECTIONS = 5  # of a robot that stopped beside the goal
 _UNKNOWN_ERROR, _TIMEOUT = 9000, 9003
 
 
-class WalkTo:
+class NavigateToPose:
     """Serves the action.
 
-    A goal is over when the robot stands at it; when it is cancelled, or when who sent it has
-    gone, the robot comes to a stand first.
+    A goal is over when the robot stands at it; when it is cancelled, or when its client is gone,
+    the robot stops first.
+
+    Args:
+        node: serves the action.
+        cmd_vel: sends the velocities.
+        robot: the robot.
     """
 
-    def __init__(self, node: Node, steering: Steering, order: Order) -> None:
-        self._steering, self._robot = steering, order.robot
-        self._share = node.declare_parameter(
+    def __init__(self, node: Node, cmd_vel: CmdVel, robot: Robot) -> None:
+        self._cmd_vel, self._robot = cmd_vel, robot
+        self._speed_share = node.declare_parameter(
             "walk_speed", 0.6, "of walking to a pose, as a share of the gait's largest velocity",
             minimum=0.1, maximum=1.0,
         )  # fmt: skip
@@ -69,30 +75,30 @@ class WalkTo:
             handle_accepted_callback=self._begin,
             cancel_callback=self._cancel,
         )
-        self._steps, self._tells = RateLimiter(_RATE), RateLimiter(_FEEDBACK_RATE)
+        self._control_due, self._feedback_due = RateLimiter(_RATE), RateLimiter(_FEEDBACK_RATE)
         self._sample: Sample | None = None
         self._goal: ServerGoalHandle | None = None
-        self._target = Pose(0.0, 0.0, 0.0)
+        self._target = PlanarPose(0.0, 0.0, 0.0)
         self._ending: tuple[GoalStatus, Any] | None = None
-        steering.taken_over = lambda: self.stop("cmd_vel took over")
+        cmd_vel.on_override = lambda: self.abort("cmd_vel took over")
 
     def take(self, sample: Sample) -> None:
-        """One tick more."""
+        """Take a tick of the loop."""
         before, self._sample = self._sample, sample
         if self._goal is None:
             return
         if before is not None and sample.run != before.run:
-            self.stop("the robot was reset")
+            self.abort("the robot was reset")
         elif sample.mode is Mode.FALLEN:
-            self.stop("the robot fell")
-        elif self._steps.is_due(sample.stamp):
-            self._go_on(self._goal, sample)
+            self.abort("the robot fell")
+        elif self._control_due.is_due(sample.stamp):
+            self._advance(self._goal, sample)
 
-    def stop(self, why: str) -> None:
-        """End the goal that is pursued, if there is one; the robot comes to a stand by itself."""
+    def abort(self, reason: str) -> None:
+        """Abort the goal in progress, if there is one, and stop the robot."""
         if self._goal is not None:
-            self._steering.stand()
-            self._finish(self._goal, GoalStatus.ABORTED, self._failure(_UNKNOWN_ERROR, why))
+            self._cmd_vel.stand()
+            self._finish(self._goal, GoalStatus.ABORTED, self._failure(_UNKNOWN_ERROR, reason))
 
     def _accept(self, request: Any) -> bool:
         sample = self._sample
@@ -101,15 +107,15 @@ class WalkTo:
         return self._pose(request.pose, sample) is not None
 
     def _begin(self, goal: ServerGoalHandle) -> None:
-        self.stop("another goal took its place")
+        self.abort("another goal took its place")
         assert self._sample is not None
         pose = self._pose(goal.request.pose, self._sample)
         assert pose is not None
         self._goal, self._target, self._ending = goal, pose, None
-        self._began = self._nearer = self._sample.time
-        self._nearest = math.inf
+        self._start_time = self._progress_time = self._sample.time
+        self._least_remaining = math.inf
         self._standing_since: float | None = None
-        self._tries = 0
+        self._corrections = 0
         logger.info("walking to (%.2f m, %.2f m, %.2f rad)", pose.x, pose.y, pose.heading)
 
     def _cancel(self, goal: ServerGoalHandle) -> bool:
@@ -118,86 +124,88 @@ class WalkTo:
         self._end(GoalStatus.CANCELED, self._server.result_type(error_msg="cancelled"))
         return True
 
-    def _pose(self, stamped: Any, sample: Sample) -> Pose | None:
-        """The pose that a message means, in the world; None if it means none."""
+    def _pose(self, stamped: Any, sample: Sample) -> PlanarPose | None:
+        """Return the pose of a message in the world; None if it is invalid."""
         p, o = stamped.pose.position, stamped.pose.orientation
         numbers = np.array([p.x, p.y, p.z, o.x, o.y, o.z, o.w])
         if not np.isfinite(numbers).all() or abs(np.linalg.norm(numbers[3:]) - 1.0) > 0.05:
             return None
-        pose = Pose(p.x, p.y, math.atan2(2.0 * (o.w * o.z + o.x * o.y),
+        pose = PlanarPose(p.x, p.y, math.atan2(2.0 * (o.w * o.z + o.x * o.y),
                                          1.0 - 2.0 * (o.y * o.y + o.z * o.z)))  # fmt: skip
         frame = stamped.header.frame_id.lstrip("/")
-        if frame in _WORLDS:
+        if frame in _WORLD_FRAMES:
             return pose
-        if frame in (*_HERE, base_frame(self._robot)):
-            return pose.from_within(self._here(sample))
+        if frame in (*_BASE_FRAMES, base_frame(self._robot)):
+            return pose.in_world_of(self._robot_pose(sample))
         return None
 
-    def _here(self, sample: Sample) -> Pose:
-        return Pose(
+    def _robot_pose(self, sample: Sample) -> PlanarPose:
+        return PlanarPose(
             float(sample.q[0]),
             float(sample.q[1]),
             heading(self._robot, State(sample.q, sample.v)),
         )
 
-    def _go_on(self, goal: ServerGoalHandle, sample: Sample) -> None:
-        here = self._here(sample)
-        error = self._target.seen_from(here)
+    def _advance(self, goal: ServerGoalHandle, sample: Sample) -> None:
+        here = self._robot_pose(sample)
+        error = self._target.relative_to(here)
         now = sample.time  # a simulation may be slower than the clock
-        if self._tells.is_due(sample.stamp):
-            self._tell(goal, here, error, sample)
+        if self._feedback_due.is_due(sample.stamp):
+            self._send_feedback(goal, here, error, sample)
         if self._ending is None and not goal.client_alive:
-            text = "who sent the goal has gone"
+            text = "the client of the goal is gone"
             self._end(GoalStatus.ABORTED, self._failure(_UNKNOWN_ERROR, text))
         if self._ending is None:
             self._walk(error, now)
         stands = self._stands(sample, now)
         if self._ending is not None and stands:
-            self._conclude(goal, error)
+            self._finish_standing(goal, error)
 
-    def _walk(self, error: Pose, now: float) -> None:
+    def _walk(self, error: PlanarPose, now: float) -> None:
         if self._arrived(error, 0.5):
             self._end(GoalStatus.SUCCEEDED, self._server.result_type())
             return
-        share = float(self._share.value)
-        x, y, turn = (share * v for v in self._steering.max_velocity)
-        approach = Approach((x, y, turn), max(_NEAR, 3.0 * float(self._tolerance.value)), _GAIN)
-        left = approach.left(error)
-        if left < self._nearest - _PROGRESS:
-            self._nearest, self._nearer = left, now
-        elif now - self._nearer > _STUCK:
-            self._end(GoalStatus.ABORTED, self._failure(_TIMEOUT, "it comes no nearer"))
+        share = float(self._speed_share.value)
+        x, y, turn = (share * v for v in self._cmd_vel.max_velocity)
+        controller = PoseController(
+            (x, y, turn), max(_NEAR, 3.0 * float(self._tolerance.value)), _GAIN
+        )
+        remaining = controller.remaining(error)
+        if remaining < self._least_remaining - _MIN_PROGRESS:
+            self._least_remaining, self._progress_time = remaining, now
+        elif now - self._progress_time > _STUCK_TIMEOUT:
+            self._end(GoalStatus.ABORTED, self._failure(_TIMEOUT, "the robot comes no nearer"))
             return
-        self._steering.walk(approach.velocity(error), _HOLD)
+        self._cmd_vel.walk(controller.velocity(error), _VELOCITY_TIMEOUT)
 
-    def _arrived(self, error: Pose, share: float) -> bool:
+    def _arrived(self, error: PlanarPose, share: float) -> bool:
         return error.distance < share * float(self._tolerance.value) and abs(
             error.heading
         ) < share * float(self._heading_tolerance.value)
 
     def _end(self, state: GoalStatus, result: Any) -> None:
-        """Come to a stand; then the goal is over."""
+        """Stop the robot; the goal is over when it stands."""
         self._ending = (state, result)
         self._standing_since = None
-        self._steering.stand()
+        self._cmd_vel.stand()
 
     def _stands(self, sample: Sample, now: float) -> bool:
-        """Whether it has stood for a while."""
+        """Return whether the robot has stood for a while."""
         if sample.phase_name != "stand":
             self._standing_since = None
             return False
         if self._standing_since is None:
             self._standing_since = now
-        return now - self._standing_since > _STILL
+        return now - self._standing_since > _STANDING_TIME
 
-    def _conclude(self, goal: ServerGoalHandle, error: Pose) -> None:
+    def _finish_standing(self, goal: ServerGoalHandle, error: PlanarPose) -> None:
         assert self._ending is not None
         state, result = self._ending
         if state is GoalStatus.SUCCEEDED and not self._arrived(error, 1.0):
-            self._tries += 1  # the last steps carried it past
+            self._corrections += 1  # the last steps carried it past
             self._ending = None
-            if self._tries > _TRIES:
-                text = f"it stands {error.distance:.2f} m and {error.heading:.2f} rad off"
+            if self._corrections > _MAX_CORRECTIONS:
+                text = f"the robot stands {error.distance:.2f} m and {error.heading:.2f} rad off"
                 self._end(GoalStatus.ABORTED, self._failure(_TIMEOUT, text))
             return
         self._finish(goal, state, result)
@@ -210,16 +218,18 @@ class WalkTo:
     def _failure(self, code: int, text: str) -> Any:
         return self._server.result_type(error_code=code, error_msg=text)
 
-    def _tell(self, goal: ServerGoalHandle, here: Pose, error: Pose, sample: Sample) -> None:
+    def _send_feedback(
+        self, goal: ServerGoalHandle, here: PlanarPose, error: PlanarPose, sample: Sample
+    ) -> None:
         feedback: Any = self._server.feedback_type()
         pose = feedback.current_pose
         pose.header.stamp, pose.header.frame_id = stamp_from_seconds(sample.stamp), WORLD
         pose.pose.position.x, pose.pose.position.y = here.x, here.y
         pose.pose.orientation.z = math.sin(0.5 * here.heading)
         pose.pose.orientation.w = math.cos(0.5 * here.heading)
-        feedback.navigation_time = duration_from_seconds(sample.time - self._began)
-        pace = float(self._share.value) * self._steering.max_velocity[0]
+        feedback.navigation_time = duration_from_seconds(sample.time - self._start_time)
+        pace = float(self._speed_share.value) * self._cmd_vel.max_velocity[0]
         feedback.estimated_time_remaining = duration_from_seconds(error.distance / pace)
-        feedback.number_of_recoveries = self._tries
+        feedback.number_of_recoveries = self._corrections
         feedback.distance_remaining = error.distance
         goal.publish_feedback(feedback)

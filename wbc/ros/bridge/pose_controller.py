@@ -1,4 +1,4 @@
-"""How to walk to a pose: from where the robot is, a velocity for its gait."""
+"""Feedback from the error of the robot's planar pose to a velocity of its gait."""
 
 from __future__ import annotations
 
@@ -11,23 +11,31 @@ Velocity = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Pose:
-    """A place on the ground and a heading: m, m, rad."""
+class PlanarPose:
+    """A position on the ground and a heading.
+
+    Attributes:
+        x: m.
+        y: m.
+        heading: about the vertical, rad.
+    """
 
     x: float
     y: float
     heading: float
 
-    def seen_from(self, other: Pose) -> Pose:
-        """This pose in another one's axes."""
+    def relative_to(self, other: PlanarPose) -> PlanarPose:
+        """Return this pose in the axes of another one."""
         dx, dy = self.x - other.x, self.y - other.y
         c, s = math.cos(other.heading), math.sin(other.heading)
-        return Pose(c * dx + s * dy, c * dy - s * dx, wrap_angle(self.heading - other.heading))
+        return PlanarPose(
+            c * dx + s * dy, c * dy - s * dx, wrap_angle(self.heading - other.heading)
+        )
 
-    def from_within(self, other: Pose) -> Pose:
-        """This pose, given in another one's axes, in that one's world."""
+    def in_world_of(self, other: PlanarPose) -> PlanarPose:
+        """Return this pose, which is given in the axes of another one, in that one's world."""
         c, s = math.cos(other.heading), math.sin(other.heading)
-        return Pose(
+        return PlanarPose(
             other.x + c * self.x - s * self.y,
             other.y + s * self.x + c * self.y,
             wrap_angle(other.heading + self.heading),
@@ -35,17 +43,17 @@ class Pose:
 
     @property
     def distance(self) -> float:
-        """From the origin, m."""
+        """Distance from the origin, m."""
         return math.hypot(self.x, self.y)
 
 
 @dataclass(frozen=True, slots=True)
-class Approach:
-    """From afar turn to the goal and walk forward; near it, step to it in any direction.
+class PoseController:
+    """From afar it turns to the goal and walks forward; near the goal it steps in any direction.
 
     Attributes:
-        max_velocity: forward, left (m/s) and turn (rad/s) that may be used, one at a time.
-        near: distance below which it walks in any direction, m.
+        max_velocity: largest forward, left (m/s) and turn (rad/s), one at a time.
+        near: distance below which it steps in any direction, m.
         gain: 1/s; at most about one over twice a step's duration, or it overshoots: a velocity
             takes effect with the next step.
     """
@@ -54,17 +62,17 @@ class Approach:
     near: float
     gain: float
 
-    def left(self, error: Pose) -> float:
-        """How much is left to do, m: the way, and a turn of 1 rad counting as 0.2 m."""
+    def remaining(self, error: PlanarPose) -> float:
+        """Return what is left to do, m: the distance, and 0.2 m per radian of turning."""
         far = error.distance > self.near
         turn = math.atan2(error.y, error.x) if far else error.heading
         return error.distance + 0.2 * abs(turn)
 
-    def velocity(self, error: Pose) -> Velocity:
-        """The velocity to walk at.
+    def velocity(self, error: PlanarPose) -> Velocity:
+        """Return the velocity to walk at: forward, left (m/s) and turn (rad/s).
 
         Args:
-            error: the goal, seen from the robot.
+            error: pose of the goal in the axes of the robot.
         """
         if error.distance <= self.near:
             wanted = (self.gain * error.x, self.gain * error.y, self.gain * error.heading)
@@ -72,7 +80,7 @@ class Approach:
             bearing = math.atan2(error.y, error.x)
             ahead = math.cos(bearing) ** 2 if abs(bearing) < 1.0 else 0.0
             wanted = (self.gain * error.distance * ahead, 0.0, self.gain * bearing)
-        # What a gait can do in one direction it cannot do in all at once.
+        # A gait reaches its largest velocity in one direction at a time.
         effort = sum(abs(v) / most for v, most in zip(wanted, self.max_velocity, strict=True))
         x, y, turn = (v / max(1.0, effort) for v in wanted)
         return (x, y, turn)

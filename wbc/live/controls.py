@@ -1,0 +1,154 @@
+"""The controls of the page: what it offers, and which command each of its messages stands for."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from typing import Any
+
+from wbc.errors import MotionError, did_you_mean, short_repr
+from wbc.motions.engine.parsing import create_motion, describe_motion
+from wbc.teleop import (
+    Capabilities,
+    CommandRefused,
+    GainCommand,
+    GaitParameterCommand,
+    MotionCommand,
+    PauseCommand,
+    PushCommand,
+    ResetCommand,
+    StandCommand,
+    TeleopCommand,
+    TimeScaleCommand,
+    TunableParameter,
+    VelocityCommand,
+)
+from wbc.teleop.capabilities import unknown_motion
+from wbc.teleop.parameters import GAIT, TIME, VELOCITY
+
+MAX_LENGTH = 1000  # characters of a message
+_ACTIONS = ("push", "motion", "pause", "stand", "reset")
+_SOURCES = ("page", "keyboard")
+_PUSH_SHARE = 0.3  # of the largest push: the robot survives a larger one hardly ever
+
+
+class Controls:
+    """Translates messages of pages into commands, and keeps the values of the sliders.
+
+    A message is `{"control": NAME, "value": …}`; its optional "source" is "page" or "keyboard".
+
+    Args:
+        capabilities: which commands the robot takes.
+
+    Attributes:
+        values: name of a parameter -> its value now.
+        max_impulse: largest push that the page offers, N·s.
+    """
+
+    def __init__(self, capabilities: Capabilities) -> None:
+        self._capabilities = capabilities
+        self.values = {p.name: p.default for p in capabilities.parameters}
+        self.max_impulse = float(f"{_PUSH_SHARE * capabilities.max_impulse:.2g}")
+
+    def describe(self) -> dict[str, Any]:
+        """Return what the page offers, as JSON."""
+        return {
+            "parameters": [dataclasses.asdict(p) for p in self._capabilities.parameters],
+            "motions": [describe_motion(motion) for motion in self._capabilities.motions],
+            "max_impulse": self.max_impulse,
+        }
+
+    def parse(self, message: str | bytes) -> tuple[TeleopCommand, str]:
+        """Return the command that a message stands for, and its source.
+
+        Raises:
+            CommandRefused: the message makes no sense; the text says why.
+        """
+        name, value, source = _decode(message)
+        for parameter in self._capabilities.parameters:
+            if parameter.name == name:
+                return self._parameter_command(parameter, value), source
+        match name:
+            case "push":
+                if not (isinstance(value, list) and len(value) == 2):
+                    raise CommandRefused(
+                        f"push is {short_repr(value)}; it is [forward, left] in N·s"
+                    )
+                return PushCommand((value[0], value[1], 0.0)), source
+            case "motion":
+                return self._motion_command(value), source
+            case "pause":
+                return PauseCommand(value), source
+            case "stand":
+                return StandCommand(), source
+            case "reset":
+                return ResetCommand(), source
+        names = [*self.values, *_ACTIONS]
+        raise CommandRefused(f"no control {short_repr(name)}{did_you_mean(name, names)}")
+
+    def note(self, command: TeleopCommand) -> dict[str, float]:
+        """Take over what a command changes; return the new values of the sliders."""
+        match command:
+            case VelocityCommand(forward, left, turn):
+                changes = dict(zip(self._velocity_names, (forward, left, turn), strict=True))
+                changes = {k: float(v) for k, v in changes.items() if v != self.values[k]}
+            case TimeScaleCommand(value):
+                changes = {"speed": float(value)}
+            case GaitParameterCommand(name, value):
+                changes = {f"{GAIT}.{name}": float(value)}
+            case GainCommand(task, gain, value):
+                changes = {f"{task}.{gain}": float(value)}
+            case _:
+                return {}
+        self.values.update(changes)
+        return changes
+
+    def zero_velocity(self) -> dict[str, float]:
+        """Set the velocity sliders to zero, as the loop does; return their values."""
+        zeros = dict.fromkeys(self._velocity_names, 0.0)
+        self.values.update(zeros)
+        return zeros
+
+    @property
+    def _velocity_names(self) -> list[str]:
+        return [p.name for p in self._capabilities.parameters if p.group == VELOCITY]
+
+    def _parameter_command(self, parameter: TunableParameter, value: Any) -> TeleopCommand:
+        group, _, field = parameter.name.partition(".")
+        if parameter.group == VELOCITY:
+            values = {**self.values, parameter.name: value}
+            return VelocityCommand(*(values[name] for name in self._velocity_names))
+        if parameter.group == TIME:
+            return TimeScaleCommand(value)
+        if parameter.group == GAIT:
+            return GaitParameterCommand(field, value)
+        return GainCommand(group, field, value)  # type: ignore[arg-type]
+
+    def _motion_command(self, value: Any) -> MotionCommand:
+        name, parameters = value, {}
+        if isinstance(value, dict) and value.keys() == {"name", "parameters"}:
+            name, parameters = value["name"], value["parameters"]
+        for motion in self._capabilities.motions:
+            if motion.name == name:
+                try:
+                    return MotionCommand(create_motion(motion, parameters))
+                except MotionError as error:
+                    raise CommandRefused(str(error)) from error
+        raise unknown_motion(name, self._capabilities.motions)
+
+
+def _decode(message: str | bytes) -> tuple[str, Any, str]:
+    if not isinstance(message, str):
+        raise CommandRefused("a message is text, in JSON")
+    if len(message) > MAX_LENGTH:
+        raise CommandRefused(f"a message of {len(message)} characters; at most {MAX_LENGTH}")
+    try:
+        content = json.loads(message)
+    except (ValueError, RecursionError):
+        raise CommandRefused(f"{short_repr(message)} is not JSON") from None
+    if not isinstance(content, dict) or not isinstance(content.get("control"), str):
+        raise CommandRefused(f'{short_repr(content)}: a message is {{"control": NAME, "value": …}}')
+    source = content.get("source", _SOURCES[0])
+    if source not in _SOURCES:
+        raise CommandRefused(f"source is {short_repr(source)}; it is {' or '.join(_SOURCES)}")
+    return content["control"], content.get("value"), source

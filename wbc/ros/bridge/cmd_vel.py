@@ -1,0 +1,71 @@
+"""The topic `cmd_vel`: a velocity that ends when nobody renews it."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable
+from typing import Any
+
+from wbc.ros.node import Node
+from wbc.teleop import CommandClient, CommandRefused, VelocityCommand
+
+logger = logging.getLogger(__name__)
+
+Velocity = tuple[float, float, float]
+STANDING: Velocity = (0.0, 0.0, 0.0)
+
+
+class CmdVel:
+    """Sends velocities from `cmd_vel`, and those of actions that walk.
+
+    Args:
+        node: subscribes to the topic.
+        client: sends the commands.
+
+    Attributes:
+        max_velocity: largest |forward|, |left| (m/s) and |turn| (rad/s).
+        on_override: called when a message on `cmd_vel` takes over from an action that walks.
+    """
+
+    def __init__(self, node: Node, client: CommandClient) -> None:
+        self._client = client
+        self.max_velocity = client.capabilities.max_velocity
+        self._timeout = node.declare_parameter(
+            "cmd_vel_timeout",
+            0.5,
+            "after which the robot stops when no cmd_vel comes, s",
+            minimum=0.05,
+            maximum=10.0,
+        )
+        self.on_override: Callable[[], None] = lambda: None
+        node.create_subscription("geometry_msgs/msg/Twist", "cmd_vel", self._on_message)
+
+    def _on_message(self, message: Any, _: Any) -> None:
+        velocity = (message.linear.x, message.linear.y, message.angular.z)
+        if not all(map(math.isfinite, velocity)):
+            logger.warning("cmd_vel %s is not finite: ignored", velocity)
+            return
+        if velocity != STANDING:
+            self.on_override()
+        self.walk(velocity, float(self._timeout.value))
+
+    def walk(self, velocity: Velocity, timeout: float) -> None:
+        """Walk at a velocity, clamped to what the gait can do.
+
+        Args:
+            velocity: forward, left (m/s) and turn (rad/s).
+            timeout: time after which the robot stops, s.
+        """
+        forward, left, turn = (
+            max(-limit, min(limit, float(value)))
+            for value, limit in zip(velocity, self.max_velocity, strict=True)
+        )
+        try:
+            self._client.send(VelocityCommand(forward, left, turn, timeout))
+        except CommandRefused as error:
+            logger.warning("velocity: %s", error)
+
+    def stand(self) -> None:
+        """Stop walking."""
+        self.walk(STANDING, 0.0)

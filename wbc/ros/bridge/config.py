@@ -1,0 +1,43 @@
+"""What the node's process is configured with when it starts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from wbc.ros.network import Network
+from wbc.teleop import ChannelConfig
+
+if TYPE_CHECKING:
+    from wbc.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class NodeConfig:
+    """Configuration of the node's process.
+
+    Attributes:
+        robot: the robot whose node it is.
+        name: name of the node.
+        namespace: namespace of the node.
+        network: where the node looks for others.
+        channel: of the commands.
+        update_rate: of the joint states, Hz.
+        use_sim_time: whether messages are stamped with the plant's time.
+        dt: control period, s.
+        ring: descriptor of the ring of ticks.
+        rate: descriptor of the rate, Hz, at which the node needs ticks.
+        parent: process whose end ends the node.
+    """
+
+    robot: Robot
+    name: str
+    namespace: str
+    network: Network
+    channel: ChannelConfig
+    update_rate: float
+    use_sim_time: bool
+    dt: float
+    ring: int
+    rate: int
+    parent: int

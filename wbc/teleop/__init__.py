@@ -1,0 +1,49 @@
+"""Teleoperation: one stream of commands to a running robot, from a page, ROS 2 or a script."""
+
+from wbc.teleop.acknowledgement import Acknowledgement, Outcome
+from wbc.teleop.capabilities import Capabilities
+from wbc.teleop.channel import ChannelConfig, CommandChannel, CommandClient
+from wbc.teleop.command_handler import CommandHandler
+from wbc.teleop.commands import (
+    GainCommand,
+    GaitParameterCommand,
+    JointCommand,
+    MotionCommand,
+    PauseCommand,
+    PushCommand,
+    ResetCommand,
+    SentCommand,
+    StandCommand,
+    TeleopCommand,
+    TimeScaleCommand,
+    VelocityCommand,
+)
+from wbc.teleop.errors import CommandRefused
+from wbc.teleop.parameters import TunableParameter
+from wbc.teleop.session import TeleopClient, run
+
+__all__ = [
+    "Acknowledgement",
+    "Capabilities",
+    "ChannelConfig",
+    "CommandChannel",
+    "CommandClient",
+    "CommandHandler",
+    "CommandRefused",
+    "GainCommand",
+    "GaitParameterCommand",
+    "JointCommand",
+    "MotionCommand",
+    "Outcome",
+    "PauseCommand",
+    "PushCommand",
+    "ResetCommand",
+    "SentCommand",
+    "StandCommand",
+    "TeleopClient",
+    "TeleopCommand",
+    "TimeScaleCommand",
+    "TunableParameter",
+    "VelocityCommand",
+    "run",
+]

@@ -1,0 +1,37 @@
+"""What the sender of a command is told about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Outcome(Enum):
+    """What became of a command.
+
+    Every command is accepted or refused. A motion and a reset take time: after `ACCEPTED` follows
+    one of `DONE`, `SUPERSEDED` and `ABORTED`.
+    """
+
+    ACCEPTED = "accepted"  #: applied before a tick
+    REFUSED = "refused"  #: not applied
+    SUPERSEDED = "superseded"  #: another command took its place
+    DONE = "done"  #: the motion is over and the robot stands, or the reset is complete
+    ABORTED = "aborted"  #: the robot gave up the motion
+
+
+@dataclass(frozen=True, slots=True)
+class Acknowledgement:
+    """What became of a command.
+
+    Attributes:
+        id: number of the command, see `SentCommand`.
+        outcome: what became of it.
+        reason: why, unless it was accepted or done.
+        time: time of the plant when it was decided, s; NaN if the command did not reach the loop.
+    """
+
+    id: int
+    outcome: Outcome
+    reason: str = ""
+    time: float = float("nan")

@@ -1,0 +1,225 @@
+"""Which commands a robot in a loop takes, within which bounds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from wbc.errors import did_you_mean, short_repr
+from wbc.motions import Motion, MotionPlayer
+from wbc.motions.engine.packing import check_importable
+from wbc.teleop.commands import (
+    GainCommand,
+    GaitParameterCommand,
+    JointCommand,
+    MotionCommand,
+    PauseCommand,
+    PushCommand,
+    ResetCommand,
+    StandCommand,
+    TeleopCommand,
+    TimeScaleCommand,
+    VelocityCommand,
+)
+from wbc.teleop.errors import CommandRefused
+from wbc.teleop.parameters import (
+    GAIT,
+    TIME_SCALE,
+    VELOCITY,
+    TunableParameter,
+    gain_parameters,
+    gait_parameters,
+    time_scale_parameter,
+    velocity_parameters,
+)
+
+_MAX_PUSH = 2.0  # m/s: the largest push changes the robot's velocity by that
+_PUSH_DURATION = (0.01, 2.0)  # s
+_ROUNDING = 1e-6  # what a bound may be exceeded by, as a share or in rad
+
+
+@dataclass(frozen=True, eq=False)
+class Capabilities:
+    """The commands that a robot takes, and their bounds; the one place where they are validated.
+
+    Attributes:
+        parameters: what can be set.
+        motions: what can be played.
+        max_impulse: largest push, N·s; 0 if the robot cannot be pushed.
+        can_reset: whether the robot can be set back to the start.
+        joints: name -> (lowest, highest) position, rad, of the joints that are free to be led.
+        leg_joints: names of the joints that the gait needs.
+    """
+
+    parameters: tuple[TunableParameter, ...]
+    motions: tuple[type[Motion], ...]
+    max_impulse: float
+    can_reset: bool
+    joints: Mapping[str, tuple[float, float]]
+    leg_joints: frozenset[str]
+
+    @staticmethod
+    def of(
+        player: MotionPlayer, plant: Any, motions: Sequence[type[Motion]], time_scale: bool
+    ) -> Capabilities:
+        """Return the capabilities of a robot in a loop.
+
+        Args:
+            player: controller of the robot.
+            plant: may have `push` and `reset`.
+            motions: what can be played.
+            time_scale: whether the loop can run slower than real time.
+
+        Raises:
+            MotionError: another process could not import a motion.
+        """
+        for motion in motions:
+            check_importable(motion)
+        robot, walker = player.robot, player.walker
+        legs = {int(i) - 6 for leg in robot.legs for i in leg}
+        names = robot.joint_names
+        return Capabilities(
+            parameters=(
+                *velocity_parameters(walker.gait),
+                *((time_scale_parameter(),) if time_scale else ()),
+                *gait_parameters(walker.gait),
+                *gain_parameters(walker),
+            ),
+            motions=tuple(motions),
+            max_impulse=_MAX_PUSH * robot.mass if hasattr(plant, "push") else 0.0,
+            can_reset=hasattr(plant, "reset"),
+            joints={
+                name: (float(robot.q_min[i]), float(robot.q_max[i]))
+                for i, name in enumerate(names)
+                if i not in legs
+            },
+            leg_joints=frozenset(names[i] for i in legs),
+        )
+
+    def parameter(self, name: str) -> TunableParameter:
+        """Return the parameter of that name.
+
+        Raises:
+            CommandRefused: there is none.
+        """
+        for parameter in self.parameters:
+            if parameter.name == name:
+                return parameter
+        names = [parameter.name for parameter in self.parameters]
+        raise CommandRefused(f"no parameter {short_repr(name)}{did_you_mean(str(name), names)}")
+
+    @property
+    def max_velocity(self) -> tuple[float, float, float]:
+        """Largest |forward|, |left| (m/s) and |turn| (rad/s)."""
+        forward, left, turn = (p.high for p in self.parameters if p.group == VELOCITY)
+        return (forward, left, turn)
+
+    def check(self, command: TeleopCommand) -> None:
+        """Refuse a command that makes no sense for this robot.
+
+        Raises:
+            CommandRefused: the text names the value and the bounds.
+        """
+        match command:
+            case VelocityCommand(forward, left, turn, timeout):
+                for name, value in (("forward", forward), ("left", left), ("turn", turn)):
+                    self._check_parameter(f"{VELOCITY}.{name}", value)
+                check_number("timeout", timeout, 0.0, math.inf, "s")
+            case PushCommand():
+                self._check_push(command)
+            case MotionCommand(motion):
+                if type(motion) not in self.motions:
+                    raise unknown_motion(getattr(motion, "name", motion), self.motions)
+            case GaitParameterCommand(name, value):
+                self._check_parameter(f"{GAIT}.{name}", value)
+            case GainCommand(task, gain, value):
+                self._check_parameter(f"{task}.{gain}", value)
+            case TimeScaleCommand(scale):
+                if TIME_SCALE not in (p.name for p in self.parameters):
+                    raise CommandRefused("this loop does not run by the wall clock: no time scale")
+                self._check_parameter(TIME_SCALE, scale)
+            case JointCommand():
+                self._check_joints(command)
+            case PauseCommand(paused):
+                if not isinstance(paused, bool):
+                    raise CommandRefused(f"pause is {short_repr(paused)}; it is true or false")
+            case ResetCommand():
+                if not self.can_reset:
+                    raise CommandRefused("this robot cannot be reset: it is not simulated")
+            case StandCommand():
+                pass
+            case _:
+                raise CommandRefused(f"{short_repr(command)} is not a command of wbc.teleop")
+
+    def _check_parameter(self, name: str, value: Any) -> None:
+        parameter = self.parameter(name)
+        check_number(name, value, parameter.low, parameter.high, parameter.unit)
+
+    def _check_push(self, command: PushCommand) -> None:
+        if not self.max_impulse:
+            raise CommandRefused("this robot cannot be pushed: it is not simulated")
+        limit = self.max_impulse
+        if len(command.impulse) != 3:
+            raise CommandRefused(f"push is {short_repr(command.impulse)}; it is (x, y, z) in N·s")
+        for part in command.impulse:
+            check_number("push", part, -limit, limit, "N·s")
+        check_number("duration", command.duration, *_PUSH_DURATION, "s")
+        size = math.hypot(*command.impulse)
+        if size > (1.0 + _ROUNDING) * limit:
+            raise CommandRefused(f"push: {size:.4g} N·s; at most {limit:.4g} N·s")
+        if command.frame not in ("world", "heading"):
+            raise CommandRefused(
+                f"frame is {short_repr(command.frame)}; it is 'world' or 'heading'"
+            )
+
+    def _check_joints(self, command: JointCommand) -> None:
+        names, positions = command.joints, command.positions
+        self.check_joint_names(names)
+        if len(positions) != len(names):
+            raise CommandRefused(f"{len(names)} joints have {len(positions)} positions")
+        for name, position in zip(names, positions, strict=True):
+            low, high = self.joints[name]
+            check_number(name, position, low - _ROUNDING, high + _ROUNDING, "rad")
+        check_number("duration", command.duration, 0.0, math.inf, "s")
+        check_number("max_speed", command.max_speed, 1e-3, math.inf, "rad/s")
+
+    def check_joint_names(self, names: Sequence[str]) -> None:
+        """Refuse names of joints that cannot be led.
+
+        Raises:
+            CommandRefused: a joint is unknown, named twice or part of a leg, or there are none.
+        """
+        for name in names:
+            if name in self.leg_joints:
+                raise CommandRefused(f"'{name}' is a joint of a leg, which the gait needs")
+            if name not in self.joints:
+                near = did_you_mean(name, self.joints)
+                raise CommandRefused(f"there is no joint '{name}'{near}")
+        if len(set(names)) != len(names):
+            raise CommandRefused("a joint is named twice")
+        if not names:
+            raise CommandRefused("the command names no joints")
+
+
+def check_number(name: str, value: Any, low: float, high: float, unit: str = "") -> float:
+    """Return a number if it is one and within its bounds.
+
+    Raises:
+        CommandRefused: it is not.
+    """
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise CommandRefused(f"{name} is {short_repr(value)}; it is a number")
+    # Compared before any conversion: an integer may be too large for a float.
+    if not low <= value <= high:
+        bounds = f"{low:g} to {high:g} {unit}".strip()
+        raise CommandRefused(f"{name} = {short_repr(value)} is out of range: {bounds}")
+    return float(value)
+
+
+def unknown_motion(name: Any, motions: Sequence[type[Motion]]) -> CommandRefused:
+    """Return the error for a motion that is not offered."""
+    names = [motion.name for motion in motions]
+    near = did_you_mean(name, names) if isinstance(name, str) else ""
+    return CommandRefused(f"no motion {short_repr(name)}{near}")

@@ -1,0 +1,320 @@
+"""Applies commands to a robot in a running loop, between two ticks."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from wbc.closeable import Closeable
+from wbc.motions import MOTIONS, Motion, MotionPlayer
+from wbc.motions.engine.manager import ZERO_VELOCITY, MotionManager, MotionStatus
+from wbc.runtime.clock import Clock
+from wbc.runtime.loop import StopRun
+from wbc.runtime.mode import Mode
+from wbc.teleop.acknowledgement import Acknowledgement, Outcome
+from wbc.teleop.capabilities import Capabilities
+from wbc.teleop.channel import CommandChannel
+from wbc.teleop.commands import (
+    PARAMETER_COMMANDS,
+    GainCommand,
+    GaitParameterCommand,
+    JointCommand,
+    MotionCommand,
+    PauseCommand,
+    PushCommand,
+    ResetCommand,
+    SentCommand,
+    StandCommand,
+    TeleopCommand,
+    TimeScaleCommand,
+    VelocityCommand,
+)
+from wbc.teleop.joint_targets import JointTargets
+from wbc.teleop.parameters import GAINS
+from wbc.teleop.push_counter import PushCounter
+
+#: Called with every command and what became of it, inside a tick: it must return at once.
+AcknowledgementObserver = Callable[[SentCommand, Acknowledgement], None]
+
+_IDLE_PERIOD = 0.005  # s between two looks for commands while nothing moves
+_FALLEN = "the robot has fallen: reset it first"
+
+
+class _Arrival(NamedTuple):
+    """A command with the channel that it came through; None if a script submitted it."""
+
+    sent: SentCommand
+    channel: CommandChannel | None
+
+
+class CommandHandler(Closeable):
+    """Takes commands from any number of senders and applies them before a tick.
+
+    A script calls `submit`; other processes send through a channel that `open_channel` makes. The
+    commands that have arrived are applied in `before_tick`, in the order in which each sender sent
+    them, and change the very next command to the motors. Nothing is planned here: motions come
+    prepared. A velocity ends by its timeout, even if its sender has died.
+
+    Args:
+        player: the controller.
+        plant: may have `push` and `reset`.
+        motions: what can be played; all registered motions when left out.
+        owns_clock: wait for the wall clock in `before_tick`, so that the loop can run slower than
+            real time; otherwise whoever runs the loop keeps the time.
+
+    Attributes:
+        capabilities: which commands are taken, and their bounds.
+        mode: whether the loop runs, is paused, or waits for a reset.
+        paused: whether the loop is to pause.
+        reset_wanted: whether a reset has been accepted since the run began.
+        pushes: how many pushes were survived.
+
+    Raises:
+        MotionError: another process could not import a motion.
+    """
+
+    def __init__(
+        self,
+        player: MotionPlayer,
+        plant: Any,
+        *,
+        motions: Sequence[type[Motion]] = MOTIONS,
+        owns_clock: bool = True,
+    ) -> None:
+        self.player, self.plant = player, plant
+        self.capabilities = Capabilities.of(player, plant, motions, owns_clock)
+        self.mode = Mode.RUNNING
+        self.paused = self.reset_wanted = False
+        self.pushes = PushCounter()
+        self._manager = MotionManager(player)
+        self._joints = JointTargets(player)
+        self._clock = Clock(player.dt, 1) if owns_clock else None
+        # Rows of a gain keep their ratios to the largest.
+        self._gains = {
+            (task.name, gain): (task, np.array(value) / np.max(value))
+            for task in player.walker.tasks
+            for gain in GAINS
+            if np.max(value := getattr(task, gain)) > 0.0
+        }
+        self._channels: list[CommandChannel] = []
+        self._observers: list[AcknowledgementObserver] = []
+        self._submitted: deque[SentCommand] = deque()
+        self._numbers = itertools.count(1)
+        self._motion: _Arrival | None = None  # in progress
+        self._resets: list[_Arrival] = []  # in progress
+        self._motion_end = ""  # why the motion in progress is to end
+        self._velocity_end = np.inf  # s by `time.monotonic`
+        self._first_tick = True
+        self.on_idle: Callable[[Mode], None] = lambda _: None
+        self.stop: Callable[[], bool] = lambda: False
+
+    # Senders.
+
+    def open_channel(self) -> CommandChannel:
+        """Return a new channel for commands from another process."""
+        channel = CommandChannel(self.player.robot, self.capabilities)
+        self._channels.append(channel)
+        return channel
+
+    def submit(self, command: TeleopCommand, source: str = "script") -> int:
+        """Validate a command, to be applied before the next tick; any thread may call this.
+
+        A motion that is not prepared is prepared here, which may take a second.
+
+        Returns:
+            Number of the command, by which it is acknowledged to the observers.
+
+        Raises:
+            CommandRefused: the command makes no sense for this robot.
+            MotionError: the robot cannot play the motion.
+        """
+        self.capabilities.check(command)
+        if isinstance(command, MotionCommand):
+            command.motion.prepare(self.player.robot)
+        number = next(self._numbers)
+        self._submitted.append(SentCommand(command, source, number, time.monotonic()))
+        return number
+
+    def add_observer(self, observer: AcknowledgementObserver) -> None:
+        """Have every acknowledged command passed to a function, e.g. for a log."""
+        self._observers.append(observer)
+
+    # The loop.
+
+    def begin(self) -> None:
+        """A run begins. If a reset caused it, commands from before it are forgotten."""
+        if self._resets:
+            for arrival in self._take_arrivals():
+                if isinstance(arrival.sent.command, PARAMETER_COMMANDS):
+                    self._apply(arrival)
+                else:
+                    self._acknowledge(arrival, Outcome.SUPERSEDED, "the robot was reset")
+        self._end_motion(Outcome.SUPERSEDED, "the robot was reset")
+        self._manager.reset()
+        self._joints.clear()
+        self._velocity_end = np.inf
+        self.pushes.on_reset()
+        self.mode = Mode.RUNNING
+        self.paused = self.reset_wanted = False
+        self._first_tick = True
+
+    def before_tick(self, _: float) -> None:
+        """Wait for the tick's time if the clock is owned, then apply the commands.
+
+        Raises:
+            StopRun: the robot is to be reset, or the run was stopped while it was paused.
+        """
+        if self._clock is not None:
+            self._clock.wait()
+        self._receive()
+        # The first tick of a run is made even when paused: it shows where the robot stands.
+        while self.paused and not self._first_tick and not self.reset_wanted:
+            if self.stop():
+                raise StopRun("stopped")
+            self.mode = Mode.PAUSED
+            self._idle()
+            self._receive()
+        if self.reset_wanted:
+            raise StopRun("reset")
+        for arrival in self._resets:  # with no tick yet, the robot stands where it started
+            self._acknowledge(arrival, Outcome.DONE)
+        self._resets.clear()
+        self.mode = Mode.RUNNING
+        self._first_tick = False
+        if self._velocity_end < np.inf and time.monotonic() >= self._velocity_end:
+            self._velocity_end = np.inf
+            self._manager.velocity = ZERO_VELOCITY
+        self._manager.update()
+        self._track_motion()
+        self._joints.advance(time.monotonic())
+        for impulse in self.player.pop_pushes():
+            self._push(impulse)
+        self.pushes.on_tick(self.plant.time)
+
+    def idle_after_fall(self) -> None:
+        """The robot has fallen: take commands for some milliseconds; only a reset helps."""
+        if self.mode is not Mode.FALLEN:
+            self.mode = Mode.FALLEN
+            self.pushes.on_fall()
+            self._end_motion(Outcome.ABORTED, "the robot fell")
+        self._receive()
+        self._idle()
+
+    def _idle(self) -> None:
+        self.on_idle(self.mode)
+        time.sleep(_IDLE_PERIOD)
+
+    @property
+    def owns_clock(self) -> bool:
+        """Whether `before_tick` waits for the wall clock."""
+        return self._clock is not None
+
+    @property
+    def playing(self) -> Motion | None:
+        """The motion that is playing; None while the robot stands, walks or returns to standing."""
+        return self.player.playing
+
+    @property
+    def waiting(self) -> Motion | None:
+        """The motion that begins as soon as the robot stands."""
+        return self._manager.waiting
+
+    # Commands.
+
+    def _take_arrivals(self) -> list[_Arrival]:
+        """Return the commands that have arrived since the last call, sender by sender."""
+        arrivals = []
+        while self._submitted:
+            arrivals.append(_Arrival(self._submitted.popleft(), None))
+        for channel in self._channels:
+            while (sent := channel.receive()) is not None:
+                arrivals.append(_Arrival(sent, channel))
+        return arrivals
+
+    def _receive(self) -> None:
+        for arrival in self._take_arrivals():
+            self._apply(arrival)
+
+    def _apply(self, arrival: _Arrival) -> None:
+        sent, command = arrival.sent, arrival.sent.command
+        parameter = isinstance(command, (*PARAMETER_COMMANDS, PauseCommand))
+        if self.mode is Mode.FALLEN and not parameter and command != ResetCommand():
+            self._acknowledge(arrival, Outcome.REFUSED, _FALLEN)
+            return
+        self._acknowledge(arrival, Outcome.ACCEPTED)
+        match command:
+            case VelocityCommand(timeout=timeout):
+                if any(command.velocity):
+                    self._motion_end = f"{sent} took its place"
+                self._manager.velocity = command.velocity
+                self._velocity_end = sent.stamp + timeout
+            case PushCommand(impulse, duration, frame):
+                vector = np.array(impulse)
+                if frame == "heading":
+                    vector = self.player.walker.standing_frame.rotation @ vector
+                self._push(vector, duration)
+            case MotionCommand(motion):
+                self._end_motion(Outcome.SUPERSEDED, f"{sent} took its place")
+                self._motion = arrival
+                self._manager.play(motion)
+            case StandCommand():
+                self._motion_end = f"{sent} took its place"
+                self._velocity_end = np.inf
+                self._manager.stand()
+            case GaitParameterCommand(name, value):
+                walker = self.player.walker
+                walker.change_gait(replace(walker.gait, **{name: value}))
+            case GainCommand(task_name, gain, value):
+                task, shares = self._gains[task_name, gain]
+                setattr(task, gain, value * shares)
+            case JointCommand():
+                self._joints.set(command, sent.stamp)
+            case TimeScaleCommand(scale):
+                self._clock = Clock(self.player.dt / scale, 1)
+            case PauseCommand(paused):
+                self.paused = paused
+            case ResetCommand():
+                self._resets.append(arrival)
+                self.reset_wanted = not self._first_tick
+
+    def _push(self, impulse: np.ndarray, duration: float = 0.1) -> None:
+        if self.capabilities.max_impulse:
+            self.plant.push(impulse, duration=duration)
+            self.pushes.on_push(self.plant.time)
+
+    def _track_motion(self) -> None:
+        """Acknowledge the motion in progress when it is over and the robot stands."""
+        if self._motion is None:
+            return
+        match self._manager.status:
+            case MotionStatus.DONE:
+                self._end_motion(Outcome.DONE, "")
+            case MotionStatus.ABORTED:
+                self._end_motion(Outcome.ABORTED, self.player.context.notes[-1])
+            case MotionStatus.CANCELED:
+                self._end_motion(Outcome.SUPERSEDED, self._motion_end)
+
+    def _end_motion(self, outcome: Outcome, reason: str) -> None:
+        if self._motion is not None:
+            motion, self._motion = self._motion, None
+            self._acknowledge(motion, outcome, reason)
+
+    def _acknowledge(self, arrival: _Arrival, outcome: Outcome, reason: str = "") -> None:
+        sent, channel = arrival
+        acknowledgement = Acknowledgement(sent.id, outcome, reason, self.plant.time)
+        if channel is not None:
+            channel.acknowledge(acknowledgement)
+        for observer in self._observers:
+            observer(sent, acknowledgement)
+
+    def close(self) -> None:
+        """Close the channels."""
+        for channel in self._channels:
+            channel.close()
+        self._channels.clear()

@@ -1,0 +1,179 @@
+"""The commands that a running robot takes, whoever sends them."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from wbc.motions import Motion
+
+
+@dataclass(frozen=True, slots=True)
+class VelocityCommand:
+    """Walk at a velocity; zero stands.
+
+    Attributes:
+        forward: m/s, in the robot's heading frame.
+        left: m/s, in the robot's heading frame.
+        turn: yaw rate to the left, rad/s.
+        timeout: time after which the robot stops unless another velocity command comes, s of the
+            wall clock since the command was sent.
+    """
+
+    forward: float = 0.0
+    left: float = 0.0
+    turn: float = 0.0
+    timeout: float = math.inf
+
+    @property
+    def velocity(self) -> tuple[float, float, float]:
+        """Forward, left (m/s) and turn (rad/s)."""
+        return (self.forward, self.left, self.turn)
+
+
+@dataclass(frozen=True, slots=True)
+class PushCommand:
+    """Push the torso of a simulated robot with a constant force.
+
+    Attributes:
+        impulse: (x, y, z) force times duration, N·s.
+        duration: s.
+        frame: axes of the impulse: "world", or "heading" for forward, left, up of the robot.
+    """
+
+    impulse: tuple[float, float, float]
+    duration: float = 0.1
+    frame: Literal["world", "heading"] = "heading"
+
+
+@dataclass(frozen=True, slots=True)
+class MotionCommand:
+    """Play a motion, in place of the one that is playing or waiting.
+
+    Attributes:
+        motion: a motion that the command handler knows.
+    """
+
+    motion: Motion
+
+
+@dataclass(frozen=True, slots=True)
+class StandCommand:
+    """Stop walking, end the motion, and stand."""
+
+
+@dataclass(frozen=True, slots=True)
+class GaitParameterCommand:
+    """Set a gait parameter.
+
+    Attributes:
+        name: field of `wbc.GaitParameters`.
+        value: in the unit of that field.
+    """
+
+    name: str
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class GainCommand:
+    """Set a gain of one of the walker's tasks.
+
+    Attributes:
+        task: name of the task.
+        gain: "weight", "kp" (1/s²) or "kd" (1/s).
+        value: new value of the largest row; the other rows keep their ratios to it.
+    """
+
+    task: str
+    gain: Literal["weight", "kp", "kd"]
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class JointCommand:
+    """Lead joints of arms, trunk and head to positions; the legs belong to the gait.
+
+    Attributes:
+        joints: names of the joints.
+        positions: of each of them, rad.
+        duration: time to get there, s of the wall clock since the command was sent; 0 is as fast as
+            `max_speed` allows.
+        max_speed: largest joint speed, rad/s; half of a joint's own limit if that is less.
+    """
+
+    joints: tuple[str, ...]
+    positions: tuple[float, ...]
+    duration: float = 0.0
+    max_speed: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class TimeScaleCommand:
+    """Run slower than real time.
+
+    Attributes:
+        scale: seconds of the plant per second of the wall clock.
+    """
+
+    scale: float
+
+
+@dataclass(frozen=True, slots=True)
+class PauseCommand:
+    """Pause the loop, or resume it.
+
+    Attributes:
+        paused: False resumes.
+    """
+
+    paused: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class ResetCommand:
+    """Set the robot back to where the run began, on its feet."""
+
+
+TeleopCommand: TypeAlias = (
+    VelocityCommand
+    | PushCommand
+    | MotionCommand
+    | StandCommand
+    | GaitParameterCommand
+    | GainCommand
+    | JointCommand
+    | TimeScaleCommand
+    | PauseCommand
+    | ResetCommand
+)
+
+#: Commands that change how the robot is controlled, not what it does: they outlast a reset.
+PARAMETER_COMMANDS = (GaitParameterCommand, GainCommand, TimeScaleCommand)
+
+
+def command_label(command: TeleopCommand) -> str:
+    """Return what a command is in words, e.g. "velocity command"."""
+    return re.sub(r"(?<!^)(?=[A-Z])", " ", type(command).__name__).lower()
+
+
+@dataclass(frozen=True, slots=True)
+class SentCommand:
+    """A command with its sender.
+
+    Attributes:
+        command: the command.
+        source: who sent it, e.g. "page", "keyboard", "ros" or "script".
+        id: number of the command, unique per sender.
+        stamp: when it was sent, s by `time.monotonic`, which all processes of a machine share.
+    """
+
+    command: TeleopCommand
+    source: str
+    id: int
+    stamp: float
+
+    def __str__(self) -> str:
+        return f"{command_label(self.command)} from {self.source}"

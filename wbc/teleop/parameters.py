@@ -1,0 +1,95 @@
+"""The parameters that can be set while the robot runs. A row here is a slider on the live page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wbc.gait import GaitParameters
+from wbc.walking import Walker
+
+VELOCITY, TIME, GAIT = "velocity", "time", "gait"  # groups; the others are names of tasks
+TIME_SCALE = "speed"
+GAINS = ("weight", "kp", "kd")
+
+#: Gait parameters: (name, label, unit, lowest and highest share of the robot's own value). The
+#: step width goes down to what is safe for the feet.
+_GAIT = (
+    ("single_support", "swing time", "s", 0.7, 1.5),
+    ("double_support", "double support", "s", 0.6, 2.0),
+    ("swing_height", "swing height", "m", 0.5, 2.0),
+    ("step_width", "step width", "m", 0.0, 1.25),
+    ("com_height", "CoM height", "m", 0.94, 1.0),
+    ("dcm_gain", "DCM gain", "1/s", 0.4, 2.0),
+)
+_VELOCITY = (("forward", "forward", "m/s"), ("left", "left", "m/s"), ("turn", "turn left", "rad/s"))
+_UNITS = {"weight": "", "kp": "1/s²", "kd": "1/s"}
+_GAIN_RANGE = 10.0  # gains go from a tenth to ten times their value
+
+
+@dataclass(frozen=True, slots=True)
+class TunableParameter:
+    """A number that a command may set.
+
+    Attributes:
+        name: unique, e.g. "gait.swing_height" or "com.weight".
+        group: "velocity", "time", "gait", or the name of a task.
+        label: name for people.
+        unit: unit of the value.
+        low: smallest value.
+        high: largest value.
+        default: value at the start.
+        logarithmic: whether equal ratios, not differences, make equal steps of a slider.
+    """
+
+    name: str
+    group: str
+    label: str
+    unit: str
+    low: float
+    high: float
+    default: float
+    logarithmic: bool = False
+
+
+def velocity_parameters(gait: GaitParameters) -> list[TunableParameter]:
+    """One parameter per direction, as far as the robot's gait goes."""
+    return [
+        TunableParameter(f"{VELOCITY}.{name}", VELOCITY, label, unit, -limit, limit, 0.0)
+        for (name, label, unit), limit in zip(_VELOCITY, gait.max_velocity, strict=True)
+    ]
+
+
+def time_scale_parameter() -> TunableParameter:
+    """Seconds of the plant per second of the wall clock."""
+    return TunableParameter(TIME_SCALE, TIME, "speed", "×", 0.05, 1.0, 1.0, logarithmic=True)
+
+
+def gait_parameters(gait: GaitParameters) -> list[TunableParameter]:
+    """Timing, geometry and feedback of the gait."""
+    parameters = []
+    for name, label, unit, lowest, highest in _GAIT:
+        value = float(getattr(gait, name))
+        low = max(lowest * value, gait.least_width if name == "step_width" else 0.0)
+        parameters.append(
+            TunableParameter(f"{GAIT}.{name}", GAIT, label, unit, low, highest * value, value)
+        )
+    return parameters
+
+
+def gain_parameters(walker: Walker) -> list[TunableParameter]:
+    """Weight, stiffness and damping of each of the walker's tasks: the largest of their rows."""
+    parameters = []
+    for task in walker.tasks:
+        for gain in GAINS:
+            value = float(np.max(getattr(task, gain)))
+            if value > 0.0:
+                low, high = value / _GAIN_RANGE, value * _GAIN_RANGE
+                name = f"{task.name}.{gain}"
+                parameters.append(
+                    TunableParameter(
+                        name, task.name, gain, _UNITS[gain], low, high, value, logarithmic=True
+                    )
+                )
+    return parameters

@@ -1,0 +1,126 @@
+"""Runs a robot in physics that commands drive, falls and resets included."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+from wbc.errors import PlantError
+from wbc.runtime import loop
+from wbc.runtime.mode import Mode
+from wbc.runtime.protocols import Observer, Recorder, StateEstimator
+from wbc.runtime.real_time import RealTime, punctual
+from wbc.runtime.report import Report
+from wbc.runtime.statistics import Progress
+from wbc.teleop.command_handler import CommandHandler
+
+
+class TeleopClient(Recorder, Protocol):
+    """Something outside the loop that shows the robot and sends commands, e.g. the live page."""
+
+    @property
+    def reset_hint(self) -> str:
+        """How a person resets the robot there."""
+
+    def idle(self, mode: Mode) -> None:
+        """Called every few milliseconds while there are no ticks: paused, or after a fall."""
+
+
+def run(
+    handler: CommandHandler,
+    duration: float,
+    *,
+    clients: Sequence[TeleopClient] = (),
+    estimator: StateEstimator | None = None,
+    viewer: Observer | None = None,
+    recording: Observer | None = None,
+    log: Sequence[Recorder] = (),
+    real_time: bool = True,
+    before_tick: Callable[[float], None] = lambda _: None,
+    stop: Callable[[], bool] = lambda: False,
+    progress: Callable[[Progress], None] | None = None,
+    message: Callable[[str], None] = lambda _: None,
+) -> Report | None:
+    """Run until the duration is over. A robot that fell lies there until a command resets it.
+
+    Args:
+        handler: takes the commands; it knows controller and plant, which is a simulator.
+        duration: s of plant time; time after a fall counts by the wall clock.
+        clients: are told of every tick, and while there is none.
+        estimator: see `wbc.run`.
+        viewer: see `wbc.run`.
+        recording: see `wbc.run`; it is shown every run between two resets.
+        log: see `wbc.run`; told of every run likewise, after the clients.
+        real_time: run by the wall clock; a handler that owns its clock does so in any case.
+        before_tick: called with the plant's time before the commands are applied; a script submits
+            its commands here.
+        stop: asked several times per second whether to end the run.
+        progress: see `wbc.run`.
+        message: called with a line of text when the robot falls or is reset.
+
+    Returns:
+        The report of the last run between two resets; None when the physics diverged in it. If the
+        robot lies there without anybody to reset it (no clients), the run ends with its fall.
+    """
+
+    def on_progress(now: Progress) -> None:
+        if progress is not None:
+            progress(now)
+        if stop():
+            raise loop.StopRun("stopped")
+
+    def on_tick(now: float) -> None:
+        before_tick(now)
+        handler.before_tick(now)
+
+    def on_idle(mode: Mode) -> None:
+        for client in clients:
+            client.idle(mode)
+
+    handler.stop, handler.on_idle = stop, on_idle
+    left = duration
+    with contextlib.ExitStack() as stack:
+        if handler.owns_clock:
+            message(stack.enter_context(punctual(RealTime())).describe())
+        while True:
+            handler.plant.reset()
+            report: Report | None = None
+            handler.begin()
+            try:
+                report = loop.run(
+                    handler.player,
+                    handler.plant,
+                    left,
+                    estimator=estimator,
+                    viewer=viewer,
+                    recording=recording,
+                    log=(*clients, *log),
+                    real_time=real_time and not handler.owns_clock,
+                    before_tick=on_tick,
+                    progress=on_progress,
+                )
+                reason = report.fell_why if report.fell_at_s is not None else ""
+            except PlantError as error:
+                reason = str(error)
+            left -= handler.plant.time
+            if not handler.reset_wanted:
+                if not reason or not clients:
+                    return report
+                hints = " or ".join(client.reset_hint for client in clients)
+                message(f"fell: {reason}; to reset it: {hints}")
+                left -= _wait_for_reset(handler, left, stop)
+            if stop() or left <= handler.plant.dt:
+                return report
+            message("reset")
+
+
+def _wait_for_reset(handler: CommandHandler, longest: float, stop: Callable[[], bool]) -> float:
+    """Wait until a reset is wanted; return how long that took, s."""
+    start = time.monotonic()
+    while not (handler.reset_wanted or stop()):
+        handler.idle_after_fall()
+        if time.monotonic() - start >= longest:
+            break
+    return time.monotonic() - start
