@@ -123,7 +123,7 @@ def test_a_motion_is_played_and_over_when_the_robot_stands_again(play, com):
         ("", "no motion ''"),
         ("squat deep=3", "squat has no parameter 'deep'; did you mean 'depth'"),
         ("squat depth=deep", "squat: depth is 'deep'; it must be a number"),
-        ("squat depth", "'depth' is no parameter=value"),
+        ("squat depth", "'depth' is not of the form parameter=value"),
         ("squat depth=95", "cannot go down by 95 %"),
     ],
 )
