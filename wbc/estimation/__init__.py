@@ -1,9 +1,9 @@
-"""State estimation: from a `Measurement` to an `Estimate` of state, contacts and foot loads."""
+"""State estimation: from a `Measurement` to an `Estimate` of state, contacts and foot loads.
 
-from wbc.estimation.contact import ContactTrigger
-from wbc.estimation.estimate import Estimate
-from wbc.estimation.estimator import Estimator
-from wbc.estimation.noise import EstimatorNoise
-from wbc.estimation.truth import GroundTruthEstimator
+The public names are listed in `__init__.pyi`; each loads its module when it is first used, so that
+a controller that only takes estimates does not load the estimator's kernels.
+"""
 
-__all__ = ["ContactTrigger", "Estimate", "Estimator", "EstimatorNoise", "GroundTruthEstimator"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -46,6 +46,7 @@ class ContactDetector:
     Attributes:
         names: of the soles, in the order of all lists here.
         stands: per sole, whether it stands.
+        contacts: names of the soles that stand.
     """
 
     def __init__(self, robot: Robot, trigger: ContactTrigger | None = None) -> None:
@@ -54,17 +55,13 @@ class ContactDetector:
         self._weight = robot.weight
         self.reset()
 
-    @property
-    def contacts(self) -> tuple[str, ...]:
-        """Names of the soles that stand."""
-        return tuple(name for name, stands in zip(self.names, self.stands, strict=True) if stands)
-
     def reset(self) -> None:
         """Start with all soles in the air."""
         self.stands = [False] * len(self.names)
+        self.contacts: tuple[str, ...] = ()
 
     def loads(self, wrenches: Mapping[str, np.ndarray]) -> dict[str, float] | None:
-        """Normal force of each sole as a share of the weight; None without any wrench.
+        """Return the normal force of each sole as a share of the weight; None without wrenches.
 
         Args:
             wrenches: sole name -> (6,) wrench from the ground in sole axes; N, N·m.
@@ -85,11 +82,18 @@ class ContactDetector:
             loads[name] = wrench.item(2) / self._weight
         return loads
 
-    def update(self, loads: Mapping[str, float]) -> list[bool]:
-        """Decide from the loads; returns `stands`, a new list."""
-        trigger = self.trigger
-        self.stands = [
-            trigger.stands(loads[name], before)
-            for name, before in zip(self.names, self.stands, strict=True)
-        ]
-        return self.stands
+    def update(self, loads: Mapping[str, float]) -> None:
+        """Decide by the loads, shares of the weight."""
+        stands = self.trigger.stands
+        self.decide(
+            [
+                stands(loads[name], before)
+                for name, before in zip(self.names, self.stands, strict=True)
+            ]
+        )
+
+    def decide(self, stands: list[bool]) -> None:
+        """Set which soles stand."""
+        if stands != self.stands:
+            self.stands = stands
+            self.contacts = tuple(name for name, now in zip(self.names, stands, strict=True) if now)

@@ -1,4 +1,4 @@
-"""From sensor readings to the state of the whole robot."""
+"""State, contacts and foot loads of the whole robot from sensor readings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from wbc.estimation.contact import ContactDetector, ContactTrigger
 from wbc.estimation.estimate import Estimate
 from wbc.estimation.inekf import InvariantFilter
 from wbc.estimation.joints import JointFilter
-from wbc.estimation.legs import Legs, leg_covariance
+from wbc.estimation.kernels.legs import write_state
+from wbc.estimation.legs import LegKinematics, leg_covariance
 from wbc.estimation.noise import EstimatorNoise
 from wbc.measurement import Measurement
 from wbc.robot import Robot
@@ -27,29 +28,35 @@ class Estimator:
     """State of a walking robot from encoders, IMU and foot forces.
 
     The base comes from an `InvariantFilter` at the IMU's frame, corrected by the soles
-    that stand; the joints from a `JointFilter`. Neither the heading nor the place on the
+    that stand; the joints from a `JointFilter`. Neither the heading nor the position on the
     ground is measured by any sensor: both start from `reset` and drift slowly, by
     touchdowns and slip. Only what a real robot measures is read; the exact state of a
     simulator goes through `GroundTruthEstimator`.
 
-    Which soles stand is told from the foot forces by `trigger`. Without foot forces it
+    Which soles stand is decided from the foot forces by `trigger`. Without foot forces it
     is what `contacts` says, and without that the soles that the estimate places lowest:
     good for standing and slow walking on flat floor, not for running or stairs.
+
+    At any tick `copy.deepcopy` and `pickle` give an estimator that goes on bit-identically,
+    in this process or another.
 
     Args:
         robot: its model gives the kinematics; the IMU is at the frame `robot.imu`.
         dt: period of `update`, s.
         noise: what is assumed of sensors and feet.
         trigger: decides on contacts.
-        joint_acceleration: how hard a joint is believed to accelerate, rad/s²: the
+        joint_acceleration: standard deviation of a joint's acceleration, rad/s²: the
             bandwidth of the joint filter; infinity switches it off. On a walking Talos
             and a walking G1, readings of 0.05 rad/s come out at 0.033 and 0.039 with 20,
             at 0.038 and 0.061 with 10 by lag, at 0.040 and 0.040 with 40.
-        joint_surprise: the same for what is left when `update` is given the commanded
-            acceleration; that brings 0.019 and 0.022.
+        joint_surprise: the same for the part of the acceleration that the command did not
+            foresee, when `update` is given it; that brings 0.019 and 0.022.
         correct_every: periods between two corrections by the legs; touchdowns are taken
-            in at once. The joint filter hands the encoders' readings on across them: the
+            in at once. The joint filter bridges the encoders' readings in between: the
             errors of 1, 2, 4 and 8 differ by less than a tenth.
+
+    Raises:
+        MeasurementError: a period, deviation or count that is not positive.
     """
 
     def __init__(
@@ -63,17 +70,25 @@ class Estimator:
         joint_surprise: float = 6.0,
         correct_every: int = 4,
     ) -> None:
+        if not (math.isfinite(dt) and dt > 0.0):
+            raise MeasurementError(
+                f"Estimator: dt = {dt} s must be positive and finite: the plant's control period"
+            )
+        for name, value in (
+            ("joint_acceleration", joint_acceleration),
+            ("joint_surprise", joint_surprise),
+            ("correct_every", correct_every),
+        ):
+            if not value > 0:
+                raise MeasurementError(f"Estimator: {name} = {value} must be positive")
         self.robot = robot
         self.dt = dt
         self._noise = EstimatorNoise() if noise is None else noise
         self._detector = ContactDetector(robot, trigger)
-        self._model = robot.model
-        self._legs = Legs(robot)
-        gravity = np.array(robot.model.gravity.linear)
+        self._legs = LegKinematics(robot)
         self.filter = InvariantFilter(
-            len(robot.soles),
             dt,
-            gravity,
+            np.array(robot.model.gravity.linear),
             self._noise,
             [leg_covariance(robot, i, self._noise.encoder) for i in range(len(robot.soles))],
             every=correct_every,
@@ -87,8 +102,13 @@ class Estimator:
             joint_surprise,
         )
         self._joint_shape = (robot.na,)
-        self._T_world_imu, self._twist = pin.SE3.Identity(), pin.Motion.Zero()
+        self._work = np.zeros((2, 3, 3))
+        self._slip = np.zeros(len(robot.soles))
         self.reset(robot.standing())
+
+    def __repr__(self) -> str:
+        contacts = ", ".join(self.contacts) or "none"
+        return f"Estimator({self.robot.name}, dt={self.dt} s, contacts: {contacts})"
 
     @property
     def contacts(self) -> tuple[str, ...]:
@@ -96,26 +116,24 @@ class Estimator:
         return self._detector.contacts
 
     def reset(self, state: State) -> None:
-        """Start at a state whose place, heading and posture are taken as true.
+        """Start at a state whose position, heading and posture are taken as true.
 
         Roll, pitch and velocity may be off by what `noise` says; biases are unknown.
 
         Raises:
             StateError: wrong sizes, NaN or a quaternion that is not of unit length.
         """
-        state = state.validated(self._model)
+        state = state.validated(self.robot.model)
         legs = self._legs
-        legs.update(state.q[7:], state.v[6:])
+        legs.update(np.ascontiguousarray(state.q[7:]), np.ascontiguousarray(state.v[6:]))
         base = pin.SE3(pin.Quaternion(state.q[3:7]).toRotationMatrix(), state.q[:3])
         world = base * legs.T_imu_base.inverse()
-        twist = legs.T_imu_base.act(pin.Motion(state.v[:6]))
-        if legs.relative is not None:
-            twist += legs.relative
+        twist = legs.T_imu_base.act(pin.Motion(state.v[:6])) + legs.relative
         self.filter.reset(world.rotation, world.rotation @ twist.linear)
         self._origin = np.array(world.translation)
         self._joints.reset()
         self._detector.reset()
-        self._gyro: np.ndarray | None = None
+        self._last_gyro: np.ndarray | None = None
 
     def update(
         self,
@@ -130,9 +148,10 @@ class Estimator:
 
         Args:
             measurement: what the sensors read; its `ground_truth` is not looked at.
-            contacts: names of the soles that stand, instead of asking the foot forces.
+            contacts: names of the soles that stand, instead of deciding by the foot forces.
             acceleration: (nv,) what the last command was to bring about
-                (`Command.acceleration`); takes the lag out of the joint filter.
+                (`Command.acceleration`), m/s² and rad/s²; takes the lag out of the joint
+                filter.
 
         Returns:
             An estimate whose state has new arrays: base pose in the world, base twist in the
@@ -143,41 +162,36 @@ class Estimator:
                 some soles only.
             ContactError: an unknown sole in `contacts`.
         """
-        self._check(measurement)
-        detector = self._detector
+        q, v, gyro, accelerometer = self._readings(measurement)
+        detector, joints, legs = self._detector, self._joints, self._legs
         loads = detector.loads(measurement.foot_wrenches)
+        told = None if contacts is None else self._told(contacts)
         before = detector.stands
-        gyro = measurement.gyro
         due = False
-        if self._gyro is not None:
-            mean = 0.5 * (gyro + self._gyro)
-            due = self.filter.propagate(mean, measurement.accelerometer, self._slip(loads))
-        self._gyro = gyro
-        position, velocity = self._joints.update(
-            measurement.joint_position,
-            measurement.joint_velocity,
-            None if acceleration is None else acceleration[6:],
-        )
-        self._legs.update(position, velocity)
-        if contacts is not None:
-            detector.stands = self._told(contacts)
+        if self._last_gyro is not None:
+            self._set_slip(loads)
+            mean = 0.5 * (gyro + self._last_gyro)
+            due = self.filter.propagate(mean, accelerometer, self._slip)
+        self._last_gyro = gyro
+        joints.update(q, v, None if acceleration is None else acceleration[6:])
+        legs.update(joints.position, joints.velocity)
+        if told is not None:
+            detector.decide(told)
         elif loads is not None:
             detector.update(loads)
         else:
-            detector.stands = self._lowest()
+            detector.decide(self._lowest())
         self._correct(before, detector.stands, due)
-        return Estimate(
-            self._state(gyro, position, velocity),
-            detector.contacts,
-            loads,
-            measurement.foot_wrenches,
-        )
+        return Estimate(self._state(gyro), detector.contacts, loads, measurement.foot_wrenches)
 
-    def _check(self, measurement: Measurement) -> None:
-        q, v = measurement.joint_position, measurement.joint_velocity
-        gyro, accelerometer = measurement.gyro, measurement.accelerometer
-        # One sum of squares is finite only if every reading is; what is wrong is told below.
-        if (
+    def _readings(self, measurement: Measurement) -> tuple[np.ndarray, ...]:
+        """Return the readings of joints and IMU as float arrays, validated."""
+        q = np.ascontiguousarray(measurement.joint_position, dtype=float)
+        v = np.ascontiguousarray(measurement.joint_velocity, dtype=float)
+        gyro = np.ascontiguousarray(measurement.gyro, dtype=float)
+        accelerometer = np.ascontiguousarray(measurement.accelerometer, dtype=float)
+        # One sum of squares is finite only if every reading is; what is wrong is found below.
+        if not (
             q.shape == self._joint_shape
             and v.shape == self._joint_shape
             and gyro.shape == (3,)
@@ -186,29 +200,35 @@ class Estimator:
                 q.dot(q) + v.dot(v) + gyro.dot(gyro) + accelerometer.dot(accelerometer)
             )
         ):
-            return
+            self._refuse(measurement)
+        return q, v, gyro, accelerometer
+
+    def _refuse(self, measurement: Measurement) -> None:
         for name, shape in (
             ("joint_position", self._joint_shape),
             ("joint_velocity", self._joint_shape),
             ("gyro", (3,)),
             ("accelerometer", (3,)),
         ):
-            reading = getattr(measurement, name)
+            reading = np.asarray(getattr(measurement, name), dtype=float)
             if reading.shape != shape:
                 raise MeasurementError(
                     f"measurement.{name} has shape {reading.shape}, the robot needs {shape}"
                 )
             if not np.isfinite(reading).all():
-                raise MeasurementError(f"measurement.{name} has entries that are not finite")
+                first = int(np.flatnonzero(~np.isfinite(reading))[0])
+                raise MeasurementError(
+                    f"measurement.{name}[{first}] is {reading[first]}: readings must be finite; "
+                    "look at the sensor or its driver"
+                )
 
-    def _slip(self, loads: Mapping[str, float] | None) -> list[float]:
-        """Per sole, a factor on its wandering; 0 in the air, equal loads without sensors."""
-        names, trigger = self._detector.names, self._detector.trigger
-        equal = 1.0 / len(names)
-        return [
-            trigger.slip_factor(equal if loads is None else loads[name]) if stands else 0.0
-            for name, stands in zip(names, self._detector.stands, strict=True)
-        ]
+    def _set_slip(self, loads: Mapping[str, float] | None) -> None:
+        """Set per sole the factor on its wandering; 0 in the air, equal loads without sensors."""
+        detector, slip = self._detector, self._slip
+        equal = 1.0 / len(detector.names)
+        for i, stands in enumerate(detector.stands):
+            load = equal if loads is None else loads[detector.names[i]]
+            slip[i] = detector.trigger.slip_factor(load) if stands else 0.0
 
     def _told(self, contacts: Collection[str]) -> list[bool]:
         names = self._detector.names
@@ -218,42 +238,34 @@ class Estimator:
         return [name in contacts for name in names]
 
     def _lowest(self) -> list[bool]:
-        up = self.filter.R[2]
-        heights = [self._legs.sole_height(i, up) for i in range(len(self._detector.names))]
+        heights = (self._legs.sole_positions @ self.filter.R[2]).tolist()
         return [height < min(heights) + _LEVEL for height in heights]
 
     def _correct(self, before: list[bool], stands: list[bool], due: bool) -> None:
         """Correct by the soles that stood and stand; take in those that came down."""
+        if not due and stands == before:
+            return
+        h, F = self._legs.sole_positions, self._legs.sole_rotations
         if due:
-            held = tuple(i for i, now in enumerate(stands) if now and before[i])
-            if held:
-                legs = [self._legs.sole(i) for i in held]
-                h = np.array([leg.translation for leg in legs])
-                F = np.array([leg.rotation for leg in legs])
-                self.filter.correct(held, h, F)
-        if stands != before:
-            for i, now in enumerate(stands):
-                if now and not before[i]:
-                    leg = self._legs.sole(i)
-                    self.filter.land(i, leg.translation, leg.rotation)
+            held = [now and then for now, then in zip(stands, before, strict=True)]
+            self.filter.correct(np.array(held, dtype=np.int64), h, F)
+        for i, now in enumerate(stands):
+            if now and not before[i]:
+                self.filter.land(i, h[i], F[i])
 
-    def _state(self, gyro: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> State:
-        velocity_imu, place = self.filter.vectors[:2]
-        R_imu, T_imu_base = self.filter.R, self._legs.T_imu_base
-        q = np.empty(self._model.nq)
-        v = np.empty(self._model.nv)
-        T_world_imu, twist = self._T_world_imu, self._twist
-        T_world_imu.rotation = R_imu
-        T_world_imu.translation = self._origin + place
-        q[:7] = pin.SE3ToXYZQUAT(T_world_imu * T_imu_base)
-        if q[6] < 0.0:
-            q[3:7] *= -1.0
-        q[7:] = position
-        twist.linear = velocity_imu.dot(R_imu)
-        twist.angular = gyro - self.filter.gyro_bias
-        relative = self._legs.relative
-        if relative is not None:
-            twist -= relative
-        v[:6] = T_imu_base.actInv(twist).vector
-        v[6:] = velocity
+    def _state(self, gyro: np.ndarray) -> State:
+        """Return the state of the robot now, in new arrays."""
+        joints, model = self._joints, self.robot.model
+        q, v = np.empty(model.nq), np.empty(model.nv)
+        write_state(
+            self.filter.record,
+            self._legs.poses,
+            self._origin,
+            gyro,
+            joints.position,
+            joints.velocity,
+            self._work,
+            q,
+            v,
+        )
         return State(q, v)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from wbc.estimation.kernels.joints import update_joints
+
 
 class JointFilter:
     """One stationary Kalman filter per joint over position and velocity.
 
     The model is `q̇ = v, v̇ = a + e` with the foreseen acceleration a, zero if nobody
     foresees one, and an error e that is white noise; measured are both q and v. With all
-    joints alike, the stationary gain K is one 2×2 matrix, found once, and an update
+    joints alike, the stationary gain K is one 2×2 matrix, computed once, and an update is
 
-        x⁺ = (1 − K) (A x + b a) + K z
-
-    one product of a constant matrix with the rows q, v, a and the readings of q and v.
+        x⁺ = (1 − K) (A x + b a) + K z.
 
     Args:
         na: number of joints.
@@ -24,6 +24,10 @@ class JointFilter:
         acceleration: standard deviation of e per period when nothing is foreseen, rad/s².
             Larger follows faster and smooths less; infinity passes readings through.
         surprise: that of e when an acceleration is foreseen, rad/s².
+
+    Attributes:
+        position: (na,) filtered, rad; the next update overwrites it.
+        velocity: (na,) filtered, rad/s; likewise.
     """
 
     def __init__(
@@ -35,8 +39,8 @@ class JointFilter:
         acceleration: float,
         surprise: float,
     ) -> None:
-        self._rows = np.zeros((5, na))
-        self._x, self._acceleration, self._readings = np.split(self._rows, (2, 3))
+        self.position, self.velocity = np.zeros(na), np.zeros(na)
+        self._zero = np.zeros(na)
         self._update = _update_matrix(dt, stationary_gain(dt, position, velocity, acceleration))
         self._foreseen_update = _update_matrix(
             dt, stationary_gain(dt, position, velocity, surprise)
@@ -53,27 +57,21 @@ class JointFilter:
         position: np.ndarray,
         velocity: np.ndarray,
         acceleration: np.ndarray | None = None,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Filtered (position, velocity); views that the next update overwrites.
+    ) -> None:
+        """Take in the readings of one period.
 
         Args:
             position: (na,) encoders, rad.
             velocity: (na,) rad/s.
             acceleration: (na,) foreseen over the period that ends now, rad/s²; none: zero.
         """
-        x, readings = self._x, self._readings
-        readings[0] = position
-        readings[1] = velocity
         if self._fresh or self._passes:
-            x[:] = readings
+            self.position[:], self.velocity[:] = position, velocity
             self._fresh = False
-        elif acceleration is None:
-            self._acceleration[:] = 0.0
-            x[:] = self._update.dot(self._rows)
-        else:
-            self._acceleration[:] = acceleration
-            x[:] = self._foreseen_update.dot(self._rows)
-        return x[0], x[1]
+            return
+        update = self._update if acceleration is None else self._foreseen_update
+        foreseen = self._zero if acceleration is None else acceleration
+        update_joints(update, self.position, self.velocity, foreseen, position, velocity)
 
 
 def _update_matrix(dt: float, gain: np.ndarray) -> np.ndarray:

@@ -1,66 +1,100 @@
-"""Where the soles and the base are, as seen from the IMU."""
+"""Kinematics of the chains between IMU, base and soles."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 import pinocchio as pin
 
+from wbc.estimation.kernels.legs import LINK, POSES, find_poses
 from wbc.robot import Robot
+from wbc.robot.joint_axes import joint_axes
 
 
-class Legs:
-    """Kinematics between IMU, base and soles.
+class LegKinematics:
+    """Poses of base and soles as seen from the IMU, and its motion relative to the base.
 
     Args:
-        robot: whose legs these are.
+        robot: its model.
 
     Attributes:
-        T_imu_base: base axes to IMU axes, after `update`.
-        relative: twist of the IMU relative to the base, IMU axes; None for an IMU on the
-            base link, where it is zero.
+        poses: (1,) record of the type `POSES`, as of the last update.
     """
 
     def __init__(self, robot: Robot) -> None:
-        self._model = robot.model
-        self._data = data = robot.model.createData()
-        imu = robot.model.frames[robot.frame_id(robot.imu)]
-        # Pinocchio's own memory, looked up once: it shows what the last update computed.
-        self._imu_body, self._imu_twist = data.oMi[imu.parentJoint], data.v[imu.parentJoint]
-        self._imu_placement: pin.SE3 = imu.placement
-        # On the base link, where it mostly is, the IMU needs no kinematics of its own.
-        self._fixed: bool = imu.parentJoint == 1
-        self.T_imu_base: pin.SE3 = imu.placement.inverse()
-        self.relative: pin.Motion | None = None
-        self._soles = [(data.oMi[s.joint_id], s.placement) for s in robot.soles]
-        self._q = pin.neutral(robot.model)
-        self._v = np.zeros(robot.nv)
+        model = robot.model
+        imu = model.frames[robot.frame_id(robot.imu)]
+        axes = joint_axes(model)
+        chains = [_links(model, axes, imu.parentJoint, imu.placement)]
+        chains += [_links(model, axes, s.joint_id, s.placement) for s in robot.soles]
+        links = [list(chain) for chain in chains]
+        self._links = np.concatenate([link for chain in links for link in chain])
+        self._ends = np.cumsum([len(chain) for chain in links])
+        self._work, self._vector = np.zeros((2, 3, 3)), np.zeros(3)
+        self.poses = np.zeros(1, POSES)
 
     def update(self, position: np.ndarray, velocity: np.ndarray) -> None:
-        """Take the joints' (na,) positions and velocities, rad and rad/s."""
-        self._q[7:] = position
-        if self._fixed:
-            pin.forwardKinematics(self._model, self._data, self._q)
-            return
-        self._v[6:] = velocity
-        pin.forwardKinematics(self._model, self._data, self._q, self._v)
-        self.T_imu_base = (self._imu_body * self._imu_placement).inverse()
-        self.relative = self._imu_placement.actInv(self._imu_twist)
+        """Compute `poses` from joint positions and velocities, (na,), rad and rad/s."""
+        find_poses(
+            self._links, self._ends, position, velocity, self._work, self._vector, self.poses
+        )
 
-    def sole(self, index: int) -> pin.SE3:
-        """Sole axes to IMU axes."""
-        body, placement = self._soles[index]
-        return self.T_imu_base * body * placement
+    @property
+    def T_imu_base(self) -> pin.SE3:
+        """Base axes to IMU axes."""
+        seen = self.poses[0]
+        return pin.SE3(seen["base_rotation"].copy(), seen["base_position"].copy())
 
-    def sole_height(self, index: int, up: np.ndarray) -> float:
-        """How far a sole is along `up`, (3,) in IMU axes, from the IMU, m."""
-        return float(up @ self.sole(index).translation)
+    @property
+    def relative(self) -> pin.Motion:
+        """Twist of the IMU relative to the base, IMU axes; m/s, rad/s."""
+        seen = self.poses[0]
+        return pin.Motion(seen["linear"].copy(), seen["angular"].copy())
+
+    @property
+    def sole_positions(self) -> np.ndarray:
+        """Sole centres in IMU axes, (2, 3), m; a view."""
+        positions: np.ndarray = self.poses["sole_position"][0]
+        return positions
+
+    @property
+    def sole_rotations(self) -> np.ndarray:
+        """Sole axes to IMU axes, (2, 3, 3); a view."""
+        rotations: np.ndarray = self.poses["sole_rotation"][0]
+        return rotations
+
+
+def _links(
+    model: pin.Model, axes: list[np.ndarray], joint: int, end: pin.SE3
+) -> Iterator[np.ndarray]:
+    """Yield the links from the base to a frame, each a (1,) record of the type `LINK`.
+
+    Args:
+        model: the robot's.
+        axes: motion subspace of each joint, (6,).
+        joint: that carries the frame.
+        end: placement of the frame on it.
+    """
+    for i in list(model.supports[joint])[2:]:  # behind the universe and the base
+        yield _link(model.jointPlacements[i], axes[i], model.joints[i].idx_v - 6)
+    yield _link(end, np.zeros(6), -1)
+
+
+def _link(placement: pin.SE3, axis: np.ndarray, joint: int) -> np.ndarray:
+    link = np.zeros(1, LINK)
+    K = pin.skew(axis[3:])
+    link["rotation"], link["position"] = placement.rotation, placement.translation
+    link["sine"], link["versine"] = placement.rotation @ K, placement.rotation @ K @ K
+    link["slide"], link["axis"], link["joint"] = axis[:3], axis[3:], joint
+    return link
 
 
 def leg_covariance(robot: Robot, index: int, encoder: float) -> np.ndarray:
-    """(6, 6) of a sole's pose as the encoders see it from the IMU, at the nominal posture.
+    """Return the covariance of a sole's pose as the encoders see it, at the nominal posture.
 
     `C = σ² J Jᵀ` with the Jacobian of the sole relative to the IMU; position, then
-    rotation vector, IMU axes; m, rad.
+    rotation vector, IMU axes; m, rad; (6, 6).
 
     Args:
         robot: the robot.

@@ -16,6 +16,7 @@ import pinocchio as pin
 
 from wbc.errors import MissingExtra, PlantError
 from wbc.robot import Robot
+from wbc.robot.joint_axes import joint_axes
 from wbc.sim.ground import Ground
 from wbc.sim.terrain import Flat
 
@@ -154,7 +155,7 @@ def _add_bodies(mujoco: Any, spec: Any, model: pin.Model) -> list[Any]:
     if model.njoints < 2 or model.joints[1].nq != 7:
         raise PlantError("the robot's model has no free-flyer root: wbc.load() adds one")
     bodies = [spec.worldbody]
-    axes = _motion_axes(model)
+    axes = joint_axes(model)
     for i in range(1, model.njoints):
         placement = model.jointPlacements[i]
         body = bodies[model.parents[i]].add_body(
@@ -185,19 +186,6 @@ def _add_bodies(mujoco: Any, spec: Any, model: pin.Model) -> list[Any]:
             joint.range = [low, high]
             joint.solref_limit = list(_STOP_SOLREF)
     return bodies
-
-
-def _motion_axes(model: pin.Model) -> list[np.ndarray]:
-    """The (6,) motion subspace of each joint of one degree of freedom, else zeros."""
-    axes = []
-    for joint in model.joints:
-        if joint.nv != 1:
-            axes.append(np.zeros(6))
-            continue
-        data = joint.createData()
-        joint.calc(data, np.zeros(model.nq) if joint.nq == 1 else pin.neutral(model))
-        axes.append(np.asarray(data.S).reshape(6))
-    return axes
 
 
 def _set_inertia(body: Any, inertia: pin.Inertia) -> None:

@@ -1,0 +1,7 @@
+"""The public names of `wbc.estimation`, each once."""
+
+from .contact import ContactTrigger as ContactTrigger
+from .estimate import Estimate as Estimate
+from .estimator import Estimator as Estimator
+from .noise import EstimatorNoise as EstimatorNoise
+from .truth import GroundTruthEstimator as GroundTruthEstimator

@@ -1,0 +1,6 @@
+"""Compiled parts of the estimator; without Numba the same source runs as plain Python."""
+
+from wbc.jit.loading import load_kernels
+
+# Here, so that a first import that compiles says so.
+load_kernels(*(f"wbc.estimation.kernels.{name}" for name in ("inekf", "legs", "joints")))

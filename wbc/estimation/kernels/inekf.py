@@ -1,0 +1,348 @@
+"""The invariant filter's steps; see `wbc.estimation.inekf` for the equations."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from wbc.estimation.kernels.filter_record import (
+    ACCELEROMETER_BIAS,
+    FEET,
+    FILTER,
+    GYRO_BIAS,
+    MOVED,
+    PLACE,
+    POSITION,
+    SIZE,
+    TURN,
+    VELOCITY,
+)
+from wbc.estimation.kernels.rotation import copy, exponential, left_jacobian, multiply, rotate, skew
+from wbc.jit.compile import argument_types, kernel, subkernel
+
+#: Corrections between two rounds of `_remove_rounding`.
+_TIDY = 20
+_ROWS = 6 * FEET
+
+_FILTER = np.zeros(1, FILTER)
+_VECTOR = np.zeros(3)
+_POSITIONS, _ROTATIONS = np.zeros((FEET, 3)), np.zeros((FEET, 3, 3))
+
+
+@subkernel
+def _set_transition(f: np.ndarray, time: float) -> None:
+    """The errors' transition matrix over a time, and the lever of gyro errors [1; x ×]."""
+    Phi, lever, R, vectors, axes = f["transition"], f["lever"], f["R"], f["vectors"], f["A"]
+    skew(f["gravity"], axes)
+    for i in range(SIZE):
+        Phi[i, i] = 1.0
+    for i in range(3):
+        Phi[POSITION + i, VELOCITY + i] = time
+        for j in range(3):
+            Phi[VELOCITY + i, j] = time * axes[i, j]
+            Phi[POSITION + i, j] = 0.5 * time * time * axes[i, j]
+            Phi[VELOCITY + i, ACCELEROMETER_BIAS + j] = -time * R[i, j]
+            lever[i, j] = 1.0 if i == j else 0.0
+    for n in range(2 + FEET):
+        skew(vectors[n], lever[3 + 3 * n : 6 + 3 * n])
+    for i in range(MOVED):
+        for j in range(3):
+            Phi[i, GYRO_BIAS + j] = -time * (
+                lever[i, 0] * R[0, j] + lever[i, 1] * R[1, j] + lever[i, 2] * R[2, j]
+            )
+
+
+@subkernel
+def _catch_up(f: np.ndarray) -> None:
+    """Propagate the covariance over the periods since it was last."""
+    count = f["pending"]
+    if count == 0:
+        return
+    f["pending"] = 0
+    time = count * f["dt"]
+    P, Phi, product, lever = f["P"], f["transition"], f["product"], f["lever"]
+    _set_transition(f, time)
+    np.dot(Phi, P, product)
+    np.dot(product, Phi.T, P)
+    gyro = count * f["gyro_step"]
+    for i in range(MOVED):
+        for j in range(MOVED):
+            P[i, j] += gyro * (
+                lever[i, 0] * lever[j, 0] + lever[i, 1] * lever[j, 1] + lever[i, 2] * lever[j, 2]
+            )
+    for i in range(SIZE):
+        P[i, i] += count * f["process"][i]
+        for foot in range(FEET):
+            P[i, i] += f["wandering"][i, foot] * f["wander"][foot]
+    for foot in range(FEET):
+        f["wander"][foot] = 0.0
+
+
+@subkernel
+def _turn_noise(f: np.ndarray, foot: int) -> None:
+    """The legs' noise of a sole's pose in world axes: N = R C Rᵀ block by block."""
+    R, C, N, turned = f["R"], f["leg_noise"][foot], f["noise"], f["A"]
+    for i in range(0, 6, 3):
+        for j in range(0, 6, 3):
+            for k in range(3):
+                for m in range(3):
+                    turned[k, m] = 0.0
+                    for n in range(3):
+                        turned[k, m] += R[k, n] * C[i + n, j + m]
+            for k in range(3):
+                for m in range(3):
+                    s = 0.0
+                    for n in range(3):
+                        s += turned[k, n] * R[m, n]
+                    N[i + k, j + m] = s
+
+
+@subkernel
+def _land(f: np.ndarray, foot: int, h: np.ndarray, F: np.ndarray) -> None:
+    _catch_up(f)
+    P, R, vectors, place = f["P"], f["R"], f["vectors"], f["a"]
+    rotate(R, h, place)
+    for i in range(3):
+        vectors[2 + foot, i] = vectors[1, i] + place[i]
+    multiply(R, F, f["F"][foot])
+    for part in range(2):
+        own = (PLACE if part == 0 else TURN) + 3 * foot
+        source = POSITION if part == 0 else 0
+        for i in range(3):
+            for j in range(SIZE):
+                P[own + i, j] = P[source + i, j]
+        for i in range(3):
+            for j in range(SIZE):
+                P[j, own + i] = P[j, source + i]
+    _turn_noise(f, foot)
+    for i in range(6):
+        for j in range(6):
+            row = PLACE + 3 * foot + i if i < 3 else TURN + 3 * foot + i - 3
+            column = PLACE + 3 * foot + j if j < 3 else TURN + 3 * foot + j - 3
+            P[row, column] += f["noise"][i, j]
+
+
+@subkernel
+def _innovate(f: np.ndarray, foot: int, row: int, h: np.ndarray, F: np.ndarray) -> None:
+    """Six rows of H P and of the residual: where a sole is off, and how it is turned."""
+    P, HP, residual, R, vectors = f["P"], f["HP"], f["residual"], f["R"], f["vectors"]
+    seen, off, place = f["A"], f["B"], f["a"]
+    for i in range(3):
+        for j in range(SIZE):
+            HP[row + i, j] = P[POSITION + i, j] - P[PLACE + 3 * foot + i, j]
+            HP[row + 3 + i, j] = P[i, j] - P[TURN + 3 * foot + i, j]
+    rotate(R, h, place)
+    for i in range(3):
+        residual[row + i] = vectors[1, i] + place[i] - vectors[2 + foot, i]
+    multiply(R, F, seen)
+    for i in range(3):
+        for j in range(3):
+            s = 0.0
+            for k in range(3):
+                s += seen[i, k] * f["F"][foot, j, k]
+            off[i, j] = s
+    # Of R F F̂ᵀ, a rotation by milliradians, sine and angle are the same.
+    residual[row + 3] = 0.5 * (off[2, 1] - off[1, 2])
+    residual[row + 4] = 0.5 * (off[0, 2] - off[2, 0])
+    residual[row + 5] = 0.5 * (off[1, 0] - off[0, 1])
+
+
+@subkernel
+def _invert_factor(S: np.ndarray, inverse: np.ndarray, m: int) -> None:
+    """Inverse of the lower Cholesky factor of S[:m, :m], zero beyond; the factor replaces S."""
+    for i in range(_ROWS):
+        for j in range(_ROWS):
+            inverse[i, j] = 0.0
+    for j in range(m):
+        s = S[j, j]
+        for k in range(j):
+            s -= S[j, k] * S[j, k]
+        S[j, j] = math.sqrt(s)
+        for i in range(j + 1, m):
+            s = S[i, j]
+            for k in range(j):
+                s -= S[i, k] * S[j, k]
+            S[i, j] = s / S[j, j]
+    for j in range(m):
+        inverse[j, j] = 1.0 / S[j, j]
+        for i in range(j + 1, m):
+            s = 0.0
+            for k in range(j, i):
+                s -= S[i, k] * inverse[k, j]
+            inverse[i, j] = s / S[i, i]
+
+
+@subkernel
+def _retract(f: np.ndarray) -> None:
+    # Γ₀ and Γ₁ of the group of double direct isometries: exp(a) and ∫₀¹ exp(s a) ds.
+    xi, turn, smear, turned, a, b = f["xi"], f["A"], f["B"], f["C"], f["a"], f["b"]
+    exponential(xi[:3], turn)
+    left_jacobian(xi[:3], smear)
+    multiply(turn, f["R"], turned)
+    copy(turned, f["R"])
+    for n in range(2 + FEET):
+        x = f["vectors"][n]
+        rotate(turn, x, a)
+        rotate(smear, xi[3 + 3 * n : 6 + 3 * n], b)
+        for i in range(3):
+            x[i] = a[i] + b[i]
+    for foot in range(FEET):
+        exponential(xi[TURN + 3 * foot : TURN + 3 * foot + 3], turn)
+        multiply(turn, f["F"][foot], turned)
+        copy(turned, f["F"][foot])
+    for i in range(3):
+        f["gyro_bias"][i] += xi[GYRO_BIAS + i]
+        f["accelerometer_bias"][i] += xi[ACCELEROMETER_BIAS + i]
+
+
+@subkernel
+def _orthogonalise(f: np.ndarray, R: np.ndarray) -> None:
+    """`R ← 1.5 R − 0.5 R Rᵀ R`."""
+    square, cube = f["A"], f["B"]
+    for i in range(3):
+        for j in range(3):
+            square[i, j] = R[0, i] * R[0, j] + R[1, i] * R[1, j] + R[2, i] * R[2, j]
+    multiply(R, square, cube)
+    for i in range(3):
+        for j in range(3):
+            R[i, j] = 1.5 * R[i, j] - 0.5 * cube[i, j]
+
+
+@subkernel
+def _remove_rounding(f: np.ndarray) -> None:
+    """Keep P symmetric, and R and F rotations, by one Newton step of the polar decomposition."""
+    P = f["P"]
+    for i in range(SIZE):
+        for j in range(i):
+            P[i, j] = P[j, i] = 0.5 * (P[i, j] + P[j, i])
+    _orthogonalise(f, f["R"])
+    for foot in range(FEET):
+        _orthogonalise(f, f["F"][foot])
+
+
+@kernel(argument_types(_FILTER, _VECTOR, _VECTOR, np.zeros(FEET)))
+def propagate(
+    filter_: np.ndarray, gyro: np.ndarray, accelerometer: np.ndarray, slip: np.ndarray
+) -> bool:
+    """Advance by one period; return whether a correction is due.
+
+    Args:
+        filter_: (1,) the filter.
+        gyro: (3,) mean over the period, IMU axes, rad/s.
+        accelerometer: (3,) mean specific force over the period, IMU axes, m/s².
+        slip: per foot, a factor on its wandering; 0 for a foot in the air.
+    """
+    f = filter_[0]
+    dt, R, vectors = f["dt"], f["R"], f["vectors"]
+    half, middle, a, force = f["A"], f["B"], f["a"], f["b"]
+    for i in range(3):
+        a[i] = 0.5 * dt * (gyro[i] - f["gyro_bias"][i])
+        force[i] = accelerometer[i] - f["accelerometer_bias"][i]
+    exponential(a, half)
+    multiply(R, half, middle)
+    rotate(middle, force, a)
+    for i in range(3):
+        a[i] += f["gravity"][i]
+        vectors[1, i] += dt * vectors[0, i] + 0.5 * dt * dt * a[i]
+        vectors[0, i] += dt * a[i]
+    multiply(middle, half, R)
+    f["pending"] += 1
+    for i in range(FEET):
+        f["wander"][i] += slip[i] * slip[i]
+    if f["pending"] < f["every"]:
+        return False
+    _catch_up(f)
+    return True
+
+
+@kernel(argument_types(_FILTER, 0, _VECTOR, np.zeros((3, 3))))
+def land(filter_: np.ndarray, foot: int, h: np.ndarray, F: np.ndarray) -> None:
+    """Take a sole as standing where the legs see it now.
+
+    Args:
+        filter_: (1,) the filter.
+        foot: its index.
+        h: (3,) sole centre in IMU axes, m.
+        F: (3, 3) sole axes to IMU axes.
+    """
+    _land(filter_[0], foot, h, F)
+
+
+@kernel(argument_types(_FILTER, np.zeros(FEET, np.int64), _POSITIONS, _ROTATIONS))
+def correct(filter_: np.ndarray, held: np.ndarray, h: np.ndarray, F: np.ndarray) -> int:
+    """Correct by soles that stand still, as the legs see them.
+
+    Innovations too large to be noise mean that a sole has slipped: then nothing is corrected.
+
+    Args:
+        filter_: (1,) the filter.
+        held: (FEET,) 1 for a sole that stands still, else 0.
+        h: (FEET, 3) sole centres in IMU axes, m.
+        F: (FEET, 3, 3) sole axes to IMU axes.
+
+    Returns:
+        The index of the sole that has slipped most likely, or −1.
+    """
+    f = filter_[0]
+    P, HP, S, residual, xi = f["P"], f["HP"], f["S"], f["residual"], f["xi"]
+    m = 0
+    for i in range(_ROWS):
+        for j in range(SIZE):
+            HP[i, j] = 0.0
+    for foot in range(FEET):
+        if held[foot]:
+            _innovate(f, foot, m, h[foot], F[foot])
+            m += 6
+    if m == 0:
+        return -1
+    k = 0
+    for foot in range(FEET):
+        if held[foot]:
+            _turn_noise(f, foot)
+            for i in range(m):
+                for j in range(3):
+                    S[i, k + j] = HP[i, POSITION + j] - HP[i, PLACE + 3 * foot + j]
+                    S[i, k + 3 + j] = HP[i, j] - HP[i, TURN + 3 * foot + j]
+            for i in range(6):
+                for j in range(6):
+                    S[k + i, k + j] += f["noise"][i, j]
+            k += 6
+    _invert_factor(S, f["inverse"], m)
+    whitened, weighted = f["whitened"], f["weighted"]
+    for i in range(m):
+        s = 0.0
+        for j in range(i + 1):
+            s += f["inverse"][i, j] * residual[j]
+        whitened[i] = s
+    for i in range(m):
+        s = 0.0
+        for j in range(i, m):
+            s += f["inverse"][j, i] * whitened[j]
+        weighted[i] = s
+    slipped, largest, k = -1, f["slip_gate"], 0
+    for foot in range(FEET):
+        if held[foot]:
+            s = 0.0
+            for i in range(k, k + 6):
+                s += residual[i] * weighted[i]
+            if s > largest:
+                slipped, largest = foot, s
+            k += 6
+    if slipped >= 0:
+        return slipped
+    for j in range(SIZE):
+        xi[j] = 0.0
+    for i in range(m):
+        for j in range(SIZE):
+            xi[j] -= weighted[i] * HP[i, j]
+    _retract(f)
+    np.dot(f["inverse"], HP, f["Y"])
+    np.dot(f["Y"].T, f["Y"], f["product"])
+    for i in range(SIZE):
+        for j in range(SIZE):
+            P[i, j] -= f["product"][i, j]
+    f["corrections"] += 1
+    if f["corrections"] % _TIDY == 0:
+        _remove_rounding(f)
+    return -1

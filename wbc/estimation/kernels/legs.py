@@ -1,0 +1,209 @@
+"""Forward kinematics of the chains from the base to IMU and soles, and the state of the base."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from wbc.estimation.kernels.filter_record import FILTER
+from wbc.estimation.kernels.rotation import (
+    cross,
+    multiply,
+    quaternion,
+    rotate,
+    rotate_back,
+)
+from wbc.jit.compile import argument_types, kernel, subkernel
+
+#: A link of a chain. A joint with motion subspace S = (slide, axis) at a fixed placement
+#: (R, p) turns and moves what follows by `R (1 + sin q [axis ×] + (1 − cos q) [axis ×]²)` and
+#: `p + q R slide`; a link without a joint (index −1) has the placement alone.
+LINK = np.dtype(
+    [
+        ("rotation", float, (3, 3)),  # R
+        ("sine", float, (3, 3)),  # R [axis ×]
+        ("versine", float, (3, 3)),  # R [axis ×]²
+        ("position", float, (3,)),  # p, m
+        ("slide", float, (3,)),  # m/rad or m/m, axes after the joint
+        ("axis", float, (3,)),  # axes after the joint
+        ("joint", np.int64),  # index into (na,) or −1
+    ],
+    align=True,
+)
+
+#: Where base and soles are, as seen from the IMU.
+POSES = np.dtype(
+    [
+        ("sole_position", float, (2, 3)),  # IMU axes, m
+        ("sole_rotation", float, (2, 3, 3)),  # sole axes to IMU axes
+        ("base_position", float, (3,)),  # IMU axes, m
+        ("base_rotation", float, (3, 3)),  # base axes to IMU axes
+        ("linear", float, (3,)),  # velocity of the IMU relative to the base, IMU axes, m/s
+        ("angular", float, (3,)),  # rad/s
+    ],
+    align=True,
+)
+
+_LINKS = np.zeros(1, LINK)
+_POSES = np.zeros(1, POSES)
+_VECTOR = np.zeros(3)
+
+
+@subkernel
+def _follow(
+    link: np.ndarray, q: np.ndarray, R: np.ndarray, p: np.ndarray, turned: np.ndarray
+) -> None:
+    """Move a frame (R, p) over one link; `turned` is a (3, 3) workspace."""
+    rotation, sine, versine = link["rotation"], link["sine"], link["versine"]
+    position, slide = link["position"], link["slide"]
+    joint = link["joint"]
+    for i in range(3):
+        p[i] += R[i, 0] * position[0] + R[i, 1] * position[1] + R[i, 2] * position[2]
+    angle = q[joint] if joint >= 0 else 0.0
+    s, c = math.sin(angle), 1.0 - math.cos(angle)
+    for i in range(3):
+        for j in range(3):
+            turned[i, j] = 0.0
+            for k in range(3):
+                local = rotation[k, j] + s * sine[k, j] + c * versine[k, j]
+                turned[i, j] += R[i, k] * local
+    for i in range(3):
+        for j in range(3):
+            R[i, j] = turned[i, j]
+        if joint >= 0:
+            # A joint slides along its own axis, which it does not turn.
+            p[i] += angle * (R[i, 0] * slide[0] + R[i, 1] * slide[1] + R[i, 2] * slide[2])
+
+
+@kernel(
+    argument_types(
+        _LINKS, np.zeros(1, np.int64), _VECTOR, _VECTOR, np.zeros((2, 3, 3)), _VECTOR, _POSES
+    )
+)
+def find_poses(
+    links: np.ndarray,
+    ends: np.ndarray,
+    q: np.ndarray,
+    v: np.ndarray,
+    work: np.ndarray,
+    vector: np.ndarray,
+    poses: np.ndarray,
+) -> None:
+    """Fill `poses` from joint positions and velocities.
+
+    Args:
+        links: chain of the IMU, then those of the soles.
+        ends: (3,) index after the last link of each chain.
+        q: (na,) rad or m.
+        v: (na,) rad/s or m/s.
+        work: (2, 3, 3) workspace.
+        vector: (3,) workspace.
+        poses: (1,) result.
+    """
+    out = poses[0]
+    R, turned = work[0], work[1]
+    base_R, base_p = out["base_rotation"], out["base_position"]
+    linear, angular = out["linear"], out["angular"]
+    p = vector
+    # The IMU in base axes. Its velocity: every joint adds ω = a q̇ about its own origin; what
+    # lies behind is moved on by what the joints before have summed up.
+    for i in range(3):
+        p[i] = linear[i] = angular[i] = 0.0
+        for j in range(3):
+            R[i, j] = 1.0 if i == j else 0.0
+    for n in range(ends[0]):
+        link = links[n]
+        x, y, z = p[0], p[1], p[2]
+        _follow(link, q, R, p, turned)
+        x, y, z = p[0] - x, p[1] - y, p[2] - z
+        linear[0] += angular[1] * z - angular[2] * y
+        linear[1] += angular[2] * x - angular[0] * z
+        linear[2] += angular[0] * y - angular[1] * x
+        joint = link["joint"]
+        if joint >= 0:
+            axis, slide, rate = link["axis"], link["slide"], v[joint]
+            for i in range(3):
+                angular[i] += rate * (R[i, 0] * axis[0] + R[i, 1] * axis[1] + R[i, 2] * axis[2])
+                linear[i] += rate * (R[i, 0] * slide[0] + R[i, 1] * slide[1] + R[i, 2] * slide[2])
+    # Turn it round: base in IMU axes.
+    for i in range(3):
+        for j in range(3):
+            base_R[i, j] = R[j, i]
+    x, y, z = linear[0], linear[1], linear[2]
+    for i in range(3):
+        linear[i] = base_R[i, 0] * x + base_R[i, 1] * y + base_R[i, 2] * z
+    x, y, z = angular[0], angular[1], angular[2]
+    for i in range(3):
+        angular[i] = base_R[i, 0] * x + base_R[i, 1] * y + base_R[i, 2] * z
+    for i in range(3):
+        base_p[i] = -(base_R[i, 0] * p[0] + base_R[i, 1] * p[1] + base_R[i, 2] * p[2])
+    for foot in range(2):
+        R, p = out["sole_rotation"][foot], out["sole_position"][foot]
+        for i in range(3):
+            p[i] = base_p[i]
+            for j in range(3):
+                R[i, j] = base_R[i, j]
+        for n in range(ends[foot], ends[foot + 1]):
+            _follow(links[n], q, R, p, turned)
+
+
+@kernel(
+    argument_types(
+        np.zeros(1, FILTER),
+        _POSES,
+        _VECTOR,
+        _VECTOR,
+        _VECTOR,
+        _VECTOR,
+        np.zeros((2, 3, 3)),
+        _VECTOR,
+        _VECTOR,
+    )
+)
+def write_state(
+    filter_: np.ndarray,
+    poses: np.ndarray,
+    origin: np.ndarray,
+    gyro: np.ndarray,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    work: np.ndarray,
+    q: np.ndarray,
+    v: np.ndarray,
+) -> None:
+    """Write configuration and velocity of the robot.
+
+    Args:
+        filter_: (1,) state of the IMU.
+        poses: (1,) as seen from the IMU.
+        origin: (3,) where the filter's positions count from, world axes, m.
+        gyro: (3,) reading, IMU axes, rad/s.
+        position: (na,) joint positions, rad.
+        velocity: (na,) joint velocities, rad/s.
+        work: (2, 3, 3) workspace.
+        q: (nq,) result.
+        v: (nv,) result.
+    """
+    f, seen = filter_[0], poses[0]
+    R, vectors, bias = f["R"], f["vectors"], f["gyro_bias"]
+    base_R, base_p = seen["base_rotation"], seen["base_position"]
+    rotate(R, base_p, q[:3])
+    for i in range(3):
+        q[i] += origin[i] + vectors[1, i]
+    base, spare = work[0], work[1]
+    multiply(R, base_R, base)
+    quaternion(base, q[3:7])
+    linear, angular, arm = spare[0], spare[1], spare[2]
+    rotate_back(R, vectors[0], linear)
+    for i in range(3):
+        linear[i] -= seen["linear"][i]
+        angular[i] = gyro[i] - bias[i] - seen["angular"][i]
+    cross(base_p, angular, arm)
+    for i in range(3):
+        linear[i] -= arm[i]
+    rotate_back(base_R, linear, v[:3])
+    rotate_back(base_R, angular, v[3:6])
+    for i in range(position.size):
+        q[7 + i] = position[i]
+        v[6 + i] = velocity[i]
