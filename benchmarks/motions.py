@@ -5,9 +5,9 @@ sensors and the estimator in the loop; CoM errors, slips, hands and flights are 
 truth, relative to the soles. A run passes when the robot does not fall, the figure is within
 its bound, no QP fails, no torque and no joint position exceeds its limit (by 1e-3 rad), no
 sole slips by more than 5 mm, no motion gives up half-way, and all is over in time. What is
-refused before it starts fails too, but for the jump of a robot whose limits rule it out. Places
-to reach for are those of drawn postures of both arms; how many postures were drawn for them, and
-why others were not fit, is printed below the table. Every place that is drawn counts.
+refused before it starts fails too, but for the jump of a robot whose limits rule it out. The
+positions to reach for are those of sampled postures of both arms; how many postures were sampled
+for them, and why others were rejected, is printed below the table. Every position counts.
 
     python benchmarks/motions.py                     # all robots, 5 seeds
     python benchmarks/motions.py --robot g1 --seeds 1 --motion squat
@@ -136,7 +136,7 @@ ROWS = (
     ),
     Row(
         f"reach, {REACHES} × 2 random places per seed: ≥ 98 % within 1 cm, no fall",
-        lambda robot, seed: [Reach(random=REACHES, draw=seed)],
+        lambda robot, seed: [Reach(random=REACHES, place_seed=seed)],
         reached,
         "%",
         worst=lambda shares: sum(shares) / len(shares),

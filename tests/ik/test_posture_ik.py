@@ -73,36 +73,40 @@ def test_hands_are_posed_where_some_posture_of_the_arms_had_them(name):
             joints = np.array(arm.joints)
             low, high = one.q_min[joints], one.q_max[joints]
             q[7 + joints] = low + random.uniform(0.2, 0.8, joints.size) * (high - low)
-        hands = {arm.hand: ik.place(arm.hand, q) for arm in arms}
-        pose = ik.find(PostureObjective(hands=hands))
-        assert max(pose.misses.values()) < 1e-3
+        hands = {arm.hand: ik.frame_position(arm.hand, q) for arm in arms}
+        pose = ik.solve(PostureObjective(hands=hands))
+        assert max(pose.hand_errors.values()) < 1e-3
         for arm in arms:
-            assert ik.place(arm.hand, pose.q) == pytest.approx(hands[arm.hand], abs=1e-3)
+            assert ik.frame_position(arm.hand, pose.q) == pytest.approx(hands[arm.hand], abs=1e-3)
         assert (pose.q[7:] >= one.q_min - 1e-9).all()
         assert (pose.q[7:] <= one.q_max + 1e-9).all()
         for sole in one.soles:  # the feet have not moved
-            assert ik.place(sole.name, pose.q) == pytest.approx(ik.place(sole.name), abs=1e-3)
+            assert ik.frame_position(sole.name, pose.q) == pytest.approx(
+                ik.frame_position(sole.name), abs=1e-3
+            )
 
 
 def test_a_place_out_of_reach_is_missed_by_what_is_left():
     ik = PostureIK(robot("talos"))
     arm = ik.upper_body.arm("left")
-    far = ik.place(arm.shoulder) + np.array([arm.length + 1.0, 0.0, 0.0])
-    pose = ik.find(PostureObjective(hands={arm.hand: far}))
-    closest_posture = ik.place(arm.hand, pose.q)
-    assert pose.misses[arm.hand] == pytest.approx(np.linalg.norm(far - closest_posture), abs=1e-6)
-    assert 0.3 < pose.misses[arm.hand] < 1.0  # it leans forward, but only so far
+    far = ik.frame_position(arm.shoulder) + np.array([arm.length + 1.0, 0.0, 0.0])
+    pose = ik.solve(PostureObjective(hands={arm.hand: far}))
+    closest_posture = ik.frame_position(arm.hand, pose.q)
+    assert pose.hand_errors[arm.hand] == pytest.approx(
+        np.linalg.norm(far - closest_posture), abs=1e-6
+    )
+    assert 0.3 < pose.hand_errors[arm.hand] < 1.0  # it leans forward, but only so far
 
 
 @pytest.mark.parametrize("name", ["talos", "g1", "simple_humanoid"])
 def test_a_squat_lowers_the_com_and_nothing_else(name):
     ik = PostureIK(robot(name))
     down = np.array([0.0, 0.0, -0.1 * robot(name).leg_length])
-    pose = ik.find(PostureObjective(com=down, firm=True, firm_com=True))
-    assert pose.com_miss < 1e-4
+    pose = ik.solve(PostureObjective(com=down, strict_trunk=True, strict_com=True))
+    assert pose.com_error < 1e-4
     assert np.abs(pose.torso).max() < 1e-3
     assert np.abs(pose.pelvis).max() < 1e-3
-    _, miss, tilt = ik.on_soles(pose.q)
+    _, miss, tilt = ik.place_on_left_sole(pose.q)
     assert miss < 1e-4
     assert tilt < 1e-4
 

@@ -119,4 +119,4 @@ def test_it_is_solved_by_the_walkers_solver():
         player.step(wbc.Estimate(body_of.standing()))
         if player.context.override is not None:
             break
-    assert player.context.override._limbs.controller.solver.name == "daqp"
+    assert player.context.override._tasks.controller.solver.name == "daqp"

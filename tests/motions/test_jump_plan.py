@@ -13,16 +13,15 @@ from wbc.motions.jumping import (
     JumpPath,
     JumpPlan,
     JumpTooHigh,
+    find_path,
     jump_paths,
     plan_jump,
     take_off_bound,
-    trace_path,
 )
-from wbc.motions.jumping.path import gravity_of
 from wbc.motions.jumping.profile import HopProfile, MinimumJerk, stroke
 
 ROBOTS = ("talos", "g1", "simple_humanoid")
-STILLNESS = 2e-5
+ARM_WEIGHT = 2e-5
 
 
 @cache
@@ -33,7 +32,7 @@ def robot(name: str) -> wbc.Robot:
 @cache
 def path(name: str) -> JumpPath:
     height = robot(name).com_height
-    found = trace_path(robot(name), 0.9 * height, 0.2 * height, STILLNESS)
+    found = find_path(robot(name), 0.9 * height, 0.2 * height, ARM_WEIGHT)
     assert found is not None
     return found
 
@@ -90,7 +89,7 @@ def test_torques_on_the_ground_obey_the_equations_of_motion(name):
     model, data, way = robot(name).model, robot(name).model.createData(), path(name)
     k, rate, acceleration = 12, 0.7, 4.0
     v = way.tangent[k] * rate
-    a = way.tangent[k] * acceleration + way.bend[k] * rate**2
+    a = way.tangent[k] * acceleration + way.curvature[k] * rate**2
     force = pin.rnea(model, data, way.q[k], v, a)
     z = way.height[k : k + 1]
     force[6:] -= way.torque(way.stance, z, np.array([rate]), np.array([acceleration]))[0]
@@ -103,10 +102,10 @@ def test_torques_on_the_ground_obey_the_equations_of_motion(name):
 @pytest.mark.parametrize("name", ROBOTS)
 def test_torques_in_the_air_need_no_force_from_outside(name):
     model, data, way = robot(name).model, robot(name).model.createData(), path(name)
-    g = gravity_of(robot(name))
+    g = robot(name).gravity
     k, rate, acceleration = 12, -0.4, 20.0
     v = way.tangent[k] * rate
-    a = way.tangent[k] * acceleration + way.bend[k] * rate**2
+    a = way.tangent[k] * acceleration + way.curvature[k] * rate**2
     lift = np.zeros(model.nv)  # the soles accelerate by −g − z̈
     base = pin.Quaternion(way.q[k][3:7]).toRotationMatrix()
     lift[:3] = base.T @ np.array([0.0, 0.0, -g - acceleration])
@@ -180,7 +179,7 @@ def test_plan_keeps_torque_and_velocity_limits_by_inverse_dynamics(name):
 @pytest.mark.parametrize("name", ROBOTS)
 def test_plan_is_ballistic_and_clears_what_was_asked(name):
     jump = plan(name)
-    g = gravity_of(robot(name))
+    g = robot(name).gravity
     assert jump.clearance == 0.05
     assert jump.rise == pytest.approx(jump.speed**2 / (2 * g))
     assert jump.flight.duration == pytest.approx(2 * jump.speed / g)
@@ -194,7 +193,7 @@ def test_no_plan_takes_off_faster_than_the_bound(name):
     bound = take_off_bound(robot(name), jump_paths(robot(name)))
     for clearance in (0.05, 0.1):
         assert plan_jump(robot(name), clearance).speed <= bound.speed
-    assert bound.rise == pytest.approx(bound.speed**2 / (2 * gravity_of(robot(name))))
+    assert bound.rise == pytest.approx(bound.speed**2 / (2 * robot(name).gravity))
 
 
 def test_bound_grows_with_the_torques():

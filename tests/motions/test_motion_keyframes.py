@@ -215,17 +215,19 @@ def test_a_plan_passes_its_keyframes_from_standing_to_rest(tmp_path):
         assert plan.places["left"](time) == pytest.approx(place)
         q = one.q_nominal.copy()
         q[7:] = plan.posture(time)
-        on_soles, miss, _ = ik.on_soles(q)
+        on_soles, miss, _ = ik.place_on_left_sole(q)
         assert miss < 1e-3
-        assert ik.place("left_hand", on_soles) == pytest.approx(place, abs=2e-3)
-        assert ik.attitude(on_soles)[0] == pytest.approx(plan.com(time), abs=1e-3)
+        assert ik.frame_position("left_hand", on_soles) == pytest.approx(place, abs=2e-3)
+        assert ik.com_and_trunk(on_soles)[0] == pytest.approx(plan.com(time), abs=1e-3)
     assert plan.posture.derivatives(3.0)[1] == pytest.approx(np.zeros(one.na))
 
 
 def test_a_posture_of_the_legs_moves_the_com_with_it(tmp_path):
     one = robot("simple_humanoid")
     ik = PostureIK(one)
-    down = ik.find(PostureObjective(com=np.array([0.0, 0.0, -0.05]), firm=True, firm_com=True))
+    down = ik.solve(
+        PostureObjective(com=np.array([0.0, 0.0, -0.05]), strict_trunk=True, strict_com=True)
+    )
     names = [n for n in one.joint_names if "hip_pitch" in n or "knee" in n or "ankle_pitch" in n]
     angles = [down.q[7 + one.joint_index(n)] for n in names]
     head = ", ".join(f"{n} [rad]" for n in names)

@@ -60,7 +60,7 @@ def test_what_is_unpacked_is_played_alike_and_not_planned_again(robot, motion, m
     assert len(data) < 5000  # the robot stays at home
     expected = torques(robot, motion)
     monkeypatch.setattr(type(motion), "check", None)
-    monkeypatch.setattr("wbc.ik.posture_ik.PostureIK.find", None)
+    monkeypatch.setattr("wbc.ik.posture_ik.PostureIK.solve", None)
     found = unpack(data, robot)
     assert found == motion
     np.testing.assert_array_equal(torques(robot, found), expected)

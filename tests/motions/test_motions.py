@@ -131,7 +131,9 @@ def test_hands_wave_above_the_shoulders_while_it_walks():
 
 
 def test_hands_reach_places_and_what_is_out_of_reach_is_said():
-    report = run_motions(robot("simple_humanoid"), [Reach(random=2, draw=5, hold=0.4)], seed=2)
+    report = run_motions(
+        robot("simple_humanoid"), [Reach(random=2, place_seed=5, hold=0.4)], seed=2
+    )
     assert_clean(report)
     assert (report.targets, report.targets_reached) == (4, 4)
     assert report.target_error_max_mm < 10.0

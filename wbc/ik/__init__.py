@@ -1,0 +1,15 @@
+"""Inverse kinematics of whole postures, and what a posture asks of a robot."""
+
+from wbc.ik.objective import PostureObjective, PostureSolution
+from wbc.ik.posture_checks import HoldingEffort, holding_effort, max_effort_along, pelvis_violation
+from wbc.ik.posture_ik import PostureIK
+
+__all__ = [
+    "HoldingEffort",
+    "PostureIK",
+    "PostureObjective",
+    "PostureSolution",
+    "holding_effort",
+    "max_effort_along",
+    "pelvis_violation",
+]

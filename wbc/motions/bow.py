@@ -38,8 +38,8 @@ class Bow(Motion):
         pose = self._pose(robot)
         short = abs(math.degrees(pose.torso[1]) - self.angle) > math.degrees(_MISS)
         why = pelvis_violation(robot, pose.q)
-        if not why and (short or pose.com_miss > _MISS):
-            why = PostureIK(robot).stops(pose)
+        if not why and (short or pose.com_error > _MISS):
+            why = PostureIK(robot).limiting_joints(pose)
         if why:
             raise MotionError(f"bow: {robot.name} cannot bow by {self.angle:g}°: {why}")
         need = holding_effort(robot, pose.q)
@@ -53,8 +53,8 @@ class Bow(Motion):
     def _pose(self, robot: Robot) -> PostureSolution:
         turn = np.array([0.0, math.radians(self.angle), 0.0])
         pelvis = UpperBody.of(robot).hips_share(turn)
-        return PostureIK(robot).find(
-            PostureObjective(torso=turn, pelvis=pelvis, firm=True, firm_com=True)
+        return PostureIK(robot).solve(
+            PostureObjective(torso=turn, pelvis=pelvis, strict_trunk=True, strict_com=True)
         )
 
     def play(self, context: MotionContext) -> Script:

@@ -62,13 +62,13 @@ class Squat(Motion):
 
     def _pose(self, ik: PostureIK, robot: Robot, depth: float) -> PostureSolution:
         down = np.array([0.0, 0.0, -0.01 * depth * robot.leg_length])
-        return ik.find(PostureObjective(com=down, firm=True, firm_com=True))
+        return ik.solve(PostureObjective(com=down, strict_trunk=True, strict_com=True))
 
     def _hindrance(self, ik: PostureIK, pose: PostureSolution, depth: float) -> str:
         """What keeps the robot from going so deep; empty when nothing does."""
         robot = ik.robot
-        if pose.com_miss > _MISS:
-            return ik.stops(pose)
+        if pose.com_error > _MISS:
+            return ik.limiting_joints(pose)
         if low := pelvis_violation(robot, pose.q):
             return low
         lowest = holding_effort(robot, pose.q)

@@ -55,14 +55,17 @@ class Wave(Motion):
         for place in (_PLACE, _LOWER):
             middle = {}
             for arm in arms:
-                shoulder = ik.place(arm.shoulder)
+                shoulder = ik.frame_position(arm.shoulder)
                 outward = 1.0 if arm.side == "left" else -1.0
                 middle[arm.hand] = shoulder + arm.length * place * [1.0, outward, 1.0]
-            pose = ik.find(PostureObjective(hands=middle, firm=True, firm_com=True))
-            if max(pose.misses.values()) < _NEAR:
+            pose = ik.solve(PostureObjective(hands=middle, strict_trunk=True, strict_com=True))
+            if max(pose.hand_errors.values()) < _NEAR:
                 break
         above = min(
-            float(ik.place(arm.hand, pose.q)[2] - ik.place(arm.shoulder, pose.q)[2]) for arm in arms
+            float(
+                ik.frame_position(arm.hand, pose.q)[2] - ik.frame_position(arm.shoulder, pose.q)[2]
+            )
+            for arm in arms
         )
         if above <= 0.0:
             raise MotionError(f"wave: {robot.name} cannot bring both hands above its shoulders")
@@ -72,9 +75,9 @@ class Wave(Motion):
             for arm in arms:
                 outward = sign if arm.side == "left" else -sign
                 travel = np.array([0.0, outward * _TRAVEL * arm.length, 0.0])
-                hands[arm.hand] = ik.place(arm.hand, pose.q) + travel
-            objective = PostureObjective(hands=hands, firm=True, firm_com=True)
-            ends.append(ik.find(objective, pose.q, elsewhere=False).q[7:])
+                hands[arm.hand] = ik.frame_position(arm.hand, pose.q) + travel
+            objective = PostureObjective(hands=hands, strict_trunk=True, strict_com=True)
+            ends.append(ik.solve(objective, pose.q, restarts=0).q[7:])
         up, swing = robot.q_nominal[7:].copy(), np.zeros(robot.na)
         up[moving] = 0.5 * (ends[0] + ends[1])[moving]
         swing[moving] = 0.5 * (ends[0] - ends[1])[moving]

@@ -12,7 +12,7 @@ from wbc.robot.data_file import RobotData
 from wbc.robot.limits import velocity_index
 from wbc.robot.soles import Sole
 from wbc.robot.srdf import GroupState, find_srdf, read_group_state
-from wbc.robot.stance import posture_range, settle, unevenness
+from wbc.robot.standing import posture_range, standing_posture, unevenness
 
 KNEE_BEND = 0.4
 # Beyond this a correction of the soles is worth telling, rad and m.
@@ -131,11 +131,11 @@ def nominal_posture(
     if max(tilt, height) > FLAT:
         why.append(f"soles {np.rad2deg(tilt):.1f}° and {1e3 * height:.1f} mm off")
     if max(tilt, height) > EXACT:
-        q = placed(model, settle(model, q, ids, move), ids)
+        q = placed(model, standing_posture(model, q, ids, move), ids)
     ahead = abs(float(com_offset(model, q)[0]))
     if has_soles(soles) and ahead > SUPPORTED * min(sole.half_length for sole in soles):
         why.append(f"centre of mass {1e3 * ahead:.0f} mm off")
-        q = placed(model, settle(model, q, ids, move, over_soles=True), ids)
+        q = placed(model, standing_posture(model, q, ids, move, over_soles=True), ids)
     how = f"{start.how}, legs corrected ({', '.join(why)})" if why else start.how
     return Posture(q, how, start.stated, start.source)
 
@@ -150,7 +150,7 @@ def _completed(
     if max(unevenness(model, q, soles)) <= FLAT:
         return None
     for over_soles in (True, False):
-        moved = settle(model, q, soles, free, align=True, over_soles=over_soles)
+        moved = standing_posture(model, q, soles, free, align=True, over_soles=over_soles)
         if max(unevenness(model, moved, soles)) <= EXACT:
             return placed(model, moved, soles)
     return None
@@ -189,7 +189,7 @@ def _bent(
         if knee is not None:
             wanted[knee] = knee_bend(model, q, knee)
     move = {index for leg in legs for index in leg}
-    q = settle(model, q, ids, move, joints=wanted, align=True, over_soles=True)
+    q = standing_posture(model, q, ids, move, joints=wanted, align=True, over_soles=True)
     return q, "knees bent" if wanted else "legs without knees"
 
 

@@ -1,4 +1,4 @@
-"""How fast a robot can leave the ground at most, and what sets that."""
+"""The fastest take-off that a robot's limits allow, and the limit that sets it."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wbc.motions.jumping.path import JumpPath, gravity_of
+from wbc.motions.jumping.path import JumpPath
 from wbc.robot import Robot
 
-_HALVINGS = 40  # of the interval in which the best pace is looked for
-_MORE = 1.1  # factor on a joint's limit, to see whether the limit counts
+_BISECTIONS = 40  # of the interval that contains the best pace
+_RELAXATION = 1.1  # factor on a joint's limit, to see whether the limit is active
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,12 +19,12 @@ class TakeOffBound:
     """The fastest take-off of all push-offs along a robot's jump paths.
 
     Attributes:
-        speed: of the CoM when the soles leave the ground, at most, m/s; 0 for a robot that
-            cannot even rise.
-        rise: of the CoM after that, v²/2g, at most, m.
+        speed: greatest speed of the CoM when the soles leave the ground, m/s; 0 for a robot
+            that cannot even rise.
+        rise: greatest rise of the CoM after that, v²/2g, m.
         take_off: height of the CoM at which it is reached, m above the soles.
-        crouch: height from which it is reached, m.
-        joint: whose limit, raised by a tenth, raises the speed most; one of a pair.
+        crouch: height of the CoM from which it is reached, m.
+        joint: the joint whose limit, raised by a tenth, raises the speed most; one of a pair.
         quantity: which of its limits, "torque" or "velocity".
     """
 
@@ -45,21 +45,21 @@ class TakeOffBound:
 
 
 def take_off_bound(robot: Robot, paths: Sequence[JumpPath]) -> TakeOffBound:
-    """The bound over all crouches, take-off heights and paces.
+    """Return the bound over all crouches, take-off heights and paces.
 
     Along a path the torques are linear in (z̈, ż²), and so in β = ż² at neighbouring heights:
     dβ/dz = 2 z̈. From rest in the crouch, the largest β that any pace reaches follows from
     height to height, β₊ = max {β + 2 Δz z̈ : |τ(z̈, β)| ≤ τ_max, |q' √β| ≤ q̇_max}: what is
-    reachable at a height is an interval that begins at 0, and its upper end depends on
-    nothing but the upper end before (Pham and Pham, A new approach to time-optimal path
+    reachable at a height is an interval that begins at 0, and its upper end depends only on
+    the upper end before (Pham and Pham, A new approach to time-optimal path
     parameterization based on reachability analysis, T-RO 2018). So it is a bound, to the
     resolution of the path's grid, for all paces and crouches of these paths: soles flat until
-    take-off, no spin. Ramps of the torque, the flight and the landing, which a plan has to
-    bear too, only take away from it.
+    take-off, no spin. Torque ramps, the flight and the landing, which a plan has to respect
+    too, only reduce it.
 
     Args:
         robot: the robot.
-        paths: with different take-off heights: their tops.
+        paths: with different take-off heights, their tops.
     """
     best, where = -1.0, (paths[0], 0)
     for path in paths:
@@ -73,7 +73,7 @@ def take_off_bound(robot: Robot, paths: Sequence[JumpPath]) -> TakeOffBound:
     joint, quantity = _limiting(robot, path, start, best)
     return TakeOffBound(
         best,
-        best**2 / (2.0 * gravity_of(robot)),
+        best**2 / (2.0 * robot.gravity),
         path.top,
         float(path.height[start]),
         joint,
@@ -82,7 +82,7 @@ def take_off_bound(robot: Robot, paths: Sequence[JumpPath]) -> TakeOffBound:
 
 
 def _top_speed(path: JumpPath, start: int, tau_max: np.ndarray, v_max: np.ndarray) -> float:
-    """Largest ż at the path's top, from rest at one of its heights, m/s."""
+    """Return the largest ż at the path's top, from rest at one of its heights, m/s."""
     fastest = np.min((v_max / np.maximum(np.abs(path.tangent[:, 6:]), 1e-9)) ** 2, axis=1)
     beta = 0.0
     for k in range(start, len(path.height) - 1):
@@ -94,29 +94,29 @@ def _top_speed(path: JumpPath, start: int, tau_max: np.ndarray, v_max: np.ndarra
     return float(np.sqrt(beta))
 
 
-def _next(torque: np.ndarray, tau_max: np.ndarray, most: float, step: float) -> float:
-    """max {β + step z̈ : |a z̈ + b β + c| ≤ τ_max, 0 ≤ β ≤ most}; concave in β.
+def _next(torque: np.ndarray, tau_max: np.ndarray, bound: float, step: float) -> float:
+    """Return max {β + step z̈ : |a z̈ + b β + c| ≤ τ_max, 0 ≤ β ≤ bound}; concave in β.
 
     Args:
         torque: (na, 3) columns a, b, c.
-        tau_max: (na,) N·m.
-        most: m²/s².
+        tau_max: (na,) torque limits, N·m.
+        bound: upper end of β before the step, m²/s².
         step: 2 Δz, m.
     """
     a, b, c = torque[np.abs(torque[:, 0]) > 1e-9].T
     limit = tau_max[np.abs(torque[:, 0]) > 1e-9] / np.abs(a)
 
     def reached(beta: float) -> tuple[float, float]:
-        """The value and its slope."""
+        """Return the value and its slope."""
         lift = limit - (b * beta + c) / a
         k = int(np.argmin(lift))
         return beta + step * float(lift[k]), 1.0 - step * float(b[k] / a[k])
 
-    value, slope = reached(most)
+    value, slope = reached(bound)
     if slope >= 0.0:
         return value
-    low, high = 0.0, most
-    for _ in range(_HALVINGS):
+    low, high = 0.0, bound
+    for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
         value, slope = reached(middle)
         low, high = (middle, high) if slope > 0.0 else (low, middle)
@@ -124,7 +124,7 @@ def _next(torque: np.ndarray, tau_max: np.ndarray, most: float, step: float) -> 
 
 
 def _weakest(robot: Robot, paths: Sequence[JumpPath]) -> str:
-    """The joint that is overloaded most where standing still takes least."""
+    """Return the joint that is overloaded most where standing still takes least."""
     shares = np.abs(np.vstack([path.stance[..., 2] for path in paths])) / robot.tau_max
     return robot.joint_names[int(np.argmax(shares[int(np.argmin(shares.max(axis=1)))]))]
 
@@ -134,7 +134,7 @@ def _limiting(robot: Robot, path: JumpPath, start: int, speed: float) -> tuple[s
     pairs = [tuple(i - 6 for i in pair) for pair in zip(*robot.legs, strict=False)]
     for pair in pairs:
         more = np.ones(robot.na)
-        more[list(pair)] = _MORE
+        more[list(pair)] = _RELAXATION
         gains = (
             _top_speed(path, start, robot.tau_max * more, robot.v_max) - speed,
             _top_speed(path, start, robot.tau_max, robot.v_max * more) - speed,

@@ -1,4 +1,4 @@
-"""Crouch, push-off, flight, landing, rising: the phases of a jump."""
+"""The controller of a jump: crouch, push-off, flight, landing, rise."""
 
 from __future__ import annotations
 
@@ -15,9 +15,8 @@ from wbc.geometry.polygon import clamp_to_polygon, convex_hull, sole_corners
 from wbc.kinematics import Kinematics
 from wbc.motions.jumping.flight import SoleFlightReference
 from wbc.motions.jumping.gains import JumpGains
-from wbc.motions.jumping.path import gravity_of
 from wbc.motions.jumping.plan import JumpPlan
-from wbc.motions.jumping.profile import HeightProfile, MinimumJerk, Moment, stroke
+from wbc.motions.jumping.profile import HeightProfile, HeightState, MinimumJerk, stroke
 from wbc.motions.jumping.tasks import JumpTasks
 from wbc.qp import Solver
 from wbc.robot import Robot
@@ -33,7 +32,7 @@ _BOTH = frozenset(("left", "right"))
 
 
 class JumpPhase(Enum):
-    """Where a jump is."""
+    """Phase of a jump."""
 
     CROUCH = "crouch"
     PUSH_OFF = "push-off"
@@ -44,25 +43,26 @@ class JumpPhase(Enum):
 
 
 class JumpController:
-    """Jumps once, from standing to standing.
+    """Jumps once, from standing to standing; a `ControllerOverride`.
 
-    On the ground, height and posture follow the plan's path, and the ZMP brings the DCM over
-    the middle of the soles, with the force of the moment:
-    `c̈ = (g + z̈)/z (c − p)`. In the air there are no contacts: the CoM falls, angular momentum
-    stays as it is, and the soles follow their hop, to where they will catch the CoM; trunk and
-    arms follow the path, which has no momentum, and so go with the legs of themselves.
-    Touchdown is what the foot sensors feel; from there the landing's stroke is planned anew.
+    On the ground, height and posture follow the plan's path, and the ZMP p brings the DCM over
+    the middle of the soles with the present vertical force: `c̈ = (g + z̈)/z (c − p)`. In the air
+    there are no contacts: the CoM falls, the angular momentum is constant, and the soles move to
+    where they will catch the CoM; trunk and arms follow the path, which has no momentum, and so
+    compensate the legs. The foot sensors detect touchdown; from there the landing is planned
+    anew.
 
     Args:
         robot: the robot.
-        plan: of the jump.
+        plan: plan of the jump.
         dt: control period, s.
         gains: weights, gains and times.
         solver: QP solver by name, see `WholeBodyController`.
 
     Attributes:
-        plan: of the jump.
-        phase: where it is.
+        plan: plan of the jump.
+        phase: present phase.
+        dcm_error: distance of the DCM from the middle of the soles after the last tick, m.
     """
 
     def __init__(
@@ -78,14 +78,14 @@ class JumpController:
         self.plan = plan
         self.dt = dt
         self._gains = gains or JumpGains()
-        self._gravity = gravity_of(robot)
+        self._gravity = robot.gravity
         self._kin = Kinematics(robot, robot.standing())
-        self._limbs = JumpTasks(self._kin, dt, self._gains, solver)
+        self._tasks = JumpTasks(self._kin, dt, self._gains, solver)
         self.reset(robot.standing())
 
     @property
     def done(self) -> bool:
-        """It stands again."""
+        """Whether the robot stands again."""
         return self.phase is JumpPhase.DONE
 
     def reset(self, state: State) -> None:
@@ -108,15 +108,15 @@ class JumpController:
         self.dcm_error = 0.0
         time = self._time_for(self._gains.crouch_time, self._standing - plan.lowest)
         self._height: HeightProfile | MinimumJerk = MinimumJerk(self._standing, plan.lowest, time)
-        self._bend = MinimumJerk(0.0, 1.0, time)
+        self._crouch = MinimumJerk(0.0, 1.0, time)
         self._enter(JumpPhase.CROUCH)
 
     def abandon(self) -> None:
-        """Rise from the crouch without a jump; what has left the crouch is carried through."""
+        """Rise from the crouch without a jump; a jump that has left the crouch is finished."""
         self._abandoned = True
 
     def step(self, estimate: Estimate) -> Command:
-        """One tick.
+        """Compute the command of one tick.
 
         Args:
             estimate: state and contacts; without foot sensors touchdown goes by time.
@@ -133,15 +133,15 @@ class JumpController:
         if self._flight is None:
             self._balance(kin, feet)
         else:
-            self._limbs.stand_on(())
+            self._tasks.stand_on(())
             self._follow(self._flight.write_reference(kin, self._time))
-        return self._limbs.solve(kin)
+        return self._tasks.solve(kin)
 
     def _enter(self, phase: JumpPhase) -> None:
         self.phase, self._time = phase, 0.0
 
     def _time_for(self, least: float, way: float) -> float:
-        """Duration of a glide whose speed stays below half of that at take-off, s."""
+        """Return the duration of a motion below half of the take-off speed, s."""
         return max(least, 1.875 * abs(way) / (0.5 * self.plan.speed))
 
     def _touching(self, contacts: frozenset[str] | None) -> frozenset[str]:
@@ -153,7 +153,7 @@ class JumpController:
         return contacts
 
     def _advance(self, kin: Kinematics, feet: Feet, touching: frozenset[str]) -> None:
-        """Enter the next phase when it is time."""
+        """Enter the next phase if it is time."""
         gains, plan, phase, time = self._gains, self.plan, self.phase, self._time + 0.5 * self.dt
         if phase is JumpPhase.CROUCH and time > self._height.duration + gains.pause:
             if self._abandoned:
@@ -174,17 +174,17 @@ class JumpController:
             over = time - self._height.duration
             if over > gains.settle_time or (over > 0.0 and self.dcm_error < _SETTLED):
                 self._height = MinimumJerk(self._standing, self._standing, 1.0)
-                self._bend = MinimumJerk(0.0, 0.0, 1.0)
+                self._crouch = MinimumJerk(0.0, 0.0, 1.0)
                 self._enter(JumpPhase.DONE)
 
     def _rise(self, lowest: float) -> None:
         time = self._time_for(self._gains.rise_time, self._standing - lowest)
         self._height = MinimumJerk(lowest, self._standing, time)
-        self._bend = MinimumJerk(1.0, 0.0, time)
+        self._crouch = MinimumJerk(1.0, 0.0, time)
         self._enter(JumpPhase.RISE)
 
     def _leave_ground(self, kin: Kinematics) -> None:
-        soles, gains = self._limbs.soles, self._gains
+        soles, gains = self._tasks.soles, self._gains
         self._down = frozenset()
         self._flight = SoleFlightReference(
             self.plan, kin, soles, self._ground, 10.0 * self.dt, gains.reach
@@ -197,16 +197,15 @@ class JumpController:
         self._ground = float(np.mean([feet.of(side).height for side in touching]))
         height, fall = float(kin.p_com[2]) - self._ground, min(float(kin.v_com[2]), -0.1)
         lowest = min(self.plan.lowest, height - _LEAST_STROKE)
-        begin = -self._gains.soft * self._gravity
+        begin = -self._gains.softness * self._gravity
         self._height = stroke(height, fall, (lowest, 0.0, 0.0), begin)
         self._enter(JumpPhase.LANDING)
 
     def _balance(self, kin: Kinematics, feet: Feet) -> None:
-        """References of a phase on the ground."""
-        gains, g, com = self._gains, self._gravity, self._limbs.com
-        self._limbs.stand_on(self._down)
-        moment = self._height.at(self._time)
-        height, rate, acceleration = moment
+        """Set the references of a phase on the ground."""
+        gains, g, com = self._gains, self._gravity, self._tasks.com
+        self._tasks.stand_on(self._down)
+        height, rate, acceleration = self._height.at(self._time)
         if self._down == _BOTH:
             ground = 0.5 * (feet.left.height + feet.right.height)
             self._ground += (ground - self._ground) * min(self.dt / _GROUND_TIME, 1.0)
@@ -223,7 +222,7 @@ class JumpController:
         com.velocity[2] = rate
         com.acceleration[:] = push.real, push.imag, acceleration
         self.dcm_error = abs(here + speed / omega - middle)
-        self._follow(moment)
+        self._follow((height, rate, acceleration))
 
     def _support(self, feet: Feet, margin: float) -> list[complex]:
         return convex_hull(
@@ -236,28 +235,28 @@ class JumpController:
             ]
         )
 
-    def _follow(self, moment: Moment) -> None:
-        """Trunk and posture along the path; crouching and rising, between it and standing."""
+    def _follow(self, height: HeightState) -> None:
+        """Set trunk and posture along the path, or between it and standing."""
         path = self.plan.path
         if self.phase in (JumpPhase.PUSH_OFF, JumpPhase.FLIGHT, JumpPhase.LANDING):
-            lean, posture = path.attitude(moment), path.posture(moment)
+            pitch, posture = path.trunk_pitch(height), path.posture(height)
         else:
             lowest = (self.plan.lowest, 0.0, 0.0)
-            bend = np.array(self._bend.at(self._time))[:, None]
-            lean = bend * path.attitude(lowest)[0]
-            posture = bend * (path.posture(lowest)[0] - self._home)
+            share = np.array(self._crouch.at(self._time))[:, None]
+            pitch = share * path.trunk_pitch(lowest)[0]
+            posture = share * (path.posture(lowest)[0] - self._home)
             posture[0] += self._home
-        self._limbs.lean(self._heading, lean)
-        self._limbs.pose(posture)
+        self._tasks.set_trunk_pitch(self._heading, pitch)
+        self._tasks.set_posture(posture)
 
     @property
     def balance(self) -> Balance:
-        """See `telemetry`."""
+        """CoM, DCM and ZMP after the last tick."""
         return self.telemetry
 
     @property
     def telemetry(self) -> Telemetry:
-        """What it sees and intends, for observers."""
+        """Measured and planned quantities after the last tick, for observers."""
         kin, z = self._kin, self._ground
 
         def at(p: complex) -> np.ndarray:

@@ -10,30 +10,30 @@ class JumpGains:
     """Weights, gains and times of a jump.
 
     Attributes:
-        com_weight: of the CoM's acceleration on the ground; in the air nothing can change it.
+        com_weight: weight of the CoM's acceleration on the ground; it has no effect in the air.
         height_kp: stiffness of the CoM's height, 1/s².
-        sole_weight: of the soles' poses in the air.
-        sole_kp: 1/s².
-        trunk_weight: of torso and base orientation.
-        trunk_kp: 1/s².
-        posture_weight: of the posture of arms, waist and head.
-        leg_posture_weight: of the legs' posture: soles and CoM determine them.
-        posture_kp: 1/s².
-        momentum_weight: of the angular momentum.
-        second_contact_weight: of the motion of one of two soles on the ground.
+        sole_weight: weight of the soles' poses in the air.
+        sole_kp: stiffness of the soles' poses in the air, 1/s².
+        trunk_weight: weight of the orientation of torso and base.
+        trunk_kp: stiffness of that orientation, 1/s².
+        posture_weight: weight of the posture of arms, waist and head.
+        leg_posture_weight: weight of the legs' posture: soles and CoM determine them.
+        posture_kp: stiffness of the posture, 1/s².
+        momentum_weight: weight of the angular momentum.
+        second_contact_weight: weight of the motion of one of two soles on the ground.
         friction: Coulomb coefficient that the QP counts on.
-        sole_margin: what the QP leaves unused at the soles' edges, m.
-        zmp_margin: how far from the edge of the support polygon the wished ZMP stays, m.
+        sole_margin: margin at the soles' edges that the QP leaves unused, m.
+        zmp_margin: distance of the desired ZMP from the edge of the support polygon, m.
         dcm_gain: k of the DCM feedback, 1/s.
-        braking: most that the limits of position and velocity count on, rad/s²: a leg in
-            the air is stopped faster than one that carries.
-        crouch_time: s, at least.
-        pause: in the crouch, s.
-        rise_time: from the landing's crouch to standing, s, at least.
-        settle_time: at most, s, that it then waits for balance before it counts as standing.
-        catch_time: after the first touchdown, s; then both soles count as standing.
-        soft: share of free fall with which the landing begins: its force starts near zero.
-        reach: how far from below the CoM the soles may land, m, to catch its drift.
+        braking: greatest deceleration that the limits of position and velocity count on,
+            rad/s²: a leg in the air can stop faster than one that carries.
+        crouch_time: least duration of the crouch, s.
+        pause: time in the crouch, s.
+        rise_time: least duration from the landing's crouch to standing, s.
+        settle_time: longest wait for balance after that, s.
+        catch_time: time after the first touchdown from which both soles count as standing, s.
+        softness: share of free fall with which the landing begins: its force starts near zero.
+        reach: greatest distance from below the CoM at which the soles may land, m.
     """
 
     com_weight: float = 3000.0
@@ -57,5 +57,5 @@ class JumpGains:
     rise_time: float = 1.0
     settle_time: float = 2.0
     catch_time: float = 0.05
-    soft: float = 0.9
+    softness: float = 0.9
     reach: float = 0.08

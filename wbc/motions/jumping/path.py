@@ -1,4 +1,4 @@
-"""The robot's configurations while its centre of mass goes straight up and down."""
+"""The robot's configurations while its centre of mass moves straight up and down."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from wbc.motions.jumping.profile import Moment
+from wbc.motions.jumping.profile import HeightState
 from wbc.robot import Robot
 from wbc.robot.statics import smallest_wrenches
 
@@ -19,11 +19,11 @@ _LEVER = 0.05  # m, makes moments comparable to forces when both soles share the
 class JumpPath:
     """Configurations q(z) over the CoM's height z above the soles, and their dynamics.
 
-    On the way both soles stay flat where they stand in the nominal posture, the CoM is above
-    the middle of the soles, and the body has no angular momentum about the CoM,
-    `A_L(q) dq/dz = 0`: what the legs have, trunk and arms take up. Whoever goes along it, at
-    any pace, takes off without spin. And without spin the same configurations are those of
-    the flight too, z then being the CoM's height above the soles in the air.
+    Along the path both soles stay flat where they stand in the nominal posture, the CoM is above
+    the middle of the soles, and the robot has no angular momentum about the CoM,
+    `A_L(q) dq/dz = 0`: trunk and arms compensate that of the legs. A motion along the path takes
+    off without spin at any pace. Without spin the same configurations are those of the flight,
+    z then being the CoM's height above the soles in the air.
 
     With `v = q' ż` and `v̇ = q' z̈ + q'' ż²` the generalised forces are linear in (z̈, ż²):
 
@@ -35,10 +35,10 @@ class JumpPath:
     Attributes:
         robot: the robot.
         height: (n,) z, ascending, m; the trunk is upright at the last.
-        q: (n, nq).
-        tangent: (n, nv) q', per m, base in the base's axes.
-        bend: (n, nv) q'', per m².
-        lean: (n, 2) pitch of torso and base about the world's y axis, 0 when standing, rad.
+        q: (n, nq) configurations.
+        tangent: (n, nv) q', per m, the base's part in the base's axes.
+        curvature: (n, nv) q'', per m².
+        pitch: (n, 2) pitch of torso and base about the world's y axis, 0 when standing, rad.
         force: (n, nv, 3) the columns a, b, c.
     """
 
@@ -46,28 +46,28 @@ class JumpPath:
     height: np.ndarray
     q: np.ndarray
     tangent: np.ndarray
-    bend: np.ndarray
-    lean: np.ndarray
+    curvature: np.ndarray
+    pitch: np.ndarray
     force: np.ndarray
 
     @property
     def top(self) -> float:
-        """The greatest height, m."""
+        """Greatest height of the CoM above the soles, m."""
         return float(self.height[-1])
 
     @cached_property
-    def _lean_rate(self) -> np.ndarray:
-        return np.asarray(np.gradient(self.lean, self.height, axis=0, edge_order=2))
+    def _pitch_rate(self) -> np.ndarray:
+        return np.asarray(np.gradient(self.pitch, self.height, axis=0, edge_order=2))
 
     @cached_property
-    def _lean_bend(self) -> np.ndarray:
-        return np.asarray(np.gradient(self._lean_rate, self.height, axis=0))
+    def _pitch_curvature(self) -> np.ndarray:
+        return np.asarray(np.gradient(self._pitch_rate, self.height, axis=0))
 
     @cached_property
     def stance(self) -> np.ndarray:
-        """(n, na, 3) joint torques of (z̈, ż², 1) with both soles on the ground.
+        """(n, na, 3) coefficients of (z̈, ż², 1) in the joint torques, both soles on the ground.
 
-        Of the wrenches that the base rows ask for, the smallest.
+        The contact wrenches are the smallest that the base needs.
         """
         model, data = self.robot.model, self.robot.model.createData()
         torque = np.empty((len(self.height), self.robot.na, 3))
@@ -83,53 +83,49 @@ class JumpPath:
 
     @cached_property
     def flight(self) -> np.ndarray:
-        """(n, na, 3) joint torques of (z̈, ż², 1) in the air.
+        """(n, na, 3) coefficients of (z̈, ż², 1) in the joint torques, in the air.
 
-        In free fall the soles accelerate by −g − z̈: to the rest of the robot that is a
+        In free fall the soles accelerate by −g − z̈: for the rest of the robot that is a
         gravity of −z̈ instead of g.
         """
         a, b, c = np.moveaxis(self.force[:, 6:], -1, 0)
-        return np.stack((a - c / gravity_of(self.robot), b, np.zeros_like(c)), axis=-1)
+        return np.stack((a - c / self.robot.gravity, b, np.zeros_like(c)), axis=-1)
 
     def torque(
         self, table: np.ndarray, z: np.ndarray, rate: np.ndarray, acceleration: np.ndarray
     ) -> np.ndarray:
-        """(k, na) joint torques by `stance` or `flight` at (k,) z, ż and z̈, N·m."""
-        T = self._at(table, z)
-        moment = np.stack((acceleration, rate**2, np.ones_like(z)), axis=-1)
-        return np.asarray(np.einsum("kjc,kc->kj", T, moment))
+        """Return the joint torques (k, na), N·m, by `stance` or `flight`, at (k,) z, ż and z̈."""
+        coefficients = self._at(table, z)
+        variables = np.stack((acceleration, rate**2, np.ones_like(z)), axis=-1)
+        return np.asarray(np.einsum("kjc,kc->kj", coefficients, variables))
 
     def joint_velocity(self, z: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """(k, na) joint velocities, rad/s."""
+        """Return the joint velocities (k, na), rad/s, at (k,) z and ż."""
         return np.asarray(self._at(self.tangent[:, 6:], z) * rate[:, None])
 
-    def posture(self, moment: Moment) -> np.ndarray:
-        """(3, na) joint positions, velocities and accelerations at (z, ż, z̈)."""
-        z, rate, acceleration = moment
+    def posture(self, height: HeightState) -> np.ndarray:
+        """Return joint positions, velocities and accelerations at (z, ż, z̈), (3, na)."""
+        z, rate, acceleration = height
         at = np.array([z])
-        q, tangent, bend = (
+        q, tangent, curvature = (
             self._at(table, at)[0]
-            for table in (self.q[:, 7:], self.tangent[:, 6:], self.bend[:, 6:])
+            for table in (self.q[:, 7:], self.tangent[:, 6:], self.curvature[:, 6:])
         )
-        return np.array([q, tangent * rate, tangent * acceleration + bend * rate * rate])
+        return np.array([q, tangent * rate, tangent * acceleration + curvature * rate * rate])
 
-    def attitude(self, moment: Moment) -> np.ndarray:
-        """(3, 2) lean of torso and base, its rate and acceleration at (z, ż, z̈); rad, s."""
-        z, rate, acceleration = moment
+    def trunk_pitch(self, height: HeightState) -> np.ndarray:
+        """Return pitch, rate and acceleration of torso and base at (z, ż, z̈), (3, 2); rad, s."""
+        z, rate, acceleration = height
         at = np.array([z])
-        lean, slope, bend = (
-            self._at(table, at)[0] for table in (self.lean, self._lean_rate, self._lean_bend)
+        pitch, slope, curvature = (
+            self._at(table, at)[0]
+            for table in (self.pitch, self._pitch_rate, self._pitch_curvature)
         )
-        return np.array([lean, slope * rate, slope * acceleration + bend * rate * rate])
+        return np.array([pitch, slope * rate, slope * acceleration + curvature * rate * rate])
 
     def _at(self, table: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """Linear interpolation of (n, …) at heights (k,); the ends are kept beyond."""
+        """Interpolate a table (n, …) linearly at heights (k,), constant beyond its ends."""
         x = np.interp(z, self.height, np.arange(len(self.height), dtype=float))
         below = np.minimum(x.astype(int), len(self.height) - 2)
         share = (x - below).reshape(-1, *[1] * (table.ndim - 1))
         return np.asarray(table[below] * (1.0 - share) + table[below + 1] * share)
-
-
-def gravity_of(robot: Robot) -> float:
-    """m/s², downward."""
-    return -float(robot.model.gravity.linear[2])

@@ -9,8 +9,8 @@ import numpy as np
 
 from wbc.errors import MotionError
 from wbc.motions.jumping.bound import TakeOffBound, take_off_bound
-from wbc.motions.jumping.path import JumpPath, gravity_of
-from wbc.motions.jumping.path_search import trace_path
+from wbc.motions.jumping.path import JumpPath
+from wbc.motions.jumping.path_search import find_path
 from wbc.motions.jumping.profile import HeightProfile, HopProfile, stroke
 from wbc.robot import Robot
 
@@ -18,20 +18,21 @@ _SAMPLES = np.linspace(0.0, 1.0, 31)
 _TAKE_OFFS = np.linspace(0.68, 1.04, 13)  # shares of the standing height
 _DEPTHS = np.linspace(0.04, 0.20, 7)  # of the push-off, likewise
 _RISES = np.linspace(0.4, 1.0, 7)  # shares of the clearance that come from the CoM's rise
-_REACH = 0.35  # of the standing height: how far down a path goes
-_SHORTEST = 0.4  # of the push-off, in units of √(height / g): motors need time for their ramps
-_TOUCHDOWN = 0.1  # m/s, downward speed of the soles
-STILLNESS = (2e-5, 5e-6, 1e-6)  #: of waist and arms, see `trace_path`: tried one after the other
-_WORTH = 0.003  # m: a clearance below is none
-_MOST_EFFORT = 0.95  # share of a limit that a plan may use: the rest is for feedback
-_HALVINGS = 5  # of the interval in which the highest jump is looked for
+_PATH_LENGTH = 0.35  # of the standing height
+_MIN_PUSH_OFF = 0.4  # duration in units of √(height / g): motors need time for their ramps
+_TOUCHDOWN = 0.1  # m/s, downward velocity of the soles
+#: Weights of the motion of waist and arms, see `find_path`: tried one after the other.
+ARM_WEIGHTS = (2e-5, 5e-6, 1e-6)
+_MIN_CLEARANCE = 0.003  # m
+_MAX_EFFORT = 0.95  # share of a limit that a plan may use: the rest is for feedback
+_BISECTIONS = 5  # of the interval that contains the highest jump
 
 
 class JumpTooHigh(MotionError):
-    """A jump is beyond a robot's limits; the text says which, and what bounds it.
+    """A jump is beyond a robot's limits; the message says which, and what bounds it.
 
     Attributes:
-        bound: on its take-off.
+        bound: the bound on the robot's take-off.
     """
 
     def __init__(self, text: str, bound: TakeOffBound) -> None:
@@ -44,17 +45,17 @@ class JumpPlan:
     """A jump on the spot.
 
     Attributes:
-        path: the configurations on the way; the soles leave the ground, and touch it again,
-            with the CoM at its top.
+        path: the configurations; the soles leave the ground, and touch it again, with the CoM at
+            the path's top.
         lowest: height of the CoM in the crouch, m above the soles.
         speed: of the CoM at take-off, m/s.
         push_off: height of the CoM above the soles over time.
         flight: height of the soles over time.
         landing: height of the CoM above the soles over time, from touchdown on.
         torque_share: largest |τ|/τ_max of push-off, flight and landing.
-        torque_joint: of which joint.
+        torque_joint: name of the joint that has it.
         speed_share: largest |q̇|/q̇_max.
-        speed_joint: of which joint.
+        speed_joint: name of the joint that has it.
     """
 
     path: JumpPath
@@ -81,7 +82,7 @@ class JumpPlan:
     @property
     def rise(self) -> float:
         """How far the CoM rises after take-off, v²/2g, m."""
-        return self.speed**2 / (2.0 * gravity_of(self.path.robot))
+        return self.speed**2 / (2.0 * self.path.robot.gravity)
 
     @property
     def holding_effort(self) -> float:
@@ -90,8 +91,15 @@ class JumpPlan:
 
     @classmethod
     def along(cls, path: JumpPath, lowest: float, rise: float, clearance: float) -> JumpPlan:
-        """The jump along a path, from a crouch (m), by a rise of the CoM and of the soles (m)."""
-        robot, g = path.robot, gravity_of(path.robot)
+        """Return the jump along a path.
+
+        Args:
+            path: the configurations.
+            lowest: height of the CoM in the crouch, m.
+            rise: of the CoM after take-off, m.
+            clearance: height of the soles in the middle of the flight, m.
+        """
+        robot, g = path.robot, path.robot.gravity
         speed = float(np.sqrt(2.0 * g * rise))
         push_off = stroke(lowest, 0.0, (path.top, speed, -g))
         landing = stroke(path.top, -speed, (lowest, 0.0, 0.0), begin=-g)
@@ -116,34 +124,40 @@ class JumpPlan:
         )
 
 
-def jump_paths(robot: Robot, stillness: float = STILLNESS[0]) -> list[JumpPath]:
-    """Paths with different take-off heights; none for legs that cannot move the CoM up and down.
+def jump_paths(robot: Robot, arm_weight: float = ARM_WEIGHTS[0]) -> list[JumpPath]:
+    """Return paths with different take-off heights; none if the legs cannot raise the CoM.
 
     Args:
         robot: the robot.
-        stillness: of waist and arms, see `trace_path`.
+        arm_weight: weight of the motion of waist and arms, see `find_path`.
     """
     height = robot.com_height
-    traced = (trace_path(robot, share * height, _REACH * height, stillness) for share in _TAKE_OFFS)
+    traced = (
+        find_path(robot, share * height, _PATH_LENGTH * height, arm_weight) for share in _TAKE_OFFS
+    )
     return [path for path in traced if path is not None]
 
 
 def plan_jump(robot: Robot, clearance: float) -> JumpPlan:
-    """The jump of a clearance of both soles (m) that takes the least share of all limits.
+    """Return the jump that takes the least share of all limits.
 
-    When there is none within the limits, waist and arms may swing more, and then still more.
+    If none keeps the limits, waist and arms may swing more; see `ARM_WEIGHTS`.
+
+    Args:
+        robot: the robot.
+        clearance: of both soles over the ground, m.
 
     Raises:
-        JumpTooHigh: it is beyond the limits all the same; with the bound.
-        MotionError: the clearance is not positive, or the legs cannot move the CoM up and down.
+        JumpTooHigh: the jump is beyond the limits even so; with the bound.
+        MotionError: the clearance is not positive, or the legs cannot lower and raise the CoM.
     """
     if not 0.0 < clearance < np.inf:
         raise MotionError(f"jump: a clearance of {clearance} m must be positive and finite")
     paths: list[JumpPath] = []
-    for stillness in STILLNESS:
-        more = jump_paths(robot, stillness)
+    for arm_weight in ARM_WEIGHTS:
+        more = jump_paths(robot, arm_weight)
         plan = _gentlest(more, clearance)
-        if plan is not None and plan.holding_effort <= _MOST_EFFORT:
+        if plan is not None and plan.holding_effort <= _MAX_EFFORT:
             return plan
         paths += more
     if not paths:
@@ -163,12 +177,12 @@ def _too_high(robot: Robot, paths: Sequence[JumpPath], clearance: float) -> Jump
         )
         lines.append(
             f"this jump would take {100.0 * share:.0f} % of the {quantity} of '{joint}' (at most "
-            f"{100.0 * _MOST_EFFORT:.0f} %)"
+            f"{100.0 * _MAX_EFFORT:.0f} %)"
         )
     lines.append(
         f"ask for {1e3 * highest:.0f} mm or less"
-        if highest > _WORTH
-        else f"not even {1e3 * _WORTH:.0f} mm are within its limits"
+        if highest > _MIN_CLEARANCE
+        else f"not even {1e3 * _MIN_CLEARANCE:.0f} mm are within its limits"
     )
     return JumpTooHigh("; ".join(lines), bound)
 
@@ -178,10 +192,10 @@ def _gentlest(paths: Sequence[JumpPath], clearance: float) -> JumpPlan | None:
 
 
 def _candidates(paths: Sequence[JumpPath], clearance: float) -> Iterator[JumpPlan]:
-    """Jumps of a clearance (m) from different crouches, take-off heights and rises."""
+    """Yield jumps of a clearance (m) from different crouches, take-off heights and rises."""
     for path in paths:
         robot = path.robot
-        shortest = _SHORTEST * float(np.sqrt(robot.com_height / gravity_of(robot)))
+        shortest = _MIN_PUSH_OFF * float(np.sqrt(robot.com_height / robot.gravity))
         room = path.top - float(path.height[0])
         for depth in _DEPTHS * robot.com_height:
             for share in _RISES:
@@ -194,12 +208,12 @@ def _candidates(paths: Sequence[JumpPath], clearance: float) -> Iterator[JumpPla
 
 
 def _highest(paths: Sequence[JumpPath], beyond: float) -> float:
-    """The highest clearance (m) whose plan keeps the limits, found by halving; 0 for none."""
+    """Return the highest clearance (m) whose plan keeps the limits, by bisection; 0 for none."""
     low, high = 0.0, beyond
-    for _ in range(_HALVINGS):
+    for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        plan = _gentlest(paths, middle) if middle > _WORTH else None
-        if plan is not None and plan.holding_effort <= _MOST_EFFORT:
+        plan = _gentlest(paths, middle) if middle > _MIN_CLEARANCE else None
+        if plan is not None and plan.holding_effort <= _MAX_EFFORT:
             low = middle
         else:
             high = middle

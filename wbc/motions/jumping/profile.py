@@ -1,4 +1,4 @@
-"""Motions of one coordinate in time: push-off, landing, crouch, and the soles' flight."""
+"""Heights over time: push-off, landing, crouch, and the soles in flight."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 
 from wbc.geometry.quintic import evaluate_quintic, quintic_coefficients
 
-Moment = tuple[float, float, float]  # position m, velocity m/s, acceleration m/s²
+#: Height, m, velocity, m/s, and acceleration, m/s².
+HeightState = tuple[float, float, float]
 
 
 class HeightProfile:
@@ -18,8 +19,8 @@ class HeightProfile:
     Args:
         start: height at time 0, m.
         velocity: at time 0, m/s.
-        times: (k,) of the knots, ascending from 0, s.
-        accelerations: (k,) at the knots, m/s².
+        times: (k,) times of the knots, ascending from 0, s.
+        accelerations: (k,) accelerations at the knots, m/s².
     """
 
     def __init__(
@@ -38,21 +39,21 @@ class HeightProfile:
 
     @property
     def duration(self) -> float:
-        """s."""
+        """Time of the last knot, s."""
         return float(self._t[-1])
 
     @property
-    def end(self) -> Moment:
-        """Position, velocity and acceleration at the end."""
+    def end(self) -> HeightState:
+        """Height, velocity and acceleration at the end."""
         return float(self._z[-1]), float(self._v[-1]), float(self._a[-1])
 
-    def at(self, time: float) -> Moment:
+    def at(self, time: float) -> HeightState:
         """Position, velocity and acceleration; held within the duration."""
         z, v, a = self.sample(np.array([time]))
         return float(z[0]), float(v[0]), float(a[0])
 
     def sample(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(k,) positions, velocities and accelerations at times (k,)."""
+        """Return heights, velocities and accelerations (k,) at times (k,), s."""
         t = np.clip(times, 0.0, self._t[-1])
         k = np.clip(np.searchsorted(self._t, t, side="right") - 1, 0, len(self._t) - 2)
         h, a, j, v = t - self._t[k], self._a[k], self._jerk[k], self._v[k]
@@ -63,28 +64,28 @@ class HeightProfile:
         )
 
 
-_RISE = 0.3  # share of a stroke in which its acceleration builds up
-_FALL = 0.2  # share in which it goes over to the final one
+_RAMP_UP = 0.3  # share of a stroke in which its acceleration reaches the plateau
+_RAMP_DOWN = 0.2  # share in which it goes from the plateau to its final value
 
 
-def stroke(start: float, velocity: float, end: Moment, begin: float = 0.0) -> HeightProfile:
-    """From a height and velocity to others by one burst of acceleration.
+def stroke(start: float, velocity: float, end: HeightState, begin: float = 0.0) -> HeightProfile:
+    """Return the profile between two heights and velocities with one plateau of acceleration.
 
-    The acceleration goes linearly from `begin` to a plateau and from there to its final value.
+    The acceleration goes linearly from `begin` to the plateau and from there to its final value.
     Duration T and plateau a follow from the two ends: with A, B, C the first and second
-    integrals of the unit shapes of plateau, begin a₀ and end a₁,
+    integrals of the unit shapes of plateau, start a₀ and end a₁,
 
         Δv = T (a A₁ + a₀ B₁ + a₁ C₁),   Δz = v₀ T + T² (a A₂ + a₀ B₂ + a₁ C₂).
 
     Args:
-        start: height, m.
-        velocity: m/s.
+        start: height at the start, m.
+        velocity: at the start, m/s.
         end: height, velocity and acceleration at the end.
         begin: acceleration at the start, m/s².
     """
     height, speed, final = end
-    first = (0.5 * _RISE, 0.5 * _RISE - _RISE**2 / 6.0)
-    last = (0.5 * _FALL, _FALL**2 / 6.0)
+    first = (0.5 * _RAMP_UP, 0.5 * _RAMP_UP - _RAMP_UP**2 / 6.0)
+    last = (0.5 * _RAMP_DOWN, _RAMP_DOWN**2 / 6.0)
     plateau = (1.0 - first[0] - last[0], 0.5 - first[1] - last[1])
     rest = [begin * f + final * e for f, e in zip(first, last, strict=True)]
     ratio = plateau[1] / plateau[0]
@@ -92,26 +93,26 @@ def stroke(start: float, velocity: float, end: Moment, begin: float = 0.0) -> He
     linear = velocity + (speed - velocity) * ratio
     duration = _least_positive_root(square, linear, start - height)
     a = ((speed - velocity) / duration - rest[0]) / plateau[0]
-    knots = np.array([0.0, _RISE, 1.0 - _FALL, 1.0])
+    knots = np.array([0.0, _RAMP_UP, 1.0 - _RAMP_DOWN, 1.0])
     return HeightProfile(start, velocity, duration * knots, np.array([begin, a, a, final]))
 
 
 def _least_positive_root(a: float, b: float, c: float) -> float:
-    """Of a x² + b x + c."""
+    """Return the least positive root of a x² + b x + c."""
     if abs(a) < 1e-12 * abs(b):
         return -c / b
-    bend = math.sqrt(b * b - 4.0 * a * c)
-    big = -0.5 * (b + math.copysign(bend, b))
-    return min(x for x in (big / a, c / big) if x > 0.0)
+    # The sum without cancellation, then the other root by Vieta.
+    half = -0.5 * (b + math.copysign(math.sqrt(b * b - 4.0 * a * c), b))
+    return min(x for x in (half / a, c / half) if x > 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class MinimumJerk:
-    """From rest to rest with least jerk: a quintic.
+    """A coordinate from rest to rest with least jerk; see `wbc.geometry.quintic`.
 
     Attributes:
-        start: at time 0.
-        end: at time `duration`.
+        start: value at time 0.
+        end: value at time `duration`.
         duration: s.
     """
 
@@ -119,7 +120,7 @@ class MinimumJerk:
     end: float
     duration: float
 
-    def at(self, time: float) -> Moment:
+    def at(self, time: float) -> HeightState:
         """Position, velocity and acceleration; held within the duration."""
         T = self.duration
         c = quintic_coefficients(self.start, 0.0, 0.0, self.end)
@@ -131,26 +132,26 @@ class MinimumJerk:
 class HopProfile:
     """Height of the soles in flight: `64 c x³ (1 − x)³ + v T x³ (1 − x)`, x = t / T.
 
-    It leaves the ground at rest and without acceleration, as the push-off ends, is c high in
-    the middle, and comes down with v at T; from there it goes on down at v.
+    They leave the ground at rest and without acceleration, as the push-off ends, are c high in
+    the middle, and come down with v at T; after that they continue down at v.
 
     Attributes:
         duration: T, s.
-        clearance: c, m.
-        touchdown: v, m/s.
+        clearance: height in the middle of the flight c, m.
+        touchdown: downward velocity v at the end, m/s.
     """
 
     duration: float
     clearance: float
     touchdown: float
 
-    def at(self, time: float) -> Moment:
-        """Height (m), velocity and acceleration at a time since take-off."""
+    def at(self, time: float) -> HeightState:
+        """Height, velocity and acceleration at a time since take-off, s."""
         z, v, a = self.sample(np.array([time]))
         return float(z[0]), float(v[0]), float(a[0])
 
     def sample(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(k,) heights, velocities and accelerations at times (k,)."""
+        """Return heights, velocities and accelerations (k,) at times (k,), s."""
         T, c, w = self.duration, 64.0 * self.clearance, self.touchdown * self.duration
         x = np.clip(times / T, 0.0, 1.0)
         late = np.maximum(times - T, 0.0)

@@ -1,4 +1,4 @@
-"""The whole-body controller of a jump: its tasks, contacts and limits."""
+"""Tasks, contacts and limits of a jump, in a whole-body controller of its own."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from wbc.walking.contact_manager import rotation_about_z
 
 
 class JumpTasks:
-    """CoM, trunk, soles and posture of a robot that stands, flies or lands.
+    """The tasks of CoM, trunk, soles and posture for a robot that stands, flies or lands.
 
     Args:
-        standing: the robot, standing.
+        standing: kinematics of the robot when standing.
         dt: control period, s.
         gains: weights and gains.
         solver: QP solver by name.
 
     Attributes:
         controller: the whole-body controller.
-        com: its target, velocity and acceleration; only counts on the ground.
-        posture: of all joints.
-        soles: side -> pose of the sole while it is in the air.
+        com: task of the CoM; its weight is 0 in the air.
+        posture: task of all joints.
+        soles: side -> pose task of the sole while it is in the air.
     """
 
     def __init__(
@@ -68,13 +68,13 @@ class JumpTasks:
             self.soles[sole.side] = FrameTask(sole.name, weight=gains.sole_weight, kp=gains.sole_kp)
 
     def stand_on(self, sides: Collection[str]) -> None:
-        """Put these soles on the ground, the others in the air; none is free fall."""
+        """Put the soles of these sides on the ground, the others in the air."""
         controller, gains = self.controller, self._gains
         for side, task in self.soles.items():
-            flies = side not in sides
-            if flies and task not in controller.tasks:
+            in_air = side not in sides
+            if in_air and task not in controller.tasks:
                 controller.add(task)
-            elif not flies and task in controller.tasks:
+            elif not in_air and task in controller.tasks:
                 controller.remove(task)
         contacts = [contact for side, contact in self._contacts.items() if side in sides]
         for k, contact in enumerate(contacts):
@@ -82,26 +82,26 @@ class JumpTasks:
         controller.contacts = contacts
         self.com.weight = gains.com_weight if contacts else 0.0
 
-    def lean(self, heading: float, lean: np.ndarray) -> None:
-        """Pitch the trunk.
+    def set_trunk_pitch(self, heading: float, pitch: np.ndarray) -> None:
+        """Set the references of the trunk's orientation.
 
         Args:
-            heading: of the body, rad.
-            lean: (3, 2) angle, rate and acceleration of torso and base; rad, s.
+            heading: of the robot, rad.
+            pitch: (3, 2) pitch, rate and acceleration of torso and base; rad, s.
         """
         turned = rotation_about_z(heading)
         for task, upright, column in self._trunk:
-            angle, rate, acceleration = lean[:, column]
+            angle, rate, acceleration = pitch[:, column]
             task.target = turned @ pin.exp3(np.array([0.0, angle, 0.0])) @ upright
             task.velocity = rate * turned[:, 1]
             task.acceleration = acceleration * turned[:, 1]
 
-    def pose(self, posture: np.ndarray) -> None:
-        """PostureObjective for joint positions, velocities and accelerations, (3, na); rad, s."""
+    def set_posture(self, posture: np.ndarray) -> None:
+        """Set the references of joint positions, velocities, accelerations, (3, na)."""
         self.posture.target, self.posture.velocity, self.posture.acceleration = posture
 
     def solve(self, kin: Kinematics) -> Command:
-        """One tick."""
+        """Compute the command of one tick."""
         return self.controller.solve(kin)
 
 

@@ -61,9 +61,9 @@ class KeyframePlanner:
         self.robot = robot
         self.frames = frames
         self.source = source
-        self._posing = PostureIK(robot)
-        self._hands = {f"{arm.side}_hand": arm for arm in self._posing.upper_body.arms}
-        self._hands |= {arm.hand: arm for arm in self._posing.upper_body.arms}
+        self._ik = PostureIK(robot)
+        self._hands = {f"{arm.side}_hand": arm for arm in self._ik.upper_body.arms}
+        self._hands |= {arm.hand: arm for arm in self._ik.upper_body.arms}
         self._check_names()
         self.joints = self._joint_splines()
         self._legs = {j - 6 for leg in robot.legs for j in leg}
@@ -81,7 +81,7 @@ class KeyframePlanner:
         for before, after in pairwise([0.0, *(f.time.number for f in self.frames)]):
             steps = max(1, round((after - before) / _KNOTS))
             times += list(np.linspace(before, after, steps + 1)[1:])
-        q = self._posing.home.q
+        q = self._ik.standing.q
         rows = []
         for time in times:
             q = np.concatenate((q[:7], self._keyed(time, q[7:])))
@@ -95,8 +95,8 @@ class KeyframePlanner:
 
     def on_soles(self, posture: np.ndarray) -> np.ndarray:
         """(nq,) a posture (na,) with the left sole where it stands."""
-        q = np.concatenate((self._posing.home.q[:7], posture))
-        return self._posing.on_soles(q)[0]
+        q = np.concatenate((self._ik.standing.q[:7], posture))
+        return self._ik.place_on_left_sole(q)[0]
 
     def cell(self, joint: int, time: float) -> FileValue:
         """What in the file has a joint where it is at a time."""
@@ -167,7 +167,7 @@ class KeyframePlanner:
         return splines
 
     def _home(self, name: str) -> np.ndarray:
-        return self._posing.place(self._hands[name].hand, self._posing.home.q)
+        return self._ik.frame_position(self._hands[name].hand, self._ik.standing.q)
 
     def _led(self) -> dict[Side, Spline]:
         return {
@@ -185,32 +185,32 @@ class KeyframePlanner:
         objective = PostureObjective(
             com=self.places[COM](time) if COM in self.places else np.zeros(3),
             hands={self._hands[n].hand: s(time) for n, s in self.places.items() if n != COM},
-            kept=tuple(self.joints),
-            firm_com=True,
+            fixed_joints=tuple(self.joints),
+            strict_com=True,
         )
-        pose = self._posing.find(objective, q, elsewhere=False)
+        pose = self._ik.solve(objective, q, restarts=0)
         for name in self.places:
             if name == COM:
                 continue
-            if pose.misses[self._hands[name].hand] > _MISS:
+            if pose.hand_errors[self._hands[name].hand] > _MISS:
                 raise self._out_of_reach(name, time, pose)
-        if COM in self.places and pose.com_miss > _MISS:
-            stops = self._posing.stops(pose)
-            text = f"'{COM}' at {time:.2f} s is off by {1e3 * pose.com_miss:.0f} mm: {stops}"
+        if COM in self.places and pose.com_error > _MISS:
+            stops = self._ik.limiting_joints(pose)
+            text = f"'{COM}' at {time:.2f} s is off by {1e3 * pose.com_error:.0f} mm: {stops}"
             raise self._place_error(COM, time, text)
         return (pose.q[7:], pose.com, pose.torso, pose.pelvis), pose.q
 
     def _out_of_reach(self, name: str, time: float, pose: PostureSolution) -> KeyframeError:
         """Rather said of the keyframe's own place than of one on the way there."""
         hand = self._hands[name].hand
-        place, miss = self.places[name](time), pose.misses[hand]
+        place, miss = self.places[name](time), pose.hand_errors[hand]
         after = next(
             (f for f in self.frames if name in f.places and f.time.number >= time), self.frames[-1]
         )
         goal = np.array([v.number for v in after.places[name]])
-        there = self._posing.find(PostureObjective(hands={hand: goal}, firm_com=True), pose.q)
-        if there.miss > _MISS:
-            time, place, miss = after.time.number, goal, there.miss
+        there = self._ik.solve(PostureObjective(hands={hand: goal}, strict_com=True), pose.q)
+        if there.hand_error > _MISS:
+            time, place, miss = after.time.number, goal, there.hand_error
         at = " ".join(f"{x:.2f}" for x in place)
         text = f"'{name}' at {time:.2f} s: ({at}) m is out of reach by {1e3 * miss:.0f} mm"
         return self._place_error(name, time, text)
@@ -222,7 +222,7 @@ class KeyframePlanner:
 
     def _given(self, time: float, q: np.ndarray) -> tuple[Row, np.ndarray]:
         """CoM and trunk as the keyed joints place them, on the soles."""
-        q, miss, tilt = self._posing.on_soles(q)
+        q, miss, tilt = self._ik.place_on_left_sole(q)
         if miss > _SOLE_MISS or tilt > _SOLE_TILT:
             leg = min(self._legs & set(self.joints), default=0)
             where = self.cell(leg, time).where
@@ -231,7 +231,7 @@ class KeyframePlanner:
                 f"{np.rad2deg(tilt):.1f}°: both legs must keep the soles on the ground"
             )
             raise KeyframeError(self.source, where, text)
-        com, torso, pelvis = self._posing.attitude(q)
+        com, torso, pelvis = self._ik.com_and_trunk(q)
         if not self._legs & set(self.joints):
             com = np.zeros(3)  # arms move the CoM, balance moves it back
         return (q[7:], com, torso, pelvis), q

@@ -35,7 +35,7 @@ def from_yaml(text: str, source: str) -> list[Keyframe]:
     except ImportError:
         raise MissingExtra("yaml", "yaml") from None
     try:
-        root = yaml.settle_upper_body(text, Loader=yaml.SafeLoader)
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         where = FilePosition(mark.line + 1, mark.column + 1) if mark else FilePosition(1, 1)

@@ -1,4 +1,4 @@
-"""ArmPaths between postures that the joints are strong enough for."""
+"""Paths between postures that the joints are strong enough for."""
 
 from __future__ import annotations
 
@@ -13,67 +13,69 @@ from wbc.ik.posture_checks import MAX_TORQUE_SHARE, max_effort_along
 from wbc.ik.posture_ik import PostureIK
 from wbc.motions.reaching.place_sampler import PlaceSampler
 
-_OTHERS = 40  # postures that a way may lead over
+_WAYPOINTS = 40  # candidates for the posture that a path leads over
 
 
 class ArmPaths:
-    """Finds ways of one or two straight pieces in joint space, as light as need be.
+    """Finds paths of one or two straight segments in joint space that keep the torque limits.
 
     A stretched arm is heaviest when it is level: what cannot be lifted straight can be lifted
-    with the elbow bent first. The postures in between are drawn at random, always the same ones.
+    with the elbow bent first. Candidates for waypoints are sampled, always the same ones.
 
     Args:
-        ik: for the robot.
+        ik: inverse kinematics of the robot.
     """
 
     def __init__(self, ik: PostureIK) -> None:
-        self._posing = ik
-        # By the identity of the posture, which its way keeps alive: each is come to and left.
-        self._known: dict[int, tuple[PostureSolution, ...]] = {}
+        self._ik = ik
+        # By the identity of the posture, which its path keeps alive: each is used twice.
+        self._from_standing: dict[int, tuple[PostureSolution, ...]] = {}
 
     def between(
         self, before: PostureSolution, after: PostureSolution
     ) -> tuple[PostureSolution, ...]:
-        """Postures to go to one after the other, `after` last; over standing when need be."""
-        if self._heaviest(before, after) <= MAX_TORQUE_SHARE:
+        """Return the postures to go to, `after` last; over standing if necessary."""
+        if self._max_effort(before, after) <= MAX_TORQUE_SHARE:
             return (after,)
-        home = self._posing.home
-        stops = [*reversed(self._from_home(before)), home, *self._from_home(after)]
+        standing = self._ik.standing
+        stops = [*reversed(self._path_from_standing(before)), standing]
+        stops += self._path_from_standing(after)
         return tuple(now for last, now in pairwise(stops) if now is not last)
 
-    def _from_home(self, pose: PostureSolution) -> tuple[PostureSolution, ...]:
-        if id(pose) not in self._known:
-            self._known[id(pose)] = self._find(pose)
-        return self._known[id(pose)]
+    def _path_from_standing(self, posture: PostureSolution) -> tuple[PostureSolution, ...]:
+        if id(posture) not in self._from_standing:
+            self._from_standing[id(posture)] = self._find(posture)
+        return self._from_standing[id(posture)]
 
-    def _find(self, pose: PostureSolution) -> tuple[PostureSolution, ...]:
-        """Straight, or over the posture nearest to both ends that makes it light enough."""
-        home = self._posing.home
-        way: tuple[PostureSolution, ...] = (pose,)
-        lightest = self._heaviest(home, pose)
-        if lightest <= MAX_TORQUE_SHARE:
-            return way
+    def _find(self, posture: PostureSolution) -> tuple[PostureSolution, ...]:
+        """Return the straight path, or one over the nearest waypoint that makes it light enough."""
+        standing = self._ik.standing
+        path: tuple[PostureSolution, ...] = (posture,)
+        least = self._max_effort(standing, posture)
+        if least <= MAX_TORQUE_SHARE:
+            return path
 
-        def detour(over: PostureSolution) -> float:
-            return sum(float(np.abs(over.q[7:] - end.q[7:]).max()) for end in (home, pose))
+        def detour(waypoint: PostureSolution) -> float:
+            ends = (standing, posture)
+            return sum(float(np.abs(waypoint.q[7:] - end.q[7:]).max()) for end in ends)
 
-        for over in sorted(self._others, key=detour):
-            heaviest = max(self._heaviest(home, over), self._heaviest(over, pose))
-            if heaviest < lightest:
-                lightest, way = heaviest, (over, pose)
-            if lightest <= MAX_TORQUE_SHARE:
+        for waypoint in sorted(self._waypoints, key=detour):
+            effort = max(self._max_effort(standing, waypoint), self._max_effort(waypoint, posture))
+            if effort < least:
+                least, path = effort, (waypoint, posture)
+            if least <= MAX_TORQUE_SHARE:
                 break
-        return way
+        return path
 
-    def _heaviest(self, start: PostureSolution, end: PostureSolution) -> float:
-        return max_effort_along(self._posing.robot, start.q, end.q).ratio
+    def _max_effort(self, start: PostureSolution, end: PostureSolution) -> float:
+        return max_effort_along(self._ik.robot, start.q, end.q).ratio
 
     @cached_property
-    def _others(self) -> list[PostureSolution]:
-        arms = tuple(j for arm in self._posing.upper_body.arms for j in arm.joints)
-        objective = PostureObjective(firm=True, firm_com=True, kept=arms)
+    def _waypoints(self) -> list[PostureSolution]:
+        arms = tuple(j for arm in self._ik.upper_body.arms for j in arm.joints)
+        objective = PostureObjective(strict_trunk=True, strict_com=True, fixed_joints=arms)
         try:
-            drawn = PlaceSampler(self._posing, 0).places(_OTHERS)
+            sampled = PlaceSampler(self._ik, 0).sample(_WAYPOINTS)
         except MotionError:  # one arm only, or none
             return []
-        return [self._posing.find(objective, one.q) for one in drawn]
+        return [self._ik.solve(objective, one.q) for one in sampled]

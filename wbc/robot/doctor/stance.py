@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from wbc.robot.finding import Finding
 from wbc.robot.posture import find_knee, has_soles
-from wbc.robot.stance import unevenness
+from wbc.robot.standing import unevenness
 from wbc.robot.statics import holding_torques
 
 if TYPE_CHECKING:

@@ -1,0 +1,133 @@
+"""Standing postures: soles flat on one plane, base upright, found by the posture solver."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.robot.posture_solver import JointTerm, NearPostureTerm, PostureSolver, PostureTerm
+
+_NEAR_WEIGHT = 1e-6  # of the given posture
+_MAX_STEP = 0.2  # rad
+_MAX_ITERATIONS = 80
+_TOLERANCE = 1e-10  # rad, m
+# Kept free of each joint's range at its ends, rad: nobody should stand in a stop.
+_MARGIN = 0.02
+_WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+
+
+def standing_posture(
+    model: pin.Model,
+    q: np.ndarray,
+    soles: tuple[int, int],
+    move: Iterable[int],
+    *,
+    joints: Mapping[int, float] | None = None,
+    align: bool = False,
+    over_soles: bool = False,
+) -> np.ndarray:
+    """Return the standing posture near q (nq,).
+
+    Args:
+        model: the robot's model.
+        q: (nq,) where to start; its base orientation is kept.
+        soles: frame ids of the left and right sole.
+        move: indices into velocities (nv,) of the joints that may move.
+        joints: index into velocities -> target position, rad.
+        align: also bring the soles beside each other, pointing along x.
+        over_soles: also bring the centre of mass over the soles' midpoint.
+    """
+    # The base moves but does not turn: upright is what the posture means by it.
+    free = np.zeros(model.nv, dtype=bool)
+    free[[0, 1, 2, *move]] = True
+    lower, upper = posture_range(model)
+    # A posture that starts inside the margin may stay there, but not beyond the limits.
+    lower = np.maximum(np.minimum(lower, q[7:]), model.lowerPositionLimit[7:])
+    upper = np.minimum(np.maximum(upper, q[7:]), model.upperPositionLimit[7:])
+    solver = PostureSolver(
+        model,
+        lower,
+        upper,
+        max_iterations=_MAX_ITERATIONS,
+        max_step=_MAX_STEP,
+        tolerance=_TOLERANCE,
+    )
+    terms: list[PostureTerm] = [_FlatSoles(soles, align)]
+    if over_soles:
+        terms.append(_ComOverSoles(soles))
+    terms += [JointTerm(index, target) for index, target in (joints or {}).items()]
+    # First near the given posture, then without that pull, which would leave an error.
+    near, _ = solver.solve(q, free, [*terms, NearPostureTerm(np.array(q), _NEAR_WEIGHT)])
+    return solver.solve(near, free, terms)[0]
+
+
+def unevenness(model: pin.Model, q: np.ndarray, soles: tuple[int, int]) -> tuple[float, float]:
+    """Return the largest tilt of a sole (rad) and the height between the soles (m)."""
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    normals = [data.oMf[sole].rotation[:, 2] for sole in soles]
+    tilt = max(float(np.arctan2(np.hypot(n[0], n[1]), n[2])) for n in normals)
+    left, right = (data.oMf[sole].translation for sole in soles)
+    return tilt, abs(float(left[2] - right[2]))
+
+
+def posture_range(model: pin.Model) -> tuple[np.ndarray, np.ndarray]:
+    """Return the least and greatest joint positions (na,) of postures: limits less a margin."""
+    lower, upper = model.lowerPositionLimit[7:], model.upperPositionLimit[7:]
+    with np.errstate(invalid="ignore"):
+        margin = np.where(np.isfinite(upper - lower), 0.05 * (upper - lower), 0.0)
+    margin = np.minimum(margin, _MARGIN)
+    return lower + margin, upper - margin
+
+
+@dataclass(frozen=True)
+class _FlatSoles:
+    """Soles flat on z = 0; if aligned, also side by side and pointing along x."""
+
+    soles: tuple[int, int]
+    align: bool
+    weight: float = 1.0
+
+    def rows(
+        self, model: pin.Model, data: pin.Data, q: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        middle, J_middle = _middle(model, data, self.soles)
+        rows, errors = [], []
+        for sole in self.soles:
+            T = data.oMf[sole]
+            J = pin.getFrameJacobian(model, data, sole, _WORLD)
+            # n × z turns the sole's normal n upright.
+            tilt = np.cross(T.rotation[:, 2], [0.0, 0.0, 1.0])
+            rows += [J[3:5], J[2:3]]
+            errors += [tilt[:2], -T.translation[2:3]]
+            if self.align:
+                yaw = np.arctan2(T.rotation[1, 0], T.rotation[0, 0])
+                rows += [J[5:6], J[0:1] - J_middle[0:1]]
+                errors += [np.array([-yaw]), middle[0:1] - T.translation[0:1]]
+        return np.vstack(rows), np.concatenate(errors)
+
+
+@dataclass(frozen=True)
+class _ComOverSoles:
+    """The centre of mass above the midpoint between the soles."""
+
+    soles: tuple[int, int]
+    weight: float = 1.0
+
+    def rows(
+        self, model: pin.Model, data: pin.Data, q: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        middle, J_middle = _middle(model, data, self.soles)
+        return data.Jcom[:2] - J_middle[:2], middle[:2] - data.com[0][:2]
+
+
+def _middle(
+    model: pin.Model, data: pin.Data, soles: tuple[int, int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the midpoint between the soles (3,), m, and its Jacobian (3, nv)."""
+    points = [data.oMf[sole].translation for sole in soles]
+    jacobians = [pin.getFrameJacobian(model, data, sole, _WORLD)[:3] for sole in soles]
+    return 0.5 * (points[0] + points[1]), 0.5 * (jacobians[0] + jacobians[1])
