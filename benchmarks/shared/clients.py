@@ -98,8 +98,8 @@ async def receive_frames(address: str, arrivals: Arrivals, controls: bool) -> No
 
 async def _drain(controls_socket: object, arrivals: Arrivals) -> None:
     while (message := await controls_socket.read_message()) is not None:  # type: ignore[attr-defined]
-        if "gauges" in message:
-            arrivals.note("gauges")
+        if "status" in message:
+            arrivals.note("status")
 
 
 async def page(address: str, arrivals: Arrivals, controls: bool) -> None:

@@ -509,9 +509,9 @@ def test_a_robot_that_fell_is_reset_from_the_page_whose_status_tells(live, handl
     page = Client(live.url)
 
     def until(condition):
-        while not condition(gauges := page.hear("gauges")["gauges"]):
+        while not condition(status := page.hear("status")["status"]):
             pass
-        return gauges
+        return status
 
     with commanded(live, handler, 1000.0) as messages:
         first = until(lambda g: g["mode"] == "running" and g["time"] > 0.1)

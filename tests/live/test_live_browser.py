@@ -56,16 +56,16 @@ def new_page(context, url, ready):
     page.goto(url)
     page.wait_for_function(ready)
     yield page
-    complaints = page.evaluate("wbc.live.errors")
+    refusals = page.evaluate("wbc.live.errors")
     page.close()
     assert errors == []
-    assert complaints == []
+    assert refusals == []
 
 
 @pytest.fixture(scope="module")
 def shared(browser, url):
     context = browser.new_context(viewport={"width": 480, "height": 320})
-    with new_page(context, url, "wbc.ready && wbc.live.gauges") as page:
+    with new_page(context, url, "wbc.ready && wbc.live.status") as page:
         yield page
 
 
@@ -77,12 +77,12 @@ def page(shared):
 
 
 def reset(page):
-    run = page.evaluate("wbc.live.gauges.run")  # what is asked for before the next is forgotten
+    run = page.evaluate("wbc.live.status.run")  # what is asked for before the next is forgotten
     page.click("[data-action=reset]")
     page.wait_for_function(
-        f"wbc.live.gauges.run > {run} && wbc.live.gauges.mode === 'running'"
-        " && wbc.live.gauges.time > 0.1 && wbc.live.gauges.velocity.every((x) => x === 0)"
-        " && wbc.time < wbc.live.gauges.time + 0.1"  # frames come later than figures
+        f"wbc.live.status.run > {run} && wbc.live.status.mode === 'running'"
+        " && wbc.live.status.time > 0.1 && wbc.live.status.velocity.every((x) => x === 0)"
+        " && wbc.time < wbc.live.status.time + 0.1"  # frames come later than figures
     )
 
 
@@ -136,9 +136,9 @@ def watch(page, gauge):
     """
     return page.evaluate(
         """(gauge) => {
-          let now = wbc.live.gauges;
+          let now = wbc.live.status;
           wbc.most = 0;
-          Object.defineProperty(wbc.live, "gauges", {configurable: true, get: () => now,
+          Object.defineProperty(wbc.live, "status", {configurable: true, get: () => now,
             set: (told) => { now = told; wbc.most = Math.max(wbc.most, told[gauge]); }});
           return now.time;
         }""",
@@ -152,7 +152,7 @@ def test_the_robot_moves_when_the_slider_moves(page):
     pass_time(page, 0.4)
     quiet = changed(still, silhouette(page))
     turn(page, "velocity.forward", 0.85)
-    page.wait_for_function("wbc.live.gauges.velocity[0] > 0.05")
+    page.wait_for_function("wbc.live.status.velocity[0] > 0.05")
     page.wait_for_function("document.querySelector('[data-action=walk]').className === 'on'")
     pass_time(page, 1.0)
     assert changed(still, silhouette(page)) > max(0.005, 4.0 * quiet)
@@ -160,12 +160,12 @@ def test_the_robot_moves_when_the_slider_moves(page):
 
 def test_a_push_makes_the_dcm_jump_and_is_counted(page):
     start = watch(page, "dcm_error")
-    page.wait_for_function(f"wbc.live.gauges.time > {start + 0.4}")
+    page.wait_for_function(f"wbc.live.status.time > {start + 0.4}")
     calm = page.evaluate("wbc.most")
     page.click("[data-action=push]")
-    page.wait_for_function("wbc.live.gauges.pushes === 1")
+    page.wait_for_function("wbc.live.status.pushes === 1")
     assert page.evaluate("wbc.most") > 3.0 * calm > 0.0
-    assert page.evaluate("wbc.live.gauges.survived") == 1
+    assert page.evaluate("wbc.live.status.survived") == 1
     page.wait_for_function("document.querySelector('#strips').textContent.includes('1 of 1')")
 
 
@@ -173,12 +173,12 @@ def test_every_motion_has_a_button_that_plays_it(page):
     names = page.locator("[data-action^='motion ']").all_inner_texts()
     assert names == names_of(MOTIONS)
     page.click("[data-action='motion sway']")
-    page.wait_for_function(f"wbc.live.gauges.playing === {names.index('sway')}")
+    page.wait_for_function(f"wbc.live.status.playing === {names.index('sway')}")
     page.wait_for_function(
         "document.querySelector('[data-action=\"motion sway\"]').className === 'on'"
     )
     page.click("[data-action=stand]")
-    page.wait_for_function("wbc.live.gauges.playing < 0")
+    page.wait_for_function("wbc.live.status.playing < 0")
 
 
 def test_parameters_unfold_below_their_button_and_what_cannot_be_is_answered_there(page):
@@ -188,15 +188,15 @@ def test_parameters_unfold_below_their_button_and_what_cannot_be_is_answered_the
     names = offered.evaluate_all("(inputs) => inputs.map((i) => i.dataset.parameter)")
     assert names == ["squat.depth", "squat.frequency", "squat.times"]
     page.fill("[data-parameter='squat.depth']", "95")
-    page.click("[data-form=squat] >> text=play")
-    complaint = "element('complaint').textContent.includes('cannot go down by 95 %')"
-    page.wait_for_function(f"wbc.live.errors.length === 1 && {complaint}")  # it fades
+    page.click("[data-form=squat] >> text=Play")
+    shown = "element('error').textContent.includes('cannot go down by 95 %')"
+    page.wait_for_function(f"wbc.live.errors.length === 1 && {shown}")  # it fades
     page.evaluate("wbc.live.errors.length = 0")
     page.fill("[data-parameter='squat.depth']", "4")
     page.press("[data-parameter='squat.depth']", "Enter")
-    page.wait_for_function(f"wbc.live.gauges.playing === {names_of(MOTIONS).index('squat')}")
-    page.click("[data-form=squat] >> text=as it was")
-    page.wait_for_function("document.querySelectorAll('.moved').length === 0")
+    page.wait_for_function(f"wbc.live.status.playing === {names_of(MOTIONS).index('squat')}")
+    page.click("[data-form=squat] >> text=Reset to defaults")
+    page.wait_for_function("document.querySelectorAll('.changed').length === 0")
     page.click("[data-more=reach]")
     assert page.locator("form:visible").get_attribute("data-form") == "reach"
     page.click("[data-more=reach]")
@@ -204,28 +204,28 @@ def test_parameters_unfold_below_their_button_and_what_cannot_be_is_answered_the
 
 
 def test_letters_typed_into_a_field_drive_nothing(page):
-    run, pushes = page.evaluate("[wbc.live.gauges.run, wbc.live.gauges.pushes]")
+    run, pushes = page.evaluate("[wbc.live.status.run, wbc.live.status.pushes]")
     page.click("[data-more=keyframes]")
     page.locator("[data-parameter='keyframes.file']").press_sequentially("pr up.csv")
     pass_time(page, 0.2)
-    assert page.evaluate("wbc.live.gauges.mode") == "running"
-    assert page.evaluate("[wbc.live.gauges.run, wbc.live.gauges.pushes]") == [run, pushes]
+    assert page.evaluate("wbc.live.status.mode") == "running"
+    assert page.evaluate("[wbc.live.status.run, wbc.live.status.pushes]") == [run, pushes]
     page.press("[data-parameter='keyframes.file']", "Enter")
     page.wait_for_function("wbc.live.errors.length === 1")
     assert "pr up.csv" in page.evaluate("wbc.live.errors.pop()")
-    page.click("[data-form=keyframes] >> text=as it was")
+    page.click("[data-form=keyframes] >> text=Reset to defaults")
     page.click("[data-more=keyframes]")
 
 
 def test_it_waves_while_it_walks(page):
     turn(page, "velocity.forward", 0.7)
-    page.wait_for_function("wbc.live.gauges.velocity[0] > 0.05")
+    page.wait_for_function("wbc.live.status.velocity[0] > 0.05")
     page.click("[data-action='motion wave']")
-    page.wait_for_function(f"wbc.live.gauges.playing === {names_of(MOTIONS).index('wave')}")
+    page.wait_for_function(f"wbc.live.status.playing === {names_of(MOTIONS).index('wave')}")
     pass_time(page, 0.5)
-    assert page.evaluate("wbc.live.gauges.velocity[0]") > 0.05
+    assert page.evaluate("wbc.live.status.velocity[0]") > 0.05
     page.click("[data-action=stand]")
-    page.wait_for_function("wbc.live.gauges.velocity[0] === 0")
+    page.wait_for_function("wbc.live.status.velocity[0] === 0")
 
 
 def test_arrow_keys_drive_and_space_pauses(page):
@@ -233,14 +233,14 @@ def test_arrow_keys_drive_and_space_pauses(page):
     for _ in range(3):
         page.keyboard.press("ArrowUp")
     page.keyboard.press("ArrowLeft")
-    page.wait_for_function("wbc.live.gauges.velocity[0] > 0 && wbc.live.gauges.velocity[2] > 0")
+    page.wait_for_function("wbc.live.status.velocity[0] > 0 && wbc.live.status.velocity[2] > 0")
     page.keyboard.press(" ")
-    page.wait_for_function("wbc.live.gauges.mode === 'paused'")
-    time = page.evaluate("wbc.live.gauges.time")
+    page.wait_for_function("wbc.live.status.mode === 'paused'")
+    time = page.evaluate("wbc.live.status.time")
     page.wait_for_timeout(300)
-    assert page.evaluate("wbc.live.gauges.time") == time
+    assert page.evaluate("wbc.live.status.time") == time
     page.keyboard.press(" ")
-    page.wait_for_function("wbc.live.gauges.mode === 'running'")
+    page.wait_for_function("wbc.live.status.mode === 'running'")
 
 
 def test_the_tuner_lists_the_tasks_and_a_gain_reaches_every_page(url, page):
@@ -252,29 +252,29 @@ def test_the_tuner_lists_the_tasks_and_a_gain_reaches_every_page(url, page):
     turn(page, "com.weight", 0.8)
     weight = page.evaluate("wbc.live.values['com.weight']")
     there = f"Math.abs(wbc.live.values['com.weight'] / {weight} - 1) < 1e-6"
-    with new_page(page.context, url, f"wbc.live.gauges && {there}") as other:
+    with new_page(page.context, url, f"wbc.live.status && {there}") as other:
         turn(other, "com.weight", 0.6)
         page.wait_for_function(f"wbc.live.values['com.weight'] < 0.9 * {weight}")
     pass_time(page, 0.2)
-    page.click("details[open] >> text=as it was")
+    page.click("details[open] >> text=Reset to defaults")
     assert page.evaluate("wbc.live.values['com.weight']") == pytest.approx(3000.0)
 
 
 def test_a_page_that_is_loaded_again_shows_the_present(page):
     turn(page, "velocity.forward", 0.8)
-    page.wait_for_function("wbc.live.gauges.velocity[0] > 0")
+    page.wait_for_function("wbc.live.status.velocity[0] > 0")
     velocity = page.evaluate("wbc.live.values['velocity.forward']")
     page.reload()
-    page.wait_for_function("wbc.ready && wbc.live.gauges && wbc.live.gauges.velocity[0] > 0")
+    page.wait_for_function("wbc.ready && wbc.live.status && wbc.live.status.velocity[0] > 0")
     assert page.evaluate("wbc.live.values['velocity.forward']") == velocity
-    assert page.evaluate("wbc.live.gauges.mode") == "running"
+    assert page.evaluate("wbc.live.status.mode") == "running"
 
 
-def test_what_is_drawn_is_chosen_here(page):
-    page.click("text=Drawn here")
+def test_what_is_shown_can_be_chosen(page):
+    page.click("#panel summary >> text=Show")
     visible = "viewer.scene_tree.find(['wbc', 'robot']).object.visible"
-    page.locator("[data-drawn=robot]").uncheck()
+    page.locator("[data-shown=robot]").uncheck()
     pass_time(page, 0.1)
     assert page.evaluate(visible) is False
-    page.locator("[data-drawn=robot]").check()
+    page.locator("[data-shown=robot]").check()
     assert page.evaluate(visible) is True

@@ -89,7 +89,7 @@ class RequestBroker:
         if ticks[-1].run != self._run:
             self._run = ticks[-1].run
             self._zero_velocity()
-        self.broadcast({"gauges": _summary(ticks)})
+        self.broadcast({"status": _summary(ticks)})
 
     def welcome(self, page: PageClient) -> None:
         """Tell a new page what is offered and all values, and what happens from now on."""

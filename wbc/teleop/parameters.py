@@ -16,15 +16,15 @@ GAINS = ("weight", "kp", "kd")
 #: Gait parameters: (name, label, unit, lowest and highest share of the robot's own value). The
 #: step width goes down to what is safe for the feet.
 _GAIT = (
-    ("single_support", "swing time", "s", 0.7, 1.5),
-    ("double_support", "double support", "s", 0.6, 2.0),
-    ("swing_height", "swing height", "m", 0.5, 2.0),
-    ("step_width", "step width", "m", 0.0, 1.25),
+    ("single_support", "Swing time", "s", 0.7, 1.5),
+    ("double_support", "Double support", "s", 0.6, 2.0),
+    ("swing_height", "Swing height", "m", 0.5, 2.0),
+    ("step_width", "Step width", "m", 0.0, 1.25),
     ("com_height", "CoM height", "m", 0.94, 1.0),
     ("dcm_gain", "DCM gain", "1/s", 0.4, 2.0),
 )
-_VELOCITY = (("forward", "forward", "m/s"), ("left", "left", "m/s"), ("turn", "turn left", "rad/s"))
-_UNITS = {"weight": "", "kp": "1/s²", "kd": "1/s"}
+_VELOCITY = (("forward", "Forward", "m/s"), ("left", "Left", "m/s"), ("turn", "Turn left", "rad/s"))
+_GAIN_LABELS = {"weight": ("Weight", ""), "kp": ("kp", "1/s²"), "kd": ("kd", "1/s")}
 _GAIN_RANGE = 10.0  # gains go from a tenth to ten times their value
 
 
@@ -63,7 +63,7 @@ def velocity_parameters(gait: GaitParameters) -> list[TunableParameter]:
 
 def time_scale_parameter() -> TunableParameter:
     """Seconds of the plant per second of the wall clock."""
-    return TunableParameter(TIME_SCALE, TIME, "speed", "×", 0.05, 1.0, 1.0, logarithmic=True)
+    return TunableParameter(TIME_SCALE, TIME, "Speed", "×", 0.05, 1.0, 1.0, logarithmic=True)
 
 
 def gait_parameters(gait: GaitParameters) -> list[TunableParameter]:
@@ -89,7 +89,7 @@ def gain_parameters(walker: Walker) -> list[TunableParameter]:
                 name = f"{task.name}.{gain}"
                 parameters.append(
                     TunableParameter(
-                        name, task.name, gain, _UNITS[gain], low, high, value, logarithmic=True
+                        name, task.name, *_GAIN_LABELS[gain], low, high, value, logarithmic=True
                     )
                 )
     return parameters

@@ -1,59 +1,59 @@
-// The controls: everything on the panel is made from what the server says there is. A control sends
-// {"control": name, "value": …}; where things stand comes back from the loop, to every page alike.
+// The control panel, built from what the server offers. A control sends {"control": name,
+// "value": …, "source": "page" or "keyboard"}; values and status come back to every page alike.
 "use strict";
 (() => {
 const {make, text, slider, makeForm, strips} = wbc;
-const DRAWN = [["robot", "robot"], ["forces", "contact forces"], ["balance", "CoM, DCM, ZMP"],
+const SHOWN = [["robot", "robot"], ["forces", "contact forces"], ["balance", "CoM, DCM, ZMP"],
   ["trail", "CoM trail"], ["support", "support polygon"], ["footsteps", "footsteps"],
   ["swing", "swing path"], ["terrain", "terrain"]];
-const knobs = new Map();
+const sliders = new Map();
 const buttons = new Map();
-let socket = null, panel = null, gauges = null, complaintEnds = 0;
+let socket = null, offered = null, status = null, source = "page", errorEnds = 0;
 // Read by tests.
-wbc.live = {panel: null, gauges: null, values: {}, errors: []};
+wbc.live = {offered: null, status: null, values: {}, errors: [], outcomes: []};
 
 function send(control, value) {
-  if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify({control, value}));
+  if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify({control, value, source}));
 }
 
-function makeKnob(knob) {
-  const move = slider(knob.low, knob.high, knob.logarithmic);
+function makeSlider(parameter) {
+  const move = slider(parameter.low, parameter.high, parameter.logarithmic);
   const output = make("output");
-  const row = make("label", {className: "knob", title: `${knob.name}: ${text(knob.low, knob.unit)} `
-    + `to ${text(knob.high, knob.unit)}; double click: ${text(knob.value, knob.unit)}`},
-    make("span", {textContent: knob.label}), move.input, output);
+  const row = make("label", {className: "slider", title: `${parameter.name}: ${text(parameter.low, parameter.unit)} `
+    + `to ${text(parameter.high, parameter.unit)}; double click: ${text(parameter.default, parameter.unit)}`},
+    make("span", {textContent: parameter.label}), move.input, output);
   const show = (value) => {
-    output.textContent = text(value, knob.unit);
-    row.classList.toggle("moved", Math.abs(value - knob.value) > 1e-3 * (knob.high - knob.low));
-    wbc.live.values[knob.name] = value;
+    output.textContent = text(value, parameter.unit);
+    row.classList.toggle("changed", Math.abs(value - parameter.default) > 1e-3 * (parameter.high - parameter.low));
+    wbc.live.values[parameter.name] = value;
   };
-  const turn = (value) => { show(value); send(knob.name, value); };
-  move.input.setAttribute("aria-label", knob.name);
-  move.input.dataset.control = knob.name;
+  const turn = (value) => { show(value); send(parameter.name, value); };
+  move.input.setAttribute("aria-label", parameter.name);
+  move.input.dataset.control = parameter.name;
   move.input.oninput = () => {
     const value = move.get();
     // The middle of a slider that goes both ways is easy to hit.
-    turn(knob.low < 0 && Math.abs(value) < 0.03 * knob.high ? 0 : value);
+    turn(parameter.low < 0 && Math.abs(value) < 0.03 * parameter.high ? 0 : value);
   };
-  move.input.onchange = () => { move.set(wbc.live.values[knob.name]); move.input.blur(); };
-  row.ondblclick = () => { move.set(knob.value); turn(knob.value); };
-  knobs.set(knob.name, {
-    knob,
+  move.input.onchange = () => { move.set(wbc.live.values[parameter.name]); move.input.blur(); };
+  row.ondblclick = () => { move.set(parameter.default); turn(parameter.default); };
+  sliders.set(parameter.name, {
+    parameter,
     put: (value) => { if (document.activeElement !== move.input) move.set(value); show(value); },
     turn: (value) => {
-      const kept = Math.min(Math.max(value, knob.low), knob.high);
+      const kept = Math.min(Math.max(value, parameter.low), parameter.high);
       move.set(kept);
       turn(kept);
     },
   });
-  move.set(knob.value);
-  show(knob.value);
+  move.set(parameter.default);
+  show(parameter.default);
   return row;
 }
 
-const inGroup = (group) => panel.knobs.filter((knob) => knob.group === group);
-const back = (group) => make("button", {className: "as-it-was", textContent: "as it was", onclick: () => {
-  for (const knob of panel.knobs.filter(group)) knobs.get(knob.name).turn(knob.value);
+const inGroup = (group) => offered.parameters.filter((parameter) => parameter.group === group);
+const defaultsButton = (group) => make("button", {className: "defaults", textContent: "Reset to defaults", onclick: () => {
+  for (const parameter of offered.parameters.filter(group)) sliders.get(parameter.name).turn(parameter.default);
 }});
 
 function section(title, ...content) {
@@ -72,24 +72,24 @@ function action(name, label, title, act) {
 }
 
 function walkSection() {
-  return section("Walk", ...inGroup("velocity").map(makeKnob),
-    make("small", {textContent: "↑ ↓ speed · ← → turn · shift ← → sideways · S stand" }));
+  return section("Walk", ...inGroup("velocity").map(makeSlider),
+    make("small", {textContent: "↑ ↓ forward, backward · ← → turn · shift ← → sideways · S stand" }));
 }
 
 function walk() {
-  const {knob, turn} = knobs.get("velocity.forward");
-  turn(0.4 * knob.high);
+  const {parameter, turn} = sliders.get("velocity.forward");
+  turn(0.4 * parameter.high);
 }
 
 function motionSection() {
   const box = make("div", {className: "buttons"},
-    action("stand", "stand", "leave everything off and stand", () => send("stand")),
-    action("walk", "walk", "forward, at an easy pace", walk),
-    ...panel.motions.flatMap(makeMotion));
+    action("stand", "Stand", "stop walking, end the motion and stand; key: S", () => send("stand")),
+    action("walk", "Walk", "forward, at 40 % of the largest velocity", walk),
+    ...offered.motions.flatMap(makeMotion));
   return section("Motions", box);
 }
 
-// A button, and what may be chosen for it, which unfolds below.
+// The button of a motion, and its parameters, which unfold below.
 function makeMotion(motion) {
   let chosen = () => ({});
   const play = () => {
@@ -115,7 +115,7 @@ function makeMotion(motion) {
 }
 
 function pushSection() {
-  const most = panel.max_impulse;
+  const most = offered.max_impulse;
   const size = slider(most / 50, most, false);
   const output = make("output");
   let angle = Math.PI / 2;
@@ -153,22 +153,22 @@ function pushSection() {
   size.set(0.2 * most);
   draw();
   return section("Push", make("div", {className: "push"}, pad, make("div", {},
-    make("label", {className: "knob"}, size.input, output),
-    action("push", "push", "the arrow shows where to; key: P", push))));
+    make("label", {className: "slider"}, size.input, output),
+    action("push", "Push", "in the direction of the arrow; key: P", push))));
 }
 
 function timeSection() {
   return section("Time",
     make("div", {className: "buttons"},
-      action("pause", "pause", "key: space", () => send("pause", gauges?.mode !== "paused")),
-      action("reset", "reset", "back to the start; key: R", () => send("reset"))),
-    ...inGroup("time").map(makeKnob));
+      action("pause", "Pause", "key: space", () => send("pause", status?.mode !== "paused")),
+      action("reset", "Reset", "set the robot back to the start, on its feet; key: R", () => send("reset"))),
+    ...inGroup("time").map(makeSlider));
 }
 
-function drawnSection() {
-  return folded("Drawn here", ...DRAWN.map(([name, label]) => {
+function showSection() {
+  return folded("Show", ...SHOWN.map(([name, label]) => {
     const box = make("input", {type: "checkbox", checked: true});
-    box.dataset.drawn = name;
+    box.dataset.shown = name;
     box.onchange = () => {
       viewer.scene_tree.find(["wbc", name]).object.visible = box.checked;
       viewer.set_dirty();
@@ -179,37 +179,37 @@ function drawnSection() {
 
 function gainSection() {
   const own = new Set(["velocity", "time", "gait"]);
-  const tasks = [...new Set(panel.knobs.map((knob) => knob.group))].filter((g) => !own.has(g));
+  const tasks = [...new Set(offered.parameters.map((parameter) => parameter.group))].filter((g) => !own.has(g));
   return folded("Tasks: weights and gains", ...tasks.flatMap((task) =>
-    [make("h3", {textContent: task}), ...inGroup(task).map(makeKnob)]),
-    back((knob) => !own.has(knob.group)));
+    [make("h3", {textContent: task}), ...inGroup(task).map(makeSlider)]),
+    defaultsButton((parameter) => !own.has(parameter.group)));
 }
 
-function showGauges(now) {
-  gauges = wbc.live.gauges = now;
+function showStatus(now) {
+  status = wbc.live.status = now;
   strips.add(now);
-  element("banner").firstChild.textContent = {running: "", paused: "paused",
-    fallen: "it fell: reset sets it on its feet"}[now.mode];
-  buttons.get("pause").textContent = now.mode === "paused" ? "go on" : "pause";
+  element("banner").firstChild.textContent = {running: "", paused: "Paused",
+    fallen: "Robot fell — press Reset (R)"}[now.mode];
+  buttons.get("pause").textContent = now.mode === "paused" ? "Resume" : "Pause";
   buttons.get("pause").classList.toggle("on", now.mode === "paused");
-  panel.motions.forEach((motion, i) =>
+  offered.motions.forEach((motion, i) =>
     buttons.get(`motion ${motion.name}`).classList.toggle("on", now.playing === i));
   const walking = now.velocity.some((x) => x !== 0);
   buttons.get("walk").classList.toggle("on", walking);
   buttons.get("stand").classList.toggle("on", !walking && now.playing === -1);
 }
 
-function complain(what) {
-  wbc.live.errors.push(what);
-  element("complaint").textContent = what;
-  complaintEnds = performance.now() + 6000;
+function showError(text) {
+  wbc.live.errors.push(text);
+  element("error").textContent = text;
+  errorEnds = performance.now() + 6000;
 }
 
 function wireKeys() {
   const step = (name, share) => () => {
-    const {knob, turn} = knobs.get(name);
-    const next = wbc.live.values[name] + share * knob.high;
-    turn(Math.abs(next) < 0.01 * knob.high ? 0 : next);
+    const {parameter, turn} = sliders.get(name);
+    const next = wbc.live.values[name] + share * parameter.high;
+    turn(Math.abs(next) < 0.01 * parameter.high ? 0 : next);
   };
   const press = (name) => () => buttons.get(name).click();
   const keys = {
@@ -231,22 +231,24 @@ function wireKeys() {
     const act = keys[(event.shiftKey && key.startsWith("Arrow") ? "shift " : "") + key];
     if (!act) return;
     event.preventDefault();
+    source = "keyboard";
     act();
+    source = "page";
   });
 }
 
-function build(told) {
-  panel = wbc.live.panel = told;
+function build(controls) {
+  offered = wbc.live.offered = controls;
   const box = make("div", {id: "panel"});
-  box.append(walkSection(), motionSection(), pushSection(), timeSection(), drawnSection(),
-    folded("Gait", ...inGroup("gait").map(makeKnob), back((knob) => knob.group === "gait")),
+  box.append(walkSection(), motionSection(), pushSection(), timeSection(), showSection(),
+    folded("Gait", ...inGroup("gait").map(makeSlider), defaultsButton((parameter) => parameter.group === "gait")),
     gainSection());
-  // What was clicked gives the keys back: space pauses, whatever the mouse did last.
+  // A clicked control loses the focus, so that the space key pauses whatever the mouse did last.
   box.addEventListener("click", (event) => {
     const clicked = event.detail && event.target.closest("button, summary, input[type=checkbox]");
     if (clicked) clicked.blur();
   });
-  document.body.append(box, make("div", {id: "banner"}, make("span")), make("div", {id: "complaint"}),
+  document.body.append(box, make("div", {id: "banner"}, make("span")), make("div", {id: "error"}),
     make("div", {id: "planning"}));
   strips.build();
   fitScene();
@@ -254,7 +256,7 @@ function build(told) {
   wireKeys();
   setInterval(() => {
     strips.draw();
-    if (performance.now() > complaintEnds) element("complaint").textContent = "";
+    if (performance.now() > errorEnds) element("error").textContent = "";
   }, 50);
 }
 
@@ -268,17 +270,18 @@ function open() {
   socket = new WebSocket(`ws://${location.host}/controls`);
   socket.onmessage = (message) => {
     const news = JSON.parse(message.data);
-    if (news.panel) build(news.panel);
-    for (const [name, value] of Object.entries(news.values ?? {})) knobs.get(name).put(value);
-    for (const [name, why] of Object.entries(news.unable ?? {})) {
+    if (news.controls) build(news.controls);
+    for (const [name, value] of Object.entries(news.values ?? {})) sliders.get(name).put(value);
+    for (const [name, why] of Object.entries(news.infeasible ?? {})) {
       const button = buttons.get(`motion ${name}`);
-      button.classList.add("unable");
+      button.classList.add("infeasible");
       button.title = why;
     }
-    if (news.gauges) showGauges(news.gauges);
-    if (news.error) complain(news.error);
+    if (news.status) showStatus(news.status);
+    if (news.outcome) wbc.live.outcomes.push(news);
+    if (news.error) showError(news.error);
     if ("planning" in news) {
-      element("planning").textContent = news.planning ? `planning: ${news.planning} …` : "";
+      element("planning").textContent = news.planning ? `Planning: ${news.planning} …` : "";
     }
   };
   socket.onclose = () => {

@@ -3,17 +3,17 @@
 (() => {
 const {make} = wbc;
 
-// A form for the parameters of a motion; `chosen` tells those that are not as by default.
+// A form for the parameters of a motion; `chosen` returns those that differ from their defaults.
 function makeForm(motion, button, play) {
   const fields = motion.parameters.map((parameter) => makeField(motion.name, parameter));
   const form = make("form", {hidden: true}, ...fields.map((field) => field.row),
-    make("div", {className: "buttons"}, make("button", {textContent: "play"}),
-      make("button", {type: "reset", textContent: "as it was"})));
+    make("div", {className: "buttons"}, make("button", {textContent: "Play"}),
+      make("button", {type: "reset", textContent: "Reset to defaults"})));
   form.dataset.form = motion.name;
-  const chosen = () => Object.fromEntries(fields.filter((f) => f.moved()).map((f) => [f.name, f.value()]));
+  const chosen = () => Object.fromEntries(fields.filter((f) => f.changed()).map((f) => [f.name, f.value()]));
   const mark = () => {
-    for (const field of fields) field.row.classList.toggle("moved", field.moved());
-    button.classList.toggle("moved", fields.some((field) => field.moved()));
+    for (const field of fields) field.row.classList.toggle("changed", field.changed());
+    button.classList.toggle("changed", fields.some((field) => field.changed()));
   };
   form.oninput = mark;
   form.onreset = () => setTimeout(mark);
@@ -21,7 +21,7 @@ function makeForm(motion, button, play) {
   return {form, chosen};
 }
 
-// What is not a number goes to the server as it is, whose answer says so.
+// The server refuses what is not a number, and says so.
 const number = (input) => input.value === "" ? null : +input.value;
 
 function makeField(motion, {name, kind, default: initial, about, choices, names}) {
@@ -46,7 +46,7 @@ function makeField(motion, {name, kind, default: initial, about, choices, names}
     name,
     row: make("label", {className: `field ${kind}`}, make("span", {textContent: name.replaceAll("_", " ")}),
       make("span", {className: "inputs"}, ...inputs), make("small", {textContent: about})),
-    moved: () => inputs.some((i) => kind === "switch" ? i.checked !== i.defaultChecked
+    changed: () => inputs.some((i) => kind === "switch" ? i.checked !== i.defaultChecked
       : kind === "choice" ? i.value !== initial : i.value !== i.defaultValue),
     value: () => kind === "switch" ? input.checked
       : kind === "vector" ? (inputs.every((i) => i.value === "") ? null : inputs.map(number))

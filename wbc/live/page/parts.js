@@ -1,4 +1,4 @@
-// What controls are made of.
+// Building blocks of the controls.
 "use strict";
 (() => {
 function make(tag, attributes = {}, ...children) {

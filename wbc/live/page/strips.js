@@ -1,11 +1,11 @@
-// The strips below the scene: what the gauges were in the last seconds.
+// The strips below the scene: time series of the status in the last seconds.
 "use strict";
 (() => {
 const {make} = wbc;
 const SHOWN = 20;  // s of a strip
 let last = null, behind = Infinity;
 
-// `least` is the least that the full height stands for.
+// `least` is the smallest value that the full height stands for.
 const STRIPS = [
   {label: "DCM error", colour: "#7a3fc4", least: 20, of: (g) => 1000 * g.dcm_error,
     word: (g) => `${(1000 * g.dcm_error).toFixed(1)} mm`, most: true},
