@@ -23,8 +23,8 @@ class Measurement:
         foot_wrenches: sole name -> (6,) force then moment that the ground exerts
             on the foot, at the sole's centre, in sole axes; N, N·m. Empty when
             the robot has no foot sensors.
-        ground_truth: the exact state, only from a simulator that was asked for
-            it by that name.
+        ground_truth: the exact state, only from a simulator that was made with
+            `ground_truth=True`.
     """
 
     time: float
@@ -34,3 +34,13 @@ class Measurement:
     accelerometer: np.ndarray
     foot_wrenches: dict[str, np.ndarray] = field(default_factory=dict)
     ground_truth: State | None = None
+
+    def __repr__(self) -> str:
+        forces = ", ".join(f"{name} {w[2]:.0f} N" for name, w in self.foot_wrenches.items())
+        return (
+            f"Measurement(t = {self.time:.3f} s, {self.joint_position.size} joints, "
+            f"gyro {np.array2string(self.gyro, precision=3)} rad/s, "
+            f"accelerometer {np.array2string(self.accelerometer, precision=2)} m/s², "
+            f"feet: {forces or 'no sensors'}"
+            f"{', with ground truth' if self.ground_truth is not None else ''})"
+        )

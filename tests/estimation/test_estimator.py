@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import os
+import pickle
+import subprocess
+import sys
 from functools import cache
 
 import numpy as np
@@ -11,7 +15,7 @@ import pytest
 from simtools import Hold, Sway, moved, robot, run, upright
 
 from wbc.errors import ContactError, MeasurementError, StateError
-from wbc.estimation import Estimator, EstimatorNoise, GroundTruthEstimator
+from wbc.estimation import ContactTrigger, Estimator, EstimatorNoise, GroundTruthEstimator
 from wbc.measurement import Measurement
 from wbc.sim import Mujoco, SensorNoise
 from wbc.state import State
@@ -342,3 +346,58 @@ def test_the_orientation_is_the_quaternion_with_positive_w(yaw):
     state = estimator.update(Measurement(0.0, start.q[7:], *still)).state
     expected = start.q[3:7] if start.q[6] >= 0.0 else -start.q[3:7]
     np.testing.assert_allclose(state.q[3:7], expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("dt", [0.0, -0.002, np.nan, np.inf])
+def test_a_period_that_is_none_is_refused(dt):
+    with pytest.raises(MeasurementError, match="dt = "):
+        Estimator(robot(), dt)
+
+
+def test_deviations_and_thresholds_that_are_none_are_refused():
+    with pytest.raises(MeasurementError, match="gyro = -1"):
+        EstimatorNoise(gyro=-1.0)
+    with pytest.raises(MeasurementError, match="correct_every = 0"):
+        Estimator(robot(), correct_every=0)
+    with pytest.raises(ContactError, match=r"on = 0\.1 and off = 0\.2"):
+        ContactTrigger(on=0.1, off=0.2)
+
+
+def test_a_measurement_and_an_estimate_are_readable():
+    r = robot()
+    m = swaying(duration=2.0).measurements[5]
+    assert "32 joints" in repr(m)
+    estimator = Estimator(r)
+    text = repr(estimator.update(m))
+    assert "contacts: left_sole, right_sole" in text
+    assert "%" in text
+    assert "talos" in repr(estimator)
+
+
+SAME_SOURCE = """
+import pickle, sys
+import numpy as np
+import wbc
+measurements = pickle.load(sys.stdin.buffer)
+estimator = wbc.Estimator(wbc.load("talos"))
+estimator.reset(measurements[0].ground_truth)
+states = [estimator.update(m).state for m in measurements]
+pickle.dump(np.array([np.concatenate([s.q, s.v]) for s in states]), sys.stdout.buffer)
+"""
+
+
+def test_without_compiled_kernels_the_numbers_are_the_same():
+    measurements = swaying(duration=2.0).measurements[:60]
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": ":".join(sys.path)}
+    done = subprocess.run(
+        [sys.executable, "-c", SAME_SOURCE],
+        input=pickle.dumps(measurements),
+        capture_output=True,
+        check=True,
+        env=environment,
+    )
+    estimator = Estimator(robot())
+    estimator.reset(measurements[0].ground_truth)
+    states = [estimator.update(m).state for m in measurements]
+    expected = np.array([np.concatenate([s.q, s.v]) for s in states])
+    np.testing.assert_allclose(pickle.loads(done.stdout), expected, atol=1e-12)

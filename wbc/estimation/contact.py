@@ -8,8 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wbc.errors import MeasurementError
+from wbc.errors import ContactError, MeasurementError
 from wbc.robot import Robot
+
+_MIN_LOAD = 0.02  # with less, a sole is trusted no less
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,23 +19,40 @@ class ContactTrigger:
     """A Schmitt trigger on the normal force as a share of the robot's weight.
 
     Attributes:
-        on: share above which a sole in the air is taken to stand.
-        off: share below which a standing sole is taken to lift.
-        full: share from which on a sole is trusted fully; below, its assumed
-            wandering grows as full / share, for a lightly loaded sole rolls and slips.
+        on: load above which a sole in the air counts as standing.
+        off: load below which a standing sole counts as lifted.
+        full: load from which on a sole is trusted fully; below, its assumed wandering grows
+            as full / load, because a lightly loaded sole rolls and slips.
+
+    Raises:
+        ContactError: thresholds that are not 0 <= off <= on, or `full` not positive.
     """
 
     on: float = 0.10
     off: float = 0.05
     full: float = 0.4
 
-    def stands(self, share: float, before: bool) -> bool:
-        """Whether a sole that carries `share` of the weight stands now."""
-        return share > (self.off if before else self.on)
+    def __post_init__(self) -> None:
+        if not (0.0 <= self.off <= self.on and math.isfinite(self.on)):
+            raise ContactError(
+                f"ContactTrigger: on = {self.on} and off = {self.off} are shares of the weight "
+                "with 0 <= off <= on"
+            )
+        if not (math.isfinite(self.full) and self.full > 0.0):
+            raise ContactError(f"ContactTrigger: full = {self.full} must be positive")
 
-    def slip_factor(self, share: float) -> float:
-        """Factor on the wandering of a sole that carries `share` of the weight."""
-        return max(1.0, self.full / max(share, 0.02))
+    def stands(self, load: float, before: bool) -> bool:
+        """Return whether a sole with this load stands now.
+
+        Args:
+            load: share of the robot's weight.
+            before: whether it stood one tick before.
+        """
+        return load > (self.off if before else self.on)
+
+    def slip_factor(self, load: float) -> float:
+        """Return the factor on the wandering of a sole with this load, a share of the weight."""
+        return max(1.0, self.full / max(load, _MIN_LOAD))
 
 
 class ContactDetector:

@@ -1,8 +1,11 @@
-"""What the estimator believes about the sensors and the feet."""
+"""What the estimator assumes of the sensors and the feet."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+
+from wbc.errors import MeasurementError
 
 
 @dataclass(frozen=True, slots=True)
@@ -11,7 +14,7 @@ class EstimatorNoise:
 
     White noise is per sample of one control period. Most of it hardly matters: on flat
     floor, halving or doubling moves a walking robot's velocity error by less than a
-    third. `rock` does on tiles: believing a tilted sole fixed trebles it.
+    third. `rock` does on tiles: assuming a tilted sole fixed trebles it.
 
     Attributes:
         gyro: rad/s.
@@ -25,12 +28,15 @@ class EstimatorNoise:
         joint_velocity: rad/s.
         slip: wandering of a fully loaded sole, m per √s.
         twist: turning of a fully loaded sole about the vertical, rad per √s.
-        rock: tilting of a fully loaded sole, rad per √s: much on uneven ground, where a
+        rock: tilting of a fully loaded sole, rad per √s: large for uneven ground, where a
             sole rolls over edges; a tilt that is believed fixed would bend the velocity.
         slip_gate: χ² of a sole's six readings from which on it has slipped; noise alone
-            gets there once in 3000 corrections.
+            gets there once in 3000 corrections; infinity: a slip is never detected.
         tilt: of the state given at a reset, rad.
         speed: of the state given at a reset, m/s.
+
+    Raises:
+        MeasurementError: a value that is negative or not finite.
     """
 
     gyro: float = 0.005
@@ -47,3 +53,11 @@ class EstimatorNoise:
     slip_gate: float = 25.0
     tilt: float = 0.01
     speed: float = 0.05
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            value = getattr(self, name)
+            if not (value >= 0.0 and (math.isfinite(value) or name == "slip_gate")):
+                raise MeasurementError(
+                    f"EstimatorNoise: {name} = {value} must be finite and not negative"
+                )
