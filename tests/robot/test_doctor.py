@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from robottools import CHAPTER, FEET, SIMPLE, changed, codes, element, inertial
 
+import wbc
 import wbc.robot
+from wbc.command import Status
 from wbc.errors import RobotNotFound, WbcError
 
 check = wbc.robot.check_file
@@ -26,7 +28,7 @@ def test_the_chapters_minimal_robot_is_diagnosed():
     thigh = findings[0]
     assert "right_hip" in thigh.what
     assert "line 58" in thigh.what
-    assert "NaN" in thigh.consequence
+    assert "undefined" in thigh.consequence
     assert "<inertial>" in thigh.cure
 
 
@@ -231,7 +233,7 @@ def test_point_feet_are_found():
     robot = wbc.robot.load("bolt", left_foot="FL_FOOT", right_foot="FR_FOOT")
     found = codes(robot.check())
     assert {("point-foot", "FL_FOOT"), ("point-foot", "FR_FOOT")} <= found
-    assert ("dummy-effort-limit", "bolt.urdf") in found
+    assert ("placeholder-effort-limit", "bolt.urdf") in found
     # Three joints place a point.
     assert "rank-deficient-leg" not in {code for code, _ in found}
 
@@ -260,3 +262,24 @@ def test_a_finding_prints_as_one_line_with_its_cure():
         assert text.startswith(f"{finding.severity}: {finding.subject}: ")
         assert "\n" not in text
         assert finding.cure in text
+
+
+def test_a_sole_that_is_wider_than_long_is_found():
+    """The meshes of iCub are turned unless their up axis is respected."""
+    found = codes(wbc.robot.load("icub_reduced").check())
+    assert {("wide-sole", "l_sole"), ("wide-sole", "r_sole")} <= found
+    assert "wide-sole" not in {code for code, _ in codes(wbc.robot.load("icub").check())}
+
+
+@pytest.mark.parametrize("name", ["g1", "simple_humanoid", "alexander_v1.lowerBodyOnly"])
+def test_what_is_called_sound_can_stand(name):
+    robot = wbc.robot.load(name)
+    assert robot.check() == []
+    assert {fact.name for fact in robot.facts} >= {"left sole", "right sole", "nominal posture"}
+    controller = wbc.WholeBodyController(robot)
+    controller.add(wbc.ComTask())
+    controller.add(wbc.PostureTask(robot))
+    controller.set_contacts([wbc.SurfaceContact.from_sole(sole) for sole in robot.soles])
+    command = controller.step(robot.standing())
+    assert command.status is Status.OK
+    assert (np.abs(command.tau) <= robot.tau_max).all()

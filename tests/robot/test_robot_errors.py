@@ -88,7 +88,7 @@ def test_a_wrong_element_is_named(tmp_path, old, new, complaint):
 
 def test_a_link_on_no_joint_is_named(tmp_path):
     path = changed(tmp_path, (element("joint", "neck"), ""))
-    with pytest.raises(RobotDescriptionError, match=r"'head' hang on no joint"):
+    with pytest.raises(RobotDescriptionError, match=r"'head' are no joint's child"):
         load(path)
 
 
@@ -167,9 +167,9 @@ def test_a_wrong_statement_is_named(stated, complaint):
 
 
 def test_feet_that_nobody_names_are_asked_for():
-    with pytest.raises(RobotDescriptionError, match="name both, left_foot=… and right_foot=…"):
+    with pytest.raises(RobotDescriptionError, match="state both, left_foot=… and right_foot=…"):
         wbc.robot.load("solo12")
-    with pytest.raises(RobotDescriptionError, match="name both"):
+    with pytest.raises(RobotDescriptionError, match="right_foot is not; state both"):
         wbc.robot.load("icub_reduced", left_foot="l_sole")
 
 

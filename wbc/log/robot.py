@@ -56,7 +56,7 @@ def _known_name(sheet: RobotSheet) -> str | None:
 def _stated(sheet: RobotSheet) -> dict[str, Any]:
     """What `load` has to be told about a URDF of one's own."""
     left, right = sheet.feet
-    joints = [j.name for j in read_urdf(Path(sheet.urdf)).joints if j.kind != "fixed"]
+    joints = [j.name for j in read_urdf(Path(sheet.urdf)).joints if j.type != "fixed"]
     fixed = [name for name in joints if name not in sheet.joints]
     stated: dict[str, Any] = {"left_foot": left, "right_foot": right, "name": sheet.name}
     if fixed:

@@ -1,4 +1,4 @@
-"""Which links are the feet, when nobody says."""
+"""The feet: guessed from the names of the links, or stated and checked."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ import re
 from wbc.errors import RobotDescriptionError, did_you_mean
 from wbc.robot.urdf import Urdf
 
-# In order of preference: a link made to be the sole, the foot, the last ankle link.
+# In order of preference: a sole link, a foot link, the last link of the ankle.
 PARTS = ("sole", "foot", "ankle roll", "ankle")
 _SIDES = (("left", "right"), ("l", "r"))
 
 
 def find_feet(urdf: Urdf) -> tuple[str, str] | None:
-    """The (left, right) pair of links that names make look like feet, or None.
+    """Return the (left, right) links whose names are those of feet, or None.
 
-    A pair counts only if it is the one pair for its part of the body: four feet
-    are a quadruped's, and a guess between them would be worth nothing. Nor is
-    an ankle taken for a foot if one foot has a name and the other has not.
+    A pair counts only if it is the only pair for its part of the body: a guess
+    between the four feet of a quadruped would be arbitrary. An ankle is not taken
+    for a foot if only one of the feet is named.
     """
     for part in PARTS:
         pairs, single = [], False
@@ -41,7 +41,7 @@ def find_feet(urdf: Urdf) -> tuple[str, str] | None:
 
 
 def side_of(name: str) -> str | None:
-    """`left` or `right`, if the name says so."""
+    """Return `left` or `right` if the name contains one of them, as a word or as its initial."""
     words = _words(name)
     for left, right in _SIDES:
         if left in words and right not in words:
@@ -52,19 +52,19 @@ def side_of(name: str) -> str | None:
 
 
 def mirror(name: str) -> str | None:
-    """The name with left and right exchanged, keeping its capitals, or None."""
+    """Return the name with left and right exchanged and its capitals kept, or None."""
     for left, right in _SIDES:
         for a, b in ((left, right), (right, left)):
             words = _split(name)
             hits = [i for i, word in enumerate(words) if word.lower() == a]
             if hits:
-                words[hits[0]] = _like(b, words[hits[0]])
+                words[hits[0]] = _with_case_of(b, words[hits[0]])
                 return "".join(words)
     return None
 
 
 def checked_foot_link(urdf: Urdf, name: str, side: str) -> str:
-    """The foot's link, checked.
+    """Return the stated foot link.
 
     Raises:
         RobotDescriptionError: the file has no such link.
@@ -78,7 +78,7 @@ def checked_foot_link(urdf: Urdf, name: str, side: str) -> str:
 
 
 def _split(name: str) -> list[str]:
-    """`LAnkleRoll` and `l_ankle` as pieces that join to the same name."""
+    """Split `LAnkleRoll` or `l_ankle` into words and separators that join to the same name."""
     return re.findall(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+|[^A-Za-z\d]+", name)
 
 
@@ -86,7 +86,7 @@ def _words(name: str) -> list[str]:
     return [word.lower() for word in _split(name) if word[0].isalpha()]
 
 
-def _like(word: str, model: str) -> str:
+def _with_case_of(word: str, model: str) -> str:
     if model.isupper():
         return word.upper()
     return word.capitalize() if model[0].isupper() else word

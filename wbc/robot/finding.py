@@ -1,4 +1,4 @@
-"""What the library knows about a robot (`Fact`) and what is wrong with it (`Finding`)."""
+"""What was established about a robot (`Fact`) and the defects of its description (`Finding`)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _FILE = re.compile(r"^\S+\.(urdf|srdf|toml|xml|xacro)(: |, )")
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Fact:
-    """One thing the loader established about a robot.
+    """A property of a robot that the loader derived or that was stated.
 
     Attributes:
         name: what it is about, for example `left_sole`.
@@ -58,7 +58,7 @@ class Finding:
         what: what is wrong.
         consequence: what follows from it.
         cure: what to change.
-        code: the kind of defect in a word or two, stable for programs to tell by.
+        code: identifier of the kind of defect, stable for programs.
     """
 
     severity: Severity

@@ -1,7 +1,7 @@
-"""The surface of a foot as points: what a sole rests on.
+"""The surface of a foot as points, to which a sole is fitted.
 
-Only the foot's own geometry is read, straight from the URDF, so that finding
-the soles does not wait for the meshes of a whole robot.
+Only the foot's own geometry is read, so that loading does not wait for the meshes of a whole
+robot.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from wbc.robot.geometry import shape_defect, shape_of
 from wbc.robot.packages import resolve, up_axis_rotation
 from wbc.robot.urdf import Urdf
 
-RIM_POINTS = 24
+CYLINDER_POINTS = 24
 
 
 @dataclass(frozen=True, slots=True)
 class FootSurface:
-    """Balls whose hull is the foot, in the frame of the joint that moves it.
+    """Spheres whose convex hull is the foot, in the frame of the joint that moves it.
 
     Attributes:
         points: (n, 3) centres, m.
@@ -37,7 +37,7 @@ class FootSurface:
     missing: tuple[str, ...] = ()
 
     def lowest(self, up: np.ndarray) -> np.ndarray:
-        """(n, 3) the point of each ball that lies lowest along the unit vector `up` (3,)."""
+        """Return (n, 3) the lowest point of each sphere along the unit vector `up` (3,)."""
         return np.asarray(self.points - self.radii[:, None] * up)
 
 
@@ -48,7 +48,7 @@ def foot_surface(
     folders: tuple[Path, ...],
     respect_up_axis: bool = False,
 ) -> FootSurface:
-    """The collision shapes of all links that move with a joint; visuals if there are none."""
+    """Return the collision shapes of all links that move with a joint; visuals without any."""
     missing: list[str] = []
     for kind in ("collision", "visual"):
         parts: list[tuple[np.ndarray, float]] = []
@@ -62,9 +62,9 @@ def foot_surface(
                 if shape_defect(urdf, element) is not None:
                     continue
                 placement = frame.placement * _origin(element, urdf)
-                cloud = _cloud(element, urdf, folders, missing, respect_up_axis)
-                if cloud is not None:
-                    points, radius = cloud
+                points_and_radius = _points(element, urdf, folders, missing, respect_up_axis)
+                if points_and_radius is not None:
+                    points, radius = points_and_radius
                     parts.append((points @ placement.rotation.T + placement.translation, radius))
         if parts:
             return FootSurface(
@@ -83,14 +83,14 @@ def _origin(element: ET.Element, urdf: Urdf) -> pin.SE3:
     return pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array(xyz))
 
 
-def _cloud(
+def _points(
     element: ET.Element,
     urdf: Urdf,
     folders: tuple[Path, ...],
     missing: list[str],
     respect_up_axis: bool,
 ) -> tuple[np.ndarray, float] | None:
-    """Points (n, 3) in the shape's frame and their common radius."""
+    """Return points (n, 3) in the shape's frame and their common radius, m."""
     shape = shape_of(element)
     if shape is None:
         return None
@@ -106,8 +106,8 @@ def _cloud(
         ends = np.array([[0.0, 0.0, -half_length], [0.0, 0.0, half_length]])
         if shape.tag == "capsule":
             return ends, radius
-        angle = np.arange(RIM_POINTS) * (2.0 * np.pi / RIM_POINTS)
-        rim = radius * np.column_stack([np.cos(angle), np.sin(angle), np.zeros(RIM_POINTS)])
+        angle = np.arange(CYLINDER_POINTS) * (2.0 * np.pi / CYLINDER_POINTS)
+        rim = radius * np.column_stack([np.cos(angle), np.sin(angle), np.zeros(CYLINDER_POINTS)])
         return np.vstack([rim + end for end in ends]), 0.0
     if shape.tag == "mesh":
         address = shape.get("filename", "")
@@ -123,7 +123,7 @@ def _cloud(
 
 
 def _mesh(path: Path, scale: np.ndarray) -> np.ndarray | None:
-    """(n, 3) vertices of a mesh file, m; None if it cannot be read."""
+    """Return the (n, 3) vertices of a mesh file, m; None if it cannot be read."""
     import coal
 
     try:

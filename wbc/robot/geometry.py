@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError
-from wbc.robot.model import document
+from wbc.robot.model import normalized_document
 from wbc.robot.packages import resolve, up_axis_rotation
 from wbc.robot.urdf import Urdf
 
@@ -32,13 +32,13 @@ def shape_of(element: ET.Element) -> ET.Element | None:
 
 
 def shape_defect(urdf: Urdf, element: ET.Element) -> str | None:
-    """What is wrong with a `<visual>` or `<collision>`; None if nothing is."""
+    """Return what is wrong with a `<visual>` or `<collision>`, or None."""
     shape = shape_of(element)
     if shape is None:
         return f"a <{element.tag}> (line {urdf.line(element)}) has no geometry"
     where = f"the <{shape.tag}> of a <{element.tag}> (line {urdf.line(shape)})"
     if shape.tag not in SIZES:
-        return f"{where} is no shape of URDF"
+        return f"{where} is not a URDF shape"
     try:
         origin = element.find("origin")
         urdf.numbers(origin, "xyz", (0.0,) * 3)
@@ -55,7 +55,7 @@ def shape_defect(urdf: Urdf, element: ET.Element) -> str | None:
 
 
 def material(urdf: Urdf, element: ET.Element | None, name: str) -> ET.Element | None:
-    """A `<material>` that every reader accepts: a name, and a colour if it has a readable one."""
+    """Return a valid `<material>`: a name, and a colour if it has a readable one."""
     if element is None:
         return None
     clean = ET.Element("material", name=element.get("name") or name)
@@ -77,13 +77,13 @@ def load_geometry(
     folders: tuple[Path, ...],
     respect_up_axis: bool = False,
 ) -> pin.GeometryModel:
-    """The shapes of a URDF, with broken ones and meshes that cannot be found left out.
+    """Return the shapes of a URDF, without broken ones and meshes that are not found.
 
     Raises:
-        RobotDescriptionError: a mesh is there but cannot be read.
+        RobotDescriptionError: a mesh file exists but cannot be read.
     """
     tag = "visual" if kind == pin.VISUAL else "collision"
-    robot = document(urdf)
+    robot = normalized_document(urdf)
     defined = _materials(urdf)
     robot.extend(defined.values())
     for link in robot.findall("link"):
@@ -91,7 +91,7 @@ def load_geometry(
             if shape_defect(urdf, element) is None:
                 shape = _shape(urdf, element, folders, respect_up_axis)
                 if shape is not None:
-                    _paint(urdf, element, shape, defined)
+                    _add_color(urdf, element, shape, defined)
                     link.append(shape)
     try:
         return pin.buildGeomFromUrdfString(
@@ -107,7 +107,7 @@ def load_geometry(
 def _shape(
     urdf: Urdf, element: ET.Element, folders: tuple[Path, ...], respect_up_axis: bool
 ) -> ET.Element | None:
-    """A copy of a sound shape, its mesh address replaced by a file; None without that file."""
+    """Return a copy of a shape with its mesh address replaced by a file; None without that file."""
     inner = shape_of(element)
     assert inner is not None
     inner = copy.deepcopy(inner)
@@ -128,7 +128,7 @@ def _shape(
 
 
 def _materials(urdf: Urdf) -> dict[str, ET.Element]:
-    """The named colours of the file, the first of each name, those at its top before the links'."""
+    """Return the named colours of the file; those at its top precede those of the links."""
     found: dict[str, ET.Element] = {}
     top = urdf.element.findall("material")
     for element in (*top, *urdf.element.iterfind("link/visual/material")):
@@ -138,10 +138,10 @@ def _materials(urdf: Urdf) -> dict[str, ET.Element]:
     return found
 
 
-def _paint(
+def _add_color(
     urdf: Urdf, element: ET.Element, shape: ET.Element, defined: dict[str, ET.Element]
 ) -> None:
-    """Give a visual its colour: its own, the named one, or gray for a name without a colour."""
+    """Add the colour of a visual: its own, the named one, or gray for an unknown name."""
     color = material(urdf, element.find("material"), "unnamed")
     if color is None or element.tag != "visual":
         return

@@ -1,4 +1,4 @@
-"""Inertias that no rigid body can have, made physical.
+"""Non-physical inertias and massless links: detection and repair.
 
 A rotational inertia `I` (3, 3) about the centre of mass, kg·m², is physical if
 the second moment of its mass
@@ -31,7 +31,7 @@ PLACEHOLDER_INERTIA = 1e-10
 
 
 def is_physical(mass: float, inertia: np.ndarray, tolerance: float = TOLERANCE) -> bool:
-    """Whether a mass (kg) and an inertia (3, 3) at its centre (kg·m²) can be a rigid body's."""
+    """Whether a rigid body can have this mass (kg) and inertia (3, 3) about its centre (kg·m²)."""
     if not (np.isfinite(mass) and np.isfinite(inertia).all()) or mass <= 0.0:
         return False
     trace = float(np.trace(inertia))
@@ -42,7 +42,7 @@ def is_physical(mass: float, inertia: np.ndarray, tolerance: float = TOLERANCE) 
 
 
 def physical_inertia(mass: float, inertia: np.ndarray) -> np.ndarray:
-    """The physical inertia (3, 3) nearest to the given one, kg·m²."""
+    """Return the physical inertia (3, 3) closest to the given one, kg·m²."""
     second = 0.5 * float(np.trace(inertia)) * np.eye(3) - inertia
     values, axes = np.linalg.eigh(second)
     clipped = np.maximum(values, mass * MIN_GYRATION**2)
@@ -51,10 +51,9 @@ def physical_inertia(mass: float, inertia: np.ndarray) -> np.ndarray:
 
 
 def repair_model(model: pin.Model) -> list[int]:
-    """Make every moving body of the model physical; ids of the joints whose body changed.
+    """Make every moving body of the model physical; return the ids of the joints that changed.
 
-    A body without any mass is left alone: whether the model can do without it
-    is for the mass matrix to say.
+    Bodies without mass are left unchanged; `check_mass_matrix` tells whether they matter.
     """
     changed = []
     for joint in range(1, model.njoints):
@@ -69,10 +68,10 @@ def repair_model(model: pin.Model) -> list[int]:
 
 
 def massless_joints(model: pin.Model, q: np.ndarray) -> list[tuple[str, float]]:
-    """(joint, inertia) of each joint that moves next to no inertia about its own axis.
+    """Return (joint, inertia) of each joint that moves almost no inertia about its own axis.
 
     The diagonal of the mass matrix without armature, kg·m² (kg for sliding
-    joints): armature would hide the defect from the inverse, not from a plant.
+    joints): armature would hide the defect from the inverse, but not from a physics engine.
     """
     bare = model.copy()
     bare.armature = np.zeros(model.nv)
@@ -85,10 +84,10 @@ def massless_joints(model: pin.Model, q: np.ndarray) -> list[tuple[str, float]]:
 
 
 def add_placeholder_masses(model: pin.Model) -> None:
-    """Give a speck of mass to the moving bodies that have none.
+    """Give a milligram to each moving body that has no mass.
 
-    Descriptions put massless links between the axes of a ball joint. The mass
-    matrix does not mind, but a physics engine refuses a moving body without mass.
+    Descriptions put massless links between the axes of a ball joint. The mass matrix stays
+    regular, but a physics engine refuses a moving body without mass.
     """
     for joint in range(1, model.njoints):
         if model.inertias[joint].mass <= 0.0:
@@ -107,7 +106,7 @@ def check_mass_matrix(model: pin.Model, q: np.ndarray, source: str) -> None:
     if bad:
         listed = ", ".join(f"'{name}' (moves {_bodies(model, name)})" for name, _ in bad)
         raise RobotDescriptionError(
-            f"{source}: nothing with inertia hangs on the joints {listed}, so the mass matrix "
+            f"{source}: the joints {listed} move nothing that has inertia, so the mass matrix "
             "is singular and accelerations are undefined; give those links an <inertial> "
             "with mass and inertia, or make the joints fixed"
         )

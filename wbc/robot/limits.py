@@ -11,9 +11,9 @@ from wbc.errors import RobotDescriptionError, did_you_mean
 from wbc.robot.data_file import RobotData
 from wbc.robot.finding import Finding
 
-# A substitute limit lets a joint carry this many times the weight of what hangs on it.
+# A substitute limit lets a joint carry this multiple of the weight that it moves.
 STRENGTH = 2.0
-# ... and never less than this, N·m or N, so that massless fingers move too.
+# ... but at least this, N·m or N, so that massless fingers can move.
 MIN_EFFORT = 1.0
 
 
@@ -35,9 +35,9 @@ def set_limits(
 ) -> list[Finding]:
     """Write stated limits into the model, and substitutes for the absent ones.
 
-    URDF's zero effort or velocity means that nobody filled the field in. An
-    effort is then estimated from the mass that the joint carries (a controller
-    and a plant need a finite one); a velocity is taken as unlimited, infinite.
+    A zero effort or velocity in a URDF means that it is unknown. An effort is then estimated
+    from the mass that the joint carries, because controller and plant need a finite one; a
+    velocity becomes infinite, that is unlimited.
     """
     effort, velocity = np.array(model.effortLimit), np.array(model.velocityLimit)
     for name, value in data.effort_limits.items():
@@ -78,10 +78,10 @@ def set_limits(
 
 
 def default_effort(model: pin.Model, joint: int, in_leg: bool) -> float:
-    """An effort limit for a joint that states none, N·m or N.
+    """Return an effort limit for a joint that states none, N·m or N.
 
-    A leg joint has to lift the whole robot with the leg's length below the knee
-    as its lever; any other joint the bodies beyond it, stretched out.
+    A leg joint must lift the whole robot with the distance to the next joint as its lever; any
+    other joint must lift the bodies beyond it.
     """
     subtree = model.subtrees[joint]
     reach = sum(float(np.linalg.norm(model.jointPlacements[j].translation)) for j in subtree[1:2])

@@ -206,15 +206,27 @@ def _repaired(model: pin.Model, urdf: Urdf) -> list[Finding]:
 
 
 def feet_links(data: RobotData, urdf: Urdf) -> tuple[tuple[str, str], bool]:
-    """The (left, right) foot links, and whether they were guessed."""
+    """Return the (left, right) foot links, and whether they were guessed from their names.
+
+    Raises:
+        RobotDescriptionError: a stated link does not exist, only one is stated, or the names of
+            the links do not tell which are the feet.
+    """
     if data.left_foot is not None and data.right_foot is not None:
         left = checked_foot_link(urdf, data.left_foot, "left")
         return (left, checked_foot_link(urdf, data.right_foot, "right")), False
-    guess = find_feet(urdf)
-    if data.left_foot is not None or data.right_foot is not None or guess is None:
+    if data.left_foot is not None or data.right_foot is not None:
+        stated, missing = ("left", "right") if data.left_foot is not None else ("right", "left")
         raise RobotDescriptionError(
-            f"{urdf.path}: no two links can be told by their names to be the feet; "
-            f"name both, left_foot=… and right_foot=…{did_you_mean('foot', urdf.links, 6)}"
+            f"{urdf.path}: {stated}_foot is stated but {missing}_foot is not; state both, "
+            f"left_foot=… and right_foot=…{did_you_mean('foot', urdf.links, 6)}"
+        )
+    guess = find_feet(urdf)
+    if guess is None:
+        raise RobotDescriptionError(
+            f"{urdf.path}: the names of the links do not tell which are the left and the right "
+            "foot; state both, left_foot=… and right_foot=… (a robot needs two feet)"
+            f"{did_you_mean('foot', urdf.links, 6)}"
         )
     return guess, True
 

@@ -1,9 +1,8 @@
 """From a parsed URDF to a floating-base Pinocchio model.
 
-Pinocchio is given a document of links, joints and inertias only. That keeps
-meshes out of it, and lets what its reader refuses (a limit without an effort,
-a revolute joint without a limit) or would model unusably (a continuous joint
-of two coordinates, a base that the file bolts to the world) be put right first.
+Pinocchio is given a document of links, joints and inertias only. Meshes are left out, and
+what its reader refuses (a limit without an effort, a revolute joint without a limit) or models
+unusably (a continuous joint of two coordinates, a base fixed to the world) is corrected first.
 """
 
 from __future__ import annotations
@@ -19,15 +18,15 @@ import pinocchio as pin
 from wbc.errors import RobotDescriptionError
 from wbc.robot.urdf import Urdf, UrdfJoint
 
-KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
-WORLD_JOINTS = ("fixed", "floating")
+JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+WORLD_JOINT_TYPES = ("fixed", "floating")
 ROOT_JOINT = "root_joint"
-# A revolute joint that states no range: one turn each way is more than any limb has.
-NO_RANGE = math.pi
+# Range of a revolute joint that states none, rad each way: more than any limb has.
+DEFAULT_RANGE = math.pi
 
 
 def build_model(urdf: Urdf, fixed: Iterable[str] = ()) -> pin.Model:
-    """The model with a free-flyer root; each joint after it has one coordinate.
+    """Return a model with a free-flyer root; each joint after it has one coordinate.
 
     Args:
         urdf: the description.
@@ -37,7 +36,7 @@ def build_model(urdf: Urdf, fixed: Iterable[str] = ()) -> pin.Model:
         RobotDescriptionError: the tree is broken or Pinocchio refuses it.
     """
     check_tree(urdf)
-    text = ET.tostring(document(urdf, tuple(fixed)), encoding="unicode")
+    text = ET.tostring(normalized_document(urdf, tuple(fixed)), encoding="unicode")
     try:
         model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
     except Exception as error:
@@ -46,7 +45,7 @@ def build_model(urdf: Urdf, fixed: Iterable[str] = ()) -> pin.Model:
             f"run  wbc doctor {urdf.path}"
         ) from error
     for joint in urdf.joints:
-        if joint.kind == "continuous" and model.existJointName(joint.name):
+        if joint.type == "continuous" and model.existJointName(joint.name):
             index = model.joints[model.getJointId(joint.name)].idx_q
             lower, upper = model.lowerPositionLimit, model.upperPositionLimit
             lower[index], upper[index] = -np.inf, np.inf
@@ -55,7 +54,7 @@ def build_model(urdf: Urdf, fixed: Iterable[str] = ()) -> pin.Model:
 
 
 def check_tree(urdf: Urdf) -> None:
-    """Refuse a file whose links and joints are not one tree.
+    """Check that the links and joints of a file form one tree.
 
     Raises:
         RobotDescriptionError: duplicate names, a joint that names no link, an
@@ -74,9 +73,9 @@ def check_tree(urdf: Urdf) -> None:
                     f"{where} names the link '{link}', which the file does not have; "
                     "add the link or correct the name"
                 )
-        if joint.kind not in KINDS:
+        if joint.type not in JOINT_TYPES:
             raise RobotDescriptionError(
-                f"{where} has the type '{joint.kind}'; it must be one of {', '.join(KINDS)}"
+                f"{where} has the type '{joint.type}'; it must be one of {', '.join(JOINT_TYPES)}"
             )
         if joint.child in parents:
             raise RobotDescriptionError(
@@ -88,55 +87,55 @@ def check_tree(urdf: Urdf) -> None:
         raise RobotDescriptionError(f"{urdf.path}: the joints form a loop; a URDF is a tree")
     if len(roots) > 1:
         raise RobotDescriptionError(
-            f"{urdf.path}: the links {', '.join(repr(r) for r in roots)} hang on no joint, "
-            "so the robot falls into pieces; join all but the base with a joint"
+            f"{urdf.path}: the links {', '.join(repr(r) for r in roots)} are no joint's child, "
+            "so the file describes several bodies; add a joint to each link but the base"
         )
-    stray = [link for link in urdf.links if link not in urdf.below(roots[0])]
-    if stray:
+    unreachable = [link for link in urdf.links if link not in urdf.descendants(roots[0])]
+    if unreachable:
         raise RobotDescriptionError(
-            f"{urdf.path}: the joints of the links {', '.join(repr(s) for s in stray[:4])} form "
-            "a loop apart from the base; remove one joint of the loop"
+            f"{urdf.path}: the joints of the links {', '.join(map(repr, unreachable[:4]))} form "
+            "a loop that does not contain the base; remove one joint of the loop"
         )
-    anchor = world_joint(urdf)
+    fixture = world_joint(urdf)
     for joint in urdf.joints:
-        if joint.kind in ("floating", "planar") and joint is not anchor:
+        if joint.type in ("floating", "planar") and joint is not fixture:
             raise RobotDescriptionError(
                 f"{urdf.path}, line {urdf.line(joint.element)}: joint '{joint.name}' is "
-                f"{joint.kind}; only the base may float, split it into single joints"
+                f"{joint.type}; only the base may float, so split it into joints of one axis"
             )
 
 
 def world_joint(urdf: Urdf) -> UrdfJoint | None:
-    """The joint by which the file hangs the robot on a massless `world`, if it does."""
+    """Return the joint that connects the robot to a massless `world` link, or None."""
     roots = urdf.roots()
     if len(roots) != 1 or len(urdf.links[roots[0]]):
         return None
-    hanging = [joint for joint in urdf.joints if joint.parent == roots[0]]
-    if len(hanging) == 1 and hanging[0].kind in WORLD_JOINTS:
-        bolted = hanging[0].kind == "floating" or roots[0].lower() in ("world", "map", "odom")
-        return hanging[0] if bolted else None
+    joints = [joint for joint in urdf.joints if joint.parent == roots[0]]
+    if len(joints) == 1 and joints[0].type in WORLD_JOINT_TYPES:
+        connects = joints[0].type == "floating" or roots[0].lower() in ("world", "map", "odom")
+        return joints[0] if connects else None
     return None
 
 
-def document(urdf: Urdf, fixed: tuple[str, ...] = ()) -> ET.Element:
-    """The file reduced to its links, inertias and joints, complete and in readable numbers."""
+def normalized_document(urdf: Urdf, fixed: tuple[str, ...] = ()) -> ET.Element:
+    """Return the links, inertias and joints of a file, complete and with valid numbers."""
     robot = ET.Element("robot", name=urdf.element.get("name") or urdf.path.stem)
-    anchor = world_joint(urdf)
+    fixture = world_joint(urdf)
     for name, element in urdf.links.items():
-        if anchor is None or name != anchor.parent:
+        if fixture is None or name != fixture.parent:
             link = ET.SubElement(robot, "link", name=name)
             inertial = element.find("inertial")
             if inertial is not None:
                 link.append(_inertial(urdf, name, inertial))
     for joint in urdf.joints:
-        if joint is not anchor:
+        if joint is not fixture:
             welded = any(fnmatchcase(joint.name, pattern) for pattern in fixed)
             robot.append(_joint(urdf, joint, welded))
     return robot
 
 
 def _inertial(urdf: Urdf, name: str, inertial: ET.Element) -> ET.Element:
-    """A complete `<inertial>`: the reader refuses one that lacks a mass or an inertia."""
+    """Return a complete `<inertial>`: Pinocchio refuses one without mass or inertia."""
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
     where = f"{urdf.path}, line {urdf.line(inertial)}: link '{name}'"
     kilograms = urdf.numbers(mass, "value", (0.0,))[0]
@@ -146,40 +145,40 @@ def _inertial(urdf: Urdf, name: str, inertial: ET.Element) -> ET.Element:
     }
     if kilograms < 0.0:
         raise RobotDescriptionError(f"{where} has the mass {kilograms} kg; it must be positive")
-    whole = ET.Element("inertial")
-    ET.SubElement(whole, "origin", _origin(urdf, inertial.find("origin")))
-    ET.SubElement(whole, "mass", value=repr(kilograms))
-    ET.SubElement(whole, "inertia", {key: repr(value) for key, value in tensor.items()})
-    return whole
+    complete = ET.Element("inertial")
+    ET.SubElement(complete, "origin", _origin(urdf, inertial.find("origin")))
+    ET.SubElement(complete, "mass", value=repr(kilograms))
+    ET.SubElement(complete, "inertia", {key: repr(value) for key, value in tensor.items()})
+    return complete
 
 
 def _joint(urdf: Urdf, joint: UrdfJoint, welded: bool) -> ET.Element:
-    kind = "revolute" if joint.kind == "continuous" else joint.kind
+    kind = "revolute" if joint.type == "continuous" else joint.type
     kind = "fixed" if welded else kind
-    clean = ET.Element("joint", name=joint.name, type=kind)
-    ET.SubElement(clean, "origin", _origin(urdf, joint.element.find("origin")))
-    ET.SubElement(clean, "parent", link=joint.parent)
-    ET.SubElement(clean, "child", link=joint.child)
+    normalized = ET.Element("joint", name=joint.name, type=kind)
+    ET.SubElement(normalized, "origin", _origin(urdf, joint.element.find("origin")))
+    ET.SubElement(normalized, "parent", link=joint.parent)
+    ET.SubElement(normalized, "child", link=joint.child)
     if kind == "fixed":
-        return clean
+        return normalized
     where = f"{urdf.path}, line {urdf.line(joint.element)}: joint '{joint.name}'"
     axis = urdf.numbers(joint.element.find("axis"), "xyz", (1.0, 0.0, 0.0))
     if math.hypot(*axis) < 1e-6:
         raise RobotDescriptionError(f"{where} has an axis of length zero; state a direction")
-    ET.SubElement(clean, "axis", xyz=_text(axis))
+    ET.SubElement(normalized, "axis", xyz=_text(axis))
     limit = joint.element.find("limit")
     values = {
         key: urdf.numbers(limit, key, (0.0,))[0] for key in ("lower", "upper", "effort", "velocity")
     }
-    if joint.kind == "continuous" or has_no_range(joint):
-        values["lower"], values["upper"] = -NO_RANGE, NO_RANGE
+    if joint.type == "continuous" or has_no_range(joint):
+        values["lower"], values["upper"] = -DEFAULT_RANGE, DEFAULT_RANGE
     if values["lower"] > values["upper"]:
         raise RobotDescriptionError(
             f"{where} has a lower limit {values['lower']:g} above its upper {values['upper']:g}; "
-            "exchange them"
+            "exchange lower and upper"
         )
-    ET.SubElement(clean, "limit", {key: repr(value) for key, value in values.items()})
-    return clean
+    ET.SubElement(normalized, "limit", {key: repr(value) for key, value in values.items()})
+    return normalized
 
 
 def _origin(urdf: Urdf, origin: ET.Element | None) -> dict[str, str]:

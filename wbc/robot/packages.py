@@ -1,4 +1,4 @@
-"""Where `package://`, `file://` and relative mesh addresses lead on this machine."""
+"""Resolution of `package://`, `file://` and relative mesh addresses to files."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ UP_AXIS = re.compile(rb"<up_axis>\s*(\w+)\s*</up_axis>")
 
 
 def example_robot_data() -> Path | None:
-    """The `share/example-robot-data` folder of the installed package, if there is one.
+    """Return the `share/example-robot-data` folder of the installed package, or None.
 
     The package holds data only, under the prefix that Pinocchio's wheel shares
-    (`cmeel.prefix`), so there is no module to ask for its place.
+    (`cmeel.prefix`), so no module tells where it is.
     """
     # Beside Pinocchio's wheel, or under the common prefix of a conda or ROS installation.
     prefixes = [Path(sysconfig.get_path("purelib")) / "cmeel.prefix"]
@@ -32,7 +32,7 @@ def example_robot_data() -> Path | None:
 
 
 def _of_distribution() -> Path | None:
-    """Where the installed wheel says its files are: slower to ask than to look."""
+    """Return the folder that the wheel's metadata list; slower than looking where it usually is."""
     from importlib import metadata
 
     try:
@@ -46,7 +46,7 @@ def _of_distribution() -> Path | None:
 
 
 def search_folders(urdf: Path, extra: Iterable[str | Path] = ()) -> tuple[Path, ...]:
-    """Folders that may hold packages, the caller's first, without repetition."""
+    """Return the folders that may hold packages, the caller's first, without duplicates."""
     folders = [Path(folder).expanduser().resolve() for folder in extra]
     # A URDF usually lies inside the package whose meshes it names.
     folders += list(urdf.resolve().parents)[:-1]
@@ -64,7 +64,7 @@ def search_folders(urdf: Path, extra: Iterable[str | Path] = ()) -> tuple[Path, 
 
 
 def package_folder(package: str, folders: Iterable[Path]) -> Path | None:
-    """The folder of a package, or None if no search folder has it."""
+    """Return the folder of a package, or None if no search folder has it."""
     for folder in folders:
         if folder.name == package and folder.is_dir():
             return folder
@@ -74,7 +74,7 @@ def package_folder(package: str, folders: Iterable[Path]) -> Path | None:
 
 
 def resolve(address: str, urdf: Path, folders: Iterable[Path]) -> Path | None:
-    """The file that a mesh address means, or None if there is none.
+    """Return the file that a mesh address refers to, or None if there is none.
 
     `package:///name/…` with a third slash, which some exporters write, is read
     as `package://name/…`.
@@ -95,10 +95,10 @@ def resolve(address: str, urdf: Path, folders: Iterable[Path]) -> Path | None:
 
 
 def up_axis_rotation(mesh: Path) -> np.ndarray:
-    """(3, 3) rotation from a Collada file's own axes to axes with z up.
+    """Return the (3, 3) rotation from a Collada file's own axes to axes with z up.
 
-    ROS tools and Pinocchio read Collada coordinates as they stand and ignore
-    `<up_axis>`, and most robots are written for that. A few (iCub) mean it.
+    ROS tools and Pinocchio ignore `<up_axis>`, and most robots are written for that. A few
+    (iCub) need it applied.
     """
     if mesh.suffix.lower() == ".dae":
         found = UP_AXIS.search(mesh.read_bytes()[:20000])

@@ -12,18 +12,18 @@ _HERE = Path(__file__).resolve().parent
 
 
 def data_file_folder() -> Path:
-    """`robots/`: beside this file in a wheel, at the root of a checkout."""
+    """Return the folder of the shipped data files: in the wheel, or `robots/` of a checkout."""
     inside = _HERE / "data"
     return inside if inside.is_dir() else _HERE.parents[1] / "robots"
 
 
 def available() -> tuple[str, ...]:
-    """Names of the robots that have a data file, sorted."""
+    """Return the names of the robots that have a data file, sorted."""
     return tuple(sorted(path.stem for path in data_file_folder().glob("*.toml")))
 
 
 def examples() -> tuple[str, ...]:
-    """Names of the URDFs of example-robot-data, sorted.
+    """Return the names of the URDFs of example-robot-data, sorted.
 
     A name is the file's stem (`icub_reduced`), or where several folders share
     a stem, the path below `robots/` without its suffix.
@@ -32,7 +32,7 @@ def examples() -> tuple[str, ...]:
 
 
 def find_robot(name_or_path: str | Path) -> RobotData:
-    """What is stated about the robot of that name, or at that path.
+    """Return what is stated about the robot of that name, or at that path.
 
     Raises:
         RobotNotFound: there is no such name and no such file.
@@ -55,11 +55,11 @@ def find_robot(name_or_path: str | Path) -> RobotData:
     if path.is_dir():
         raise RobotDescriptionError(f"{path} is a folder; give the path of the URDF inside it")
     if path.suffix or len(path.parts) > 1:
-        raise RobotNotFound(f"there is no file {path}{_near(text, names)}")
-    raise RobotNotFound(f"there is no robot '{text}'{_near(text, names)}")
+        raise RobotNotFound(f"there is no file {path}{_suggestion(text, names)}")
+    raise RobotNotFound(f"there is no robot '{text}'{_suggestion(text, names)}")
 
 
-def _near(text: str, names: dict[str, Path]) -> str:
+def _suggestion(text: str, names: dict[str, Path]) -> str:
     stem = Path(text).stem
     if len(stem) < 2:
         return ""

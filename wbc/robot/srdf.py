@@ -1,4 +1,4 @@
-"""GroupState postures from a semantic description (SRDF)."""
+"""Named postures (`<group_state>`) from a semantic description (SRDF)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from wbc.errors import RobotDescriptionError, did_you_mean
 from wbc.robot.urdf import read_xml
 
-# Names under which the field stores a posture to stand in, best first.
+# Common names of a posture to stand in, in order of preference.
 STANDING_NAMES = ("half_sitting", "standing", "stand", "half_sit", "default", "home", "initial")
 
 
@@ -22,7 +22,7 @@ class GroupState:
 
 
 def find_srdf(urdf: Path) -> Path | None:
-    """The SRDF that belongs to a URDF by the usual layout of packages, if there is one.
+    """Return the SRDF that belongs to a URDF by the usual layout of packages, or None.
 
     `<package>/urdf/talos_reduced.urdf` goes with `<package>/srdf/talos.srdf`:
     the longest SRDF name that begins the URDF's, or else the only SRDF there.
@@ -37,7 +37,7 @@ def find_srdf(urdf: Path) -> Path | None:
 
 
 def read_group_state(srdf: Path, wanted: str | None = None) -> GroupState | None:
-    """The wanted posture of an SRDF, or the one to stand in; None if it has none.
+    """Return the wanted posture of an SRDF, by default the one to stand in; None without one.
 
     Raises:
         RobotDescriptionError: unreadable, malformed, no such posture, or a

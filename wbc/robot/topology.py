@@ -1,4 +1,4 @@
-"""The upper trunk and the legs, read off the kinematic tree."""
+"""Queries of the kinematic tree: the joints of a leg, the torso, links and joints."""
 
 from __future__ import annotations
 
@@ -9,16 +9,15 @@ from wbc.robot.urdf import Urdf
 
 
 def leg_joints(model: pin.Model, foot_joint: int) -> tuple[int, ...]:
-    """Velocity indices (into nv) of the joints from the base to a foot, base first."""
+    """Return the velocity indices (into nv) of the joints from the base to a foot, base first."""
     chain = [joint for joint in model.supports[foot_joint] if joint > 1]
     return tuple(int(model.joints[joint].idx_v) for joint in chain)
 
 
 def find_torso(model: pin.Model, urdf: Urdf, legs: tuple[tuple[int, ...], ...]) -> str:
-    """Link of the first body beyond the legs from which limbs branch; the base if there is none.
+    """Return the link from which arms and head branch; the base link if there is none.
 
-    Arms and head part at the upper trunk, whatever a maker calls it, and
-    whether its waist has no joint, one or three.
+    This finds the upper trunk whatever its name and whatever the number of waist joints.
     """
     in_leg = {index for leg in legs for index in leg}
     joint = 1
@@ -31,7 +30,7 @@ def find_torso(model: pin.Model, urdf: Urdf, legs: tuple[tuple[int, ...], ...]) 
 
 
 def link_of(model: pin.Model, urdf: Urdf, joint: int) -> str:
-    """Name of the link that a joint of the model moves directly."""
+    """Return the name of the link that a joint of the model moves directly."""
     if joint > 1:
         name = model.names[joint]
         return next(j.child for j in urdf.joints if j.name == name)
@@ -40,7 +39,7 @@ def link_of(model: pin.Model, urdf: Urdf, joint: int) -> str:
 
 
 def axis_of(model: pin.Model, joint: int) -> np.ndarray:
-    """(3,) unit axis of a joint of one coordinate, in the joint's coordinates."""
+    """Return the (3,) unit axis of a joint of one coordinate, in the joint's coordinates."""
     motion = model.joints[joint].createData().S
     column = np.asarray(motion.matrix() if hasattr(motion, "matrix") else motion).reshape(6)
     axis = column[3:] if np.any(column[3:]) else column[:3]
@@ -48,5 +47,5 @@ def axis_of(model: pin.Model, joint: int) -> np.ndarray:
 
 
 def parent_joint(model: pin.Model, link: str) -> int:
-    """The joint of the model that moves a link."""
+    """Return the id of the joint of the model that moves a link."""
     return int(model.frames[model.getFrameId(link, pin.BODY)].parentJoint)

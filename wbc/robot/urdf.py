@@ -1,8 +1,8 @@
-"""A URDF file as a tree of XML elements that remember their line.
+"""A URDF file as XML elements with their line numbers.
 
-Pinocchio's own reader reports a broken file on the C++ standard error, without
-a line. Reading the XML first gives every complaint a place, and lets the loader
-hand Pinocchio a document that it accepts.
+Pinocchio's own reader reports a broken file on the C++ standard error, without a line number.
+Reading the XML first lets every error name the line, and lets the loader give Pinocchio a
+document that it accepts.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from wbc.errors import RobotDescriptionError
 
 @dataclass(frozen=True, slots=True)
 class UrdfJoint:
-    """A `<joint>` of the file: its name, type, the two links and its element."""
+    """A `<joint>` of the file: its name, type, parent and child link, and its element."""
 
     name: str
-    kind: str
+    type: str
     parent: str
     child: str
     element: ET.Element
@@ -45,7 +45,7 @@ class Urdf:
     _lines: dict[ET.Element, int] = field(repr=False, default_factory=dict)
 
     def line(self, element: ET.Element) -> int:
-        """Line of the file on which the element opens; 0 if unknown."""
+        """Return the line of the file on which the element opens; 0 if unknown."""
         return self._lines.get(element, 0)
 
     def where(self, element: ET.Element) -> str:
@@ -55,10 +55,10 @@ class Urdf:
     def numbers(
         self, element: ET.Element | None, attribute: str, default: tuple[float, ...]
     ) -> list[float]:
-        """Numbers of an attribute such as `xyz="0 0 1"`; the default when it is absent.
+        """Return the numbers of an attribute such as `xyz="0 0 1"`; the default if it is absent.
 
         Raises:
-            RobotDescriptionError: it holds something else; names the line.
+            RobotDescriptionError: it holds something else; the text names the line.
         """
         try:
             return floats(element, attribute, default)
@@ -70,12 +70,12 @@ class Urdf:
             ) from error
 
     def roots(self) -> list[str]:
-        """Links that are no joint's child, in file order."""
+        """Return the links that are no joint's child, in file order."""
         children = {joint.child for joint in self.joints}
         return [name for name in self.links if name not in children]
 
-    def below(self, root: str) -> set[str]:
-        """The links that can be reached from a link, itself included."""
+    def descendants(self, root: str) -> set[str]:
+        """Return the links that can be reached from a link, itself included."""
         children: dict[str, list[str]] = {}
         for joint in self.joints:
             children.setdefault(joint.parent, []).append(joint.child)
@@ -89,7 +89,7 @@ class Urdf:
         return found
 
     def duplicates(self) -> list[tuple[str, str, int]]:
-        """(`link` or `joint`, name, line) of every element whose name was already taken."""
+        """Return (`link` or `joint`, name, line) of every element whose name is taken already."""
         found = []
         for tag in ("link", "joint"):
             seen: set[str] = set()
@@ -102,7 +102,7 @@ class Urdf:
 
 
 def read_xml(path: Path) -> tuple[ET.Element, dict[ET.Element, int]]:
-    """Root element of an XML file and the line of each element.
+    """Return the root element of an XML file and the line of each element.
 
     Raises:
         RobotDescriptionError: the file cannot be read or is not well-formed;
@@ -158,14 +158,14 @@ def read_urdf(path: Path) -> Urdf:
         )
     links: dict[str, ET.Element] = {}
     for element in root.findall("link"):
-        links.setdefault(_named(element, path, lines), element)
+        links.setdefault(_name_of(element, path, lines), element)
     if not links:
         raise RobotDescriptionError(f"{path}: the file has no <link>; it describes no robot")
     joints = [_joint(element, path, lines) for element in root.findall("joint")]
     return Urdf(path, root, links, joints, lines)
 
 
-def _named(element: ET.Element, path: Path, lines: dict[ET.Element, int]) -> str:
+def _name_of(element: ET.Element, path: Path, lines: dict[ET.Element, int]) -> str:
     name = element.get("name", "").strip()
     if not name:
         raise RobotDescriptionError(
@@ -175,7 +175,7 @@ def _named(element: ET.Element, path: Path, lines: dict[ET.Element, int]) -> str
 
 
 def _joint(element: ET.Element, path: Path, lines: dict[ET.Element, int]) -> UrdfJoint:
-    name = _named(element, path, lines)
+    name = _name_of(element, path, lines)
     ends = {}
     for tag in ("parent", "child"):
         end = element.find(tag)
@@ -190,7 +190,7 @@ def _joint(element: ET.Element, path: Path, lines: dict[ET.Element, int]) -> Urd
 
 
 def floats(element: ET.Element | None, attribute: str, default: tuple[float, ...]) -> list[float]:
-    """Numbers of an attribute such as `xyz="0 0 1"`; the default when it is absent.
+    """Return the numbers of an attribute such as `xyz="0 0 1"`; the default if it is absent.
 
     Raises:
         ValueError: the attribute holds something else, another count of numbers,

@@ -1,4 +1,4 @@
-"""The model doctor: each file looks for one kind of defect; `examine` puts them together."""
+"""The model doctor: each file checks for one kind of defect; `examine` runs them all."""
 
 from wbc.robot.doctor.examine import check_file, check_robot
 

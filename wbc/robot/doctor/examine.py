@@ -1,8 +1,6 @@
-"""The model doctor: what is wrong with a robot description, what follows, and the cure.
+"""The checks of a robot description, put together: defects, their consequences and their cures.
 
-A file may be too broken to load; then it is examined as far as it goes, from
-its XML alone. No finding is a guess of Pinocchio's reader, and nothing turns
-into NaN.
+A file that cannot be loaded is checked as far as possible from its XML alone.
 """
 
 from __future__ import annotations
@@ -30,12 +28,12 @@ from wbc.robot.urdf import Urdf, read_urdf
 if TYPE_CHECKING:
     from wbc.robot.robot import Robot
 
-# What the loader reports itself, knowing what a data file states and what it substituted.
+# The loader reports these itself: it knows what a data file states and what was substituted.
 REPORTED_BY_LOADER = ("no-effort-limit", "no-velocity-limit")
 
 
 def check_file(path: str | Path, **stated: Any) -> list[Finding]:
-    """Everything that is wrong with a robot description, worst first; empty if it is sound.
+    """Return all defects of a robot description, the worst first; none if it is sound.
 
     Args:
         path: a URDF, a robot data file, or a robot's name, as for `load`.
@@ -65,7 +63,7 @@ def check_file(path: str | Path, **stated: Any) -> list[Finding]:
 
 
 def check_robot(robot: Robot) -> list[Finding]:
-    """Everything that is wrong with a loaded robot's description, worst first."""
+    """Return all defects of a loaded robot's description, the worst first."""
     found = [
         f for f in _examine(robot.urdf, robot.package_dirs) if f.code not in REPORTED_BY_LOADER
     ]
@@ -83,7 +81,7 @@ def _examine(urdf: Urdf, folders: tuple[Path, ...]) -> list[Finding]:
 
 
 def _feet_and_masses(data: RobotData, urdf: Urdf) -> list[Finding]:
-    """The two reasons for which a sound tree is not loaded; both, not just the first."""
+    """Defects for which a sound tree is refused: massless joints and unknown feet."""
     try:
         model = build_model(urdf, data.fixed_joints)
     except RobotDescriptionError as error:
@@ -101,7 +99,7 @@ def _broken(findings: list[Finding]) -> bool:
 
 
 def _sorted(findings: list[Finding]) -> list[Finding]:
-    """Worst first, each kind of defect once per link or joint."""
+    """Sort by severity, and keep each kind of defect once per link or joint."""
     singular = {f.subject for f in findings if f.code == "singular-mass-matrix"}
     once: dict[tuple[str, str], Finding] = {}
     for finding in findings:

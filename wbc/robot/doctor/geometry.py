@@ -1,4 +1,4 @@
-"""Can the visual and collision shapes be read, and their meshes be found?"""
+"""Checks of the visual and collision shapes and of their mesh files."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from wbc.robot.urdf import Urdf
 
 
 def check_shapes(urdf: Urdf) -> list[Finding]:
-    """Shapes without geometry, size or readable numbers."""
+    """Return findings on shapes without geometry, size or readable numbers."""
     return [
         Finding(
             "warning",
@@ -30,9 +30,9 @@ def check_shapes(urdf: Urdf) -> list[Finding]:
 
 
 def check_meshes(urdf: Urdf, folders: tuple[Path, ...]) -> list[Finding]:
-    """Packages that resolve nowhere (one finding each) and single files that are missing."""
-    lost_packages: dict[str, list[str]] = defaultdict(list)
-    lost_files: dict[str, list[str]] = defaultdict(list)
+    """Return findings on packages that are not found (one each), missing files and empty files."""
+    missing_packages: dict[str, list[str]] = defaultdict(list)
+    missing_files: dict[str, list[str]] = defaultdict(list)
     empty: dict[str, list[str]] = defaultdict(list)
     for name, link in urdf.links.items():
         for mesh in link.iterfind(".//geometry/mesh"):
@@ -44,18 +44,18 @@ def check_meshes(urdf: Urdf, folders: tuple[Path, ...]) -> list[Finding]:
                 continue
             package = package_of(address)
             if package and package_folder(package, folders) is None:
-                lost_packages[package].append(name)
+                missing_packages[package].append(name)
             else:
-                lost_files[address].append(name)
+                missing_files[address].append(name)
     return [
-        *(_package(name, links) for name, links in lost_packages.items()),
-        *(_file(address, links) for address, links in lost_files.items()),
+        *(_package(name, links) for name, links in missing_packages.items()),
+        *(_file(address, links) for address, links in missing_files.items()),
         *(_empty(address, links) for address, links in empty.items()),
     ]
 
 
 def package_of(address: str) -> str | None:
-    """The package's name in a `package://` address, or None."""
+    """Return the package's name in a `package://` address, or None."""
     scheme, found, rest = address.partition("://")
     if not found or scheme not in ("package", "model"):
         return None
@@ -66,9 +66,9 @@ def _package(package: str, links: list[str]) -> Finding:
     return Finding(
         "warning",
         links[0],
-        f"package://{package} resolves nowhere; {len(links)} meshes are in it ({_list(links)})",
+        f"package://{package} is in no search folder; it has {len(links)} meshes ({_list(links)})",
         "these links are not drawn, and a foot among them has no sole",
-        f"pass package_dirs=… with the folder that holds '{package}', or set ROS_PACKAGE_PATH",
+        f"state package_dirs=… with the folder that contains '{package}', or set ROS_PACKAGE_PATH",
         "unresolved-package",
     )
 

@@ -1,4 +1,4 @@
-"""Do the joints state limits that a controller can work with?"""
+"""Checks of the joints' position, velocity and effort limits."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from wbc.robot.finding import Finding
 from wbc.robot.model import has_no_range
 from wbc.robot.urdf import Urdf, UrdfJoint
 
-# An effort of this size on every joint is a placeholder of some exporter's, N·m.
-DUMMY_EFFORT = 900.0
+# Exporters write an effort this large on every joint as a placeholder, N·m.
+PLACEHOLDER_EFFORT = 900.0
 
 
 def check_limits(urdf: Urdf) -> list[Finding]:
-    """Limits that are absent, zero, empty or the wrong way round, and mimicking joints."""
+    """Return findings on absent, zero, empty and reversed limits, and on mimicking joints."""
     findings: list[Finding] = []
     for joint in urdf.joints:
-        if joint.kind in ("revolute", "prismatic", "continuous"):
+        if joint.type in ("revolute", "prismatic", "continuous"):
             try:
                 findings += _limits(urdf, joint)
             except RobotDescriptionError as error:
                 findings.append(Finding.from_error(error, joint.name, "unreadable-number"))
-    return findings + _dummies(urdf)
+    return findings + _placeholder_efforts(urdf)
 
 
 def _limits(urdf: Urdf, joint: UrdfJoint) -> list[Finding]:
@@ -31,7 +31,7 @@ def _limits(urdf: Urdf, joint: UrdfJoint) -> list[Finding]:
     place = f"(line {urdf.line(joint.element)})"
     findings = []
     for value, what, unit, cure in (
-        (effort, "effort", "its motor's strength is assumed", "effort"),
+        (effort, "effort", "an effort is assumed from the weight that it carries", "effort"),
         (velocity, "velocity", "it is taken as unlimited", "velocity"),
     ):
         if value <= 0.0:
@@ -45,7 +45,7 @@ def _limits(urdf: Urdf, joint: UrdfJoint) -> list[Finding]:
                     f"no-{what}-limit",
                 )
             )
-    if joint.kind == "continuous":
+    if joint.type == "continuous":
         return findings
     if has_no_range(joint):
         findings.append(
@@ -53,7 +53,7 @@ def _limits(urdf: Urdf, joint: UrdfJoint) -> list[Finding]:
                 "warning",
                 joint.name,
                 f"has no position limits {place}",
-                "a range of one turn (π) each way is assumed, and nothing keeps it off its stops",
+                "a range of ±π is assumed, which may exceed what the joint can do",
                 "state <limit lower=… upper=…>",
                 "no-position-limit",
             )
@@ -65,7 +65,7 @@ def _limits(urdf: Urdf, joint: UrdfJoint) -> list[Finding]:
                 joint.name,
                 f"its lower limit {lower:g} is above its upper limit {upper:g} {place}",
                 "no position satisfies both; the file is refused",
-                "exchange them",
+                "exchange lower and upper",
                 "empty-range",
             )
         )
@@ -75,7 +75,7 @@ def _limits(urdf: Urdf, joint: UrdfJoint) -> list[Finding]:
                 "warning",
                 joint.name,
                 f"its range is the single value {lower:g} {place}",
-                "it cannot move, and a controller that asks it to finds no solution",
+                "it cannot move, so tasks that need it conflict with its limits",
                 f"make it fixed, or weld it: fixed_joints = ['{joint.name}']",
                 "empty-range",
             )
@@ -87,7 +87,7 @@ def _limits(urdf: Urdf, joint: UrdfJoint) -> list[Finding]:
                 "note",
                 joint.name,
                 f"mimics '{mimic.get('joint', '')}' {place}",
-                "it is taken as a joint with a motor of its own",
+                "it is controlled as a joint with a motor of its own",
                 f"weld it if it does not matter: fixed_joints = ['{joint.name}']",
                 "mimic",
             )
@@ -95,23 +95,23 @@ def _limits(urdf: Urdf, joint: UrdfJoint) -> list[Finding]:
     return findings
 
 
-def _dummies(urdf: Urdf) -> list[Finding]:
+def _placeholder_efforts(urdf: Urdf) -> list[Finding]:
     efforts = []
     for joint in urdf.joints:
-        if joint.kind in ("revolute", "continuous"):
+        if joint.type in ("revolute", "continuous"):
             try:
                 efforts.append(urdf.numbers(joint.element.find("limit"), "effort", (0.0,))[0])
             except RobotDescriptionError:
                 return []
-    if len(set(efforts)) == 1 and efforts[0] >= DUMMY_EFFORT:
+    if len(set(efforts)) == 1 and efforts[0] >= PLACEHOLDER_EFFORT:
         return [
             Finding(
                 "warning",
                 urdf.path.name,
                 f"every joint states the effort limit {efforts[0]:g} N·m",
-                "it looks like a placeholder, so the torque limits limit nothing",
+                "it looks like a placeholder, so torques are not limited",
                 "state the motors' peaks, or effort_limits in a data file",
-                "dummy-effort-limit",
+                "placeholder-effort-limit",
             )
         ]
     return []

@@ -1,4 +1,4 @@
-"""Can each link be a rigid body?"""
+"""Checks of the links: mass and inertia of a rigid body."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from wbc.robot.finding import Finding
 from wbc.robot.inertia import is_physical
 from wbc.robot.urdf import Urdf
 
-# A link whose mass lies on average farther out than this is in the wrong unit, m.
+# A radius of gyration above this means a wrong unit, m.
 GYRATION = 1.0
 # Lines printed with few digits break the triangle inequality by this much, relative.
-PRINTED = 1e-3
-# A link whose mass lies on average nearer than this is a point, m.
-POINT_GYRATION = 1e-5
-# Exporters give frames a speck of mass with some inertia; it matters to nobody, kg.
-SPECK = 1e-3
+PRINTED_PRECISION = 1e-3
+# A radius of gyration below this means a point mass, m.
+MIN_GYRATION = 1e-5
+# Exporters give massless frames a tiny mass with some inertia; it has no effect, kg.
+NEGLIGIBLE_MASS = 1e-3
 ADD_INERTIAL = "add <inertial> with mass, centre and inertia (from CAD, or of its shape as a solid)"
 
 
 def check_links(urdf: Urdf) -> list[Finding]:
-    """Links without inertia, and inertias that no rigid body can have."""
-    driven = {joint.child for joint in urdf.joints if joint.kind != "fixed"}
+    """Return findings on links without inertia and on non-physical inertias."""
+    driven = {joint.child for joint in urdf.joints if joint.type != "fixed"}
     findings: list[Finding] = []
     for name, link in urdf.links.items():
         inertial = link.find("inertial")
@@ -45,8 +45,8 @@ def _massless_axis(name: str, line: int) -> Finding:
         "note",
         name,
         f"moves by a joint of its own and has no <inertial> (line {line})",
-        "what hangs on it must bring the inertia; a milligram is put in for the physics engine",
-        f"{ADD_INERTIAL}, unless it only joins two axes",
+        "the links beyond it must have inertia; it gets a milligram for the physics engine",
+        f"{ADD_INERTIAL}, unless it only connects two axes",
         "no-inertia",
     )
 
@@ -76,7 +76,7 @@ def _inertial(urdf: Urdf, name: str, inertial: ET.Element, driven: bool) -> list
                 "error",
                 name,
                 f"has the mass {mass:g} kg {place}",
-                "it would accelerate against the force; the file is refused",
+                "no rigid body can have this; the file is refused",
                 "state a positive mass",
                 "negative-mass",
             )
@@ -87,18 +87,18 @@ def _inertial(urdf: Urdf, name: str, inertial: ET.Element, driven: bool) -> list
         # On a fixed joint a frame without mass and inertia is a fixture, not a mistake.
         return [_massless_axis(name, urdf.line(inertial))] if driven else []
     moments = np.linalg.eigvalsh(inertia)
-    if np.abs(moments).max() < POINT_GYRATION**2 * mass:
+    if np.abs(moments).max() < MIN_GYRATION**2 * mass:
         what = f"has mass but no inertia, as if it were a point {place}"
         return [_not_physical(name, what, driven)]
-    shown = ", ".join(f"{moment:.3g}" for moment in moments)
+    listed = ", ".join(f"{moment:.3g}" for moment in moments)
     if moments[0] <= 0.0:
-        what = f"has principal moments {shown} kg·m², not all positive {place}"
+        what = f"has principal moments {listed} kg·m², not all positive {place}"
         return [_not_physical(name, what, driven)]
-    if not is_physical(mass, inertia, PRINTED):
-        what = f"has principal moments {shown} kg·m², the last above the sum of the others {place}"
+    if not is_physical(mass, inertia, PRINTED_PRECISION):
+        what = f"has principal moments {listed} kg·m², the last above the sum of the others {place}"
         return [_not_physical(name, what, driven)]
     gyration = float(np.sqrt(moments[2] / mass))
-    if gyration < GYRATION or mass < SPECK:
+    if gyration < GYRATION or mass < NEGLIGIBLE_MASS:
         return []
     return [
         Finding(
@@ -106,7 +106,7 @@ def _inertial(urdf: Urdf, name: str, inertial: ET.Element, driven: bool) -> list
             name,
             f"has an inertia of {moments[2]:.3g} kg·m² on {mass:g} kg {place}: "
             f"its mass would lie {gyration:.2g} m from its centre",
-            "the joints near it are far too sluggish",
+            "the joints near it accelerate far too slowly",
             "check the unit: URDF has kg·m², CAD programs often kg·mm² or g·mm²",
             "implausible-inertia",
         )
@@ -126,15 +126,15 @@ def _not_physical(name: str, what: str, driven: bool) -> Finding:
 
 
 def check_masses(urdf: Urdf, massless: list[tuple[str, float]]) -> list[Finding]:
-    """One finding for each joint that moves no inertia, named by the link that lacks it."""
+    """Return a finding for each joint that moves no inertia, on the link that lacks it."""
     child = {joint.name: joint.child for joint in urdf.joints}
     return [
         Finding(
             "error",
             child[joint],
-            f"nothing with inertia hangs on its joint '{joint}' "
+            f"its joint '{joint}' moves nothing that has inertia "
             f"(line {urdf.line(urdf.links[child[joint]])})",
-            "the mass matrix is singular and accelerations are undefined (NaN); it is refused",
+            "the mass matrix is singular and accelerations are undefined; the file is refused",
             f"give '{child[joint]}' an <inertial>, or weld the joint: fixed_joints = ['{joint}']",
             "singular-mass-matrix",
         )

@@ -1,4 +1,4 @@
-"""Can the loaded robot stand: flat soles, mass over the feet, free and strong legs?"""
+"""Checks of the loaded robot in its nominal posture: soles, balance, legs and strength."""
 
 from __future__ import annotations
 
@@ -22,12 +22,14 @@ TILT, HEIGHT = 1e-3, 1e-4
 SINGULAR = 1e-2
 # Two soles whose sizes differ by more are not a pair, relative.
 UNLIKE = 0.1
+# A sole that is wider than long by this factor is suspicious.
+WIDE = 1.2
 # Condition number of the mass matrix above which its inverse has lost half its digits.
 ILL_CONDITIONED = 1e8
 
 
 def check_stance(robot: Robot) -> list[Finding]:
-    """Soles, centre of mass, legs, posture and strength in the nominal posture."""
+    """Return findings on soles, centre of mass, joint range, legs, mass matrix and torques."""
     return [
         *_soles(robot),
         *_heading(robot),
@@ -61,11 +63,22 @@ def _soles(robot: Robot) -> list[Finding]:
                 Finding(
                     "warning",
                     sole.link,
-                    f"its sole is {2e3 * sole.half_length:.0f} × {2e3 * sole.half_width:.0f} mm, "
-                    "next to a point",
-                    "it cannot carry a moment: surface contacts and standing still need an area",
+                    f"its sole is {sole.size_text}, almost a point",
+                    "it cannot carry a moment, and standing still needs an area",
                     "use point contacts, or give the foot a flat collision shape",
                     "point-foot",
+                )
+            )
+        if sole.half_width > WIDE * sole.half_length and has_soles((sole, sole)):
+            findings.append(
+                Finding(
+                    "warning",
+                    sole.link,
+                    f"its sole is {sole.size_text} (length × width), wider than long",
+                    "forward may be the wrong way, or the meshes are turned",
+                    "check left_foot and right_foot; if the Collada meshes mean their <up_axis>, "
+                    "state respect_up_axis = true",
+                    "wide-sole",
                 )
             )
     left, right = ((s.half_length, s.half_width) for s in robot.soles)
@@ -74,9 +87,9 @@ def _soles(robot: Robot) -> list[Finding]:
             Finding(
                 "warning",
                 robot.soles[1].link,
-                f"its sole ({2e3 * right[0]:.0f} × {2e3 * right[1]:.0f} mm) differs from the "
-                f"left one ({2e3 * left[0]:.0f} × {2e3 * left[1]:.0f} mm)",
-                "the robot balances better on one side",
+                f"its sole ({robot.soles[1].size_text}) differs from the left one "
+                f"({robot.soles[0].size_text})",
+                "the robot balances worse on the smaller sole",
                 "compare the feet's collision shapes",
                 "unlike-soles",
             )
@@ -85,7 +98,7 @@ def _soles(robot: Robot) -> list[Finding]:
 
 
 def _heading(robot: Robot) -> list[Finding]:
-    """The soles say where forward is; a base that disagrees is worth a word."""
+    """A base whose x axis points against the heading of the soles."""
     rotation = pin.XYZQUATToSE3(robot.q_nominal[:7]).rotation
     if rotation[0, 0] > 0.0 or abs(rotation[2, 2]) < 0.5:
         return []
@@ -94,8 +107,8 @@ def _heading(robot: Robot) -> list[Finding]:
             "warning",
             robot.base,
             "its x axis points backwards when the left foot is on the left",
-            "if the feet are named right, nothing (iCub is built so); if they are exchanged, "
-            "the robot walks backwards",
+            "if the feet are exchanged, the robot walks backwards; if they are not, nothing "
+            "(iCub is built so)",
             "check left_foot and right_foot",
             "backward-base",
         )
@@ -114,7 +127,7 @@ def _balance(robot: Robot) -> list[Finding]:
             robot.name,
             f"the centre of mass is ({1e3 * com[0]:+.0f}, {1e3 * com[1]:+.0f}) mm from the soles' "
             "midpoint in the nominal posture, beyond the soles",
-            "it topples when it stands still",
+            "it falls over when it stands still",
             "state a nominal posture with the mass over the feet, or check the links' masses",
             "unbalanced-posture",
         )
@@ -136,7 +149,7 @@ def _range(robot: Robot) -> list[Finding]:
             "error",
             robot.joint_names[i],
             f"stands at {joints[i]:.3f} in the nominal posture, {over[i]:.3g} beyond its limit",
-            "the limits of the controller are violated from the start",
+            "the controller's limits are violated from the start",
             "correct the posture or the limit",
             "posture-beyond-limit",
         )
@@ -213,7 +226,7 @@ def _mass_matrix(robot: Robot) -> list[Finding]:
             robot.joint_names[worst],
             f"moves so little inertia that the mass matrix's eigenvalues range from "
             f"{values[0]:.2g} to {values[-1]:.2g}",
-            "accelerations of such joints are ill defined and physics needs tiny steps",
+            "accelerations of such joints are inaccurate and physics needs small steps",
             "state armature (the motor's rotor inertia), or weld the joint with fixed_joints",
             "ill-conditioned-mass-matrix",
         )
@@ -228,7 +241,7 @@ def _strength(robot: Robot) -> list[Finding]:
             "warning",
             robot.joint_names[i],
             f"needs {abs(tau[i]):.3g} N·m to hold the nominal posture and has {robot.tau_max[i]:g}",
-            "the robot sags or falls",
+            "the robot cannot hold the posture",
             "check the effort limit, the masses and the posture",
             "too-weak",
         )

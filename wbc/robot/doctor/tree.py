@@ -1,15 +1,15 @@
-"""Does the file describe one tree of links, and may its base float?"""
+"""Checks of the tree: names, joint types, loops, unconnected links, a fixed base."""
 
 from __future__ import annotations
 
 from wbc.errors import did_you_mean
 from wbc.robot.finding import Finding
-from wbc.robot.model import KINDS, world_joint
+from wbc.robot.model import JOINT_TYPES, world_joint
 from wbc.robot.urdf import Urdf, UrdfJoint
 
 
 def check_tree(urdf: Urdf) -> list[Finding]:
-    """Duplicate and missing names, unusable joints, loops, loose links, a bolted base."""
+    """Return findings on names, joint types, loops, unconnected links and a fixed base."""
     findings = [
         Finding(
             "error",
@@ -42,14 +42,14 @@ def _joint(urdf: Urdf, joint: UrdfJoint, reached: dict[str, UrdfJoint]) -> list[
                     "missing-link",
                 )
             )
-    if joint.kind not in KINDS:
+    if joint.type not in JOINT_TYPES:
         findings.append(
             Finding(
                 "error",
                 joint.name,
-                f"has the type '{joint.kind}' {place}",
+                f"has the type '{joint.type}' {place}",
                 "its motion is undefined",
-                f"use one of {', '.join(KINDS)}",
+                f"use one of {', '.join(JOINT_TYPES)}",
                 "unknown-joint-type",
             )
         )
@@ -65,13 +65,13 @@ def _joint(urdf: Urdf, joint: UrdfJoint, reached: dict[str, UrdfJoint]) -> list[
                 "loop",
             )
         )
-    elif joint.kind in ("floating", "planar") and joint is not world_joint(urdf):
+    elif joint.type in ("floating", "planar") and joint is not world_joint(urdf):
         findings.append(
             Finding(
                 "error",
                 joint.name,
-                f"is {joint.kind} inside the robot {place}",
-                "nothing drives its six or three directions",
+                f"is {joint.type} inside the robot {place}",
+                "it has several axes and no motors",
                 "split it into single revolute and prismatic joints, or make it fixed",
                 "inner-floating-joint",
             )
@@ -93,22 +93,22 @@ def _roots(urdf: Urdf, reached: dict[str, UrdfJoint]) -> list[Finding]:
                 "loop",
             )
         ]
-    # The base is the root from which most of the robot hangs.
-    sizes = {root: len(urdf.below(root)) for root in roots}
+    # The base is the root with the most links.
+    sizes = {root: len(urdf.descendants(root)) for root in roots}
     base = max(roots, key=lambda root: sizes[root])
     findings = [
         Finding(
             "error",
             root,
-            f"hangs on no joint, beside the base '{base}'",
-            "it and what hangs on it would fall off; the file is refused",
+            f"is no joint's child, and neither is the base '{base}'",
+            "it is not connected to the robot; the file is refused",
             f"add a joint that has '{root}' as its child",
             "disconnected-link",
         )
         for root in roots
         if root != base
     ]
-    seen = set().union(*(urdf.below(root) for root in roots))
+    seen = set().union(*(urdf.descendants(root) for root in roots))
     findings += [
         Finding(
             "error",
@@ -121,26 +121,26 @@ def _roots(urdf: Urdf, reached: dict[str, UrdfJoint]) -> list[Finding]:
         for link in urdf.links
         if link not in seen
     ]
-    anchor = world_joint(urdf)
-    if anchor is not None and anchor.kind == "fixed":
+    fixture = world_joint(urdf)
+    if fixture is not None and fixture.type == "fixed":
         findings.append(
             Finding(
                 "warning",
-                anchor.name,
-                f"bolts '{anchor.child}' to '{anchor.parent}': the file has no floating base",
-                "a humanoid would hang in the air; the joint is left out and the base floats",
-                f"remove the link '{anchor.parent}' and the joint",
+                fixture.name,
+                f"fixes '{fixture.child}' to '{fixture.parent}': the file has no floating base",
+                "a humanoid could not move; the joint is left out and the base floats",
+                f"remove the link '{fixture.parent}' and the joint",
                 "no-floating-base",
             )
         )
-    elif anchor is not None:
+    elif fixture is not None:
         findings.append(
             Finding(
                 "note",
-                anchor.name,
+                fixture.name,
                 "is the file's own floating joint",
                 "the library's free-flyer takes its place",
-                "nothing, or remove it",
+                "no change is needed",
                 "own-floating-base",
             )
         )
