@@ -8,15 +8,18 @@ mass matrix and of the non-linear effects instead of being computed by passes of
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import pinocchio as pin
 
-from wbc.errors import StateError
+from wbc.errors import StateError, WbcError
 from wbc.robot import Robot
 from wbc.state import State
 
 _WORLD_AXES = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 _FRAME_AXES = pin.ReferenceFrame.LOCAL
+_SE3_BYTES = 12 * 8  # rotation, translation
 
 
 class Centroid:
@@ -130,6 +133,26 @@ class Kinematics:
         self._local.clear()
         self._centroid = self._p_com = None
         self._moved = False
+
+    @cached_property
+    def joint_placements(self) -> np.ndarray:
+        """(njoints, 12) view of `data.oMi`: the rotation's columns, then the translation.
+
+        The rows are Pinocchio's own memory, valid as long as `data` and changed by every pass
+        over the model: compiled code reads all placements without a call for each.
+        """
+        placements = self.data.oMi
+        rotations = [placements[i].rotation for i in range(self.model.njoints)]
+        addresses = [rotation.ctypes.data for rotation in rotations]
+        translation = placements[0].translation.ctypes.data
+        expected = range(addresses[0], addresses[0] + _SE3_BYTES * len(addresses), _SE3_BYTES)
+        if addresses != list(expected) or translation != addresses[0] + 72:
+            raise WbcError(
+                "this build of Pinocchio does not store placements one after the other; use "
+                "formulation=wbc.Formulation.REDUCED"
+            )
+        shape, strides = (self.model.njoints, 12), (_SE3_BYTES, 8)
+        return np.lib.stride_tricks.as_strided(rotations[0].T, shape, strides)
 
     def frame(self, frame: str | int) -> pin.SE3:
         """`T_world_frame` of a frame, by name or by frame index.

@@ -12,6 +12,7 @@ from wbc.errors import StateError
 from wbc.formatting import format_vector
 
 QUATERNION_TOLERANCE = 1e-3
+_FLOAT = np.dtype(float)
 _SHORTEST, _LONGEST = (1.0 - QUATERNION_TOLERANCE) ** 2, (1.0 + QUATERNION_TOLERANCE) ** 2
 
 
@@ -42,7 +43,7 @@ class State:
         q, v = self.q, self.v
         if not (type(q) is np.ndarray and type(v) is np.ndarray and nq == nv + 1):
             return False
-        if q.shape != (nq,) or v.shape != (nv,) or q.dtype != float or v.dtype != float:
+        if q.shape != (nq,) or v.shape != (nv,) or q.dtype is not _FLOAT or v.dtype is not _FLOAT:
             return False
         quaternion = q[3:7]
         length = quaternion.dot(quaternion)

@@ -19,9 +19,8 @@ from wbc.limits import LimitSet
 from wbc.qp.assembly import Assembly, Formulation
 from wbc.qp.cost import Regularisation
 from wbc.qp.elimination import StanceElimination
-from wbc.qp.kernels.buffers import Buffers
+from wbc.qp.kernels.buffers import Buffers, Sizes
 from wbc.qp.kernels.program import assemble, recover
-from wbc.qp.kernels.schema import Sizes
 from wbc.qp.parameter_update import (
     Update,
     bound_update,
@@ -90,8 +89,9 @@ class CompiledAssembly:
         tree, maps, program = buffers.tree, buffers.maps, buffers.program
         tree.parent[:] = [max(robot.model.parents[i] - 1, 0) for i in range(1, na + 2)]
         tree.gravity[:] = robot.model.gravity.linear
-        buffers.frames.body[:] = [robot.model.frames[i].parentJoint - 1 for i in frames.ids]
-        self._placements = list(zip(buffers.frames.placement, frames.ids, strict=True))
+        used = [robot.model.frames[i] for i in frames.ids]
+        buffers.frames.body[:] = [frame.parentJoint - 1 for frame in used]
+        buffers.frames.in_body[:] = [frame.placement.homogeneous for frame in used]
         maps.stance_joints[:] = joints
         maps.dense_columns[:] = [*joints, m.n] if stance else range(m.n + 1)
         maps.W[:] = m.W
@@ -129,22 +129,25 @@ class CompiledAssembly:
         return self.assemble(kin)
 
     def update(self, kin: Kinematics) -> None:
-        """Copy what tasks, contacts and limits ask for, and where their frames are."""
+        """Copy what tasks, contacts and limits ask for."""
         owner: object = None
         try:
             for owner, update in self._updates:  # noqa: B007 - named when it fails
                 update(kin)
         except (ValueError, TypeError, AttributeError) as error:
             raise_row_error(owner, error)
-        model, data = kin.model, kin.data
-        for placement, frame_id in self._placements:
-            placement[:] = pin.updateFramePlacement(model, data, frame_id).homogeneous
 
     def assemble(self, kin: Kinematics) -> Problem:
         """Return the QP of what was copied by `update`."""
         state = kin.state
         self._problem.finite = assemble(
-            kin.mass_matrix, kin.bias_forces, kin.data.J.T, state.q, state.v, *self._arguments
+            kin.mass_matrix,
+            kin.bias_forces,
+            kin.data.J.T,
+            kin.joint_placements,
+            state.q,
+            state.v,
+            *self._arguments,
         )
         return self._problem
 

@@ -49,7 +49,7 @@ def motion_task_update(task: MotionTask, buffers: Buffers, k: int, frame: int, r
     group.frame[k], group.component[k] = frame, part.start
     group.size[k], group.row[k] = task.size, row
     group.target[k] = np.eye(4)
-    reference = TaskReference(group.target[k], group.velocity[k], group.acceleration[k])
+    reference = TaskReference(group.target[k], group.velocity[k, part], group.acceleration[k, part])
     kp, kd = group.kp[k, part], group.kd[k, part]
     root_weight = buffers.rows.root_weight[row : row + task.size]
     gains: object = None

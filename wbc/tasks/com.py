@@ -51,5 +51,5 @@ class ComTask(MotionTask):
         if self.target is None:
             self.target = kin.p_com.copy()
         reference.position[:] = self.target
-        reference.velocity[:3] = self.velocity
-        reference.acceleration[:3] = self.acceleration
+        reference.velocity[:] = self.velocity
+        reference.acceleration[:] = self.acceleration

@@ -39,8 +39,8 @@ class _FrameTask(MotionTask):
         self._frame_id = robot.frame_id(self.frame)
 
     def _write_motion(self, reference: TaskReference) -> None:
-        reference.velocity[self.components] = self.velocity
-        reference.acceleration[self.components] = self.acceleration
+        reference.velocity[:] = self.velocity
+        reference.acceleration[:] = self.acceleration
 
 
 class FrameTask(_FrameTask):

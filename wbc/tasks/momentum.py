@@ -45,4 +45,4 @@ class AngularMomentumTask(MotionTask):
     def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
         """See `MotionTask.write_reference`."""
         reference.position[:] = self.target
-        reference.acceleration[3:] = self.rate
+        reference.acceleration[:] = self.rate

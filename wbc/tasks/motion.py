@@ -19,30 +19,23 @@ class TaskReference:
     """Desired pose and motion of the frame of a `MotionTask`, in world axes.
 
     Args:
-        pose: as the attribute; identity when left out.
-        velocity: as the attribute; zero when left out.
-        acceleration: as the attribute; zero when left out.
+        pose, velocity, acceleration: the arrays of the attributes.
 
     Attributes:
         pose: (4, 4) desired `T_world_frame`.
         rotation: (3, 3) view of the pose.
         position: (3,) view of the pose, m; of an angular momentum, kg·m²/s.
-        velocity: (6,) linear then angular, m/s and rad/s.
-        acceleration: (6,) feed-forward, m/s² and rad/s².
+        velocity: (m,) desired velocity, the task's components, m/s and rad/s.
+        acceleration: (m,) feed-forward, the task's components, m/s² and rad/s².
     """
 
     __slots__ = ("acceleration", "pose", "position", "rotation", "velocity")
 
-    def __init__(
-        self,
-        pose: np.ndarray | None = None,
-        velocity: np.ndarray | None = None,
-        acceleration: np.ndarray | None = None,
-    ) -> None:
-        self.pose = np.eye(4) if pose is None else pose
-        self.rotation, self.position = self.pose[:3, :3], self.pose[:3, 3]
-        self.velocity = np.zeros(6) if velocity is None else velocity
-        self.acceleration = np.zeros(6) if acceleration is None else acceleration
+    def __init__(self, pose: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> None:
+        self.pose = pose
+        self.rotation, self.position = pose[:3, :3], pose[:3, 3]
+        self.velocity = velocity
+        self.acceleration = acceleration
 
     def __reduce__(self) -> tuple[type[TaskReference], tuple[np.ndarray, ...]]:
         """Copy the arrays; the views of the pose are made again."""
@@ -73,7 +66,7 @@ class MotionTask(Task):
         size = self.components.stop - self.components.start
         super().__init__(name, size, weight, kp, kd, priority)
         self._frame_id = CENTROID
-        self._reference = TaskReference()
+        self._reference = TaskReference(np.eye(4), np.zeros(size), np.zeros(size))
 
     @property
     def frame_id(self) -> int:
@@ -98,6 +91,6 @@ class MotionTask(Task):
             error[3:] = pin.log3(reference.rotation @ at.rotation.T)
         error[:3] = reference.position - at.position
         A[:] = at.jacobian[rows]
-        np.subtract(reference.acceleration[rows], at.bias[rows], out=b)
-        b += self.kd * (reference.velocity[rows] - at.velocity[rows])
+        np.subtract(reference.acceleration, at.bias[rows], out=b)
+        b += self.kd * (reference.velocity - at.velocity[rows])
         b += self.kp * error[rows]

@@ -30,6 +30,7 @@ class Frames(NamedTuple):
 
     Attributes:
         body: body that carries the frame.
+        in_body: placement of the frame in the axes of its body's joint.
         placement: `T_world_frame`; that of entry 0 is the base's, then the CoM's.
         jacobian: world axes.
         velocity: m/s, rad/s; world axes.
@@ -37,6 +38,7 @@ class Frames(NamedTuple):
     """
 
     body: Annotated[np.ndarray, integers("frames")]
+    in_body: Annotated[np.ndarray, reals("frames", 4, 4)]
     placement: Annotated[np.ndarray, reals("frames", 4, 4)]
     jacobian: Annotated[np.ndarray, reals("frames", 6, "velocities")]
     velocity: Annotated[np.ndarray, reals("frames", 6)]

@@ -47,6 +47,25 @@ def sweep(tree: Tree, J: np.ndarray, v: np.ndarray) -> None:
 
 
 @subkernel
+def place_frames(frames: Frames, joint_placements: np.ndarray) -> None:
+    """Placement of each frame in the world.
+
+    Args:
+        frames: the frames.
+        joint_placements: (1 + bodies, 12) of the universe and all joints, see
+            `wbc.kinematics.Kinematics.joint_placements`.
+    """
+    for k in range(frames.body.size):
+        joint = joint_placements[frames.body[k] + 1]
+        local, out = frames.in_body[k], frames.placement[k]
+        for i in range(3):
+            r0, r1, r2 = joint[i], joint[3 + i], joint[6 + i]
+            for j in range(4):
+                out[i, j] = r0 * local[0, j] + r1 * local[1, j] + r2 * local[2, j]
+            out[i, 3] += joint[9 + i]
+
+
+@subkernel
 def move_frames(tree: Tree, frames: Frames, J: np.ndarray) -> None:
     """Jacobian, velocity and classical bias acceleration of each frame's origin."""
     for k in range(1, frames.body.size):

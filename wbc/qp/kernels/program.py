@@ -29,7 +29,7 @@ from wbc.qp.kernels.groups import (
     JointTasks,
     QuadraticProgram,
 )
-from wbc.qp.kernels.motion import move_centroid, move_frames, sweep
+from wbc.qp.kernels.motion import move_centroid, move_frames, place_frames, sweep
 from wbc.qp.kernels.rows import write_contacts, write_joint_bounds, write_tasks
 
 
@@ -174,13 +174,14 @@ def write_constraints(
 
 
 @kernel(
-    "boolean(float64[:,::1], float64[::1], float64[:,::1], float64[::1], float64[::1], "
-    "float64[::1], int64[::1], int64[:,::1], float64, float64, float64)"
+    "boolean(float64[:,::1], float64[::1], float64[:,::1], float64[:,::1], float64[::1], "
+    "float64[::1], float64[::1], int64[::1], int64[:,::1], float64, float64, float64)"
 )
 def assemble(
     M: np.ndarray,
     h: np.ndarray,
     J: np.ndarray,
+    joint_placements: np.ndarray,
     q: np.ndarray,
     v: np.ndarray,
     reals: np.ndarray,
@@ -196,6 +197,7 @@ def assemble(
         M: (nv, nv) mass matrix, symmetric.
         h: (nv,) bias forces.
         J: (nv, 6) transposed world Jacobian of all joints.
+        joint_placements: (njoints, 12), see `wbc.kinematics.Kinematics`.
         q, v: state.
         reals, integers, table: the arrays of a `Buffers`.
         mass: kg.
@@ -212,6 +214,7 @@ def assemble(
     maps = read_maps(reals, integers, table)
     program = read_program(reals, integers, table)
     sweep(tree, J, v)
+    place_frames(frames, joint_placements)
     move_frames(tree, frames, J)
     move_centroid(frames, M, h, v, mass, tree.gravity)
     write_tasks(read_motion_tasks(reals, integers, table), frames, rows)

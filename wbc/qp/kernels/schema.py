@@ -1,17 +1,26 @@
-"""The declaration of the kernels' arrays: what a group's fields are, and how long.
+"""Arrays that are declared once: allocated in Python, found again in compiled code.
 
 A group is a `NamedTuple` whose fields are annotated with `reals(…)` or `integers(…)`, the lengths
-of the axes by their names in `Sizes`. From that follow the memory (`wbc.qp.kernels.buffers`) and
-the compiled function that finds a group in it: a new array is one line in one group.
+of the axes by their names. From that follow the memory (`Memory`) and the compiled function that
+finds a group in it (`reader`): a new array is one line in one group.
+
+Unpacking seventy arrays costs a compiled function more than ten microseconds a call, the three
+arrays of a `Memory` a tenth of one.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, get_type_hints
+from typing import Any, TypeVar, get_type_hints
 
 import numpy as np
+
+from wbc.jit.compile import subkernel
+
+GroupT = TypeVar("GroupT")
+_MAX_AXES = 3
 
 
 @dataclass(frozen=True)
@@ -20,7 +29,7 @@ class ArrayField:
 
     Attributes:
         dtype: float or int64.
-        axes: length of each axis, a number or the name of one in `Sizes`; one to three.
+        axes: length of each axis, a number or the name of a length; one to three.
     """
 
     dtype: type
@@ -43,70 +52,76 @@ def fields_of(group: type) -> tuple[ArrayField, ...]:
     return tuple(hint.__metadata__[0] for hint in hints.values())
 
 
-@dataclass(frozen=True)
-class Sizes:
-    """The lengths of all axes, for one structure of the QP.
+class Memory:
+    """The arrays of some groups, as views of two stretches of memory.
+
+    Args:
+        groups: the groups.
+        sizes: has the length of each axis under its name.
 
     Attributes:
-        joints: actuated joints, na.
-        forces: contact force components, nf.
-        unknowns: of the QP, n.
-        frames: frames that tasks and contacts refer to, the centroid among them.
-        motion_tasks: tasks on components of a frame's motion.
-        joint_rows: rows of weighted tasks on single joints.
-        contacts: contacts.
-        cone_rows: rows of all contacts' force cones.
-        dense_rows: rows of dense tasks and of contacts that are not eliminated.
-        cost_rows: how many of them are in the cost.
-        residual_rows: rows of the cost's residual, a multiple of three.
-        bounds: limits on joint accelerations.
-        limited_torques: joints whose torque is limited.
-        limit_rows: rows of general limits.
-        stance_joints: joints that move the eliminated contact.
-        dense_columns: columns of the base's map that may differ from zero.
-        constraint_rows: rows of C.
+        arrays: the reals, the integers, and one line per array that tells where it begins and how
+            long its axes are: what a compiled function gets.
     """
 
-    joints: int
-    forces: int
-    unknowns: int
-    frames: int
-    motion_tasks: int
-    joint_rows: int
-    contacts: int
-    cone_rows: int
-    dense_rows: int
-    cost_rows: int
-    residual_rows: int
-    bounds: int
-    limited_torques: int
-    limit_rows: int
-    stance_joints: int
-    dense_columns: int
-    constraint_rows: int
+    def __init__(self, groups: tuple[type, ...], sizes: object) -> None:
+        lines = []
+        length: dict[type, int] = {np.float64: 0, np.int64: 0}
+        for group in groups:
+            for field in fields_of(group):
+                shape = _shape(field, sizes)
+                lines.append((length[field.dtype], *shape, *(1,) * (_MAX_AXES - len(shape))))
+                length[field.dtype] += math.prod(shape)
+        memory: dict[type, np.ndarray] = {dtype: np.zeros(n, dtype) for dtype, n in length.items()}
+        self.arrays = (memory[np.float64], memory[np.int64], np.array(lines, dtype=np.int64))
+        starts = iter(line[0] for line in lines)
 
-    @cached_property
-    def bodies(self) -> int:
-        """The base and one body per joint."""
-        return self.joints + 1
+        def view(field: ArrayField) -> np.ndarray:
+            shape, start = _shape(field, sizes), next(starts)
+            return memory[field.dtype][start : start + math.prod(shape)].reshape(shape)
 
-    @cached_property
-    def velocities(self) -> int:
-        """Size of the generalised velocity, nv."""
-        return self.joints + 6
+        self._views: dict[type, Any] = {
+            group: group(*(view(field) for field in fields_of(group))) for group in groups
+        }
 
-    @cached_property
-    def affine(self) -> int:
-        """Size of x̂ = (x, 1)."""
-        return self.unknowns + 1
+    def group(self, group: type[GroupT]) -> GroupT:
+        """Return the views of a group."""
+        found: GroupT = self._views[group]
+        return found
 
-    @cached_property
-    def bound_rows(self) -> int:
-        """Size of lb and ub."""
-        return self.joints + self.constraint_rows
 
-    def shape(self, field: ArrayField) -> tuple[int, ...]:
-        """Return the shape of an array."""
-        return tuple(
-            axis if isinstance(axis, int) else int(getattr(self, axis)) for axis in field.axes
-        )
+def _shape(field: ArrayField, sizes: object) -> tuple[int, ...]:
+    return tuple(axis if isinstance(axis, int) else getattr(sizes, axis) for axis in field.axes)
+
+
+# A line of the table, not its number: Numba would compile these anew for each number.
+@subkernel
+def _one_axis(flat: np.ndarray, line: np.ndarray) -> np.ndarray:
+    return flat[line[0] : line[0] + line[1]]
+
+
+@subkernel
+def _two_axes(flat: np.ndarray, line: np.ndarray) -> np.ndarray:
+    return flat[line[0] : line[0] + line[1] * line[2]].reshape(line[1], line[2])
+
+
+@subkernel
+def _three_axes(flat: np.ndarray, line: np.ndarray) -> np.ndarray:
+    size = line[1] * line[2] * line[3]
+    return flat[line[0] : line[0] + size].reshape(line[1], line[2], line[3])
+
+
+def reader(groups: tuple[type, ...], group: type) -> Callable[..., Any]:
+    """Return the compiled function that finds a group in the arrays of a `Memory`."""
+    first = sum(len(fields_of(other)) for other in groups[: groups.index(group)])
+    views = ("_one_axis", "_two_axes", "_three_axes")
+    arguments = ", ".join(
+        f"{views[len(field.axes) - 1]}({'reals' if field.dtype is np.float64 else 'integers'}, "
+        f"table[{first + k}])"
+        for k, field in enumerate(fields_of(group))
+    )
+    source = f"def read(reals, integers, table):\n    return Group({arguments})\n"
+    namespace = {**globals(), "Group": group}
+    exec(source, namespace)
+    read: Callable[..., Any] = subkernel(namespace["read"])
+    return read

@@ -3,11 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from wbc.qp.kernels.dual_active_set import NOT_CONVEX, SOLVED, solve
+from wbc.qp.kernels.dual_active_set import (
+    NOT_CONVEX,
+    SOLVED,
+    SOLVER_GROUPS,
+    solve,
+)
+from wbc.qp.kernels.schema import Memory
+from wbc.qp.kernels.working_set import WorkingSet, Workspace
 from wbc.qp.problem import Outcome, Problem, Solution
 from wbc.qp.solvers.daqp import DaqpSolver
 
@@ -33,31 +41,31 @@ class CompiledSolver:
 
     def __init__(self, tolerance: float = _TOLERANCE) -> None:
         self._tolerance = tolerance
-        self._workspaces: dict[tuple[int, int], _Workspace] = {}
+        self._states: dict[tuple[int, int], _SolverState] = {}
 
     def solve(self, problem: Problem) -> Solution:
         """See `wbc.qp.Solver`."""
         key = problem.C.shape[1], problem.lb.size
-        workspace = self._workspaces.get(key)
-        if workspace is None:
-            workspace = self._workspaces[key] = _Workspace(*key)
-        if self._attempt(problem, workspace, self._tolerance) == SOLVED:
-            return workspace.solution()
-        workspace.reset()
-        if self._attempt(problem, workspace, self._tolerance) == SOLVED:
-            return workspace.solution()
+        state = self._states.get(key)
+        if state is None:
+            state = self._states[key] = _SolverState(*key)
+        if self._attempt(problem, state, self._tolerance) == SOLVED:
+            return state.solution()
+        state.reset()
+        if self._attempt(problem, state, self._tolerance) == SOLVED:
+            return state.solution()
         second = DaqpSolver().solve(problem)
         if second.outcome is Outcome.SOLVED:
-            workspace.reset()
+            state.reset()
             return second
         for factor in _LOOSER[1:]:
-            workspace.reset()
-            if self._attempt(problem, workspace, factor * self._tolerance) == SOLVED:
-                return workspace.solution()
-        workspace.reset()
+            state.reset()
+            if self._attempt(problem, state, factor * self._tolerance) == SOLVED:
+                return state.solution()
+        state.reset()
         return second
 
-    def _attempt(self, problem: Problem, workspace: _Workspace, tolerance: float) -> int:
+    def _attempt(self, problem: Problem, state: _SolverState, tolerance: float) -> int:
         code = solve(
             problem.H,
             problem.g,
@@ -68,51 +76,56 @@ class CompiledSolver:
             problem.equality,
             tolerance,
             _ITERATIONS,
-            *workspace.arrays,
+            *state.arrays,
         )
-        if code == SOLVED and not math.isfinite(workspace.x.dot(workspace.x)):
+        if code == SOLVED and not math.isfinite(state.x.dot(state.x)):
             return NOT_CONVEX
         return int(code)
 
 
-class _Workspace:
+@dataclass(frozen=True)
+class _Sizes:
+    """Lengths of the solver's arrays, see `wbc.qp.kernels.dual_active_set`."""
+
+    unknowns: int
+    rows: int
+
+    @property
+    def capacity(self) -> int:
+        """Rows that fit into the working set, and one that is to be exchanged."""
+        return self.unknowns + 1
+
+
+class _SolverState:
     """Working set and memory for problems of one size.
 
     Args:
-        n: number of unknowns.
+        unknowns: number of unknowns.
         rows: number of rows, simple bounds included.
     """
 
-    def __init__(self, n: int, rows: int) -> None:
-        self._size = n, rows
-        self._counts = np.zeros(2, dtype=np.int64)
-        self._rows, self._sides = np.zeros((2, n + 1), dtype=np.int64)
-        self._multipliers = np.zeros(n + 1)
-        lines = np.zeros((5, rows + 2 * n + 2))
-        matrices = np.zeros((4, n + 1, n + 1))
-        self.arrays = (
-            self._counts,
-            self._rows,
-            self._sides,
-            self._multipliers,
-            matrices,
-            lines,
-        )
-        self.x = lines[0, :n]
+    def __init__(self, unknowns: int, rows: int) -> None:
+        self._sizes = (unknowns, rows)
+        memory = Memory(SOLVER_GROUPS, _Sizes(unknowns, rows))
+        self.arrays = memory.arrays
+        self._active = memory.group(WorkingSet)
+        self.x = memory.group(Workspace).x
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copy the working set and its multipliers: all that one solve leaves to the next."""
-        kept = self._counts, self._rows, self._sides, self._multipliers
-        return _Workspace, self._size, kept
+        """Copy what one solve leaves to the next: the working set and its multipliers."""
+        active = self._active
+        return _SolverState, self._sizes, (active.size, active.row, active.side, active.multiplier)
 
     def __setstate__(self, kept: tuple[np.ndarray, ...]) -> None:
-        for array, values in zip(self.arrays, kept, strict=False):
+        active = self._active
+        copies = (active.size, active.row, active.side, active.multiplier)
+        for array, values in zip(copies, kept, strict=True):
             array[:] = values
 
     def solution(self) -> Solution:
         """Return what the last solve found."""
-        return Solution(self.x.copy(), Outcome.SOLVED, int(self._counts[1]))
+        return Solution(self.x.copy(), Outcome.SOLVED, int(self._active.iterations[0]))
 
     def reset(self) -> None:
         """Start the next solve from an empty working set."""
-        self._counts[0] = 0
+        self._active.size[0] = 0
