@@ -98,7 +98,7 @@ class MissingExtra(WbcError, ImportError):
 def did_you_mean(name: str, names: Iterable[str], most: int = 3) -> str:
     """`"; did you mean 'a' or 'b'?"`, or a short list of what there is."""
     known = list(names)
-    near = difflib.get_close_matches(name, known, n=most, cutoff=0.5)
+    near = difflib.get_close_matches(name, known, n=most, cutoff=0.6)
     # A fragment of a name ("sole") is a better hint than its spelling distance.
     near += [k for k in known if name.lower() in k.lower() and k not in near][: most - len(near)]
     if near:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
-import subprocess
 import sys
 import time
 from pathlib import Path
 
 import pytest
+from clitools import QUICK, start
 
 import wbc
 from wbc.cli import main
@@ -21,7 +20,6 @@ KEYS = {
     *("dcm_error_rms_mm", "torque_peak_ratio", "qp_failures", "tick_p50_us", "tick_p99_us"),
     *("tick_max_us", "real_time_factor"),
 }
-QUICK = ("--robot", "simple_humanoid", "--no-view")
 
 
 @pytest.fixture
@@ -228,22 +226,8 @@ def test_walk_shows_itself_in_the_browser_unless_told_otherwise(wbc_command):
     assert out.startswith("Viewer: http://127.0.0.1:")
 
 
-def command_line(*arguments: str, **options: object) -> subprocess.Popen[str]:
-    root = str(Path(wbc.__file__).parents[1])
-    path = os.pathsep.join(filter(None, (root, os.environ.get("PYTHONPATH"))))
-    return subprocess.Popen(
-        [sys.executable, "-m", "wbc", *arguments],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PYTHONPATH": path},
-        **options,
-    )
-
-
 def test_ctrl_c_ends_with_the_report_so_far():
-    process = command_line("stand", *QUICK, "--duration", "600")
+    process = start("stand", *QUICK, "--duration", "600")
     assert process.stderr is not None
     process.stderr.readline()  # the first line of progress: it runs
     time.sleep(0.2)
@@ -252,15 +236,6 @@ def test_ctrl_c_ends_with_the_report_so_far():
     assert process.returncode == 130
     assert "interrupted" in out
     assert "Traceback" not in err
-
-
-def test_a_reader_that_has_seen_enough_is_no_error():
-    process = command_line("robots")
-    assert process.stdout is not None
-    process.stdout.close()
-    _, err = process.communicate(timeout=60)
-    assert process.returncode == 0
-    assert err == ""
 
 
 def test_without_mujoco_the_cure_is_named(wbc_command, monkeypatch):

@@ -9,7 +9,7 @@ from typing import Any
 import wbc
 from wbc import teleop
 from wbc.cli.exit_codes import FAILED, INTERRUPTED, SUCCESS
-from wbc.cli.interrupt import graceful_interrupt
+from wbc.cli.interrupt import exit_on_interrupt, graceful_interrupt
 from wbc.cli.parser import seconds
 from wbc.cli.progress import ProgressLine
 from wbc.cli.robot_options import add_model_options, add_robot_option, load_arguments
@@ -65,13 +65,16 @@ def execute(options: argparse.Namespace) -> int:
     """Run; return the exit code."""
     from wbc.live import Live
 
-    robot = wbc.load(options.robot, **load_arguments(options))
-    player = MotionPlayer(robot, walker=wbc.Walker(robot, solver=options.solver))
-    terrain = (
-        Flat() if options.terrain == "flat" else Tiles(seed=options.seed, extent=MAX_TILE_EXTENT)
-    )
-    plant = Mujoco(robot, dt=player.dt, terrain=terrain, seed=options.seed)
-    outputs = RunOutputs(options, robot, terrain.boxes())
+    with exit_on_interrupt():
+        robot = wbc.load(options.robot, **load_arguments(options))
+        player = MotionPlayer(robot, walker=wbc.Walker(robot, solver=options.solver))
+        terrain = (
+            Flat()
+            if options.terrain == "flat"
+            else Tiles(seed=options.seed, extent=MAX_TILE_EXTENT)
+        )
+        plant = Mujoco(robot, dt=player.dt, terrain=terrain, seed=options.seed)
+        outputs = RunOutputs(options, robot, terrain.boxes())
     with contextlib.ExitStack() as stack:
         logs = outputs.open_logs(stack)
         handler = stack.enter_context(teleop.CommandHandler(player, plant))

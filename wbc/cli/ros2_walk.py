@@ -9,7 +9,7 @@ from typing import Any
 import wbc
 from wbc import teleop
 from wbc.cli.exit_codes import FAILED, INTERRUPTED, SUCCESS
-from wbc.cli.interrupt import graceful_interrupt
+from wbc.cli.interrupt import exit_on_interrupt, graceful_interrupt
 from wbc.cli.parser import number, seconds
 from wbc.cli.progress import ProgressLine
 from wbc.cli.robot_options import add_model_options, add_robot_option, load_arguments
@@ -58,13 +58,16 @@ def _walk(options: argparse.Namespace) -> int:
     from wbc.motions import MotionPlayer
     from wbc.ros.bridge import Bridge
 
-    robot = wbc.load(options.robot, **load_arguments(options))
-    player = MotionPlayer(robot)
-    terrain = (
-        Flat() if options.terrain == "flat" else Tiles(seed=options.seed, extent=MAX_TILE_EXTENT)
-    )
-    plant = Mujoco(robot, dt=player.dt, terrain=terrain, seed=options.seed)
-    outputs = RunOutputs(options, robot, terrain.boxes())
+    with exit_on_interrupt():
+        robot = wbc.load(options.robot, **load_arguments(options))
+        player = MotionPlayer(robot)
+        terrain = (
+            Flat()
+            if options.terrain == "flat"
+            else Tiles(seed=options.seed, extent=MAX_TILE_EXTENT)
+        )
+        plant = Mujoco(robot, dt=player.dt, terrain=terrain, seed=options.seed)
+        outputs = RunOutputs(options, robot, terrain.boxes())
     with contextlib.ExitStack() as stack:
         viewer = None
         if options.view:

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import wbc
 from wbc.cli.exit_codes import FAILED, INTERRUPTED, SUCCESS
-from wbc.cli.interrupt import graceful_interrupt
+from wbc.cli.interrupt import exit_on_interrupt, graceful_interrupt
 from wbc.cli.parser import output_file, push, seconds, seed
 from wbc.cli.progress import ProgressLine
 from wbc.cli.robot_options import add_model_options, add_robot_option, load_arguments
@@ -93,8 +93,9 @@ class SimulatedRun:
 
     def __init__(self, options: argparse.Namespace) -> None:
         self._options = options
-        self.robot = wbc.load(options.robot, **load_arguments(options))
-        self.walker = wbc.Walker(self.robot, solver=options.solver)
+        with exit_on_interrupt():  # it imports and compiles
+            self.robot = wbc.load(options.robot, **load_arguments(options))
+            self.walker = wbc.Walker(self.robot, solver=options.solver)
 
     def walk(self, schedule: VelocitySchedule, duration: float) -> int:
         """Walk according to a velocity schedule; see `run`."""
@@ -124,9 +125,10 @@ class SimulatedRun:
             WbcError: bad input, or a file cannot be written.
         """
         options = self._options
-        terrain = self._terrain(duration)
-        plant = self._plant(terrain, duration)
-        outputs = RunOutputs(options, self.robot, terrain.boxes())
+        with exit_on_interrupt():
+            terrain = self._terrain(duration)
+            plant = self._plant(terrain, duration)
+            outputs = RunOutputs(options, self.robot, terrain.boxes())
         with contextlib.ExitStack() as stack:
             viewer = None
             if not options.no_view:
