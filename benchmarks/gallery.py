@@ -231,7 +231,7 @@ def photograph(scene: Scene, path: Path) -> None:
         runner(time, plant)
 
     with wbc.sim.Mujoco(robot, seed=1) as plant:
-        report = wbc.run(player, plant, LONGEST, recording=recording, before_tick=tick)
+        report = wbc.run(player, plant, LONGEST, observers=[recording], before_tick=tick)
     print(f"{scene.name}: {robot.name} at {report.duration_s:.2f} s", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory() as folder, new_page(*SIZE) as page:
         page.set_default_timeout(PATIENCE)

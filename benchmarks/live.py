@@ -29,7 +29,7 @@ from wbc.live import Live
 from wbc.motions import MOTIONS, MotionPlayer
 from wbc.runtime.clock import Clock
 from wbc.runtime.mode import Mode
-from wbc.runtime.real_time import RealTime, punctual
+from wbc.runtime.real_time import RealTime, real_time_thread
 from wbc.runtime.report import Report
 from wbc.runtime.tick import Tick
 from wbc.sim import Mujoco
@@ -140,12 +140,12 @@ def slider(robot: wbc.Robot, repeats: int) -> tuple[list[Row], dict[str, list[fl
     with (
         CommandHandler(player, plant) as handler,
         Live(handler, port=0, announce=False) as live,
-        punctual(RealTime()),
+        real_time_thread(RealTime()),
     ):
         page = Page(live.url)
         quiet = stand(live, handler, seconds)
         while not page.ready.is_set():
-            live.idle(Mode.PAUSED)
+            handler.on_idle(Mode.PAUSED)
             time.sleep(0.01)
         for k in range(repeats):
             sent: list[float] = []

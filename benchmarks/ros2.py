@@ -28,9 +28,9 @@ from wbc.messages import Template, message_type
 from wbc.motions import MotionPlayer
 from wbc.ros import Network, Node, QoSProfile
 from wbc.ros.bridge import Bridge
-from wbc.ros.bridge.transforms import MovingLinks, links
 from wbc.runtime.tick import Tick
 from wbc.teleop import CommandHandler
+from wbc.topics.link_transforms import MovingLinks, links
 
 Row = dict[str, float | str]
 JOINTS = 32

@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 import wbc
-from wbc.telemetry import Footstep, Telemetry
+from wbc.telemetry import ContactPlan, Footstep, Telemetry
 from wbc.view import Meshcat, Recording, Snapshot
 from wbc.view.browser import SOFTWARE, new_browser
 
@@ -39,13 +39,15 @@ def full_snapshot(robot: wbc.Robot, tick: int, dt: float) -> Snapshot:
         dcm=point,
         dcm_reference=point,
         zmp=point,
+        phase="double",
+    )
+    plan = ContactPlan(
         support=point + np.array([[-0.1, -0.1, 0], [0.1, -0.1, 0], [0.1, 0.1, 0], [-0.1, 0.1, 0]]),
         footsteps=tuple(Footstep("left", point + 0.2 * k, 0.0) for k in range(4)),
         swing_path=point + np.linspace([0, 0.1, 0], [0.3, 0.1, 0], 20),
-        phase="double",
     )
     wrenches = {s.name: np.array([0, 0, 4.9 * robot.mass, 1, 1, 0]) for s in robot.soles}
-    return Snapshot(tick * dt, q, wrenches, telemetry, text="0.30 m/s, tick 0.4 ms")
+    return Snapshot(tick * dt, q, wrenches, telemetry, plan, text="0.30 m/s, tick 0.4 ms")
 
 
 def cost(what: str, action: Callable[[Snapshot], object], snapshots: list[Snapshot]) -> Row:
@@ -87,8 +89,8 @@ class Client(threading.Thread):
 
         socket = await websocket_connect(self.address, max_message_size=1 << 28)
         while (message := await socket.read_message()) is not None:
-            if isinstance(message, str) and ("paths" in message or "words" in message):
-                self.frames += "words" in message
+            if isinstance(message, str) and ("paths" in message or "caption" in message):
+                self.frames += "caption" in message
                 self.nbytes += len(message)
                 await socket.write_message("frame")
 

@@ -17,7 +17,7 @@ def walk(name: str, gains: wbc.WalkerGains) -> LoggedRun:
     walker.velocity = (0.2, 0.0, 0.0)
     # The loop only copies into memory; another process writes. A crash leaves a readable file.
     with wbc.sim.Mujoco(robot) as plant, FlightRecorder(folder / f"{name}.mcap", robot) as log:
-        wbc.run(walker, plant, duration=1.0, log=log)
+        wbc.run(walker, plant, duration=1.0, observers=[log])
     return LoggedRun.read(folder / f"{name}.mcap")
 
 

@@ -44,6 +44,7 @@ from .runtime.loop import run as run
 from .runtime.loop_conditions import LoopConditions as LoopConditions
 from .runtime.real_time import RealTime as RealTime
 from .runtime.report import Report as Report
+from .runtime.schema import Quantity as Quantity
 from .state import State as State
 from .tasks import AngularMomentumTask as AngularMomentumTask
 from .tasks import ComTask as ComTask
@@ -52,6 +53,7 @@ from .tasks import OrientationTask as OrientationTask
 from .tasks import PositionTask as PositionTask
 from .tasks import PostureTask as PostureTask
 from .tasks import Task as Task
+from .telemetry import ContactPlan as ContactPlan
 from .telemetry import Footstep as Footstep
 from .telemetry import Telemetry as Telemetry
 from .walking import VelocityClamped as VelocityClamped

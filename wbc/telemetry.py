@@ -1,4 +1,4 @@
-"""What a walking controller sees and intends, for the eyes of observers."""
+"""What a controller tells about itself after a tick: the input of every observer."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-#: What `Balance.phase` may be.
+#: Values of `Telemetry.phase`; "left" and "right" name the foot that carries the robot.
 PHASES = ("stand", "double", "left", "right", "flight")
 
-_NOWHERE = np.full(3, np.nan)
+_UNKNOWN = np.full(3, np.nan)
+_NO_POINTS = np.empty((0, 3))
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,39 +29,50 @@ class Footstep:
 
 
 @dataclass(frozen=True, slots=True)
-class Balance:
-    """How the balance is after a tick, in world axes. NaN: not known.
+class Telemetry:
+    """Balance and gait quantities after a tick, in world axes; NaN where a quantity is unknown.
+
+    A controller makes one per tick, so every field is cheap to compute. What costs more is in
+    `ContactPlan`.
 
     Attributes:
         com: (3,) centre of mass, m.
         dcm: (3,) divergent component of motion c + ċ/ω, on the ground, m.
-        dcm_reference: (3,) where the plan wants it, on the ground, m.
+        dcm_reference: (3,) planned DCM, on the ground, m.
         zmp: (3,) commanded zero-moment point, on the ground, m.
-        phase: one of `PHASES`; "left" and "right" name the foot that carries.
+        velocity: (3,) commanded walking velocity in the heading frame: forward and left, m/s;
+            turn, rad/s.
+        heading: mean heading of the soles, rad.
+        dcm_error: distance of the DCM from its reference, m.
+        phase: one of `PHASES`.
+        steps: number of touchdowns since the reset.
+        status_text: one short line, e.g. the name of the motion that plays.
     """
 
-    com: np.ndarray = field(default_factory=lambda: _NOWHERE)
-    dcm: np.ndarray = field(default_factory=lambda: _NOWHERE)
-    dcm_reference: np.ndarray = field(default_factory=lambda: _NOWHERE)
-    zmp: np.ndarray = field(default_factory=lambda: _NOWHERE)
+    com: np.ndarray = field(default_factory=lambda: _UNKNOWN)
+    dcm: np.ndarray = field(default_factory=lambda: _UNKNOWN)
+    dcm_reference: np.ndarray = field(default_factory=lambda: _UNKNOWN)
+    zmp: np.ndarray = field(default_factory=lambda: _UNKNOWN)
+    velocity: np.ndarray = field(default_factory=lambda: _UNKNOWN)
+    heading: float = np.nan
+    dcm_error: float = np.nan
     phase: str = "stand"
+    steps: int = 0
+    status_text: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class Telemetry(Balance):
-    """Balance and gait quantities after a tick, in world axes. NaN: not known.
+class ContactPlan:
+    """Where the robot stands and where it will step, in world axes.
+
+    It takes some 0.1 ms to compute; the loop asks for it 30 times per second.
 
     Attributes:
-        com: (3,) centre of mass, m.
-        dcm: (3,) divergent component of motion c + ċ/ω, on the ground, m.
-        dcm_reference: (3,) where the plan wants it, on the ground, m.
-        zmp: (3,) commanded zero-moment point, on the ground, m.
-        phase: one of `PHASES`; "left" and "right" name the foot that carries.
         support: (k, 3) vertices of the support polygon, counter-clockwise, m.
-        footsteps: planned steps, the next one first.
-        swing_path: (m, 3) way of the swing sole's centre still to go, m.
+        footsteps: planned footsteps, the next one first.
+        swing_path: (m, 3) remaining path of the swing sole's centre, m.
     """
 
-    support: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
+    support: np.ndarray = field(default_factory=lambda: _NO_POINTS)
     footsteps: tuple[Footstep, ...] = ()
-    swing_path: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
+    swing_path: np.ndarray = field(default_factory=lambda: _NO_POINTS)

@@ -12,21 +12,21 @@ from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
 from wbc.log.mcapfile import McapFile
-from wbc.log.topics import Block, Topic, TopicMessage
+from wbc.topics import MessageTopic, TickBatch, TopicMessage
 
 CHUNK = 0.4  # s, as the log's process has it
 BLOCK = 50  # ticks that it takes at once, ten times a second
 
 
-class RecordedTopic(Topic):
+class RecordedTopic(MessageTopic):
     """A topic whose messages have been read from a file."""
 
     def __init__(self, name: str, type_name: str) -> None:
         self.name, self.type_name = name, type_name
         self.now: list[TopicMessage] = []
 
-    def messages(self, block: Block) -> list[TopicMessage]:
-        """See `Topic.messages`."""
+    def messages(self, batch: TickBatch) -> list[TopicMessage]:
+        """See `MessageTopic.messages`."""
         return self.now
 
 
@@ -84,8 +84,8 @@ class Messages:
             for number, topic in self.topics.items():
                 topic.now = found[number]
             nothing = np.empty(0)
-            block = Block(stamps, [], stamps, {}, nothing, nothing)
-            file.write(block, list(self.topics.values()))
+            batch = TickBatch(stamps, [], stamps, {}, nothing, nothing)
+            file.write(batch, list(self.topics.values()))
             if stamps[-1] >= due:
                 file.commit()
                 due = stamps[-1] + 1e9 * CHUNK

@@ -21,7 +21,7 @@ from shared.clients import connected_client
 from shared.replay import Replay
 from wbc.runtime.clock import Clock
 from wbc.runtime.protocols import Controller, Observer, Recorder
-from wbc.runtime.real_time import RealTime, punctual
+from wbc.runtime.real_time import RealTime, real_time_thread
 from wbc.runtime.snapshot import Snapshot
 from wbc.runtime.tick import Tick
 
@@ -93,7 +93,7 @@ class ObservedLoop:
         conditions: list[wbc.LoopConditions] = []
         with contextlib.ExitStack() as stack:
             if paced:
-                conditions.append(stack.enter_context(punctual(wanted)))
+                conditions.append(stack.enter_context(real_time_thread(wanted)))
             report = wbc.run(
                 self.controller,
                 self.plant,

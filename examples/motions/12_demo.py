@@ -15,7 +15,7 @@ with wbc.sim.Mujoco(robot) as plant, wbc.view.Meshcat(robot) as viewer:  # print
         player,
         plant,
         duration=180.0,
-        viewer=viewer,
+        observers=[viewer],
         before_tick=lambda time: runner(time, plant),
     )
 print(report.table())

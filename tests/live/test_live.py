@@ -12,17 +12,14 @@ import urllib.error
 import urllib.request
 from pathlib import Path
 
-import numpy as np
 import pytest
 from testmotions import Fly, Shrug, SlowToPlan
 
 import wbc
 from wbc.live import Live, LiveError
 from wbc.live.controls import MAX_LENGTH, Controls
-from wbc.live.gauges import SIZE, Gauges
 from wbc.motions import MOTIONS, MotionPlayer, Reach, Squat
 from wbc.runtime.loop import StopRun
-from wbc.runtime.mode import Mode
 from wbc.teleop import (
     CommandHandler,
     CommandRefused,
@@ -268,7 +265,7 @@ def take(handler, live):
         while len(applied) < count and time.monotonic() < end:
             with contextlib.suppress(StopRun):  # a pause ends at once
                 handler.before_tick(0.0)
-            live.idle(Mode.RUNNING)
+            time.sleep(0.005)
         assert len(applied) == count
         return applied
 
@@ -453,7 +450,6 @@ def test_the_run_goes_on_when_the_pages_process_dies_and_says_so_once(
 ):
     monkeypatch.setattr("wbc.teleop.command_handler.Clock.wait", lambda clock: None)
     monkeypatch.setattr("wbc.process.child._CHECK_PERIOD", 0.0)
-    monkeypatch.setattr("wbc.live.live._STATUS_RATE", np.inf)  # it checks with every status
 
     def die(now):
         if abs(now - 0.1) < 1e-9:
@@ -532,11 +528,3 @@ def test_a_robot_that_fell_is_reset_from_the_page_whose_status_tells(live, handl
         until(lambda g: g["mode"] == "paused")
     assert [line.split(":")[0] for line in messages][1:] == ["fell", "reset", "reset"]
     assert "press Reset (R) on the page" in messages[1]
-
-
-def test_gauges_are_what_was_recorded():
-    record = np.arange(SIZE, dtype=float)
-    record[1] = Mode.PAUSED
-    gauges = Gauges.of(record)
-    assert gauges.mode is Mode.PAUSED
-    assert (gauges.time, gauges.turn, gauges.run) == (0.0, 6.0, SIZE - 1)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from logtools import Nowhere, Pretender, random_tick, robot, telemetry
+from logtools import StreamedLog, contact_plan, random_tick, robot, telemetry
 from matplotlib.figure import Figure
 
 import wbc
@@ -15,13 +15,13 @@ from wbc.cli import main
 from wbc.command import Status
 from wbc.log import FlightRecorder, LogError
 from wbc.log.diff import compare
-from wbc.log.pictures import plot
-from wbc.log.pictures.above import draw_from_above, footprints
-from wbc.log.pictures.balance import draw_coordinate, draw_dcm_error
-from wbc.log.pictures.style import spans
-from wbc.log.pictures.timing import draw_tick_time
-from wbc.log.pictures.torques import draw_torque_peaks, draw_torques
-from wbc.log.robot import robot_of
+from wbc.log.logged_robot import logged_robot
+from wbc.log.plots import plot
+from wbc.log.plots.balance import draw_coordinate, draw_dcm_error
+from wbc.log.plots.style import spans
+from wbc.log.plots.timing import draw_tick_time
+from wbc.log.plots.top_view import draw_top_view, footprints
+from wbc.log.plots.torques import draw_torque_peaks, draw_torques
 from wbc.log.run import LoggedRun
 from wbc.sim import Mujoco
 
@@ -34,7 +34,7 @@ def logged_walk(path, *, seconds=1.5, gains=None, seed=0, push=None):
     if push is not None:
         plant.schedule_push(*push)
     with FlightRecorder(path, g1) as log:
-        report = wbc.run(walker, plant, seconds, log=log)
+        report = wbc.run(walker, plant, seconds, observers=[log])
     return report
 
 
@@ -61,7 +61,7 @@ def line(axes, label):
 
 def test_the_picture_from_above_has_the_way_and_the_places_of_the_soles(walk, axes):
     run, report = walk
-    draw_from_above(axes, run)
+    draw_top_view(axes, run)
     np.testing.assert_array_equal(line(axes, "CoM").get_xydata(), run.point("com")[:, :2])
     np.testing.assert_array_equal(line(axes, "DCM").get_xydata(), run.point("dcm")[:, :2])
     prints = list(footprints(run))
@@ -69,7 +69,7 @@ def test_the_picture_from_above_has_the_way_and_the_places_of_the_soles(walk, ax
     assert len(prints) == 2 + report.steps
     assert {side for side, _ in prints} == {"left", "right"}
     for side, corners in prints:
-        length, width = run.sheet.soles[side == "right"]
+        length, width = run.robot_info.soles[side == "right"]
         edges = np.linalg.norm(np.diff(corners, axis=0), axis=1)
         np.testing.assert_allclose(edges, [2 * length, 2 * width, 2 * length], rtol=1e-9)
     # A foot that carries the robot has its centre of pressure inside.
@@ -100,14 +100,14 @@ def test_the_pictures_of_torques_have_the_report_s_peak(walk, axes):
     draw_torque_peaks(axes, run)
     widths = [bar.get_width() for bar in axes.containers[0]]
     assert max(widths) == pytest.approx(100.0 * report.torque_peak_ratio)
-    assert axes.get_yticklabels()[-1].get_text() in run.sheet.joints
+    assert axes.get_yticklabels()[-1].get_text() in run.robot_info.joints
 
 
 def test_the_picture_of_tick_times_has_period_median_and_failures(folder):
     humanoid = robot()
     rng = np.random.default_rng(0)
     path = folder / "failures.mcap"
-    with FlightRecorder(path, humanoid) as log:
+    with StreamedLog(path, humanoid) as log:
         for k in range(40):
             tick = random_tick(humanoid, rng, 0.002 * k)
             bad = replace(tick.command, status=Status.INFEASIBLE, explanation="no way")
@@ -117,7 +117,7 @@ def test_the_picture_of_tick_times_has_period_median_and_failures(folder):
                 controller_time=200e-6,
                 command=bad if 10 <= k < 13 else tick.command,
             )
-            log.record(tick, Pretender())
+            log.record(tick)
     axes = Figure().subplots()
     draw_tick_time(axes, LoggedRun.read(path))
     texts = {text.get_text() for text in axes.texts}
@@ -145,8 +145,8 @@ def test_a_log_without_balance_is_drawn_all_the_same(tmp_path):
     humanoid = robot()
     rng = np.random.default_rng(0)
     path = tmp_path / "plain.mcap"
-    with FlightRecorder(path, humanoid) as log:
-        log.record(random_tick(humanoid, rng, 0.0, truth=False), object())
+    with StreamedLog(path, humanoid) as log:
+        log.record(random_tick(humanoid, rng, 0.0, truth=False))
     paths = plot(LoggedRun.read(path), tmp_path, ".svg")
     assert [p.suffix for p in paths] == [".svg"] * 4
     assert all(p.stat().st_size > 1000 for p in paths)
@@ -168,7 +168,7 @@ def test_the_same_run_twice_is_the_same(walk, folder, capsys):
     logged_walk(folder / "again.mcap", seconds=0.5)
     again = LoggedRun.read(folder / "again.mcap")
     difference = compare(run, again)
-    assert difference.partings == ()
+    assert difference.divergences == ()
     assert difference.ticks == 250
     assert main(["diff", str(run.log.path), str(run.log.path)]) == 0
     assert "The runs are the same at all 750 common ticks" in capsys.readouterr().out
@@ -183,7 +183,7 @@ def test_other_gains_part_runs_in_what_is_commanded(walk, folder, capsys):
     assert (first.stage, first.tick) == ("commanded", 0)
     assert difference.parameters["controller.gains.trunk_kp"] == ("80.0", "81.0")
     # It spreads: what was commanded is measured afterwards, never before.
-    measured = [p for p in difference.partings if p.stage == "measured"]
+    measured = [p for p in difference.divergences if p.stage == "measured"]
     assert measured
     assert min(p.tick for p in measured) >= 1
     assert main(["diff", str(run.log.path), str(path)]) == 1
@@ -207,15 +207,14 @@ def made_up(path, change=None, ticks=20):
     """A log of ticks that are the same every time, but for one change."""
     humanoid = robot()
     rng = np.random.default_rng(3)
-    controller = Pretender()
-    with FlightRecorder(path, humanoid) as log:
-        log.begin(controller, Nowhere())
+    with StreamedLog(path, humanoid) as log:
+        log.begin()
         for k in range(ticks):
             tick = random_tick(humanoid, rng, 0.002 * k)
-            controller.telemetry = telemetry(rng)
+            tick = replace(tick, telemetry=telemetry(rng), contact_plan=contact_plan(rng))
             if change is not None and k == 12:
                 tick = change(tick)
-            log.record(tick, controller)
+            log.record(tick)
     return LoggedRun.read(path)
 
 
@@ -228,13 +227,13 @@ def shifted_knee(tick):
 def test_a_difference_is_told_with_its_joint_its_time_and_its_size(tmp_path):
     a = made_up(tmp_path / "a.mcap")
     b = made_up(tmp_path / "b.mcap", shifted_knee)
-    (parting,) = compare(a, b).partings
-    assert parting.name == "torques"
-    assert parting.part == a.sheet.joints[4]
-    assert (parting.tick, parting.time) == (12, pytest.approx(0.024))
-    assert parting.b - parting.a == pytest.approx(1e-4)
-    assert parting.largest == pytest.approx(1e-4)
-    assert compare(a, b, tolerance=1e-3).partings == ()
+    (divergence,) = compare(a, b).divergences
+    assert divergence.name == "torques"
+    assert divergence.part == a.robot_info.joints[4]
+    assert (divergence.tick, divergence.time) == (12, pytest.approx(0.024))
+    assert divergence.b - divergence.a == pytest.approx(1e-4)
+    assert divergence.largest == pytest.approx(1e-4)
+    assert compare(a, b, tolerance=1e-3).divergences == ()
 
 
 def test_a_number_that_only_one_run_knows_is_a_difference(tmp_path):
@@ -243,9 +242,9 @@ def test_a_number_that_only_one_run_knows_is_a_difference(tmp_path):
         tmp_path / "b.mcap",
         lambda tick: replace(tick, command=replace(tick.command, wrenches={})),
     )
-    (parting,) = compare(a, b).partings
-    assert parting.name == "wrench wanted on left_sole"
-    assert np.isnan(parting.b)
+    (divergence,) = compare(a, b).divergences
+    assert divergence.name == "wrench wanted on left_sole"
+    assert np.isnan(divergence.b)
 
 
 def test_logs_of_different_robots_are_not_compared(walk, tmp_path):
@@ -299,7 +298,7 @@ def test_a_run_of_the_command_leaves_its_log(tmp_path, capsys):
 
 def test_the_robot_of_a_log_is_found_by_name_or_path(walk, tmp_path):
     run, _ = walk
-    assert robot_of(run.sheet).joint_names == run.sheet.joints
+    assert logged_robot(run.robot_info).joint_names == run.robot_info.joints
     # One of one's own, in a place of its own, with a joint welded.
     source = wbc.load("simple_humanoid").urdf_path
     own = Path(shutil.copy(source, tmp_path / "own.urdf"))
@@ -308,15 +307,15 @@ def test_the_robot_of_a_log_is_found_by_name_or_path(walk, tmp_path):
     left, right = (sole.link for sole in loaded.soles)
     mine = wbc.load(own, left_foot=left, right_foot=right, fixed_joints=[welded], name="mine")
     rng = np.random.default_rng(0)
-    with FlightRecorder(tmp_path / "mine.mcap", mine) as log:
-        log.record(random_tick(mine, rng, 0.0), Pretender())
-    sheet = LoggedRun.read(tmp_path / "mine.mcap").sheet
-    assert robot_of(sheet).joint_names == mine.joint_names
+    with StreamedLog(tmp_path / "mine.mcap", mine) as log:
+        log.record(random_tick(mine, rng, 0.0))
+    info = LoggedRun.read(tmp_path / "mine.mcap").robot_info
+    assert logged_robot(info).joint_names == mine.joint_names
     os.remove(own)
     with pytest.raises(LogError, match="say where it is with --robot"):
-        robot_of(sheet)
+        logged_robot(info)
     with pytest.raises(LogError, match=f"other joints than the robot of the log .'{welded}'"):
-        robot_of(sheet, "simple_humanoid")
+        logged_robot(info, "simple_humanoid")
 
 
 def test_a_replayed_log_becomes_a_page(walk, tmp_path, capsys):

@@ -422,7 +422,7 @@ def test_the_evaluator_compares_promises_with_the_truth():
     one = robot("simple_humanoid")
     player, evaluator = Boaster(one), RunEvaluator()
     with Mujoco(one, seed=0) as plant:
-        report = wbc.run(player, plant, 1.0, log=evaluator)
+        report = wbc.run(player, plant, 1.0, observers=[evaluator])
     assert report.com_error_rms_mm is None
     evaluated = evaluator.amend(report)
     assert evaluated.com_error_rms_mm == pytest.approx(30.0, abs=5.0)

@@ -3,6 +3,7 @@
 import contextlib
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -52,9 +53,12 @@ def test_who_comes_late_to_a_ring_gets_the_latest():
 def test_a_child_whose_parent_dies_before_its_order_is_whole_ends_silently(module, said):
     if module.startswith("ros"):
         pytest.importorskip("cyclonedds")
-    done = subprocess.run(
-        [sys.executable, "-m", f"wbc.{module}"], input=said, capture_output=True, timeout=60
-    )
+    ours, theirs = socket.socketpair()
+    ours.sendall(said)
+    ours.close()
+    with theirs:
+        command = [sys.executable, "-m", f"wbc.{module}"]
+        done = subprocess.run(command, stdin=theirs.fileno(), capture_output=True, timeout=60)
     assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
 
 

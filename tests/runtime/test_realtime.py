@@ -15,8 +15,8 @@ import pytest
 import wbc
 from wbc.errors import WbcError
 from wbc.runtime.clock import Clock
-from wbc.runtime.loop_conditions import Grant, LoopConditions
-from wbc.runtime.real_time import RealTime, punctual, uncollected
+from wbc.runtime.loop_conditions import LoopConditions, SystemRequest
+from wbc.runtime.real_time import RealTime, garbage_collection_paused, real_time_thread
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="asks Linux")
 
@@ -121,7 +121,7 @@ def test_conditions_are_told_before_the_first_tick_and_in_the_report(robot):
         0.02,
         estimator=wbc.GroundTruthEstimator(robot),
         real_time=True,
-        announce=lambda conditions: told.append((conditions, still.time)),
+        on_conditions=lambda conditions: told.append((conditions, still.time)),
     )
     assert len(told) == 1
     conditions, when = told[0]
@@ -143,7 +143,7 @@ def test_refusals_are_told_with_their_cure_and_the_run_goes_on(robot, monkeypatc
     monkeypatch.setattr(os, "sched_setscheduler", refuse)
     monkeypatch.setattr(os, "setpriority", refuse)
     told: list[LoopConditions] = []
-    report, _ = run(robot, real_time=True, announce=told.append)
+    report, _ = run(robot, real_time=True, on_conditions=told.append)
     assert report.survived
     assert {"SCHED_FIFO 40", "nice -20"} <= set(told[0].refused)
     assert "rtprio 40" in report.loop_conditions
@@ -155,7 +155,7 @@ def test_refusals_are_told_with_their_cure_and_the_run_goes_on(robot, monkeypatc
 def test_only_processor_is_not_taken_from_everybody_else(monkeypatch):
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0})
     policy = os.sched_getscheduler(0)
-    with punctual(RealTime()) as conditions:
+    with real_time_thread(RealTime()) as conditions:
         assert os.sched_getscheduler(0) == policy
     assert "SCHED_FIFO 40" in conditions.refused
 
@@ -163,7 +163,9 @@ def test_only_processor_is_not_taken_from_everybody_else(monkeypatch):
 @linux
 def test_priority_and_lock_are_not_asked_for_when_not_wanted():
     before = system_state()
-    with punctual(RealTime(priority=0, lock_memory=False, switch_interval=0.001)) as conditions:
+    with real_time_thread(
+        RealTime(priority=0, lock_memory=False, switch_interval=0.001)
+    ) as conditions:
         during = system_state()
     changed = {k for k in before if during[k] != before[k]}
     assert changed <= {"switch interval", "slack"}
@@ -173,7 +175,7 @@ def test_priority_and_lock_are_not_asked_for_when_not_wanted():
 
 @linux
 def test_processes_that_the_loop_starts_have_ordinary_priority():
-    with punctual(RealTime()) as conditions:
+    with real_time_thread(RealTime()) as conditions:
         if "SCHED_FIFO 40" not in conditions.granted:
             pytest.skip("no permission for real-time priority")
         assert os.sched_getparam(0).sched_priority == 40
@@ -188,7 +190,7 @@ def test_collector_that_was_off_or_frozen_stays_so():
     gc.freeze()
     try:
         frozen = gc.get_freeze_count()
-        with uncollected():
+        with garbage_collection_paused():
             assert not gc.isenabled()
         assert not gc.isenabled()
         assert gc.get_freeze_count() == frozen
@@ -204,7 +206,9 @@ def test_senseless_wishes_are_refused_by_name(wrong):
 
 
 def test_description_names_what_was_refused_and_why():
-    conditions = LoopConditions((Grant("a", True), Grant("b", False, "needs c"), Grant("d", False)))
+    conditions = LoopConditions(
+        (SystemRequest("a", True), SystemRequest("b", False, "needs c"), SystemRequest("d", False))
+    )
     assert conditions.describe() == "real-time loop: a; refused: b (needs c), d"
 
 

@@ -12,7 +12,7 @@ import pytest
 import wbc
 from wbc.errors import WbcError
 from wbc.runtime.loop import StopRun
-from wbc.runtime.snapshot import Snapshot
+from wbc.runtime.tick import Tick
 from wbc.sim import Mujoco, SensorNoise
 
 
@@ -70,13 +70,20 @@ class FrozenPlant:
 
 
 class Album:
-    """An observer that keeps what it is shown."""
+    """An observer that keeps the ticks."""
 
     def __init__(self) -> None:
-        self.snapshots: list[Snapshot] = []
+        self.ticks: list[Tick] = []
+        self.report: wbc.Report | None = None
 
-    def show(self, snapshot: Snapshot) -> None:
-        self.snapshots.append(snapshot)
+    def begin(self, controller: object, plant: object) -> None:
+        self.ticks.clear()
+
+    def observe(self, tick: Tick) -> None:
+        self.ticks.append(tick)
+
+    def end(self, report: wbc.Report) -> None:
+        self.report = report
 
 
 @pytest.fixture(scope="module")
@@ -104,16 +111,35 @@ def test_walker_runs_in_a_plant_of_ones_own(robot: wbc.Robot) -> None:
     assert carried == pytest.approx(weight, rel=0.1)
 
 
-def test_observers_are_shown_thirty_snapshots_a_second(robot: wbc.Robot) -> None:
-    viewer, recording = Album(), Album()
+def test_observers_see_every_tick_and_thirty_contact_plans_a_second(robot: wbc.Robot) -> None:
+    album, other = Album(), Album()
     with Mujoco(robot) as plant:
-        wbc.run(wbc.Walker(robot), plant, 1.0, viewer=viewer, recording=recording)
-    assert 28 <= len(viewer.snapshots) <= 33
-    assert len(recording.snapshots) == len(viewer.snapshots)
-    last = viewer.snapshots[-1]
-    assert set(last.wrenches) == {"left_sole", "right_sole"}
-    assert last.telemetry.support.shape[0] >= 4
+        report = wbc.run(wbc.Walker(robot), plant, 0.5, observers=[album, other])
+    assert [tick.index for tick in album.ticks] == list(range(250))
+    assert album.ticks == other.ticks
+    assert album.report is other.report is report
+    plans = [tick.contact_plan for tick in album.ticks if tick.contact_plan is not None]
+    assert 14 <= len(plans) <= 17
+    assert plans[-1].support.shape[0] >= 4
+    last = album.ticks[-1]
+    assert set(last.measurement.foot_wrenches) == {"left_sole", "right_sole"}
     assert np.isfinite(last.telemetry.com).all()
+    assert last.telemetry.dcm_error < 0.05
+
+
+def test_a_controller_that_tells_nothing_has_unknown_telemetry(robot: wbc.Robot) -> None:
+    album = Album()
+    wbc.run(HoldPosture(robot), FrozenPlant(robot), 0.02, observers=[album])
+    assert np.isnan(album.ticks[-1].telemetry.dcm).all()
+    assert all(tick.contact_plan is None for tick in album.ticks)
+
+
+def test_other_control_periods_than_the_plants_are_refused(robot: wbc.Robot) -> None:
+    with pytest.raises(wbc.WbcError, match=r"Walker\.dt = 0\.002 s differs .* 0\.004 s"):
+        wbc.run(wbc.Walker(robot, dt=0.002), FrozenPlant(robot, dt=0.004), 0.1)
+    estimator = wbc.Estimator(robot, 0.001)
+    with pytest.raises(wbc.WbcError, match=r"Estimator\.dt = 0\.001 s differs"):
+        wbc.run(wbc.Walker(robot), FrozenPlant(robot), 0.1, estimator=estimator)
 
 
 def test_real_time_takes_as_long_as_it_says(robot: wbc.Robot) -> None:

@@ -64,6 +64,13 @@ def handler(player, plant):
         yield handler
 
 
+def client(idle):
+    """A client that is told when there are no ticks, as a stream's readers are."""
+    stream = SimpleNamespace(repeat=lambda mode, *_: idle(mode))
+    nothing = dict.fromkeys(("begin", "observe", "end"), lambda *_: None)
+    return SimpleNamespace(reset_hint="", stream=stream, **nothing)
+
+
 class Run:
     """A run of commands at given times, and what happened in each tick."""
 
@@ -80,7 +87,7 @@ class Run:
                 handler.submit(script.pop(0)[1])
 
         self.report = wbc.teleop.run(
-            handler, duration, log=[self], real_time=False, before_tick=submit_due, **options
+            handler, duration, observers=[self], real_time=False, before_tick=submit_due, **options
         )
 
     @property
@@ -93,10 +100,10 @@ class Run:
     def begin(self, controller, plant):
         pass
 
-    def record(self, tick, controller):
+    def observe(self, tick):
         self.time.append(tick.time)
         self.tau.append(tick.command.tau.copy())
-        self.dcm.append(self.player.balance.dcm[:2].copy())
+        self.dcm.append(tick.telemetry.dcm[:2].copy())
         self.playing.append(self.handler.playing)
         self.steps.append(self.player.steps)
         self._joints.append(tick.estimate.state.q[7:].copy())
@@ -131,8 +138,6 @@ def test_a_push_moves_the_dcm_to_the_robots_left_and_is_counted_when_survived(ha
 
 
 def test_after_a_fall_only_a_reset_is_accepted_and_the_pushes_were_not_survived(handler):
-    hint = SimpleNamespace(reset_hint="", begin=lambda *_: None, record=lambda *_: None)
-    hint.end = lambda _: None
     largest = PushCommand((0.0, 0.3 * handler.capabilities.max_impulse, 0.0))
     small, late = PushCommand((0.0, 5.0, 0.0)), PushCommand((0.0, 6.0, 0.0))
     messages, fallen = [], []
@@ -143,8 +148,13 @@ def test_after_a_fall_only_a_reset_is_accepted_and_the_pushes_were_not_survived(
             handler.submit(late)
             handler.submit(ResetCommand())
 
-    hint.idle = idle
-    run = Run(handler, 3.0, [(0.1, largest), (0.2, small)], clients=[hint], message=messages.append)
+    run = Run(
+        handler,
+        3.0,
+        [(0.1, largest), (0.2, small)],
+        clients=[client(idle)],
+        message=messages.append,
+    )
     assert [line.split(":")[0] for line in messages] == ["fell", "reset"]
     assert set(fallen) == {Mode.FALLEN}
     assert (handler.pushes.survived, handler.pushes.decided) == (0, 2)
@@ -238,9 +248,7 @@ def test_pause_stops_time_and_commands_are_still_taken(handler, player, plant):
         if len(seen) == 6:
             handler.submit(PauseCommand(False))
 
-    client = SimpleNamespace(idle=idle, begin=lambda *_: None, record=lambda *_: None)
-    client.end = lambda _: None
-    run = Run(handler, 0.1, [(0.04, PauseCommand())], clients=[client])
+    run = Run(handler, 0.1, [(0.04, PauseCommand())], clients=[client(idle)])
     assert len(seen) >= 6
     assert {(time, mode) for time, _, mode in seen} == {(0.04, Mode.PAUSED)}
     assert seen[-1][1] == 1000.0
@@ -263,14 +271,14 @@ def test_a_time_scale_is_refused_where_the_loop_keeps_the_time(handler):
 def test_a_reset_starts_the_run_again_once(handler):
     runs = []
     log = SimpleNamespace(begin=lambda *_: runs.append([]), end=lambda _: None)
-    log.record = lambda tick, _: runs[-1].append(tick.time)
+    log.observe = lambda tick: runs[-1].append(tick.time)
     script = [(0.05, ResetCommand()), (0.05, ResetCommand())]
 
     def submit_due(now):
         while script and now >= script[0][0] - 1e-9 and len(runs) == 1:
             handler.submit(script.pop(0)[1])
 
-    wbc.teleop.run(handler, 0.2, log=[log], real_time=False, before_tick=submit_due)
+    wbc.teleop.run(handler, 0.2, observers=[log], real_time=False, before_tick=submit_due)
     assert [times[0] for times in runs] == [0.0, 0.0]
     assert [times[-1] for times in runs] == pytest.approx([0.048, 0.148])
 

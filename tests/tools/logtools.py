@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
 import wbc
+from wbc.closeable import Closeable
 from wbc.command import Command, Status
 from wbc.estimation import Estimate
+from wbc.log import FlightRecorder
 from wbc.measurement import Measurement
 from wbc.robot import Robot
+from wbc.runtime.stream import TickStream
 from wbc.runtime.tick import Tick
 from wbc.state import State
-from wbc.telemetry import Footstep, Telemetry
+from wbc.telemetry import ContactPlan, Footstep, Telemetry
 
 
 @dataclass
@@ -23,12 +27,8 @@ class Gains:
 
 @dataclass
 class Pretender:
-    """A controller that only has what a log asks for."""
+    """A controller with parameters and nothing else."""
 
-    telemetry: Telemetry = field(default_factory=Telemetry)
-    dcm_error: float = 0.25
-    steps: int = 3
-    velocity: tuple[float, float, float] = (0.1, 0.2, 0.3)
     gains: Gains = field(default_factory=Gains)
 
 
@@ -40,13 +40,50 @@ class Nowhere:
     seed: int = 7
 
 
+class StreamedLog(Closeable):
+    """A `FlightRecorder` with a stream that a test writes by hand.
+
+    Args:
+        path: of the log.
+        robot: the robot.
+        capacity: of the stream.
+    """
+
+    def __init__(self, path: str | Path, robot: Robot, capacity: int = 4096) -> None:
+        self.log = FlightRecorder(path, robot)
+        self.stream = TickStream(robot, capacity=capacity)
+        self.log.attach(self.stream)
+        self._index = 0
+
+    def begin(self) -> None:
+        self.log.begin(Pretender(), Nowhere())
+
+    def record(self, tick: Tick) -> None:
+        tick = replace(tick, index=self._index)
+        self._index += 1
+        self.stream.write(tick)
+        self.log.observe(tick)
+
+    def close(self) -> None:
+        self.log.close()
+
+
 def telemetry(rng: np.random.Generator, phase: str = "left") -> Telemetry:
     return Telemetry(
         com=rng.normal(size=3),
         dcm=rng.normal(size=3),
         dcm_reference=rng.normal(size=3),
         zmp=rng.normal(size=3),
+        velocity=np.array([0.1, 0.2, 0.3]),
+        heading=0.4,
+        dcm_error=0.25,
         phase=phase,
+        steps=3,
+    )
+
+
+def contact_plan(rng: np.random.Generator) -> ContactPlan:
+    return ContactPlan(
         support=rng.normal(size=(5, 3)),
         footsteps=(
             Footstep("left", rng.normal(size=3), 0.3),

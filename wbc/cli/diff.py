@@ -9,7 +9,7 @@ from typing import Any
 from wbc.cli.exit_codes import FAILED, SUCCESS
 from wbc.cli.formatting import output_width, paragraph, table
 from wbc.cli.parser import number
-from wbc.log.diff import STAGES, Difference, Parting, compare
+from wbc.log.diff import STAGES, Difference, Divergence, compare
 from wbc.log.run import LoggedRun
 
 _CAUSES = {
@@ -49,12 +49,12 @@ def execute(options: argparse.Namespace) -> int:
     difference = compare(first, second, options.tolerance)
     print(f"1  {first.log.path}: {first.title}\n2  {second.log.path}: {second.title}\n")
     print(_verdict(difference))
-    if difference.partings:
-        print(f"\n{_partings(difference.partings)}")
+    if difference.divergences:
+        print(f"\n{_divergences(difference.divergences)}")
     if difference.parameters:
         rows = [(n, a or "—", b or "—") for n, (a, b) in difference.parameters.items()]
         print(f"\n{table(('parameter', 'in 1', 'in 2'), [tuple(map(_short, r)) for r in rows])}")
-    same = not difference.partings and difference.ends[0] == difference.ends[1]
+    same = not difference.divergences and difference.ends[0] == difference.ends[1]
     return SUCCESS if same else FAILED
 
 
@@ -78,7 +78,7 @@ def _verdict(difference: Difference) -> str:
     return "\n".join(lines)
 
 
-def _partings(partings: tuple[Parting, ...]) -> str:
+def _divergences(divergences: tuple[Divergence, ...]) -> str:
     rows = [
         (
             f"{p.time:.3f}",
@@ -90,14 +90,14 @@ def _partings(partings: tuple[Parting, ...]) -> str:
             f"{p.largest_time:.3f}",
             p.unit,
         )
-        for p in sorted(partings, key=lambda p: (p.tick, STAGES.index(p.stage)))
+        for p in sorted(divergences, key=lambda p: (p.tick, STAGES.index(p.stage)))
     ]
     head = ("from, s", "", "quantity", "first in", "then by", "at most by", "at, s", "")
     return table(head, rows, right=(0, 4, 5, 6))
 
 
-def _gap(parting: Parting) -> str:
-    gap = abs(parting.a - parting.b)
+def _gap(divergence: Divergence) -> str:
+    gap = abs(divergence.a - divergence.b)
     return f"{gap:.3g}" if math.isfinite(gap) else "unknown"
 
 

@@ -76,7 +76,7 @@ def execute(options: argparse.Namespace) -> int:
         plant = Mujoco(robot, dt=player.dt, terrain=terrain, seed=options.seed)
         outputs = RunOutputs(options, robot, terrain.boxes())
     with contextlib.ExitStack() as stack:
-        logs = outputs.open_logs(stack)
+        observers = outputs.open_observers(stack)
         handler = stack.enter_context(teleop.CommandHandler(player, plant))
         live = stack.enter_context(
             Live(handler, host=options.host, port=options.port, boxes=terrain.boxes())
@@ -92,8 +92,7 @@ def execute(options: argparse.Namespace) -> int:
             handler,
             options.duration,
             clients=[live],
-            log=logs,
-            recording=outputs.recording,
+            observers=observers,
             stop=lambda: bool(interrupted),
             progress=line.show,
             message=line.print,

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from wbc.log.pictures import KINDS, plot
+from wbc.log.plots import KINDS, plot
 from wbc.log.run import LoggedRun
 
 

@@ -10,10 +10,10 @@ from wbc.cli.output import OutputError
 from wbc.cli.parser import output_file
 from wbc.cli.progress import RenderingProgress
 from wbc.errors import WbcError
-from wbc.log.robot import robot_of
+from wbc.log.logged_robot import logged_robot
 from wbc.log.run import LoggedRun
-from wbc.view import Recording, Replay, Strip
-from wbc.view.film import record
+from wbc.view import Recording, Replay, TimeSeries
+from wbc.view.timeline import record
 from wbc.view.video import Video
 
 
@@ -53,7 +53,7 @@ def execute(options: argparse.Namespace) -> int:
     """Replay; return the exit code."""
     video = Video(options.video) if options.video is not None else None
     run = LoggedRun.read(options.log)
-    robot = robot_of(run.sheet, options.robot)
+    robot = logged_robot(run.robot_info, options.robot)
     boxes = run.log.boxes()
     if options.html is not None or video is not None:
         recording = Recording(robot, boxes=boxes)
@@ -68,7 +68,7 @@ def execute(options: argparse.Namespace) -> int:
         except WbcError as error:
             raise OutputError(str(error)) from error
         return 0
-    replay = Replay(robot, run, port=options.port, boxes=boxes, strips=_strips(run))
+    replay = Replay(robot, run, port=options.port, boxes=boxes, series=_series(run))
 
     def ready(url: str) -> None:
         print(f"{run.title}\nReplay: {url}\nPress Ctrl-C to stop.", flush=True)
@@ -79,8 +79,8 @@ def execute(options: argparse.Namespace) -> int:
     return 0
 
 
-def _strips(run: LoggedRun) -> list[Strip]:
+def _series(run: LoggedRun) -> list[TimeSeries]:
     return [
-        Strip("DCM error, mm", run.time, 1e3 * run.state("dcm_error")),
-        Strip("controller, µs", run.time, 1e6 * run.state("controller_time")),
+        TimeSeries("DCM error, mm", run.time, 1e3 * run.state("dcm_error")),
+        TimeSeries("controller, µs", run.time, 1e6 * run.state("controller_time")),
     ]

@@ -16,6 +16,7 @@ from wbc.cli.robot_options import add_model_options, add_robot_option, load_argu
 from wbc.cli.ros2_options import add_verb, network
 from wbc.cli.run_outputs import RunOutputs, add_output_options
 from wbc.cli.simulation import MAX_TILE_EXTENT, add_terrain_options
+from wbc.runtime.protocols import Observer
 from wbc.sim import Flat, Mujoco, Tiles
 
 _DURATION = 3600.0  # s
@@ -69,9 +70,9 @@ def _walk(options: argparse.Namespace) -> int:
         plant = Mujoco(robot, dt=player.dt, terrain=terrain, seed=options.seed)
         outputs = RunOutputs(options, robot, terrain.boxes())
     with contextlib.ExitStack() as stack:
-        viewer = None
+        observers: list[Observer] = []
         if options.view:
-            viewer = stack.enter_context(wbc.view.Meshcat(robot, boxes=terrain.boxes()))
+            observers.append(stack.enter_context(wbc.view.Meshcat(robot, boxes=terrain.boxes())))
         # The loop keeps the time, which need not be that of the wall clock.
         handler = stack.enter_context(teleop.CommandHandler(player, plant, owns_clock=False))
         bridge = stack.enter_context(
@@ -82,7 +83,7 @@ def _walk(options: argparse.Namespace) -> int:
                 use_sim_time=options.sim_time,
             )
         )
-        logs = outputs.open_logs(stack)
+        observers += outputs.open_observers(stack)
         print(
             f"[INFO] [wbc]: {robot.name} is ready; listening on /cmd_vel. Press Ctrl-C to stop.",
             flush=True,
@@ -94,9 +95,7 @@ def _walk(options: argparse.Namespace) -> int:
             handler,
             options.duration,
             clients=[bridge],
-            viewer=viewer,
-            recording=outputs.recording,
-            log=logs,
+            observers=observers,
             real_time=not options.as_fast_as_possible,
             stop=lambda: bool(interrupted),
             progress=line.show,

@@ -14,6 +14,7 @@ from wbc.cli.progress import RenderingProgress
 from wbc.errors import WbcError
 from wbc.log import FlightRecorder
 from wbc.robot import Robot
+from wbc.runtime.protocols import Observer
 from wbc.runtime.report import Report
 from wbc.view import Recording, Video
 
@@ -59,15 +60,18 @@ class RunOutputs:
         record = options.html is not None or self._video is not None
         self.recording = Recording(robot, boxes=boxes) if record else None
 
-    def open_logs(self, stack: contextlib.ExitStack) -> list[FlightRecorder]:
-        """Open the requested log, one or none; it is completed when the stack unwinds.
+    def open_observers(self, stack: contextlib.ExitStack) -> list[Observer]:
+        """Open the requested log, which is completed when the stack unwinds; add the recording.
 
         Raises:
             WbcError: the log cannot be written.
         """
-        if self._options.log is None:
-            return []
-        return [stack.enter_context(FlightRecorder(self._options.log, self._robot))]
+        observers: list[Observer] = []
+        if self._options.log is not None:
+            observers.append(stack.enter_context(FlightRecorder(self._options.log, self._robot)))
+        if self.recording is not None:
+            observers.append(self.recording)
+        return observers
 
     def write(self) -> None:
         """Write the files that are made after the run, and print the paths of all files.

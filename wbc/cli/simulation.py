@@ -18,7 +18,7 @@ from wbc.cli.run_outputs import RunOutputs, add_output_options, write_report
 from wbc.cli.velocity_schedule import Velocity, VelocitySchedule
 from wbc.errors import PlantError, WbcError
 from wbc.runtime.loop import StopRun
-from wbc.runtime.protocols import Controller, Recorder
+from wbc.runtime.protocols import Controller, Observer
 from wbc.runtime.statistics import Progress
 from wbc.sim import Flat, Mujoco, Terrain, Tiles
 from wbc.trials import RunEvaluator
@@ -130,12 +130,12 @@ class SimulatedRun:
             plant = self._plant(terrain, duration)
             outputs = RunOutputs(options, self.robot, terrain.boxes())
         with contextlib.ExitStack() as stack:
-            viewer = None
+            observers: list[Observer] = []
             if not options.no_view:
-                viewer = stack.enter_context(Meshcat(self.robot, boxes=terrain.boxes()))
-            logs: list[Recorder] = [*outputs.open_logs(stack)]
+                observers.append(stack.enter_context(Meshcat(self.robot, boxes=terrain.boxes())))
+            observers += outputs.open_observers(stack)
             if evaluator is not None:
-                logs.append(evaluator)
+                observers.append(evaluator)
             line = ProgressLine()
             stack.callback(line.close)
             interrupted = stack.enter_context(graceful_interrupt())
@@ -156,11 +156,9 @@ class SimulatedRun:
                     plant,
                     duration,
                     estimator=estimator,
-                    viewer=viewer,
-                    recording=outputs.recording,
-                    log=logs,
+                    observers=observers,
                     real_time=options.real_time,
-                    announce=lambda conditions: line.print(conditions.describe()),
+                    on_conditions=lambda conditions: line.print(conditions.describe()),
                     before_tick=lambda time: before_tick(time, plant),
                     progress=progress,
                 )

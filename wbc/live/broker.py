@@ -6,11 +6,13 @@ import json
 import time
 from typing import Any, Protocol
 
+import numpy as np
+
 from wbc.live.config import LiveServerConfig
 from wbc.live.controls import Controls
-from wbc.live.gauges import SIZE, Gauges
 from wbc.motions import Motion
-from wbc.process import RecordRing
+from wbc.runtime.mode import Mode
+from wbc.runtime.stream import StreamFollower
 from wbc.teleop import (
     Acknowledgement,
     CommandClient,
@@ -20,6 +22,7 @@ from wbc.teleop import (
     StandCommand,
 )
 
+_MAX_TICKS = 4096  # in one summary
 _MAX_UNANSWERED = 1000  # commands of which the sender is remembered
 
 
@@ -35,19 +38,20 @@ class RequestBroker:
 
     Args:
         config: of the server.
+        follower: of the loop's ticks.
 
     Attributes:
         controls: what the pages offer.
         pages: those that are open.
     """
 
-    def __init__(self, config: LiveServerConfig) -> None:
+    def __init__(self, config: LiveServerConfig, follower: StreamFollower) -> None:
         capabilities = config.channel.capabilities
         self._client = CommandClient(config.robot, config.channel, "page", capabilities.motions)
         self._client.on_motion_sent = self._on_motion_sent
         self.controls = Controls(capabilities)
         self.pages: set[PageClient] = set()
-        self._gauges = RecordRing(SIZE, config.gauges)
+        self._follower = follower
         self._run = 0
         self._senders: dict[int, PageClient] = {}  # by the number of the command
         self._infeasible = 0  # motions that the pages have been told of
@@ -83,11 +87,12 @@ class RequestBroker:
         if len(self._client.infeasible) > self._infeasible:
             self._infeasible = len(self._client.infeasible)
             self.broadcast({"infeasible": self._client.infeasible})
-        ticks = [Gauges.of(record) for record in self._gauges.read()]
-        if not ticks:
+        reader = self._follower.reader
+        if reader is None or not len(ticks := reader.take(_MAX_TICKS)):
             return
-        if ticks[-1].run != self._run:
-            self._run = ticks[-1].run
+        run = int(ticks["run"][-1])
+        if run != self._run:
+            self._run = run
             self._zero_velocity()
         self.broadcast({"status": _summary(ticks)})
 
@@ -138,21 +143,28 @@ def _send(page: PageClient, news: dict[str, Any]) -> None:
     page.send(json.dumps(news))
 
 
-def _summary(ticks: list[Gauges]) -> dict[str, Any]:
-    """Return the last tick, with the largest error and time of all of them."""
+def _summary(ticks: np.ndarray) -> dict[str, Any]:
+    """Return the last tick's status, with the largest DCM error and tick time of all ticks."""
     last = ticks[-1]
+    running = ticks[ticks["mode"] == Mode.RUNNING]
+    times = running["estimator_time"] + running["controller_time"]
     return {
         "stamp": round(time.monotonic(), 3),
-        "time": round(last.time, 4),
-        "mode": last.mode.name.lower(),
-        "dcm_error": _rounded(max(tick.dcm_error for tick in ticks)),
-        "tick_time": _rounded(max(tick.tick_time for tick in ticks)),
-        "velocity": [_rounded(x) for x in (last.forward, last.left, last.turn)],
-        "playing": last.playing,
-        "pushes": last.pushes,
-        "survived": last.survived,
-        "run": last.run,
+        "time": round(float(last["time"]), 4),
+        "mode": Mode(int(last["mode"])).name.lower(),
+        "dcm_error": _rounded(_largest(running["dcm_error"])),
+        "tick_time": _rounded(_largest(times)),
+        "velocity": [_rounded(x) for x in last["velocity_command"].tolist()],
+        "playing": int(last["motion_playing"]),
+        "pushes": int(last["pushes_decided"]),
+        "survived": int(last["pushes_survived"]),
+        "run": int(last["run"]),
     }
+
+
+def _largest(values: np.ndarray) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.max()) if known.size else 0.0
 
 
 def _rounded(value: float) -> float | None:

@@ -24,8 +24,6 @@ class LiveServerConfig:
         host: address to listen on.
         port: None for the first free one from 7000 on, 0 for any.
         rate: of frames and status, Hz.
-        snapshots: descriptor of the ring of snapshots.
-        gauges: descriptor of the ring of the live status.
         parent: process whose end ends the server.
     """
 
@@ -35,6 +33,4 @@ class LiveServerConfig:
     host: str
     port: int | None
     rate: float
-    snapshots: int
-    gauges: int
     parent: int

@@ -21,10 +21,11 @@ from wbc.live.config import LiveServerConfig
 from wbc.live.errors import LiveError
 from wbc.motions.engine.planning import SWITCH_INTERVAL
 from wbc.process import parent
+from wbc.runtime.stream import StreamFollower
+from wbc.view.config import ViewerConfig
 from wbc.view.errors import ViewerError
-from wbc.view.order import Order as ViewOrder
 from wbc.view.page_text import script, served_page
-from wbc.view.server import Page, Show
+from wbc.view.server import LivePage, LiveScene
 from wbc.view.web import Text, listen, protected
 
 _HERE = Path(__file__).parent / "page"
@@ -70,13 +71,14 @@ class ControlSocket(tornado.websocket.WebSocketHandler):
 async def serve(config: LiveServerConfig) -> None:
     """Serve until the parent is gone."""
     loop = asyncio.get_running_loop()
-    monitor = parent.ParentMonitor(config.parent)
-    show: asyncio.Future[Show] = loop.create_future()
-    broker = RequestBroker(config)
+    follower = StreamFollower()
+    monitor = parent.ParentMonitor(config.parent, follower.on_message)
+    scene: asyncio.Future[LiveScene] = loop.create_future()
+    broker = RequestBroker(config, follower)
     try:
         check_host(config.host)
         handlers = [
-            (r"/socket", Page, {"show": show}),
+            (r"/socket", LivePage, {"live_scene": scene}),
             (r"/controls", ControlSocket, {"broker": broker}),
             *_files(config.robot.name),
         ]
@@ -87,15 +89,13 @@ async def serve(config: LiveServerConfig) -> None:
         parent.reply({"error": str(error)})
         return
     parent.reply({"url": f"http://{url_host(config.host)}:{port}/static/"})
-    drawn = ViewOrder(
-        config.robot, config.snapshots, config.port, config.rate, config.boxes, config.parent
-    )
-    show.set_result(await loop.run_in_executor(None, Show, drawn))
+    drawn = ViewerConfig(config.robot, config.port, config.rate, config.boxes, config.parent)
+    scene.set_result(await loop.run_in_executor(None, LiveScene, drawn, follower))
     broker.start_planning()
-    period = 0.5 / config.rate  # twice as often as snapshots come: none waits long
+    period = 0.5 / config.rate  # twice as often as frames are due: none waits long
     even = False
     while not monitor.gone:
-        show.result().advance()
+        scene.result().advance()
         even = not even
         if even:
             broker.advance()

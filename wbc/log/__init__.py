@@ -3,24 +3,24 @@
 Logs are MCAP files of ROS 2 messages, which Foxglove and PlotJuggler open.
 """
 
-from wbc.log.diff import Difference, Parting, compare
+from wbc.log.diff import Difference, Divergence, compare
 from wbc.log.errors import LogError
-from wbc.log.pictures import plot
+from wbc.log.logged_robot import logged_robot
+from wbc.log.plots import plot
 from wbc.log.reader import Log
 from wbc.log.recorder import FlightRecorder
 from wbc.log.recovery import repair
-from wbc.log.robot import robot_of
 from wbc.log.run import LoggedRun
 
 __all__ = [
     "Difference",
+    "Divergence",
     "FlightRecorder",
     "Log",
     "LogError",
     "LoggedRun",
-    "Parting",
     "compare",
+    "logged_robot",
     "plot",
     "repair",
-    "robot_of",
 ]

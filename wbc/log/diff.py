@@ -36,7 +36,7 @@ class Signal:
 
 
 @dataclass(frozen=True, slots=True)
-class Parting:
+class Divergence:
     """From when on a quantity differs.
 
     Attributes:
@@ -71,19 +71,19 @@ class Difference:
     Attributes:
         ticks: number of common ticks.
         ends: time of the last tick of each run, s.
-        partings: of the quantities that differ, the first one first.
+        divergences: of the quantities that differ, the first one first.
         parameters: "table.name" -> values in both runs, None where there is none.
     """
 
     ticks: int
     ends: tuple[float, float]
-    partings: tuple[Parting, ...]
+    divergences: tuple[Divergence, ...]
     parameters: Mapping[str, tuple[str | None, str | None]]
 
     @property
-    def first(self) -> Parting | None:
+    def first(self) -> Divergence | None:
         """Where the runs part: the first, and of those of one tick the cause."""
-        return self.partings[0] if self.partings else None
+        return self.divergences[0] if self.divergences else None
 
 
 def compare(a: LoggedRun, b: LoggedRun, tolerance: float = 0.0) -> Difference:
@@ -97,9 +97,9 @@ def compare(a: LoggedRun, b: LoggedRun, tolerance: float = 0.0) -> Difference:
     Raises:
         LogError: the runs are of robots with different joints, or have no tick in common.
     """
-    if a.sheet.joints != b.sheet.joints:
+    if a.robot_info.joints != b.robot_info.joints:
         raise LogError(
-            f"{a.log.path} is of '{a.sheet.name}' and {b.log.path} of '{b.sheet.name}': "
+            f"{a.log.path} is of '{a.robot_info.name}' and {b.log.path} of '{b.robot_info.name}': "
             "robots with different joints cannot be compared"
         )
     stamps, in_a, in_b = np.intersect1d(a.stamps, b.stamps, return_indices=True)
@@ -107,19 +107,19 @@ def compare(a: LoggedRun, b: LoggedRun, tolerance: float = 0.0) -> Difference:
         raise LogError(f"{a.log.path} and {b.log.path} have no tick in common")
     found = []
     for signal in _signals(a, b, in_a, in_b):
-        parting = _parting(signal, 1e-9 * stamps, tolerance)
-        if parting is not None:
-            found.append(parting)
+        divergence = _parting(signal, 1e-9 * stamps, tolerance)
+        if divergence is not None:
+            found.append(divergence)
     found.sort(key=lambda p: (p.tick, STAGES.index(p.stage)))
     return Difference(
         ticks=len(stamps),
         ends=(float(a.time[-1]), float(b.time[-1])),
-        partings=tuple(found),
+        divergences=tuple(found),
         parameters=_parameters(a, b),
     )
 
 
-def _parting(signal: Signal, time: np.ndarray, tolerance: float) -> Parting | None:
+def _parting(signal: Signal, time: np.ndarray, tolerance: float) -> Divergence | None:
     a, b = signal.a, signal.b
     gap = np.abs(a - b)
     one_unknown = np.isnan(a) != np.isnan(b)
@@ -132,7 +132,7 @@ def _parting(signal: Signal, time: np.ndarray, tolerance: float) -> Parting | No
     part = int(np.argmax(gap[tick]))
     finite = np.where(np.isfinite(gap), gap, 0.0).max(axis=1)
     largest = int(np.argmax(finite))
-    return Parting(
+    return Divergence(
         name=signal.name,
         stage=signal.stage,
         unit=signal.unit,
@@ -147,7 +147,7 @@ def _parting(signal: Signal, time: np.ndarray, tolerance: float) -> Parting | No
 
 
 def _signals(a: LoggedRun, b: LoggedRun, in_a: np.ndarray, in_b: np.ndarray) -> Iterator[Signal]:
-    joints = a.sheet.joints
+    joints = a.robot_info.joints
     xyz = ("x", "y", "z")
     twist = ("vx", "vy", "vz", "ωx", "ωy", "ωz")
     wrench = ("fx", "fy", "fz", "τx", "τy", "τz")

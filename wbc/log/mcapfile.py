@@ -23,8 +23,8 @@ from pathlib import Path
 import zstandard
 
 import wbc
-from wbc.log.describe import Facts
-from wbc.log.format.contents import ChunkFacts, Contents, Place
+from wbc.log.format.contents import ChunkInfo, Contents, RecordLocation
+from wbc.log.format.index_scan import attachment_index
 from wbc.log.format.records import (
     CHANNEL,
     HEAD,
@@ -38,15 +38,15 @@ from wbc.log.format.records import (
     chunk,
     header,
     message_index,
-    metadata,
+    metadata_record,
     record,
     schema,
     text,
 )
-from wbc.log.format.survey import attachment_facts
+from wbc.log.metadata import Metadata
 from wbc.log.output import Output
-from wbc.log.topics import Block, Topic
 from wbc.messages import schema_text, type_hash
+from wbc.topics import MessageTopic, TickBatch
 
 _LEVEL = 3  # of zstandard
 _QOS = (
@@ -86,31 +86,35 @@ class McapFile:
         self._size = 0
         self._places: dict[int, list[int]] = {}
 
-    def add(self, facts: Facts) -> None:
-        """Write down facts."""
-        for name, values in facts.tables.items():
-            data = metadata(name, values)
-            self._contents.metadata.append(Place(self._output.tell(), len(data), text(name)))
+    def add(self, metadata: Metadata) -> None:
+        """Write metadata."""
+        for name, values in metadata.tables.items():
+            data = metadata_record(name, values)
+            self._contents.metadata.append(
+                RecordLocation(self._output.tell(), len(data), text(name))
+            )
             self._output.write(data)
-        for name, content in facts.files.items():
+        for name, content in metadata.files.items():
             kind = "application/json" if name.endswith(".json") else "text/plain"
             data = attachment(name, kind, content.encode())
-            place = Place(self._output.tell(), len(data), attachment_facts(data[HEAD.size :]))
+            place = RecordLocation(
+                self._output.tell(), len(data), attachment_index(data[HEAD.size :])
+            )
             self._contents.attachments.append(place)
             self._output.write(data)
 
-    def write(self, block: Block, topics: Sequence[Topic]) -> None:
-        """Take the messages of a block, in the order of time, into the chunk."""
-        ticks: list[list[tuple[int, bytes]]] = [[] for _ in range(len(block))]
+    def write(self, batch: TickBatch, topics: Sequence[MessageTopic]) -> None:
+        """Take the messages of a batch, in the order of time, into the chunk."""
+        ticks: list[list[tuple[int, bytes]]] = [[] for _ in range(len(batch))]
         for topic in topics:
-            found = topic.messages(block)
+            found = topic.messages(batch)
             if found:
                 number = self._channel(topic)
                 for tick, data in found:
                     ticks[tick].append((number, data))
         parts, places, sequence, at = self._parts, self._places, self._sequence, self._size
         head = MESSAGE_HEAD.pack
-        for stamp, messages in zip(block.stamps.tolist(), ticks, strict=True):
+        for stamp, messages in zip(batch.stamps.tolist(), ticks, strict=True):
             for number, data in messages:
                 sequence[number] = count = sequence[number] + 1
                 length = MESSAGE_HEAD_CONTENT + len(data)
@@ -138,7 +142,7 @@ class McapFile:
         start = min(found[0] for found in places.values())
         end = max(found[-2] for found in places.values())
         data = chunk(start, end, len(records), zlib.crc32(records), "zstd", packed)
-        facts = ChunkFacts(
+        info = ChunkInfo(
             offset=self._output.tell(),
             length=len(data),
             start=start,
@@ -150,11 +154,11 @@ class McapFile:
         self._output.write(data)
         for number, found in places.items():
             index = message_index(number, found)
-            facts.indices[number] = self._output.tell()
-            facts.indices_length += len(index)
-            facts.counts[number] = len(found) // 2
+            info.indices[number] = self._output.tell()
+            info.indices_length += len(index)
+            info.counts[number] = len(found) // 2
             self._output.write(index)
-        self._contents.chunks.append(facts)
+        self._contents.chunks.append(info)
 
     def finish(self) -> None:
         """Write the end of the file.
@@ -169,18 +173,19 @@ class McapFile:
         """Close the file."""
         self._output.close()
 
-    def _channel(self, topic: Topic) -> int:
+    def _channel(self, topic: MessageTopic) -> int:
         number = self._channels.get(topic.name)
         if number is None:
             number = self._channels[topic.name] = len(self._channels) + 1
+            name = "/" + topic.name.lstrip("/")
             self._sequence[number] = 0
             self._places[number] = []
             durability, depth = (1, 1) if topic.latched else (2, 10)
-            facts = {
+            metadata = {
                 "offered_qos_profiles": _QOS.format(durability=durability, depth=depth),
                 "topic_type_hash": type_hash(topic.type_name),
             }
-            content = channel(number, self._schema(topic.type_name), topic.name, facts)
+            content = channel(number, self._schema(topic.type_name), name, metadata)
             self._contents.channels[number] = content
             self._put(record(CHANNEL, content))
         return number

@@ -30,8 +30,8 @@ from wbc.log.format.records import (
     METADATA,
     SCHEMA,
 )
-from wbc.log.sheet import RobotSheet
-from wbc.log.table import Table
+from wbc.log.robot_info import RobotInfo
+from wbc.log.topic_table import Table
 from wbc.messages import Message
 
 _U32 = struct.Struct("<I")
@@ -126,14 +126,14 @@ class Log:
         """
         return self._table(topic).first
 
-    def sheet(self) -> RobotSheet:
+    def robot_info(self) -> RobotInfo:
         """What has to be known of the robot.
 
         Raises:
             LogError: the log does not say.
         """
         try:
-            return RobotSheet.from_json(self.files["robot.json"])
+            return RobotInfo.from_json(self.files["robot.json"])
         except (KeyError, ValueError, TypeError) as error:
             raise LogError(
                 f"{self.path} does not describe its robot: it is no log of this library's"

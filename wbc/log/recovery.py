@@ -10,7 +10,7 @@ import os
 from pathlib import Path
 
 from wbc.log.errors import LogError
-from wbc.log.format.survey import Survey
+from wbc.log.format.index_scan import IndexScan
 
 
 def repair(path: Path) -> float:
@@ -27,16 +27,16 @@ def repair(path: Path) -> float:
     """
     try:
         with path.open("rb") as file:
-            survey = Survey(file)
-        contents, size = survey.contents, survey.size
-        while not survey.complete:
+            scan = IndexScan(file)
+        contents, size = scan.contents, scan.size
+        while not scan.complete:
             try:
                 _replace_end(path, size, contents.ending(size))
                 break
             except OSError:
                 if not contents.chunks:
                     raise
-                size = contents.forget_last_chunk()
+                size = contents.drop_last_chunk()
         return 1e-9 * contents.end
     except OSError as error:
         raise LogError(f"cannot repair {path}: {error.strerror}") from error

@@ -3,38 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
+from wbc.errors import did_you_mean
 from wbc.log.errors import LogError
-from wbc.log.layout import STATUSES
 from wbc.log.reader import Log
-from wbc.log.sheet import RobotSheet
+from wbc.log.robot_info import RobotInfo
 from wbc.messages import Message
+from wbc.runtime.quantities import STATUSES
+from wbc.runtime.schema import Column, columns_from_json
 from wbc.runtime.snapshot import Snapshot
-from wbc.telemetry import PHASES, Footstep, Telemetry
+from wbc.telemetry import PHASES, ContactPlan, Footstep, Telemetry
+from wbc.topics.catalogue import COMPOSITE_FIELDS, column_topic
 
 _STATE = "/controller_state"
 _LATE = 1.5  # s: a plan that is older than this is not shown any more
 _SIDES = ("left", "right")
-
-
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """What the gait intended at a time, world axes.
-
-    Attributes:
-        support: (k, 3) vertices of the support polygon, m.
-        footsteps: the next one first.
-        swing: (m, 3) way of the swing sole's centre, m.
-    """
-
-    support: np.ndarray
-    footsteps: tuple[Footstep, ...]
-    swing: np.ndarray
 
 
 class LoggedRun:
@@ -45,7 +32,7 @@ class LoggedRun:
 
     Attributes:
         log: the log.
-        sheet: what has to be known of the robot.
+        info: what has to be known of the robot.
         stamps: (n,) time, ns.
         time: (n,) time, s.
 
@@ -55,7 +42,7 @@ class LoggedRun:
 
     def __init__(self, log: Log) -> None:
         self.log = log
-        self.sheet: RobotSheet = log.sheet()
+        self.robot_info: RobotInfo = log.robot_info()
         if _STATE not in log:
             raise LogError(f"{log.path} holds no tick")
         self.stamps = log.stamps(_STATE)
@@ -80,10 +67,10 @@ class LoggedRun:
         """Robot and, if there is a report, what became of the run."""
         report = self.log.tables.get("report")
         if report is None:
-            return f"{self.sheet.name}, {self.time[-1]:.1f} s, without an end"
+            return f"{self.robot_info.name}, {self.time[-1]:.1f} s, without an end"
         if report.get("survived") == "True":
-            return f"{self.sheet.name}, {self.time[-1]:.1f} s"
-        return f"{self.sheet.name}, {self.time[-1]:.1f} s: {report.get('fell_why', 'fell')}"
+            return f"{self.robot_info.name}, {self.time[-1]:.1f} s"
+        return f"{self.robot_info.name}, {self.time[-1]:.1f} s: {report.get('fell_why', 'fell')}"
 
     @cached_property
     def q(self) -> np.ndarray:
@@ -145,25 +132,57 @@ class LoggedRun:
     @cached_property
     def soles(self) -> Mapping[str, np.ndarray]:
         """Sole name -> (n, 7) pose, the latest known: position (m), quaternion x y z w."""
-        if "/tf" not in self.log:
-            return {}
-        names = [t.child_frame_id for t in self.log.first("/tf").transforms]
-        index = self._latest(self.log.stamps("/tf"))
-        return {
-            name: self.log.numbers("/tf", f"transforms[{i}].transform")[index]
-            for i, name in enumerate(names)
-            if name != self.sheet.base
-        }
+        prefix = "/sole_pose/"
+        found = {}
+        for topic in self.log.topics:
+            if topic.startswith(prefix):
+                index = self._latest(self.log.stamps(topic))
+                found[topic[len(prefix) :]] = self.log.numbers(topic, "pose")[index]
+        return found
+
+    @property
+    def quantities(self) -> Mapping[str, Column]:
+        """Name -> description of all quantities of a tick that the log has.
+
+        Raises:
+            LogError: the log does not tell.
+        """
+        try:
+            columns = columns_from_json(self.log.files["quantities.json"])
+        except (KeyError, ValueError, TypeError) as error:
+            raise LogError(f"{self.log.path} does not describe its quantities") from error
+        there = {c.name: c for c in columns if self._fields_of(c)}
+        return dict(sorted(there.items()))
+
+    def quantity(self, name: str) -> tuple[Column, np.ndarray]:
+        """Return the description of a quantity and its numbers, (n, k); NaN where unknown.
+
+        Raises:
+            LogError: the log has no quantity of that name.
+        """
+        column = self.quantities.get(name)
+        if column is None:
+            near = did_you_mean(name, self.quantities)
+            raise LogError(f"{self.log.path} has no quantity '{name}'{near}")
+        parts = [self.at_ticks(topic, field) for topic, field in self._fields_of(column)]
+        return column, np.hstack(parts)
+
+    def _fields_of(self, column: Column) -> list[tuple[str, str]]:
+        """Topics and fields with the numbers of a column; none if the log does not have them."""
+        own = {"point": "point", "wrench": "wrench", "numbers": "data", "composite": ""}
+        single = ((column_topic(column), own[column.message]),)
+        found = [(f"/{topic}", field) for topic, field in COMPOSITE_FIELDS.get(column.name, single)]
+        return found if all(topic in self.log for topic, _ in found) else []
 
     @cached_property
-    def plans(self) -> list[Plan]:
-        """What the gait intended, in the order of `plan_stamps`."""
+    def plans(self) -> list[ContactPlan]:
+        """The contact plans, in the order of `plan_stamps`."""
         if "/footsteps" not in self.log:
             return []
         log = self.log
         parts = (log.messages(t) for t in ("/support_polygon", "/footsteps", "/swing_path"))
         return [
-            Plan(
+            ContactPlan(
                 _xyz(support.polygon.points),
                 tuple(_footstep(step) for step in steps.footsteps),
                 _xyz([stamped.pose.position for stamped in swing.poses]),
@@ -180,7 +199,7 @@ class LoggedRun:
 
     def snapshot(self, tick: int) -> Snapshot:
         """What a viewer shows of a tick."""
-        plan = Plan(np.empty((0, 3)), (), np.empty((0, 3)))
+        plan = ContactPlan()
         if len(self.plan_stamps):
             index = int(np.searchsorted(self.plan_stamps, self.stamps[tick], "right")) - 1
             if index >= 0 and self.stamps[tick] - self.plan_stamps[index] < 1e9 * _LATE:
@@ -200,10 +219,8 @@ class LoggedRun:
                 dcm_reference=self._points["dcm_reference"][tick],
                 zmp=self._points["zmp"][tick],
                 phase=PHASES[int(self._phases[tick])],
-                support=plan.support,
-                footsteps=plan.footsteps,
-                swing_path=plan.swing,
             ),
+            contact_plan=plan,
             status=STATUSES[int(self._statuses[tick])],
         )
 

@@ -1,7 +1,7 @@
-"""The log's own process: takes ticks out of shared memory, writes messages into the file.
+"""The log's own process: reads ticks from shared memory, writes messages into the file.
 
-Started by `FlightRecorder` as `python -m wbc.log.writer`. It ends, and finishes the file,
-when its standard input does: a parent that dies, however it dies, leaves a whole file.
+`FlightRecorder` starts it as `python -m wbc.log.writer`; see `wbc.process.child`. It finishes the
+file when the parent has closed its end or has died.
 """
 
 from __future__ import annotations
@@ -12,57 +12,73 @@ import queue
 import sys
 import time
 
-from wbc.log.describe import Facts
+from wbc.log.config import LogConfig
 from wbc.log.errors import LogError
 from wbc.log.mcapfile import McapFile
-from wbc.log.order import Order
+from wbc.log.metadata import Metadata, versions
 from wbc.log.recovery import repair
-from wbc.log.ring import TickRing
-from wbc.log.topics import CommandedWrench, Topic, Tracker, topics_of
+from wbc.log.robot_info import RobotInfo
+from wbc.log.status import LogStatus
 from wbc.process import parent
+from wbc.runtime.mode import Mode
+from wbc.runtime.schema import columns_to_json
+from wbc.runtime.stream import StreamFollower
+from wbc.topics import BatchMaker, CommandedWrench, MessageTopic, tick_topics
 
 _PAUSE = 0.1  # s, between two looks for ticks
 _CHUNK = 0.4  # s, between the ends of two chunks
-_MOST = 256  # ticks at once
+_BATCH = 256  # ticks at most at once
 _NICENESS = 5  # the loop comes first
-_DISK = 3  # exit code
+_DISK_ERROR = 3  # exit code
 
 
 class LogWriter:
     """Turns ticks into a file.
 
     Args:
-        order: what to log, and where.
+        config: what to log, and where.
+
+    Attributes:
+        follower: of the stream of ticks.
 
     Raises:
         OSError: the file cannot be opened or written.
     """
 
-    def __init__(self, order: Order) -> None:
-        self._file = McapFile(order.path)
-        self._file.add(order.facts)
-        self._ring = TickRing(order.layout, order.capacity, order.descriptor)
-        self._tracker = Tracker(order)
-        self._topics: list[Topic] = topics_of(order)
-        self._contacts = 0
+    def __init__(self, config: LogConfig) -> None:
+        robot = self._robot = config.robot
+        self._file = McapFile(config.path)
+        info = RobotInfo.of(robot).to_json()
+        self._file.add(Metadata({"versions": versions()}, {"robot.json": info}))
+        self._status = LogStatus(config.status)
+        self.follower = StreamFollower()
+        self._batches = BatchMaker(robot)
+        self._topics: list[MessageTopic] = []
+        self._contacts = self._ticks = 0
+        self._lost_before = 0  # on the streams that were read before
         self._due = self._longest = 0.0
 
     def advance(self) -> bool:
-        """Write some of the ticks that are there; False when there is none.
+        """Write some of the ticks that are there; returns False when there is none.
 
         Raises:
             OSError: the disk does not take them.
         """
-        ring = self._ring
-        records = ring.take(_MOST)
-        count = len(records)
-        if count:
-            names = ring.names
+        reader, ended = self.follower.reader, self.follower.pending
+        records = None if reader is None else reader.take(_BATCH)
+        count = 0 if records is None else len(records)
+        if reader is not None and records is not None and count:
+            records = records[records["mode"] == Mode.RUNNING]
+            names = reader.contact_names
             for number in range(self._contacts, len(names)):
                 self._topics.append(CommandedWrench(number, names[number]))
             self._contacts = len(names)
-            self._file.write(self._tracker.block(records, names), self._topics)
-            ring.release(count)
+            self._file.write(self._batches.batch(records, names), self._topics)
+            self._ticks += len(records)
+            self._status.lost = self._lost_before + reader.lost
+        elif ended:
+            self._follow()
+            return True
         start = time.monotonic()
         if start >= self._due:
             self._due = start + _CHUNK
@@ -70,9 +86,21 @@ class LogWriter:
             self._longest = max(self._longest, time.monotonic() - start)
         return count > 0
 
-    def add(self, facts: Facts) -> None:
-        """Write down facts."""
-        self._file.add(facts)
+    def _follow(self) -> None:
+        """Go over to the next stream; the one before has been read to its end."""
+        reader = self.follower.reader
+        if reader is not None:
+            self._lost_before += reader.lost
+        self.follower.update()
+        assert self.follower.reader is not None
+        schema = self.follower.reader.schema
+        self._topics = tick_topics(schema, self._robot)
+        self._contacts = 0
+        self._file.add(Metadata({}, {"quantities.json": columns_to_json(schema.columns)}))
+
+    def add(self, metadata: Metadata) -> None:
+        """Write metadata."""
+        self._file.add(metadata)
 
     def finish(self) -> None:
         """Write what is left, and the end of the file.
@@ -83,56 +111,62 @@ class LogWriter:
         while self.advance():
             pass
         own = {
-            "ticks": str(self._ring.written),
-            "dropped": str(self._ring.dropped),
+            "ticks": str(self._ticks),
+            "dropped": str(self._status.lost),
             "longest_write_s": f"{self._longest:.6f}",
             "cpu_s": f"{time.process_time():.3f}",
         }
-        self.add(Facts({"log": own}))
+        self.add(Metadata({"log": own}))
         self._file.commit()
         self._file.finish()
         self._file.close()
 
     def give_up(self, reason: str) -> None:
-        """The disk takes no more: tell the loop, and leave a file that can be read."""
-        self._ring.stop(reason)
+        """Tell the loop that the disk takes no more, and leave a file that can be read."""
+        self._status.stop(reason)
         with contextlib.suppress(OSError):
             self._file.close()
 
 
-def serve(order: Order) -> int:
+def serve(config: LogConfig) -> int:
     """Write until the parent is gone; returns the exit code."""
     try:
-        writer = LogWriter(order)
+        writer = LogWriter(config)
     except OSError as error:
         parent.reply({"error": f"{error.strerror}; give another path"})
-        return _DISK
+        return _DISK_ERROR
     parent.reply({"pid": os.getpid()})
-    facts: queue.SimpleQueue[Facts] = queue.SimpleQueue()
-    parent_monitor = parent.ParentMonitor(order.parent, facts.put)
+    metadata: queue.SimpleQueue[Metadata] = queue.SimpleQueue()
+
+    def on_message(message: object) -> None:
+        if isinstance(message, Metadata):
+            metadata.put(message)
+        else:
+            writer.follower.on_message(message)
+
+    def write_metadata() -> None:
+        while not metadata.empty():
+            writer.add(metadata.get())
+
+    parent_monitor = parent.ParentMonitor(config.parent, on_message)
     try:
         while not parent_monitor.gone:
-            _write_facts(writer, facts)
+            write_metadata()
             if not writer.advance():
                 parent_monitor.wait(_PAUSE)
-        parent_monitor.wait(_PAUSE)  # what the parent said last
-        _write_facts(writer, facts)
+        parent_monitor.wait(_PAUSE)  # the parent's last message may still be on its way
+        write_metadata()
         writer.finish()
     except OSError as error:
-        writer.give_up(f"{error.strerror}: {order.path}")
+        writer.give_up(f"{error.strerror}: {config.path}")
         with contextlib.suppress(LogError):
-            repair(order.path)
-        return _DISK
+            repair(config.path)
+        return _DISK_ERROR
     return 0
 
 
-def _write_facts(writer: LogWriter, facts: queue.SimpleQueue[Facts]) -> None:
-    while not facts.empty():
-        writer.add(facts.get())
-
-
 def main() -> int:
-    """Read the order and carry it out."""
+    """Write the log that the configuration asks for."""
     with contextlib.suppress(OSError):
         os.nice(_NICENESS)
     return serve(parent.receive_config())

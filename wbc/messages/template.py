@@ -99,9 +99,11 @@ class Template:
     def stamp(self, time: float) -> None:
         """Write a time, s, to every `stamp` of the message."""
         seconds = int(time // 1)
-        nanoseconds = round(1e9 * (time - seconds))
-        if nanoseconds >= 1_000_000_000:
-            seconds, nanoseconds = seconds + 1, nanoseconds - 1_000_000_000
+        self.stamp_nanoseconds(1_000_000_000 * seconds + round(1e9 * (time - seconds)))
+
+    def stamp_nanoseconds(self, time: int) -> None:
+        """Write a time, ns, into every `stamp` of the message."""
+        seconds, nanoseconds = divmod(time, 1_000_000_000)
         for offset in self._stamps:
             _STAMP.pack_into(self.data, offset, seconds, nanoseconds)
 

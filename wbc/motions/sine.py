@@ -18,7 +18,7 @@ from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_r
 from wbc.motions.engine.reference import Path, SmoothReference
 from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
-from wbc.telemetry import Balance, Telemetry
+from wbc.telemetry import ContactPlan, Telemetry
 
 _LEAD_IN = 1.0  # s from standing into the pattern; likewise back, and at rest there
 _STIFFNESS = 20.0  # torque limits per rad
@@ -181,14 +181,14 @@ class JointPdController:
         return self._rest is not None and self._rest >= _LEAD_IN
 
     @property
-    def balance(self) -> Balance:
-        """Nobody looks after it."""
-        return Balance()
+    def telemetry(self) -> Telemetry:
+        """Unknown: joint springs know nothing of balance."""
+        return Telemetry()
 
     @property
-    def telemetry(self) -> Telemetry:
-        """Nothing is planned."""
-        return Telemetry()
+    def contact_plan(self) -> ContactPlan:
+        """Empty: nothing is planned."""
+        return ContactPlan()
 
 
 def match_joints(robot: Robot) -> tuple[Joints, tuple[str, ...]]:

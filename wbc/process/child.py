@@ -1,9 +1,10 @@
 """A child process that runs one module of the library, seen from its parent.
 
 Unlike `multiprocessing`, this needs no `__main__` guard in scripts, and the child imports only what
-its module needs. The child reads pickled messages from its standard input, answers the first one
-with a line of JSON, and ends when its input is closed: a parent that dies, even by SIGKILL, ends
-it. `wbc.process.parent` is the child's side.
+its module needs. The child reads pickled messages from its standard input, a socket that can also
+carry file descriptors of shared memory. It answers the first message with a line of JSON, and ends
+when its input is closed: a parent that dies, even by SIGKILL, ends it. `wbc.process.parent` is the
+child's side.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import logging
 import os
 import pickle
 import selectors
+import socket
 import struct
 import subprocess
 import sys
@@ -56,15 +58,17 @@ class ChildProcess:
         self._title = title
         self._next_check = 0.0
         paths = [str(Path(wbc.__file__).resolve().parent.parent), *(p for p in sys.path if p)]
+        self._socket, child_end = socket.socketpair()
         self._process = subprocess.Popen(
             [sys.executable, "-m", module],
-            stdin=subprocess.PIPE,
+            stdin=child_end.fileno(),
             stdout=subprocess.PIPE,
             pass_fds=tuple(descriptors),
             env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
             start_new_session=True,  # the parent alone handles Ctrl-C
         )
-        self._finalizer = weakref.finalize(self, _end, self._process, grace)
+        child_end.close()
+        self._finalizer = weakref.finalize(self, _end, self._process, self._socket, grace)
 
     @property
     def pid(self) -> int:
@@ -117,14 +121,23 @@ class ChildProcess:
             raise ProcessStartError("the process did not start; its own message is above")
         return reply
 
-    def send(self, message: object) -> None:
-        """Send a message. This blocks while the child does not read: never call it in a tick."""
-        assert self._process.stdin is not None
+    def send(self, message: object, descriptor: int | None = None) -> None:
+        """Send a message. This blocks while the child does not read: never call it in a tick.
+
+        Args:
+            message: to be pickled.
+            descriptor: file descriptor that goes with it. The child gets one of its own, as the
+                field `descriptor` of the message, which is a dataclass then.
+        """
         data = pickle.dumps(message)
+        head = LENGTH.pack(len(data))
         # A dead process is noticed by its missing reply, or by `warn_if_exited`.
-        with contextlib.suppress(BrokenPipeError, ValueError):
-            self._process.stdin.write(LENGTH.pack(len(data)) + data)
-            self._process.stdin.flush()
+        with contextlib.suppress(OSError):
+            if descriptor is None:
+                self._socket.sendall(head + data)
+            else:
+                socket.send_fds(self._socket, [head], [descriptor])
+                self._socket.sendall(data)
 
     def close(self) -> None:
         """Ask the process to end, and wait until it has."""
@@ -132,10 +145,8 @@ class ChildProcess:
         self._finalizer()
 
 
-def _end(process: subprocess.Popen[bytes], grace: float) -> None:
-    if process.stdin is not None:
-        with contextlib.suppress(BrokenPipeError):
-            process.stdin.close()  # tells the child to end
+def _end(process: subprocess.Popen[bytes], connection: socket.socket, grace: float) -> None:
+    connection.close()  # tells the child to end
     try:
         process.wait(grace)
     except subprocess.TimeoutExpired:

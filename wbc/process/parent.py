@@ -7,9 +7,11 @@ import json
 import os
 import pickle
 import signal
+import socket
 import sys
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from wbc.process.child import LENGTH
@@ -32,13 +34,20 @@ def receive_config() -> Any:
 
 
 def receive() -> Any:
-    """Return the next message; None when the parent has closed the pipe or has died."""
-    head = _read(LENGTH.size)
+    """Return the next message; None when the parent has closed its end or has died."""
+    with socket.socket(fileno=os.dup(_STDIN)) as connection:
+        head, descriptors, _, _ = socket.recv_fds(connection, LENGTH.size, 1)
+    if not head:
+        return None
+    head += _read(LENGTH.size - len(head))
     if len(head) < LENGTH.size:
         return None
     (size,) = LENGTH.unpack(head)
     data = _read(size)
-    return pickle.loads(data) if len(data) == size else None
+    if len(data) < size:
+        return None
+    message = pickle.loads(data)
+    return replace(message, descriptor=descriptors[0]) if descriptors else message
 
 
 def _read(size: int) -> bytes:
@@ -62,7 +71,7 @@ def reply(message: dict[str, Any]) -> None:
 
 
 class ParentMonitor:
-    """Notices when the parent has closed the pipe or has died.
+    """Notices when the parent has closed its end or has died.
 
     Args:
         parent: process id of the parent.
@@ -85,5 +94,5 @@ class ParentMonitor:
         return self._closed.is_set() or os.getppid() != self._parent
 
     def wait(self, timeout: float) -> None:
-        """Wait until the pipe is closed, at most `timeout` s."""
+        """Wait until the parent has closed its end, at most `timeout` s."""
         self._closed.wait(timeout)

@@ -1,4 +1,4 @@
-"""The loop: measure, estimate, control, act — simulated or in real time."""
+"""The loop: measure, estimate, control, act, in simulated or real time."""
 
 from __future__ import annotations
 
@@ -15,13 +15,25 @@ from wbc.estimation import Estimator
 from wbc.runtime.clock import Clock
 from wbc.runtime.fall import fall_reason
 from wbc.runtime.loop_conditions import LoopConditions
-from wbc.runtime.protocols import Controller, Observer, Plant, Recorder, StateEstimator
-from wbc.runtime.real_time import RealTime, punctual, uncollected
+from wbc.runtime.protocols import (
+    Controller,
+    GroundTruthSource,
+    HasPeriod,
+    Observer,
+    Plant,
+    StateEstimator,
+    StreamObserver,
+    TelemetrySource,
+)
+from wbc.runtime.real_time import RealTime, garbage_collection_paused, real_time_thread
 from wbc.runtime.report import Report
-from wbc.runtime.snapshot import Snapshot
-from wbc.runtime.statistics import Book, Progress
-from wbc.runtime.tick import Tick
-from wbc.state import State
+from wbc.runtime.schema import Quantity
+from wbc.runtime.statistics import Progress, RunStatistics
+from wbc.runtime.stream import TickStream
+from wbc.runtime.tick import NO_TELEMETRY, Tick
+
+_PLAN_RATE = 30.0  # Hz of plant time, of the contact plan
+_PROGRESS_PERIOD = 0.1  # s of plant time
 
 
 class StopRun(Exception):
@@ -38,59 +50,66 @@ def run(
     duration: float,
     *,
     estimator: StateEstimator | None = None,
-    viewer: Observer | None = None,
-    recording: Observer | None = None,
-    log: Recorder | Sequence[Recorder] | None = None,
+    observers: Sequence[Observer] = (),
+    quantities: Sequence[Quantity] = (),
     real_time: bool | RealTime = False,
-    announce: Callable[[LoopConditions], None] | None = None,
+    on_conditions: Callable[[LoopConditions], None] | None = None,
     before_tick: Callable[[float], None] | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Report:
     """Run a controller on a plant until the duration is over or the robot falls.
 
     Each control period: `plant.measure()` → `estimator.update` → `controller.step` →
-    `plant.step`. The run starts from where the plant is: a simulator from its last reset.
+    `plant.step`; then the observers see the tick. The run starts from where the plant is: a
+    simulator from its last reset.
 
     Args:
         controller: e.g. a `Walker`.
         plant: e.g. `wbc.sim.Mujoco`.
         duration: s of plant time.
         estimator: measurement to estimate; `Estimator(plant.robot, plant.dt)` when left out.
-        viewer: shown a snapshot 30 times per second of plant time.
-        recording: likewise.
-        log: told every tick, e.g. `wbc.log.FlightRecorder`; or several such.
+        observers: viewers, recordings, logs and the like; those with processes of their own read
+            one stream of ticks in shared memory.
+        quantities: of a tick, beside those of `wbc.runtime.quantities`.
         real_time: wait for the wall clock, so that a second takes a second. The loop asks the
-            system for all that keeps ticks punctual, or for what a `RealTime` says, and gives it
-            back in the end.
-        announce: told before the first tick of a real-time run what was granted and what was
-            not; when left out, a line on standard error tells.
+            system for all that keeps its ticks on time, or for what a `RealTime` says, and gives
+            it back at the end.
+        on_conditions: called before the first tick of a real-time run with what was granted; when
+            left out, a line is printed on standard error.
         before_tick: called with the plant's time before each tick, to change commands or push.
         progress: called about ten times a second.
             Either of them may raise `StopRun` to end the run, or `RunComplete` when it is done.
 
     Raises:
-        WbcError: the duration is not positive, or the run was stopped before its first tick.
+        WbcError: the duration is not positive, the control periods of controller, estimator and
+            plant differ, or the run was stopped before its first tick.
     """
     if not duration > 0.0:
         raise WbcError(f"duration = {duration} s must be positive")
     estimator = estimator or Estimator(plant.robot, plant.dt)
-    observers = [o for o in (viewer, recording) if o is not None]
-    true_before = _truth(plant)
+    for part in (controller, estimator):
+        _check_period(part, plant)
+    truth_source = plant if isinstance(plant, GroundTruthSource) else None
+    true_before = truth_source.ground_truth() if truth_source is not None else None
     start = true_before or plant.robot.standing()
     estimator.reset(start)
     controller.reset(start)
-    logs = () if log is None else tuple(log) if isinstance(log, Sequence) else (log,)
-    for one in logs:
-        one.begin(controller, plant)
-    show_every = max(1, round(1.0 / (30.0 * plant.dt)))
-    tell_every = max(1, round(0.1 / plant.dt))
+    source = controller if isinstance(controller, TelemetrySource) else None
+    stream = _stream_for(observers, plant, quantities)
+    run_number = stream.begin_run() if stream is not None else 1
+    for observer in observers:
+        observer.begin(controller, plant)
+    plan_every = max(1, round(1.0 / (_PLAN_RATE * plant.dt)))
+    progress_every = max(1, round(_PROGRESS_PERIOD / plant.dt))
     end = plant.time + duration - 0.5 * plant.dt
-    with uncollected(), _conditions(real_time, announce) as conditions:
-        book = Book(plant.robot, start, int(np.ceil(duration / plant.dt)) + 1)
-        clock = Clock(plant.dt, book.ticks) if conditions is not None else None
+    with garbage_collection_paused(), _conditions(real_time, on_conditions) as conditions:
+        ticks = int(np.ceil(duration / plant.dt)) + 1
+        statistics = RunStatistics(plant.robot, start, ticks)
+        clock = Clock(plant.dt, ticks) if conditions is not None else None
         try:
-            tick = 0
+            index = 0
             expected: np.ndarray | None = None
+            ended = time.perf_counter()
             while plant.time < end:
                 if clock is not None:
                     clock.wait()
@@ -105,55 +124,82 @@ def run(
                 now = plant.time
                 expected = command.acceleration
                 plant.step(command)
-                true_state = _truth(plant)
-                truth = true_state or estimate.state
-                book.note(now, t1 - t0, t2 - t1, command, truth, controller)
-                showing = observers if tick % show_every == 0 else ()
-                if logs or showing:
-                    seen = Tick(now, measurement, estimate, command, true_before, t1 - t0, t2 - t1)
-                    for one in logs:
-                        one.record(seen, controller)
-                    if showing:
-                        snapshot = Snapshot.of(seen, controller)
-                        for observer in showing:
-                            observer.show(snapshot)
-                true_before = true_state
-                if progress is not None and tick % tell_every == 0:
-                    progress(book.progress(now, duration))
-                reason = fall_reason(plant.robot, truth, book.ground)
+                true_after = truth_source.ground_truth() if truth_source is not None else None
+                true_state = true_after or estimate.state
+                telemetry = source.telemetry if source is not None else NO_TELEMETRY
+                statistics.record(now, t1 - t0, t2 - t1, command, true_state, telemetry)
+                if observers:
+                    plan = None
+                    if source is not None and index % plan_every == 0:
+                        plan = source.contact_plan
+                    before, ended = ended, time.perf_counter()
+                    tick = Tick(
+                        now, measurement, estimate, command, true_before, t1 - t0, t2 - t1,
+                        telemetry, plan, index, run_number, time.time(), ended - before,
+                    )  # fmt: skip
+                    if stream is not None:
+                        stream.write(tick)
+                    for observer in observers:
+                        observer.observe(tick)
+                true_before = true_after
+                if progress is not None and index % progress_every == 0:
+                    progress(statistics.progress(now, duration))
+                reason = fall_reason(plant.robot, true_state, statistics.ground)
                 if reason:
-                    book.fell(plant.time, reason)
+                    statistics.fell(plant.time, reason)
                     break
-                tick += 1
+                index += 1
         except StopRun as stop:
-            if book.empty:
+            if statistics.empty:
                 raise WbcError(f"the run was stopped before its first tick: {stop}") from stop
             if not isinstance(stop, RunComplete):
-                book.stopped(str(stop) or "stopped")
-    report = book.report(controller, clock)
+                statistics.stopped(str(stop) or "stopped")
+    report = statistics.report(clock)
     if conditions is not None:
         report = replace(report, loop_conditions=conditions.describe())
-    for one in logs:
-        one.end(report)
+    for observer in observers:
+        observer.end(report)
     return report
+
+
+def _check_period(part: object, plant: Plant) -> None:
+    """Refuse a controller or estimator that is made for another control period."""
+    if isinstance(part, HasPeriod) and abs(part.dt - plant.dt) > 1e-9 * plant.dt:
+        name = type(part).__name__
+        raise WbcError(
+            f"{name}.dt = {part.dt} s differs from the plant's control period, {plant.dt} s; "
+            f"make the {name} with dt={plant.dt}"
+        )
+
+
+def _stream_for(
+    observers: Sequence[Observer], plant: Plant, quantities: Sequence[Quantity]
+) -> TickStream | None:
+    """Return the one stream that all stream observers read, that of their last run if it fits."""
+    readers = [one for one in observers if isinstance(one, StreamObserver)]
+    if not readers:
+        return None
+    wanted = tuple(dict.fromkeys((*quantities, *(q for one in readers for q in one.quantities))))
+    stream = readers[0].stream
+    if stream is None or stream.robot is not plant.robot or stream.quantities != wanted:
+        stream = TickStream(plant.robot, wanted)
+    for reader in readers:
+        if reader.stream is not stream:
+            reader.attach(stream)
+    return stream
 
 
 @contextmanager
 def _conditions(
-    real_time: bool | RealTime, announce: Callable[[LoopConditions], None] | None
+    real_time: bool | RealTime, on_conditions: Callable[[LoopConditions], None] | None
 ) -> Iterator[LoopConditions | None]:
     if not real_time:
         yield None
         return
-    with punctual(real_time if isinstance(real_time, RealTime) else RealTime()) as conditions:
-        (announce or _say)(conditions)
-        yield conditions
+    with real_time_thread(real_time if isinstance(real_time, RealTime) else RealTime()) as granted:
+        (on_conditions or _print)(granted)
+        yield granted
 
 
-def _say(conditions: LoopConditions) -> None:
+def _print(conditions: LoopConditions) -> None:
     print(conditions.describe(), file=sys.stderr)
-
-
-def _truth(plant: Plant) -> State | None:
-    method = getattr(plant, "ground_truth", None)
-    return None if method is None else method()

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Grant:
+class SystemRequest:
     """One thing that was asked of the system.
 
     Attributes:
@@ -28,7 +28,7 @@ class LoopConditions:
         grants: in the order in which they were asked for.
     """
 
-    grants: tuple[Grant, ...]
+    grants: tuple[SystemRequest, ...]
 
     @property
     def granted(self) -> tuple[str, ...]:

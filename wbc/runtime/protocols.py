@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -11,17 +11,17 @@ from wbc.estimation import Estimate
 from wbc.measurement import Measurement
 from wbc.robot import Robot
 from wbc.runtime.report import Report
-from wbc.runtime.snapshot import Snapshot
+from wbc.runtime.schema import Quantity
+from wbc.runtime.stream import TickStream
 from wbc.runtime.tick import Tick
 from wbc.state import State
+from wbc.telemetry import ContactPlan, Telemetry
 
 
 class Controller(Protocol):
-    """Anything that turns states into commands runs in `run`.
+    """Anything that turns estimates into commands runs in `run`.
 
-    A controller may also have `telemetry`, `balance` (the part of it that is cheap enough for
-    every tick), `dcm_error` (m) and `steps`: they are shown, logged and reported when they are
-    there.
+    One that is also a `TelemetrySource` is shown, logged and reported with what it tells.
     """
 
     def reset(self, state: State) -> None:
@@ -31,11 +31,23 @@ class Controller(Protocol):
         """Return the command of one tick."""
 
 
+@runtime_checkable
+class TelemetrySource(Protocol):
+    """A controller that tells what it sees and intends."""
+
+    @property
+    def telemetry(self) -> Telemetry:
+        """What is known after the last tick; read once per tick."""
+
+    @property
+    def contact_plan(self) -> ContactPlan:
+        """Where the robot stands and will step; read 30 times per second."""
+
+
 class Plant(Protocol):
     """Anything that can be measured and commanded runs in `run`.
 
-    A plant may also have `ground_truth() -> State`: falls, distances and joint limits are then
-    judged on it instead of on the estimate. The estimate never sees it.
+    A plant may also be a `GroundTruthSource`.
     """
 
     robot: Robot
@@ -43,13 +55,36 @@ class Plant(Protocol):
 
     @property
     def time(self) -> float:
-        """s since the last reset."""
+        """Time since the last reset, s."""
 
     def measure(self) -> Measurement:
-        """Sensor readings now."""
+        """Return the sensor readings now."""
 
     def step(self, command: Command) -> None:
         """Hold a command for one control period."""
+
+
+@runtime_checkable
+class GroundTruthSource(Protocol):
+    """A plant that knows the true state.
+
+    Falls, distances and joint limits are then judged by it instead of by the estimate. The
+    estimator never sees it.
+    """
+
+    def ground_truth(self) -> State:
+        """Return the true state now."""
+
+
+@runtime_checkable
+class HasPeriod(Protocol):
+    """A controller or estimator that is made for one control period.
+
+    Attributes:
+        dt: control period, s.
+    """
+
+    dt: float
 
 
 class StateEstimator(Protocol):
@@ -70,20 +105,30 @@ class StateEstimator(Protocol):
 
 
 class Observer(Protocol):
-    """A viewer or recording: gets a snapshot after ticks, and never waits."""
-
-    def show(self, snapshot: Snapshot) -> None:
-        """Take what is wanted of the snapshot, at once."""
-
-
-class Recorder(Protocol):
-    """A log: is told of every tick, and never waits in it."""
+    """Sees every tick of a run in the loop's process, after its command; it must never wait."""
 
     def begin(self, controller: Controller, plant: Plant) -> None:
         """A run is about to begin; this may take its time."""
 
-    def record(self, tick: Tick, controller: Controller) -> None:
-        """Keep what is wanted of a tick, at once."""
+    def observe(self, tick: Tick) -> None:
+        """Take what is wanted of a tick, at once."""
 
     def end(self, report: Report) -> None:
         """The run is over; this may take its time."""
+
+
+@runtime_checkable
+class StreamObserver(Protocol):
+    """An `Observer` with a process of its own, which reads the ticks from shared memory.
+
+    All stream observers of a run read the same stream.
+    """
+
+    stream: TickStream | None
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Quantities that it needs beside those of `wbc.runtime.quantities`."""
+
+    def attach(self, stream: TickStream) -> None:
+        """Read from this stream from now on; called before `begin`."""

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wbc.errors import WbcError
-from wbc.runtime.loop_conditions import Grant, LoopConditions
+from wbc.runtime.loop_conditions import LoopConditions, SystemRequest
 
 _PR_SET_TIMERSLACK, _PR_GET_TIMERSLACK = 29, 30  # <linux/prctl.h>
 _MCL_CURRENT, _MCL_ONFAULT = 1, 4  # <sys/mman.h>
@@ -56,7 +56,7 @@ class RealTime:
 
 
 @contextlib.contextmanager
-def punctual(wanted: RealTime) -> Iterator[LoopConditions]:
+def real_time_thread(wanted: RealTime) -> Iterator[LoopConditions]:
     """Ask for punctual ticks in this thread; afterwards everything is as it was before.
 
     Yields:
@@ -72,7 +72,7 @@ def punctual(wanted: RealTime) -> Iterator[LoopConditions]:
 
 
 @contextlib.contextmanager
-def uncollected() -> Iterator[None]:
+def garbage_collection_paused() -> Iterator[None]:
     """No garbage collection: a full one takes 100 ms, and nothing in a tick makes cycles."""
     with ExitStack() as undo:
         if gc.isenabled():
@@ -85,7 +85,7 @@ def uncollected() -> Iterator[None]:
         yield
 
 
-def _priority(priority: int, undo: ExitStack) -> list[Grant]:
+def _priority(priority: int, undo: ExitStack) -> list[SystemRequest]:
     grants = []
     if priority:
         fifo = _fifo(priority, undo)
@@ -95,19 +95,19 @@ def _priority(priority: int, undo: ExitStack) -> list[Grant]:
     return [*grants, _timer_slack(undo)]
 
 
-def _fifo(priority: int, undo: ExitStack) -> Grant:
+def _fifo(priority: int, undo: ExitStack) -> SystemRequest:
     what = f"SCHED_FIFO {priority}"
     if sys.platform != "linux":
-        return Grant(what, False, "only Linux has it")
+        return SystemRequest(what, False, "only Linux has it")
     if len(os.sched_getaffinity(0)) < 2:
-        return Grant(what, False, "with one processor nothing else would run")
+        return SystemRequest(what, False, "with one processor nothing else would run")
     policy, before = os.sched_getscheduler(0), os.sched_getparam(0)
     # What the loop starts, a viewer for one, begins at ordinary priority.
     fifo = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
     try:
         os.sched_setscheduler(0, fifo, os.sched_param(priority))
     except OSError:
-        return Grant(what, False, f"needs 'rtprio {priority}' in {_LIMITS}")
+        return SystemRequest(what, False, f"needs 'rtprio {priority}' in {_LIMITS}")
 
     def restore() -> None:
         try:
@@ -116,53 +116,53 @@ def _fifo(priority: int, undo: ExitStack) -> Grant:
             os.sched_setscheduler(0, policy | os.SCHED_RESET_ON_FORK, before)
 
     undo.callback(restore)
-    return Grant(what, True)
+    return SystemRequest(what, True)
 
 
-def _nice(undo: ExitStack, level: int = -20) -> Grant:
+def _nice(undo: ExitStack, level: int = -20) -> SystemRequest:
     what = f"nice {level}"
     if sys.platform != "linux":  # where it is the whole process's
-        return Grant(what, False, "only Linux has it per thread")
+        return SystemRequest(what, False, "only Linux has it per thread")
     before = os.getpriority(os.PRIO_PROCESS, 0)
     try:
         os.setpriority(os.PRIO_PROCESS, 0, level)
     except OSError:
-        return Grant(what, False, f"needs 'nice {level}' in {_LIMITS}")
+        return SystemRequest(what, False, f"needs 'nice {level}' in {_LIMITS}")
     undo.callback(os.setpriority, os.PRIO_PROCESS, 0, before)
-    return Grant(what, True)
+    return SystemRequest(what, True)
 
 
-def _timer_slack(undo: ExitStack) -> Grant:
+def _timer_slack(undo: ExitStack) -> SystemRequest:
     what = "timer slack 1 ns"
     libc = _libc()
     if libc is None:
-        return Grant(what, False, "only Linux has it")
+        return SystemRequest(what, False, "only Linux has it")
     before = libc.prctl(_PR_GET_TIMERSLACK, 0, 0, 0, 0)
     if before < 0 or libc.prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0) != 0:
-        return Grant(what, False, os.strerror(ctypes.get_errno()))
+        return SystemRequest(what, False, os.strerror(ctypes.get_errno()))
     undo.callback(libc.prctl, _PR_SET_TIMERSLACK, before, 0, 0, 0)
-    return Grant(what, True)
+    return SystemRequest(what, True)
 
 
-def _lock_memory(undo: ExitStack) -> Grant:
+def _lock_memory(undo: ExitStack) -> SystemRequest:
     what = "memory locked"
     libc = _libc()
     if libc is None:
-        return Grant(what, False, "only Linux has it")
+        return SystemRequest(what, False, "only Linux has it")
     if _locked_kilobytes() > 0:  # somebody's own, which is to last
-        return Grant(what, True)
+        return SystemRequest(what, True)
     # Only what is mapped by now: were later mappings locked as well, an allocation in mid-tick
     # could exceed the limit and fail. On fault: what nobody has touched takes no memory.
     if libc.mlockall(_MCL_CURRENT | _MCL_ONFAULT) != 0:
-        return Grant(what, False, f"needs 'memlock unlimited' in {_LIMITS}")
+        return SystemRequest(what, False, f"needs 'memlock unlimited' in {_LIMITS}")
     undo.callback(libc.munlockall)
-    return Grant(what, True)
+    return SystemRequest(what, True)
 
 
-def _switch_interval(interval: float, undo: ExitStack) -> Grant:
+def _switch_interval(interval: float, undo: ExitStack) -> SystemRequest:
     undo.callback(sys.setswitchinterval, sys.getswitchinterval())
     sys.setswitchinterval(interval)
-    return Grant(f"thread switches within {1e3 * interval:g} ms", True)
+    return SystemRequest(f"thread switches within {1e3 * interval:g} ms", True)
 
 
 def _libc() -> ctypes.CDLL | None:

@@ -1,4 +1,4 @@
-"""Keeps the figures of a run while it goes on."""
+"""Statistics of a run, collected while it goes on."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from wbc.geometry.planar import wrap_angle
 from wbc.robot import Robot
 from wbc.robot.attitude import heading
 from wbc.runtime.clock import Clock
-from wbc.runtime.protocols import Controller
 from wbc.runtime.report import Report
 from wbc.state import State
+from wbc.telemetry import Telemetry
 
 _TRAIL = 0.1  # s between the points of the trail
 _CYCLE = 1.6  # s: a gait cycle's sway is averaged out of the way over the ground
@@ -40,8 +40,8 @@ class Progress:
     tick_us: float
 
 
-class Book:
-    """Figures of a run; arrays are allocated before it starts.
+class RunStatistics:
+    """Collects the statistics of a run; its arrays are allocated before the run starts.
 
     Args:
         robot: the robot.
@@ -51,7 +51,6 @@ class Book:
 
     def __init__(self, robot: Robot, start: State, ticks: int) -> None:
         self.robot = robot
-        self.ticks = ticks
         self.ground = float(start.q[2] - robot.q_nominal[2])
         self._tick = np.zeros(ticks)
         self._estimate = np.zeros(ticks)
@@ -59,7 +58,7 @@ class Book:
         self._count = 0
         self._start_time: float | None = None
         self._time = 0.0
-        self._failures = 0
+        self._failures = self._steps = 0
         self._explanation = ""
         self._effort = np.zeros(robot.na)
         self._lowest, self._highest = np.full(robot.na, np.inf), np.full(robot.na, -np.inf)
@@ -73,25 +72,35 @@ class Book:
 
     @property
     def empty(self) -> bool:
-        """No tick has been noted yet."""
+        """Whether no tick has been recorded yet."""
         return self._count == 0
 
-    def note(
+    def record(
         self,
         now: float,
-        estimate: float,
-        tick: float,
+        estimator_time: float,
+        controller_time: float,
         command: Command,
         truth: State,
-        controller: Controller,
+        telemetry: Telemetry,
     ) -> None:
-        """One tick: its time, how long estimator and controller took (s), and what came of it."""
+        """Record one tick.
+
+        Args:
+            now: plant time, s.
+            estimator_time: time that the estimator took, s.
+            controller_time: time that the controller took, s.
+            command: of the tick.
+            truth: the true state after it; the estimated one if the truth is unknown.
+            telemetry: what the controller tells.
+        """
         k = min(self._count, self._tick.size - 1)
         if self._start_time is None:
             self._start_time = now
         self._time = now - self._start_time
-        self._tick[k], self._estimate[k] = tick, estimate
-        self._error[k] = getattr(controller, "dcm_error", np.nan)
+        self._tick[k], self._estimate[k] = controller_time, estimator_time
+        self._error[k] = telemetry.dcm_error
+        self._steps = telemetry.steps
         self._count += 1
         if command.status is not Status.OK:
             self._failures += 1
@@ -104,23 +113,28 @@ class Book:
         self._truth = truth
         if self._time >= len(self._trail) * _TRAIL:
             self._trail.append(truth.q[:2].copy())
-            self._note_turn()
+            self._record_turn()
 
-    def _note_turn(self) -> None:
+    def _record_turn(self) -> None:
         yaw = heading(self.robot, self._truth)
         self._turned += wrap_angle(yaw - self._yaw)
         self._yaw = yaw
 
     def fell(self, at: float, why: str) -> None:
-        """The robot fell at a time, s."""
+        """Record that the robot fell.
+
+        Args:
+            at: plant time, s.
+            why: the reason.
+        """
         self._fell_at, self._early = at, why
 
     def stopped(self, why: str) -> None:
-        """The run was ended before its time."""
+        """Record why the run ended before its time."""
         self._early = why
 
     def progress(self, now: float, duration: float) -> Progress:
-        """Figures for a progress line."""
+        """Return what a progress line shows."""
         k = self._count
         back = self._trail[-min(11, len(self._trail))]
         span = max(min(10, len(self._trail) - 1), 1) * _TRAIL
@@ -132,14 +146,14 @@ class Book:
             1e6 * float(np.median(self._tick[max(0, k - 50) : k])),
         )
 
-    def report(self, controller: Controller, clock: Clock | None) -> Report:
-        """The result; `clock` when the run was in real time."""
+    def report(self, clock: Clock | None) -> Report:
+        """Return the report; `clock` is that of a run in real time."""
         wall = time.perf_counter() - self._wall
         robot = self.robot
         n = min(self._count, self._tick.size)
         tick, errors = 1e6 * self._tick[:n], self._error[:n]
         errors = errors[np.isfinite(errors)]
-        self._note_turn()
+        self._record_turn()
         here = self._truth.q[:2]
         distance, mean, cruise = _way(np.array([*self._trail, here]))
         c, s = np.cos(self._heading), np.sin(self._heading)
@@ -151,7 +165,7 @@ class Book:
             fell_at_s=self._fell_at,
             fell_why=self._early,
             duration_s=self._time,
-            steps=int(getattr(controller, "steps", 0)),
+            steps=self._steps,
             distance_m=distance,
             displacement_m=(float(c * dx + s * dy), float(c * dy - s * dx)),
             turned_rad=self._turned,

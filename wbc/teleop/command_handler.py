@@ -17,6 +17,7 @@ from wbc.motions.engine.manager import ZERO_VELOCITY, MotionManager, MotionStatu
 from wbc.runtime.clock import Clock
 from wbc.runtime.loop import StopRun
 from wbc.runtime.mode import Mode
+from wbc.runtime.schema import Quantity
 from wbc.teleop.acknowledgement import Acknowledgement, Outcome
 from wbc.teleop.capabilities import Capabilities
 from wbc.teleop.channel import CommandChannel
@@ -43,6 +44,8 @@ from wbc.teleop.push_counter import PushCounter
 AcknowledgementObserver = Callable[[SentCommand, Acknowledgement], None]
 
 _IDLE_PERIOD = 0.005  # s between two looks for commands while nothing moves
+#: Values of the quantity `motion_playing` while no motion plays.
+NO_MOTION, RETURNING = -1, -2
 _FALLEN = "the robot has fallen: reset it first"
 
 
@@ -74,6 +77,7 @@ class CommandHandler(Closeable):
         paused: whether the loop is to pause.
         reset_wanted: whether a reset has been accepted since the run began.
         pushes: how many pushes were survived.
+        quantities: what the stream of ticks has beside the library's own quantities.
 
     Raises:
         MotionError: another process could not import a motion.
@@ -111,6 +115,15 @@ class CommandHandler(Closeable):
         self._motion_end = ""  # why the motion in progress is to end
         self._velocity_end = np.inf  # s by `time.monotonic`
         self._first_tick = True
+        self.quantities = (
+            Quantity(
+                "motion_playing",
+                lambda _: self._motion_index(),
+                "index of the motion that plays; −1 none, −2 returning to standing",
+            ),
+            Quantity("pushes_decided", lambda _: self.pushes.decided, "pushes survived or not"),
+            Quantity("pushes_survived", lambda _: self.pushes.survived, "pushes survived"),
+        )
         self.on_idle: Callable[[Mode], None] = lambda _: None
         self.stop: Callable[[], bool] = lambda: False
 
@@ -214,6 +227,19 @@ class CommandHandler(Closeable):
     def owns_clock(self) -> bool:
         """Whether `before_tick` waits for the wall clock."""
         return self._clock is not None
+
+    def status(self) -> dict[str, float]:
+        """Return the values of `quantities` that change while there are no ticks."""
+        return {
+            "pushes_decided": self.pushes.decided,
+            "pushes_survived": self.pushes.survived,
+        }
+
+    def _motion_index(self) -> int:
+        playing = self.player.playing
+        if playing is not None:
+            return self.capabilities.motions.index(type(playing))
+        return NO_MOTION if self.player.idle else RETURNING
 
     @property
     def playing(self) -> Motion | None:

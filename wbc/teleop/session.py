@@ -10,22 +10,23 @@ from typing import Protocol
 from wbc.errors import PlantError
 from wbc.runtime import loop
 from wbc.runtime.mode import Mode
-from wbc.runtime.protocols import Observer, Recorder, StateEstimator
-from wbc.runtime.real_time import RealTime, punctual
+from wbc.runtime.protocols import Observer, StateEstimator, StreamObserver
+from wbc.runtime.real_time import RealTime, real_time_thread
 from wbc.runtime.report import Report
+from wbc.runtime.schema import Quantity
 from wbc.runtime.statistics import Progress
 from wbc.teleop.command_handler import CommandHandler
 
 
-class TeleopClient(Recorder, Protocol):
-    """Something outside the loop that shows the robot and sends commands, e.g. the live page."""
+class TeleopClient(Observer, StreamObserver, Protocol):
+    """Something outside the loop that shows the robot and sends commands, e.g. the live page.
+
+    While there are no ticks, its stream repeats the last one with the mode of the loop.
+    """
 
     @property
     def reset_hint(self) -> str:
         """How a person resets the robot there."""
-
-    def idle(self, mode: Mode) -> None:
-        """Called every few milliseconds while there are no ticks: paused, or after a fall."""
 
 
 def run(
@@ -34,9 +35,8 @@ def run(
     *,
     clients: Sequence[TeleopClient] = (),
     estimator: StateEstimator | None = None,
-    viewer: Observer | None = None,
-    recording: Observer | None = None,
-    log: Sequence[Recorder] = (),
+    observers: Sequence[Observer] = (),
+    quantities: Sequence[Quantity] = (),
     real_time: bool = True,
     before_tick: Callable[[float], None] = lambda _: None,
     stop: Callable[[], bool] = lambda: False,
@@ -48,11 +48,10 @@ def run(
     Args:
         handler: takes the commands; it knows controller and plant, which is a simulator.
         duration: s of plant time; time after a fall counts by the wall clock.
-        clients: are told of every tick, and while there is none.
+        clients: see every tick, and the mode of the loop while there is none.
         estimator: see `wbc.run`.
-        viewer: see `wbc.run`.
-        recording: see `wbc.run`; it is shown every run between two resets.
-        log: see `wbc.run`; told of every run likewise, after the clients.
+        observers: beside the clients, see `wbc.run`; they see every run between two resets.
+        quantities: see `wbc.run`.
         real_time: run by the wall clock; a handler that owns its clock does so in any case.
         before_tick: called with the plant's time before the commands are applied; a script submits
             its commands here.
@@ -76,14 +75,15 @@ def run(
         handler.before_tick(now)
 
     def on_idle(mode: Mode) -> None:
-        for client in clients:
-            client.idle(mode)
+        stream = next((client.stream for client in clients), None)
+        if stream is not None:
+            stream.repeat(mode, time.time(), handler.status())
 
     handler.stop, handler.on_idle = stop, on_idle
     left = duration
     with contextlib.ExitStack() as stack:
         if handler.owns_clock:
-            message(stack.enter_context(punctual(RealTime())).describe())
+            message(stack.enter_context(real_time_thread(RealTime())).describe())
         while True:
             handler.plant.reset()
             report: Report | None = None
@@ -94,9 +94,8 @@ def run(
                     handler.plant,
                     left,
                     estimator=estimator,
-                    viewer=viewer,
-                    recording=recording,
-                    log=(*clients, *log),
+                    observers=(*clients, *observers),
+                    quantities=(*quantities, *handler.quantities),
                     real_time=real_time and not handler.owns_clock,
                     before_tick=on_tick,
                     progress=on_progress,

@@ -28,7 +28,7 @@ class RunEvaluator:
     """
 
     def begin(self, controller: Controller, plant: Plant) -> None:
-        """See `wbc.runtime.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Observer`."""
         self._robot: Robot = plant.robot
         self._data = plant.robot.model.createData()
         self._player = controller if isinstance(controller, MotionPlayer) else None
@@ -38,8 +38,8 @@ class RunEvaluator:
         self._anchors: dict[str, np.ndarray] = {}
         self._errors: dict[tuple[str, int], float] = {}
 
-    def record(self, tick: Tick, controller: Controller) -> None:
-        """See `wbc.runtime.protocols.Recorder`."""
+    def observe(self, tick: Tick) -> None:
+        """See `wbc.runtime.protocols.Observer`."""
         if tick.truth is None:
             return
         self._flights.record(tick)
@@ -56,7 +56,7 @@ class RunEvaluator:
             self._compare(self._player.reference)
 
     def end(self, report: Report) -> None:
-        """See `wbc.runtime.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Observer`."""
 
     def amend(self, report: Report) -> Report:
         """Return the report with CoM error, foot slip, targets, notes and flights added."""

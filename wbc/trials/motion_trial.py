@@ -80,5 +80,5 @@ def run_motions(
                 before_tick(time, player, plant)
             runner(time, plant)
 
-        report = run(player, plant, time_limit + 1.0, log=evaluator, before_tick=tick)
+        report = run(player, plant, time_limit + 1.0, observers=[evaluator], before_tick=tick)
     return evaluator.amend(report)

@@ -5,19 +5,19 @@ Neither loads meshcat, a web server or a mesh into the loop's process.
 
 from wbc.runtime.snapshot import Snapshot
 from wbc.view.errors import ViewerError
-from wbc.view.film import Film, Strip
-from wbc.view.live import Meshcat
+from wbc.view.meshcat import Meshcat
 from wbc.view.recording import Recording
 from wbc.view.replay import Replay
+from wbc.view.timeline import Timeline, TimeSeries
 from wbc.view.video import Video
 
 __all__ = [
-    "Film",
     "Meshcat",
     "Recording",
     "Replay",
     "Snapshot",
-    "Strip",
+    "TimeSeries",
+    "Timeline",
     "Video",
     "ViewerError",
 ]

@@ -1,12 +1,17 @@
-"""When the next frame is due."""
+"""The time of the next frame at a given rate."""
 
 from __future__ import annotations
 
 
 def next_due(due: float, now: float, period: float) -> float:
-    """The time of the frame after one that was due and has been shown now, s.
+    """Return when the next frame is due, s.
 
-    Counted on from when it was due, so that the mean rate is kept whatever the
-    loop's own rate; from now after a pause, so that nobody catches up.
+    That is one period after this one was due, which keeps the mean rate whatever the rate of the
+    caller; after a pause it is one period from now, so that frames are not made up for.
+
+    Args:
+        due: when this frame was due, s.
+        now: when it was shown, s.
+        period: between two frames, s.
     """
     return due + period if now - due < period else now + period

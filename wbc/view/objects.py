@@ -124,7 +124,7 @@ def mesh(geometry: Json, material: Json, matrix: np.ndarray = _IDENTITY, order: 
 
     Args:
         geometry: its shape.
-        material: its looks.
+        material: its visuals.
         matrix: (4, 4) its place in its node.
         order: bodies of a higher order are drawn after those of a lower.
     """

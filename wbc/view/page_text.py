@@ -51,7 +51,7 @@ def recorded_page(name: str, story: dict[str, Any], scene: str) -> str:
 
     Args:
         name: of the robot.
-        story: scale, paths, first poses and words of the recording.
+        story: scale, paths, first poses and caption of the recording.
         scene: its commands, gzip and base64.
     """
     text = json.dumps(story, separators=(",", ":")).replace("</", "<\\/")
@@ -100,7 +100,7 @@ def script(name: str) -> str:
     )
 
 
-def words(snapshot: Snapshot) -> dict[str, Any]:
+def caption(snapshot: Snapshot) -> dict[str, Any]:
     """What the page writes about a snapshot."""
     return {
         "time": round(float(snapshot.time), 4),

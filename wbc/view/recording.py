@@ -5,22 +5,26 @@ from __future__ import annotations
 import base64
 import struct
 import zlib
-from collections.abc import Iterator
+from copy import deepcopy
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wbc.closeable import Closeable
+from wbc.errors import StateError
 from wbc.runtime.snapshot import Snapshot
+from wbc.telemetry import ContactPlan
 from wbc.view.due import next_due
 from wbc.view.errors import ViewerError
-from wbc.view.slot import Layout, Slot
 from wbc.view.terrain import checked_boxes
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
-    from wbc.view.actors import Node
+    from wbc.runtime.protocols import Controller, Plant
+    from wbc.runtime.report import Report
+    from wbc.runtime.tick import Tick
+    from wbc.view.actors import SceneNode
 
 _STILL = 1e-5  # m or 1: a pose that changes by less has not changed
 _DISCRETE, _LINEAR = 2300, 2301  # three.js's names of interpolations
@@ -41,6 +45,9 @@ class Recording(Closeable):
         rate: frames per second of the run's own time, Hz.
         boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
 
+    Attributes:
+        frames: copies of the snapshots so far.
+
     Raises:
         ViewerError: the rate is not positive, or the boxes are no boxes.
     """
@@ -59,20 +66,27 @@ class Recording(Closeable):
         self.rate = float(rate)
         self._path = Path(path) if path is not None else None
         self._boxes = checked_boxes(boxes)
-        layout = Layout.of(robot.model)
-        self._buffer = bytearray(layout.nbytes)
-        self._slot = Slot(layout, self._buffer)
-        self._frames: list[bytes] = []
+        self.frames: list[Snapshot] = []
+        self._contact_plan = ContactPlan()
         self._due = -np.inf
         self._last = -np.inf
 
     def __len__(self) -> int:
         """Number of frames."""
-        return len(self._frames)
+        return len(self.frames)
 
-    def due(self, now: float) -> bool:
-        """Whether a snapshot of this time of the run, s, would be kept."""
-        return now >= self._due or now < self._last
+    def begin(self, controller: Controller, plant: Plant) -> None:
+        """Do nothing; see `wbc.runtime.protocols.Observer`."""
+
+    def observe(self, tick: Tick) -> None:
+        """Keep a copy of the tick, if the next frame is due."""
+        if tick.contact_plan is not None:
+            self._contact_plan = tick.contact_plan
+        if self._is_due(tick.time):
+            self.show(Snapshot.of_tick(tick, self._contact_plan))
+
+    def end(self, report: Report) -> None:
+        """Do nothing; see `wbc.runtime.protocols.Observer`."""
 
     def show(self, snapshot: Snapshot) -> None:
         """Keep a copy of the snapshot, if the next frame is due.
@@ -81,18 +95,23 @@ class Recording(Closeable):
 
         Raises:
             StateError: `snapshot.q` has the wrong size.
-            ViewerError: another part of it has the wrong shape.
         """
         now = float(snapshot.time)
-        if not self.due(now):
+        if not self._is_due(now):
             return
+        if np.shape(snapshot.q) != (self.robot.nq,):
+            raise StateError(
+                f"snapshot.q has shape {np.shape(snapshot.q)}, the model needs ({self.robot.nq},)"
+            )
         if now < self._last:
-            self._frames.clear()
+            self.frames.clear()
             self._due = -np.inf
-        self._slot.write(snapshot)
-        self._frames.append(bytes(self._buffer))
+        self.frames.append(deepcopy(snapshot))
         self._due = next_due(self._due, now, 1.0 / self.rate) - _GRACE
         self._last = now
+
+    def _is_due(self, now: float) -> bool:
+        return now >= self._due or now < self._last
 
     def save(self, path: str | Path) -> Path:
         """Make the file.
@@ -116,20 +135,20 @@ class Recording(Closeable):
 
     def close(self) -> None:
         """Save to the path that was given at the beginning, if one was and there is a frame."""
-        if self._path is not None and self._frames:
+        if self._path is not None and self.frames:
             self.save(self._path)
 
     def _html(self) -> str:
         # Drawing is needed only now: a run that records does not wait for its modules.
         from wbc.view.objects import set_animation
-        from wbc.view.page_text import recorded_page, words
+        from wbc.view.page_text import caption, recorded_page
         from wbc.view.scene import Scene
 
         scene = Scene(self.robot, self._boxes)
         shown, poses = [], []
-        for snapshot in self._snapshots():
+        for snapshot in self.frames:
             if scene.update(snapshot):
-                shown.append(words(snapshot))
+                shown.append(caption(snapshot))
                 poses.append(scene.poses.copy())
         if not shown:
             raise ViewerError("nothing was recorded: show() at least one snapshot before save()")
@@ -145,7 +164,7 @@ class Recording(Closeable):
             "scale": scene.proportions.top,
             "paths": scene.paths,
             "first": np.round(track[0], 5).ravel().tolist(),
-            "words": shown,
+            "caption": shown,
         }
         packer = zlib.compressobj(6, zlib.DEFLATED, _GZIP)
         packed = b"".join(
@@ -155,14 +174,9 @@ class Recording(Closeable):
         packed += packer.flush()
         return recorded_page(self.robot.name, story, base64.b64encode(packed).decode("ascii"))
 
-    def _snapshots(self) -> Iterator[Snapshot]:
-        for frame in self._frames:
-            self._buffer[:] = frame
-            yield self._slot.read()
-
 
 def _clip(
-    path: str, node: Node, times: np.ndarray, poses: np.ndarray, duration: float
+    path: str, node: SceneNode, times: np.ndarray, poses: np.ndarray, duration: float
 ) -> dict[str, Any] | None:
     """A node's way through the run; None if it stays where it is."""
     from wbc.view.objects import floats

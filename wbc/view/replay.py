@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wbc.view.errors import ViewerError
-from wbc.view.film import Film, Strip, thinned, up_to
+from wbc.view.timeline import Timeline, TimeSeries, thinned, up_to
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _MEMORY = 8.0  # s: as far back go the trail and the footprints of a scene
 _STILL = 1e-5  # m or 1: a pose that changed by less has not changed
-_POINTS = 1200  # of a strip
+_POINTS = 1200  # of a series
 
 
 class Replay:
@@ -30,26 +30,26 @@ class Replay:
 
     Args:
         robot: whom to draw.
-        film: the run.
+        timeline: the run.
         port: of the page on this machine; None takes the first free one from 7000 on, 0 any.
         boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
-        strips: quantities drawn along the slider.
+        series: quantities drawn along the slider.
     """
 
     def __init__(
         self,
         robot: Robot,
-        film: Film,
+        timeline: Timeline,
         *,
         port: int | None = None,
         boxes: np.ndarray | None = None,
-        strips: Sequence[Strip] = (),
+        series: Sequence[TimeSeries] = (),
     ) -> None:
         self._robot = robot
-        self._film = film
+        self._timeline = timeline
         self._port = port
         self._boxes = boxes
-        self._strips = [_words(strip) for strip in thinned(strips, _POINTS, _peaks)]
+        self._series = [_series_json(one) for one in thinned(series, _POINTS, _peaks)]
 
     def serve(self, ready: Callable[[str], None]) -> None:
         """Serve until interrupted.
@@ -72,33 +72,33 @@ class Replay:
         ready(f"http://{HOST}:{port}/static/")
         await asyncio.Event().wait()
 
-    def stage(self) -> Stage:
+    def new_scene(self) -> ReplayScene:
         """A scene for one page."""
         from wbc.view.scene import Scene
 
-        return Stage(Scene(self._robot, self._boxes), self._film)
+        return ReplayScene(Scene(self._robot, self._boxes), self._timeline)
 
-    def introduction(self, stage: Stage) -> dict[str, Any]:
+    def introduction(self, replay_scene: ReplayScene) -> dict[str, Any]:
         """What a page is told when its bodies are there."""
         return {
-            "paths": stage.scene.paths,
-            "start": self._film.start,
-            "end": self._film.end,
-            "strips": self._strips,
+            "paths": replay_scene.scene.paths,
+            "start": self._timeline.start,
+            "end": self._timeline.end,
+            "series": self._series,
         }
 
 
-class Stage:
+class ReplayScene:
     """What one page shows.
 
     Args:
         scene: its bodies and poses.
-        film: the run.
+        timeline: the run.
     """
 
-    def __init__(self, scene: Scene, film: Film) -> None:
+    def __init__(self, scene: Scene, timeline: Timeline) -> None:
         self.scene = scene
-        self._film = film
+        self._timeline = timeline
         self._time: float | None = None
         self._sent: np.ndarray | None = None
 
@@ -108,22 +108,22 @@ class Stage:
         Raises:
             ViewerError: the time is not a finite number.
         """
-        from wbc.view.page_text import words
+        from wbc.view.page_text import caption
 
         if not math.isfinite(time):
             raise ViewerError(f"{time} is no time")
         snapshot = None
-        for snapshot in up_to(self._film, time, self._time, _MEMORY):
+        for snapshot in up_to(self._timeline, time, self._time, _MEMORY):
             self.scene.update(snapshot)
         assert snapshot is not None
-        self._time = min(max(time, self._film.start), self._film.end)
+        self._time = min(max(time, self._timeline.start), self._timeline.end)
         poses = self.scene.poses
         changed = np.arange(len(poses))
         if self._sent is not None:
             changed = np.flatnonzero(np.abs(poses - self._sent).max(axis=1) > _STILL)
         self._sent = poses.copy()
         values = np.round(poses[changed], 5).ravel().tolist()
-        return {"words": words(snapshot), "nodes": changed.tolist(), "poses": values}
+        return {"caption": caption(snapshot), "nodes": changed.tolist(), "poses": values}
 
 
 def _page() -> type:
@@ -136,7 +136,7 @@ def _page() -> type:
 
         async def open(self, *_: str, **__: str) -> None:
             self.set_nodelay(True)
-            self.stage = stage = self.replay.stage()
+            self.replay_scene = stage = self.replay.new_scene()
             with contextlib.suppress(tornado.websocket.WebSocketClosedError):
                 await self.write_message(json.dumps({"scale": stage.scene.proportions.top}))
                 for body in stage.scene.commands():
@@ -145,7 +145,7 @@ def _page() -> type:
 
         def on_message(self, message: str | bytes) -> None:
             try:
-                answer = self.stage.frame(float(json.loads(message)["time"]))
+                answer = self.replay_scene.frame(float(json.loads(message)["time"]))
             except (ValueError, KeyError, TypeError, AttributeError, ViewerError) as error:
                 answer = {"error": f'a page asks with {{"time": s}}: {error}'}
             with contextlib.suppress(tornado.websocket.WebSocketClosedError):
@@ -160,6 +160,6 @@ def _peaks(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
     return np.asarray(np.maximum.reduceat(known, starts)) if len(values) else values
 
 
-def _words(strip: Strip) -> dict[str, Any]:
-    values = [round(float(x), 6) if np.isfinite(x) else None for x in strip.values]
-    return {"label": strip.label, "time": np.round(strip.time, 4).tolist(), "values": values}
+def _series_json(series: TimeSeries) -> dict[str, Any]:
+    values = [round(float(x), 6) if np.isfinite(x) else None for x in series.values]
+    return {"label": series.label, "time": np.round(series.time, 4).tolist(), "values": values}

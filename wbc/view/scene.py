@@ -15,23 +15,23 @@ import pinocchio as pin
 from wbc.runtime.snapshot import Snapshot
 from wbc.view.actors import (
     Actor,
-    Balance,
-    Body,
-    Footsteps,
-    Forces,
-    Lamp,
-    Moment,
-    Node,
+    BalanceActor,
+    FloorActor,
+    FootstepsActor,
+    ForcesActor,
     Proportions,
-    Stage,
-    Support,
-    Swing,
-    Trail,
+    RobotActor,
+    SceneInput,
+    SceneNode,
+    StatusLightActor,
+    SupportActor,
+    SwingActor,
+    TrailActor,
 )
 from wbc.view.colours import TERRAIN
-from wbc.view.looks import looks_of
 from wbc.view.objects import matte, mesh, set_object, triangles
 from wbc.view.terrain import box_mesh, checked_boxes
+from wbc.view.visuals import visuals_of
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
@@ -60,22 +60,22 @@ class Scene:
         self._soles = {sole.name: int(sole.frame_id) for sole in robot.soles}
         self._frames = {frame.name: i for i, frame in enumerate(self._model.frames)} | self._soles
         self._boxes = checked_boxes(boxes)
-        looks = looks_of(robot)
-        self.source = looks.source
+        visuals = visuals_of(robot)
+        self.source = visuals.source
         weight = robot.weight
-        self.proportions = p = Proportions(robot.com_height, looks.top, max(weight, 1e-3))
+        self.proportions = p = Proportions(robot.com_height, visuals.top, max(weight, 1e-3))
         self._actors: list[Actor] = [
-            Body(self._model, looks.shapes),
-            Stage(p),
-            Footsteps(robot.soles, p),
-            Support(p),
-            Forces(p),
-            Balance(p),
-            Trail(p),
-            Swing(p),
-            Lamp(p),
+            RobotActor(self._model, visuals.shapes),
+            FloorActor(p),
+            FootstepsActor(robot.soles, p),
+            SupportActor(p),
+            ForcesActor(p),
+            BalanceActor(p),
+            TrailActor(p),
+            SwingActor(p),
+            StatusLightActor(p),
         ]
-        self.nodes: list[Node] = [node for actor in self._actors for node in actor.nodes]
+        self.nodes: list[SceneNode] = [node for actor in self._actors for node in actor.nodes]
         self.poses = np.tile(_HIDDEN, (len(self.nodes), 1))
         self._time: float | None = None
 
@@ -105,19 +105,19 @@ class Scene:
             for actor in self._actors:
                 actor.restart()
             self._time = snapshot.time
-        moment = self._moment(snapshot, snapshot.time - self._time)
+        scene_input = self._moment(snapshot, snapshot.time - self._time)
         self._time = snapshot.time
         start = 0
         for actor in self._actors:
             stop = start + len(actor.nodes)
-            actor.place(moment, self.poses[start:stop])
+            actor.place(scene_input, self.poses[start:stop])
             start = stop
         # One wrong number would spoil the whole message, so it costs only its own mark.
         spoilt = ~np.isfinite(self.poses).all(axis=1)
         self.poses[spoilt] = _HIDDEN
         return True
 
-    def _moment(self, snapshot: Snapshot, dt: float) -> Moment:
+    def _moment(self, snapshot: Snapshot, dt: float) -> SceneInput:
         pin.framesForwardKinematics(self._model, self._data, snapshot.q)
         com = snapshot.telemetry.com
         if not np.isfinite(com).all():
@@ -130,4 +130,4 @@ class Scene:
         }
         soles = {name: placements[frame] for name, frame in self._soles.items()}
         base = np.array(self._data.oMi[1].translation)
-        return Moment(snapshot, self._data, contacts, soles, com, base, dt)
+        return SceneInput(snapshot, self._data, contacts, soles, com, base, dt)

@@ -1,8 +1,6 @@
-"""The viewer's own process: reads snapshots from shared memory, serves the page.
+"""The viewer's own process: reads ticks from shared memory and serves the page.
 
-Started by `Meshcat` as `python -m wbc.view.server`. It hears on its standard
-input who to draw, answers with its address, and ends when that input does:
-a parent that dies, however it dies, takes it along.
+`Meshcat` starts it as `python -m wbc.view.server`; see `wbc.process.child`.
 """
 
 from __future__ import annotations
@@ -10,65 +8,88 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import time
 from typing import Any
 
 import numpy as np
 import tornado.websocket
 
 from wbc.process import parent
+from wbc.runtime.record import TickRecord
+from wbc.runtime.snapshot import Snapshot
+from wbc.runtime.stream import StreamFollower
+from wbc.view.config import ViewerConfig
+from wbc.view.due import next_due
 from wbc.view.errors import ViewerError
-from wbc.view.order import Order
-from wbc.view.page_text import words
-from wbc.view.ring import Ring
+from wbc.view.page_text import caption
 from wbc.view.scene import Scene
-from wbc.view.slot import Layout
 from wbc.view.web import HOST, listen, page_handlers, protected
 
 #: A pose that changed by less than this, m or 1, has not changed.
 _STILL = 1e-5
 
 
-class Show:
-    """The state of the show and its audience."""
+class LiveScene:
+    """The scene as it is now, and the pages that show it.
 
-    def __init__(self, order: Order) -> None:
-        self.ring = Ring(Layout.of(order.robot.model), order.descriptor)
-        self.scene = Scene(order.robot, order.boxes)
+    Args:
+        config: what to draw.
+
+    Attributes:
+        follower: of the ticks that are shown.
+        scene: bodies and their poses.
+        caption: what the page writes about the latest frame; None before the first.
+        frames: number of frames so far.
+        pages: that are open.
+    """
+
+    def __init__(self, config: ViewerConfig, follower: StreamFollower) -> None:
+        self.follower = follower
+        self.scene = Scene(config.robot, config.boxes)
         self.bodies = list(self.scene.commands())
-        self.words: dict[str, Any] | None = None
+        self.caption: dict[str, Any] | None = None
         self.frames = 0
-        self.pages: set[Page] = set()
+        self.pages: set[LivePage] = set()
+        self._period, self._due = 1.0 / config.rate, 0.0
 
     def advance(self) -> None:
-        """Take the latest snapshot, if there is one, and tell the pages."""
-        snapshot = self.ring.read()
-        if snapshot is not None and self.scene.update(snapshot):
-            self.words = words(snapshot)
-            if self.scene.source:
-                self.words["text"] = f"{snapshot.text}\n({self.scene.source})".strip()
-            self.frames += 1
+        """Draw the latest tick, if a frame is due, and tell the pages."""
+        now = time.monotonic()
+        if now >= self._due and (record := self._latest()) is not None:
+            self._due = next_due(self._due, now, self._period)
+            snapshot = Snapshot.of_record(record)
+            if self.scene.update(snapshot):
+                self.caption = caption(snapshot)
+                if self.scene.source:
+                    self.caption["text"] = f"{snapshot.text}\n({self.scene.source})".strip()
+                self.frames += 1
         for page in self.pages:
             page.offer()
 
+    def _latest(self) -> TickRecord | None:
+        self.follower.update()
+        reader = self.follower.reader
+        return None if reader is None else reader.latest()
 
-class Page(tornado.websocket.WebSocketHandler):
+
+class LivePage(tornado.websocket.WebSocketHandler):
     """One open browser page. At most one frame is on its way to it."""
 
-    def initialize(self, show: asyncio.Future[Show]) -> None:
-        self.show = show
+    def initialize(self, live_scene: asyncio.Future[LiveScene]) -> None:
+        self.live_scene = live_scene
         self.sent: np.ndarray | None = None
         self.frames = -1
         self.busy = True
 
     async def open(self, *_: str, **__: str) -> None:
         self.set_nodelay(True)
-        show = await self.show
+        live_scene = await self.live_scene
         with contextlib.suppress(tornado.websocket.WebSocketClosedError):
-            await self.write_message(json.dumps({"scale": show.scene.proportions.top}))
-            for body in show.bodies:
+            await self.write_message(json.dumps({"scale": live_scene.scene.proportions.top}))
+            for body in live_scene.bodies:
                 await self.write_message(body, binary=True)
-            await self.write_message(json.dumps({"paths": show.scene.paths}))
-            show.pages.add(self)
+            await self.write_message(json.dumps({"paths": live_scene.scene.paths}))
+            live_scene.pages.add(self)
 
     def on_message(self, message: str | bytes) -> None:
         self.busy = False
@@ -76,48 +97,49 @@ class Page(tornado.websocket.WebSocketHandler):
 
     def offer(self) -> None:
         """Send what changed, unless the page is still at work or knows it already."""
-        show = self.show.result()
-        if self.busy or show.words is None or self.frames == show.frames:
+        live_scene = self.live_scene.result()
+        if self.busy or live_scene.caption is None or self.frames == live_scene.frames:
             return
-        poses = show.scene.poses
+        poses = live_scene.scene.poses
         if self.sent is None:
             changed = np.arange(len(poses))
         else:
             changed = np.flatnonzero(np.abs(poses - self.sent).max(axis=1) > _STILL)
         self.sent = poses.copy()
-        self.frames, self.busy = show.frames, True
+        self.frames, self.busy = live_scene.frames, True
         values = np.round(poses[changed], 5).ravel().tolist()
-        news = {"words": show.words, "nodes": changed.tolist(), "poses": values}
+        news = {"caption": live_scene.caption, "nodes": changed.tolist(), "poses": values}
         with contextlib.suppress(tornado.websocket.WebSocketClosedError):
             self.write_message(json.dumps(news, separators=(",", ":")))
 
     def on_close(self) -> None:
-        if self.show.done():
-            self.show.result().pages.discard(self)
+        if self.live_scene.done():
+            self.live_scene.result().pages.discard(self)
 
 
-async def serve(order: Order) -> None:
+async def serve(config: ViewerConfig) -> None:
     """Serve until the parent is gone."""
     loop = asyncio.get_running_loop()
-    parent_monitor = parent.ParentMonitor(order.parent)
-    show: asyncio.Future[Show] = loop.create_future()
+    follower = StreamFollower()
+    parent_monitor = parent.ParentMonitor(config.parent, follower.on_message)
+    live_scene: asyncio.Future[LiveScene] = loop.create_future()
     try:
-        pages = page_handlers(order.robot.name, ("meshcat.js", "stage.js", "live.js"))
-        application = protected([(r"/socket", Page, {"show": show}), *pages])
-        port = listen(application, order.port)
+        pages = page_handlers(config.robot.name, ("meshcat.js", "stage.js", "live.js"))
+        application = protected([(r"/socket", LivePage, {"live_scene": live_scene}), *pages])
+        port = listen(application, config.port)
     except ViewerError as error:
         parent.reply({"error": str(error)})
         return
     parent.reply({"url": f"http://{HOST}:{port}/static/"})
-    show.set_result(await loop.run_in_executor(None, Show, order))
-    period = 0.5 / order.rate  # twice as often as snapshots come: none waits long
+    live_scene.set_result(await loop.run_in_executor(None, LiveScene, config, follower))
+    period = 0.5 / config.rate  # twice as often as frames are due: none waits long
     while not parent_monitor.gone:
-        show.result().advance()
+        live_scene.result().advance()
         await asyncio.sleep(period)
 
 
 def main() -> None:
-    """Read the order and serve it."""
+    """Serve what the configuration says."""
     asyncio.run(serve(parent.receive_config()))
 
 

@@ -1,4 +1,4 @@
-"""`Video`: a recording, rendered frame by frame into a film."""
+"""`Video`: a recording, rendered frame by frame into a video."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Video:
     """Renders recordings offline, by the recording's own page in a browser without a window.
 
     Args:
-        path: of the film, `.mp4`.
+        path: of the video, `.mp4`.
         width: pixels, even.
         height: pixels, even.
 
@@ -39,7 +39,7 @@ class Video:
     def __init__(self, path: str | Path, width: int = 1280, height: int = 720) -> None:
         for name, pixels in (("width", width), ("height", height)):
             if pixels <= 0 or pixels % 2:
-                raise ViewerError(f"{name} is {pixels} pixels; a film needs an even number")
+                raise ViewerError(f"{name} is {pixels} pixels; a video needs an even number")
         self.path = Path(path)
         self._size = (width, height)
         self._encoder = _encoder()
@@ -48,34 +48,34 @@ class Video:
     def render(
         self, recording: Recording, progress: Callable[[int, int], None] | None = None
     ) -> Path:
-        """Make the film; a frame takes a good part of a second without a graphics card.
+        """Make the video; a frame takes a good part of a second without a graphics card.
 
         Args:
             recording: what to show, at its own rate.
             progress: called with the number of frames that are done, and of all.
 
         Returns:
-            The path of the film.
+            The path of the video.
 
         Raises:
             ViewerError: nothing was recorded, or browser or encoder fail.
         """
         with tempfile.TemporaryDirectory(prefix="wbc-video") as folder:
             page_path = recording.save(Path(folder) / "recording.html")
-            with new_page(*self._size) as page, self._film(recording.rate) as film:
+            with new_page(*self._size) as page, self._encoding(recording.rate) as frames_in:
                 page.set_default_timeout(_PATIENCE)
                 page.goto(page_path.as_uri())
                 page.wait_for_function("wbc.ready")
-                frames = int(page.evaluate("wbc.film()") * recording.rate + 1e-6) + 1
+                frames = int(page.evaluate("wbc.videoMode()") * recording.rate + 1e-6) + 1
                 for k in range(frames):
                     page.evaluate("(time) => wbc.seek(time)", k / recording.rate)
-                    film.write(page.screenshot(type="jpeg", quality=_QUALITY))
+                    frames_in.write(page.screenshot(type="jpeg", quality=_QUALITY))
                     if progress is not None:
                         progress(k + 1, frames)
         return self.path
 
     @contextlib.contextmanager
-    def _film(self, rate: float) -> Iterator[IO[bytes]]:
+    def _encoding(self, rate: float) -> Iterator[IO[bytes]]:
         """The encoder's input; the file is there when this ends well, and not otherwise."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
         command = [
@@ -101,7 +101,7 @@ class Video:
         said = encoder.stderr.read().decode("utf-8", "replace").strip()
         if encoder.wait() != 0:
             self.path.unlink(missing_ok=True)
-            raise ViewerError(f"the film {self.path} cannot be made: {said.splitlines()[-1:]}")
+            raise ViewerError(f"the video {self.path} cannot be made: {said.splitlines()[-1:]}")
 
 
 def _encoder() -> str:

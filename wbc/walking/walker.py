@@ -31,7 +31,7 @@ from wbc.qp import Solver
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.tasks import AngularMomentumTask, ComTask, PostureTask, Task
-from wbc.telemetry import Balance, Footstep, Telemetry
+from wbc.telemetry import ContactPlan, Footstep, Telemetry
 from wbc.walking.contact_manager import ContactManager, rotation_about_z
 from wbc.walking.feet import foot_placements, sides_in_contact
 from wbc.walking.gains import WalkerGains
@@ -184,7 +184,6 @@ class Walker:
             StateError: see `State.checked`.
         """
         self._kin.update(state)
-        self._balance_told: Balance | None = None
         feet = foot_placements(self._kin)
         self.state_machine = GaitStateMachine(self.gait, feet, self._queue)
         self._ground = 0.5 * (feet.left.height + feet.right.height)
@@ -205,7 +204,6 @@ class Walker:
         """
         kin = self._kin
         kin.update(estimate.state)
-        self._balance_told = None
         feet = foot_placements(kin)
         state_machine = self.state_machine
         if self.reference_offset is not None:
@@ -281,51 +279,44 @@ class Walker:
         self._trunk.update(self._heading, rate, self.reference_offset)
 
     @property
-    def balance(self) -> Balance:
-        """The part of `telemetry` that costs next to nothing, for observers of every tick.
-
-        They share one: its arrays are not to be written to.
-        """
-        if self._balance_told is None:
-            state_machine, z = self.state_machine, self._ground
-            dcm, reference, zmp = self._dcm, self._reference.dcm, self._zmp
-            ground = np.array(
-                (
-                    (dcm.real, dcm.imag, z),
-                    (reference.real, reference.imag, z),
-                    (zmp.real, zmp.imag, z),
-                )
+    def telemetry(self) -> Telemetry:
+        """What the walker sees and intends after the last tick, for observers."""
+        state_machine, z = self.state_machine, self._ground
+        dcm, reference, zmp = self._dcm, self._reference.dcm, self._zmp
+        rows = np.array(
+            (
+                (dcm.real, dcm.imag, z),
+                (reference.real, reference.imag, z),
+                (zmp.real, zmp.imag, z),
+                self.velocity,
             )
-            phase = (
-                state_machine.support
-                if state_machine.phase is Phase.SWING
-                else state_machine.phase.value
-            )
-            com = self._kin.p_com.copy()
-            self._balance_told = Balance(com, ground[0], ground[1], ground[2], phase)
-        return self._balance_told
+        )
+        swings = state_machine.phase is Phase.SWING
+        return Telemetry(
+            self._kin.p_com.copy(),
+            rows[0],
+            rows[1],
+            rows[2],
+            rows[3],
+            self._heading,
+            abs(dcm - reference),
+            state_machine.support if swings else state_machine.phase.value,
+            state_machine.steps,
+        )
 
     @property
-    def telemetry(self) -> Telemetry:
-        """What the walker sees and intends, for observers."""
-        feet = foot_placements(self._kin)
-        state_machine, balance = self.state_machine, self.balance
-        support = self._support.polygon(state_machine, feet)
-        steps = tuple(
-            Footstep(side, np.array([p.point.real, p.point.imag, p.height]), p.yaw)
-            for side, p in state_machine.preview()
-        )
+    def contact_plan(self) -> ContactPlan:
+        """Where the robot stands and will step; computed anew at each call."""
+        state_machine = self.state_machine
+        support = self._support.polygon(state_machine, foot_placements(self._kin))
         swing = state_machine.swing
-        path = np.array(swing.path()) if swing is not None else np.empty((0, 3))
-        return Telemetry(
-            com=balance.com,
-            dcm=balance.dcm,
-            dcm_reference=balance.dcm_reference,
-            zmp=balance.zmp,
-            phase=balance.phase,
+        return ContactPlan(
             support=np.array([[p.real, p.imag, self._ground] for p in support]),
-            footsteps=steps,
-            swing_path=path,
+            footsteps=tuple(
+                Footstep(side, np.array([p.point.real, p.point.imag, p.height]), p.yaw)
+                for side, p in state_machine.preview()
+            ),
+            swing_path=np.array(swing.path()) if swing is not None else np.empty((0, 3)),
         )
 
     @property

@@ -26,7 +26,7 @@ from wbc.log.format.records import (
 
 
 @dataclass
-class ChunkFacts:
+class ChunkInfo:
     """A chunk and the indices behind it.
 
     Attributes:
@@ -58,14 +58,14 @@ class ChunkFacts:
         """Where it ends with its indices."""
         return self.offset + self.length + self.indices_length
 
-    def forget_indices(self) -> None:
+    def drop_indices(self) -> None:
         """Leave the indices out: a chunk is read with all or with none."""
         self.indices.clear()
         self.indices_length = 0
 
 
 @dataclass(frozen=True)
-class Place:
+class RecordLocation:
     """A metadata or attachment record.
 
     Attributes:
@@ -93,16 +93,16 @@ class Contents:
 
     schemas: dict[int, bytes] = field(default_factory=dict)
     channels: dict[int, bytes] = field(default_factory=dict)
-    chunks: list[ChunkFacts] = field(default_factory=list)
-    metadata: list[Place] = field(default_factory=list)
-    attachments: list[Place] = field(default_factory=list)
+    chunks: list[ChunkInfo] = field(default_factory=list)
+    metadata: list[RecordLocation] = field(default_factory=list)
+    attachments: list[RecordLocation] = field(default_factory=list)
 
     @property
     def end(self) -> int:
         """Time of the last message, ns."""
         return max((chunk.end for chunk in self.chunks), default=0)
 
-    def forget_last_chunk(self) -> int:
+    def drop_last_chunk(self) -> int:
         """Leave out the last chunk and what follows it; where it began."""
         offset = self.chunks.pop().offset
         self.metadata = [place for place in self.metadata if place.offset < offset]
@@ -153,11 +153,11 @@ class Contents:
         return head + numbers(counts)
 
 
-def _chunk_index(chunk: ChunkFacts) -> bytes:
+def _chunk_index(chunk: ChunkInfo) -> bytes:
     head = struct.pack("<QQQQ", chunk.start, chunk.end, chunk.offset, chunk.length)
     indices = numbers(chunk.indices) + struct.pack("<Q", chunk.indices_length)
     return head + indices + text(chunk.compression) + struct.pack("<QQ", chunk.packed, chunk.size)
 
 
-def _place(place: Place) -> bytes:
+def _place(place: RecordLocation) -> bytes:
     return struct.pack("<QQ", place.offset, place.length) + place.about

@@ -54,9 +54,9 @@ def schema(number: int, name: str, encoding: str, data: bytes) -> bytes:
     return head + struct.pack("<I", len(data)) + data
 
 
-def channel(number: int, schema_number: int, topic: str, facts: Mapping[str, str]) -> bytes:
+def channel(number: int, schema_number: int, topic: str, metadata: Mapping[str, str]) -> bytes:
     """Content of a channel record, of CDR messages."""
-    return struct.pack("<HH", number, schema_number) + text(topic) + text("cdr") + table(facts)
+    return struct.pack("<HH", number, schema_number) + text(topic) + text("cdr") + table(metadata)
 
 
 def chunk(start: int, end: int, size: int, checksum: int, compression: str, packed: bytes) -> bytes:
@@ -85,7 +85,7 @@ def message_index(channel_number: int, places: list[int]) -> bytes:
     return record(MESSAGE_INDEX, data)
 
 
-def metadata(name: str, values: Mapping[str, str]) -> bytes:
+def metadata_record(name: str, values: Mapping[str, str]) -> bytes:
     """Names and values."""
     return record(METADATA, text(name) + table(values))
 

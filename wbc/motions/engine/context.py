@@ -55,6 +55,7 @@ class MotionContext:
         pelvis: (3,) likewise of the root link; `turn_trunk` shares a rotation between both.
         posture: (na,) joint positions, rad. The legs follow only as far as balance lets them.
         notes: texts for the report.
+        note_time: `clock.time` of the latest note, s.
         pushes: requested and not yet granted, (3,) N·s/kg each.
         override: the controller that steps instead of the walker, or None.
         state: estimate of this tick; None before the first.
@@ -103,7 +104,7 @@ class MotionContext:
 
     def reset(self) -> None:
         """Stand with every reference at home. The walker has just been reset."""
-        self.clock.time = 0.0
+        self.clock.time = self.note_time = 0.0
         self.notes.clear()
         self.pushes.clear()
         self.posture.home = self.walker.posture.target.copy()
@@ -184,6 +185,7 @@ class MotionContext:
     def note(self, text: str) -> None:
         """Add a text to the report."""
         self.notes.append(text)
+        self.note_time = self.clock.time
 
     def request_push(self, impulse: np.ndarray) -> None:
         """Request a push on the torso now; a simulation grants it, a real robot never gets it.

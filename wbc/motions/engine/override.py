@@ -6,7 +6,7 @@ from typing import Protocol
 
 from wbc.command import Command
 from wbc.estimation import Estimate
-from wbc.telemetry import Balance, Telemetry
+from wbc.telemetry import ContactPlan, Telemetry
 
 
 class ControllerOverride(Protocol):
@@ -23,12 +23,12 @@ class ControllerOverride(Protocol):
         """Whether the robot stands again, so that the walker may take over."""
 
     @property
-    def balance(self) -> Balance:
-        """CoM, DCM and ZMP after the last tick."""
-
-    @property
     def telemetry(self) -> Telemetry:
         """Measured and planned quantities after the last tick, for observers."""
+
+    @property
+    def contact_plan(self) -> ContactPlan:
+        """Where the robot stands and will step."""
 
     @property
     def dcm_error(self) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,10 +18,12 @@ from wbc.motions.engine.motion import Motion, Script
 from wbc.motions.engine.motion_reference import MotionReference
 from wbc.robot import Robot
 from wbc.state import State
-from wbc.telemetry import Balance, Telemetry
+from wbc.telemetry import ContactPlan, Telemetry
 from wbc.walking import Walker
 
 logger = logging.getLogger(__name__)
+
+_NOTE_SHOWN = 8.0  # s
 
 
 class MotionPlayer:
@@ -260,14 +263,29 @@ class MotionPlayer:
         return self.context.reference()
 
     @property
-    def balance(self) -> Balance:
-        """CoM, DCM and ZMP after the last tick, see `Walker.balance`."""
-        return (self.context.override or self.walker).balance
+    def telemetry(self) -> Telemetry:
+        """What the walker, or the override in its place, tells, with this player's status text."""
+        override, text = self.context.override, self.status_text
+        if override is None:
+            telemetry = self.walker.telemetry
+            return replace(telemetry, status_text=text) if text else telemetry
+        steps = self.walker.steps
+        return replace(override.telemetry, steps=steps, status_text=text)
 
     @property
-    def telemetry(self) -> Telemetry:
-        """Measured and planned quantities after the last tick, for observers."""
-        return (self.context.override or self.walker).telemetry
+    def contact_plan(self) -> ContactPlan:
+        """See `Walker.contact_plan`."""
+        return (self.context.override or self.walker).contact_plan
+
+    @property
+    def status_text(self) -> str:
+        """The motion that plays, or the latest note for a few seconds; empty while it stands."""
+        if self._playing is not None:
+            return self._playing.name
+        context = self.context
+        if context.notes and context.clock.time - context.note_time < _NOTE_SHOWN:
+            return context.notes[-1]
+        return "" if self.idle else "returning to standing"
 
     @property
     def steps(self) -> int:

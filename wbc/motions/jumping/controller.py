@@ -21,7 +21,7 @@ from wbc.motions.jumping.tasks import JumpTasks
 from wbc.qp import Solver
 from wbc.robot import Robot
 from wbc.state import State
-from wbc.telemetry import Balance, Telemetry
+from wbc.telemetry import ContactPlan, Telemetry
 from wbc.walking.feet import foot_placements, sides_in_contact
 
 _GROUND_TIME = 0.15  # s, smoothing of the ground's height under the robot
@@ -250,29 +250,29 @@ class JumpController:
         self._tasks.set_posture(posture)
 
     @property
-    def balance(self) -> Balance:
-        """CoM, DCM and ZMP after the last tick."""
-        return self.telemetry
-
-    @property
     def telemetry(self) -> Telemetry:
-        """Measured and planned quantities after the last tick, for observers."""
-        kin, z = self._kin, self._ground
-
-        def at(p: complex) -> np.ndarray:
-            return np.array([p.real, p.imag, z])
-
+        """What the jump controller sees and intends after the last tick, for observers."""
+        kin = self._kin
         here = ground_point(kin.p_com)
         omega = math.sqrt(self._gravity / self._standing)
-        feet = foot_placements(kin)
         flying = self._flight is not None
         return Telemetry(
             com=kin.p_com.copy(),
-            dcm=at(here + ground_point(kin.v_com) / omega),
-            dcm_reference=at(feet.middle),
-            zmp=np.full(3, np.nan) if flying else at(self._zmp),
+            dcm=self._on_ground(here + ground_point(kin.v_com) / omega),
+            dcm_reference=self._on_ground(foot_placements(kin).middle),
+            zmp=np.full(3, np.nan) if flying else self._on_ground(self._zmp),
+            heading=self._heading,
+            dcm_error=self.dcm_error,
             phase="flight" if flying else "stand",
-            support=np.empty((0, 3))
-            if flying
-            else np.array([at(p) for p in self._support(feet, 0.0)]),
         )
+
+    @property
+    def contact_plan(self) -> ContactPlan:
+        """The support polygon; empty in flight."""
+        if self._flight is not None:
+            return ContactPlan()
+        corners = self._support(foot_placements(self._kin), 0.0)
+        return ContactPlan(support=np.array([self._on_ground(p) for p in corners]))
+
+    def _on_ground(self, p: complex) -> np.ndarray:
+        return np.array([p.real, p.imag, self._ground])

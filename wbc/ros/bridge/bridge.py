@@ -3,43 +3,30 @@
 from __future__ import annotations
 
 import os
-import struct
 import time
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from wbc.closeable import Closeable
-from wbc.command import Status
-from wbc.process import ChildProcess, LatestValue, ProcessStartError, RecordRing
+from wbc.process import ChildProcess, ProcessStartError
 from wbc.ros.bridge.config import NodeConfig
-from wbc.ros.bridge.layout import HEAD, MOST, Layout
 from wbc.ros.dds_types import import_cyclonedds
 from wbc.ros.errors import RosError
 from wbc.ros.network import Network
-from wbc.runtime.mode import Mode
-from wbc.telemetry import PHASES, Balance
 
 if TYPE_CHECKING:
     from wbc.runtime.protocols import Controller, Plant
     from wbc.runtime.report import Report
+    from wbc.runtime.schema import Quantity
+    from wbc.runtime.stream import TickStream
     from wbc.runtime.tick import Tick
     from wbc.teleop import CommandHandler
-
-_STATUS = {status: i for i, status in enumerate(Status)}
-_PHASE = {phase: i for i, phase in enumerate(PHASES)}
-_UNKNOWN = Balance()
-_HEAD = struct.Struct(f"={len(HEAD)}d")
-_MORE = 2.0
-_IDLE_PERIOD = 0.02  # s between two records while there are no ticks
 
 
 class Bridge(Closeable):
     """Shows a robot to a ROS 2 system, which sends commands to it.
 
-    All of DDS happens in another process. The loop's process copies ticks into shared memory, at
-    twice the rate at which they are published; it never waits, and goes on when the other process
-    has died.
+    All of DDS happens in another process, which reads the loop's ticks from shared memory. The loop
+    never waits, and goes on when the other process has died.
 
     Example:
         >>> with CommandHandler(player, plant) as handler, Bridge(handler) as bridge:
@@ -55,6 +42,7 @@ class Bridge(Closeable):
 
     Attributes:
         reset_hint: how a person resets the robot.
+        stream: from which the node reads, see `wbc.runtime.protocols.StreamObserver`.
 
     Raises:
         MissingExtra: `cyclonedds` is not installed.
@@ -75,21 +63,11 @@ class Bridge(Closeable):
     ) -> None:
         import_cyclonedds()
         robot, dt = handler.player.robot, handler.player.dt
-        layout = Layout.of(robot)
-        self._soles = [sole.name for sole in robot.soles]
-        self._no_wrench = np.full(6, np.nan)
-        self._ring = RecordRing(layout.size)
-        self._needed_rate = LatestValue(1)
-        self._needed_rate.write((np.inf,))  # every tick, until the node says
-        self._run = 0
-        self._before = time.perf_counter()
-        self._idle_due = 0.0
-        self._last: np.ndarray | None = None
-        self._dt, self._to_go = dt, 0  # ticks until one is shown
-        self._timing: list[float] = []  # of the ticks since the last that was shown
+        self.stream: TickStream | None = None
         channel = handler.open_channel().config
-        descriptors = (*channel.descriptors, self._ring.descriptor, self._needed_rate.descriptor)
-        self._process = ChildProcess("wbc.ros.bridge.server", descriptors, title="the ROS 2 node")
+        self._process = ChildProcess(
+            "wbc.ros.bridge.server", channel.descriptors, title="the ROS 2 node"
+        )
         config = NodeConfig(
             robot=robot,
             name=name,
@@ -99,8 +77,6 @@ class Bridge(Closeable):
             update_rate=update_rate,
             use_sim_time=use_sim_time,
             dt=dt,
-            ring=self._ring.descriptor,
-            rate=self._needed_rate.descriptor,
             parent=os.getpid(),
         )
         try:
@@ -121,92 +97,26 @@ class Bridge(Closeable):
         """Process id of the node's process."""
         return self._process.pid
 
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """None beside the library's own; see `wbc.runtime.protocols.StreamObserver`."""
+        return ()
+
+    def attach(self, stream: TickStream) -> None:
+        """Read from a stream from now on; see `wbc.runtime.protocols.StreamObserver`."""
+        self.stream = stream
+        self._process.send(*stream.link())
+
     def begin(self, controller: Controller, plant: Plant) -> None:
-        """A run begins, see `wbc.runtime.protocols.Recorder`."""
-        self._run += 1
-        self._before = time.perf_counter()
-        self._to_go = 0
-        self._timing.clear()
+        """Do nothing; see `wbc.runtime.protocols.Observer`."""
 
-    def record(self, tick: Tick, controller: Controller) -> None:
-        """Show a tick. Never waits; whatever happens to the node, returns.
-
-        Of most ticks the node needs to know no more than how they went: it gets that with the
-        next one that is shown.
-        """
-        now = time.perf_counter()
-        self._timing += (
-            tick.estimator_time + tick.controller_time,
-            now - self._before,
-            _STATUS[tick.command.status],
-        )
-        self._before = now
-        self._to_go -= 1
-        if self._to_go <= 0:
-            # The node's own rates do not go into the loop's: it gets some more than it asks for.
-            self._to_go = min(int(1.0 / (_MORE * self._needed_rate.read()[0] * self._dt)), MOST)
-            self._show(tick, controller)
-            self._process.warn_if_exited(now)
-
-    def _show(self, tick: Tick, controller: Controller) -> None:
-        balance: Balance = getattr(controller, "balance", _UNKNOWN)
-        wrenches = tick.measurement.foot_wrenches or tick.command.wrenches
-        record = self._ring.begin()
-        np.concatenate(
-            (
-                tick.estimate.state.q,
-                tick.estimate.state.v,
-                tick.command.tau,
-                balance.com,
-                balance.dcm,
-                balance.dcm_reference,
-                balance.zmp,
-                *[wrenches.get(name, self._no_wrench) for name in self._soles],
-            ),
-            out=record[len(HEAD) : -3 * MOST],
-        )
-        self._ring.pack(
-            _HEAD,
-            time.time(),
-            tick.time,
-            self._run,
-            Mode.RUNNING,
-            _STATUS[tick.command.status],
-            _PHASE.get(balance.phase, 0),
-            getattr(controller, "steps", 0),
-            getattr(controller, "dcm_error", np.nan),
-            self._tell_timing(record),
-        )
-        self._ring.publish()
-        self._last = record
-
-    def _tell_timing(self, record: np.ndarray) -> int:
-        """Write how the ticks went since the last that was shown; returns how many numbers."""
-        count = len(self._timing)
-        record[-3 * MOST :][:count] = self._timing
-        self._timing.clear()
-        return count
+    def observe(self, tick: Tick) -> None:
+        """Warn if the node's process has ended. The node gets the tick from the stream."""
+        self._process.warn_if_exited(time.perf_counter())
 
     def end(self, report: Report) -> None:
-        """The run is over, see `wbc.runtime.protocols.Recorder`."""
-
-    def idle(self, mode: Mode) -> None:
-        """Show where the robot is while there are no ticks: its sensors go on."""
-        now = time.perf_counter()
-        if self._last is None or now < self._idle_due:
-            return
-        self._idle_due = now + _IDLE_PERIOD
-        last = self._last.copy()
-        record = self._ring.begin()
-        record[:] = last
-        record[HEAD.index("stamp")] = time.time()
-        record[HEAD.index("mode")] = mode
-        record[HEAD.index("timed")] = self._tell_timing(record)  # those before the fall
-        self._ring.publish()
-        self._last = record
+        """Do nothing; see `wbc.runtime.protocols.Observer`."""
 
     def close(self) -> None:
         """End the node's process."""
         self._process.close()
-        self._ring.close()
-        self._needed_rate.close()

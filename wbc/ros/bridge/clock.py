@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from wbc.messages import message_type
-from wbc.ros.bridge.layout import Sample
+from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.node import Node
 from wbc.ros.qos import CLOCK
 from wbc.ros.rate_limiter import RateLimiter
@@ -38,11 +38,11 @@ class PlantClock:
         self._run = 0
         self._offset = self._latest = 0.0
 
-    def stamped(self, sample: Sample) -> Sample:
-        """Tell the time of a tick; the tick with the stamp that its messages shall have."""
-        if sample.run != self._run:
-            self._run, self._offset = sample.run, self._latest
-        self._latest = sample.time + self._offset
-        if self._due.is_due(sample.stamp):
+    def stamp(self, tick: StampedTick) -> StampedTick:
+        """Publish the time of a tick; return the tick with the stamp of its messages."""
+        if tick.run != self._run:
+            self._run, self._offset = tick.run, self._latest
+        self._latest = tick.time + self._offset
+        if self._due.is_due(tick.stamp):
             self._publisher.publish(_CLOCK(clock=stamp_from_seconds(self._latest)))
-        return replace(sample, stamp=self._latest) if self._use.value else sample
+        return replace(tick, stamp=self._latest) if self._use.value else tick

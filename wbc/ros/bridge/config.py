@@ -25,8 +25,6 @@ class NodeConfig:
         update_rate: of the joint states, Hz.
         use_sim_time: whether messages are stamped with the plant's time.
         dt: control period, s.
-        ring: descriptor of the ring of ticks.
-        rate: descriptor of the rate, Hz, at which the node needs ticks.
         parent: process whose end ends the node.
     """
 
@@ -38,6 +36,4 @@ class NodeConfig:
     update_rate: float
     use_sim_time: bool
     dt: float
-    ring: int
-    rate: int
     parent: int

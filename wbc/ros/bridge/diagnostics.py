@@ -9,17 +9,17 @@ import numpy as np
 from wbc.command import Status
 from wbc.messages import message_type
 from wbc.ros.bridge.config import NodeConfig
-from wbc.ros.bridge.layout import Sample
+from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.node import Node
 from wbc.ros.rate_limiter import RateLimiter
 from wbc.ros.stamp import stamp_from_seconds
 from wbc.runtime.mode import Mode
+from wbc.runtime.quantities import STATUSES
 
 _ARRAY = message_type("diagnostic_msgs/msg/DiagnosticArray")
 _STATUS = message_type("diagnostic_msgs/msg/DiagnosticStatus")
 _VALUE = message_type("diagnostic_msgs/msg/KeyValue")
 _OK, _WARN, _ERROR = 0, 1, 2
-_STATUSES = tuple(Status)
 
 
 class Diagnostics:
@@ -48,19 +48,20 @@ class Diagnostics:
     def _change_period(self, period: float) -> None:
         self._due.restart(1.0 / period)
 
-    def take(self, sample: Sample) -> None:
-        """One sample more, and the ticks that it tells of."""
-        took, periods, statuses = sample.timing.T.tolist()
-        self._ticks += took
-        self._periods += periods
-        self._failures += sum(_STATUSES[int(status)] is not Status.OK for status in statuses)
-        self._overruns += sum(period > 2.0 * self._dt for period in periods)
-        if self._due.is_due(sample.stamp):
-            self._tell(sample)
+    def take(self, tick: StampedTick) -> None:
+        """Take a tick of the loop."""
+        if tick.mode is Mode.RUNNING:
+            period = float(tick["period"])
+            self._ticks.append(float(tick["estimator_time"] + tick["controller_time"]))
+            self._periods.append(period)
+            self._failures += STATUSES[int(tick["status"])] is not Status.OK
+            self._overruns += period > 2.0 * self._dt
+        if self._due.is_due(tick.stamp):
+            self._tell(tick)
 
-    def _tell(self, sample: Sample) -> None:
+    def _tell(self, tick: StampedTick) -> None:
         self._all_overruns += self._overruns
-        level, text = self._judgement(sample)
+        level, text = self._judgement(tick)
         ticks = 1e6 * np.array(self._ticks or [0.0])
         periods = np.array(self._periods or [0.0])
         status = _STATUS(
@@ -74,24 +75,24 @@ class Diagnostics:
                 "tick max (µs)": f"{ticks.max():.0f}",
                 "rate (Hz)": f"{1.0 / periods.mean():.1f}" if periods.mean() > 0.0 else "0",
                 "overruns": str(self._all_overruns),
-                "QP status": _STATUSES[sample.status].value,
+                "QP status": STATUSES[int(tick["status"])].value,
                 "QP failures lately": str(self._failures),
-                "phase": sample.phase_name,
-                "steps": str(sample.steps),
-                "DCM error (mm)": f"{1e3 * sample.dcm_error:.1f}",
-                "time (s)": f"{sample.time:.2f}",
-                "resets": str(sample.run - 1),
+                "phase": tick.phase,
+                "steps": str(int(tick["steps"])),
+                "DCM error (mm)": f"{1e3 * tick['dcm_error']:.1f}",
+                "time (s)": f"{tick.time:.2f}",
+                "resets": str(tick.run - 1),
             }.items()
         ]
         message: Any = _ARRAY(status=[status])
-        message.header.stamp = stamp_from_seconds(sample.stamp)
+        message.header.stamp = stamp_from_seconds(tick.stamp)
         self._publisher.publish(message)
         self._ticks.clear()
         self._periods.clear()
         self._failures = self._overruns = 0
 
-    def _judgement(self, sample: Sample) -> tuple[int, str]:
-        if sample.mode is Mode.FALLEN:
+    def _judgement(self, tick: StampedTick) -> tuple[int, str]:
+        if tick.mode is Mode.FALLEN:
             return _ERROR, "fallen"
         if self._failures:
             return _ERROR, f"the QP had no solution in {self._failures} ticks"

@@ -17,19 +17,19 @@ from wbc.robot import Robot
 from wbc.robot.attitude import heading
 from wbc.ros.actions import ActionServer, GoalStatus, ServerGoalHandle
 from wbc.ros.bridge.cmd_vel import CmdVel
-from wbc.ros.bridge.layout import Sample
 from wbc.ros.bridge.pose_controller import PlanarPose, PoseController
-from wbc.ros.bridge.state_topics import WORLD, base_frame
+from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.node import Node
 from wbc.ros.rate_limiter import RateLimiter
 from wbc.ros.stamp import duration_from_seconds, stamp_from_seconds
 from wbc.runtime.mode import Mode
+from wbc.runtime.schema import ODOM
 from wbc.state import State
 
 logger = logging.getLogger(__name__)
 
 TYPE = "nav2_msgs/action/NavigateToPose"
-_WORLD_FRAMES = ("", WORLD, "map", "world")
+_ODOM_FRAMES = ("", ODOM, "map", "world")
 _BASE_FRAMES = ("base_link", "base_footprint")  # and the robot's own name for its base
 _RATE = 20.0  # Hz, of the steering
 _FEEDBACK_RATE = 5.0  # Hz
@@ -76,23 +76,23 @@ class NavigateToPose:
             cancel_callback=self._cancel,
         )
         self._control_due, self._feedback_due = RateLimiter(_RATE), RateLimiter(_FEEDBACK_RATE)
-        self._sample: Sample | None = None
+        self._tick: StampedTick | None = None
         self._goal: ServerGoalHandle | None = None
         self._target = PlanarPose(0.0, 0.0, 0.0)
         self._ending: tuple[GoalStatus, Any] | None = None
         cmd_vel.on_override = lambda: self.abort("cmd_vel took over")
 
-    def take(self, sample: Sample) -> None:
+    def take(self, tick: StampedTick) -> None:
         """Take a tick of the loop."""
-        before, self._sample = self._sample, sample
+        before, self._tick = self._tick, tick
         if self._goal is None:
             return
-        if before is not None and sample.run != before.run:
+        if before is not None and tick.run != before.run:
             self.abort("the robot was reset")
-        elif sample.mode is Mode.FALLEN:
+        elif tick.mode is Mode.FALLEN:
             self.abort("the robot fell")
-        elif self._control_due.is_due(sample.stamp):
-            self._advance(self._goal, sample)
+        elif self._control_due.is_due(tick.stamp):
+            self._advance(self._goal, tick)
 
     def abort(self, reason: str) -> None:
         """Abort the goal in progress, if there is one, and stop the robot."""
@@ -101,18 +101,18 @@ class NavigateToPose:
             self._finish(self._goal, GoalStatus.ABORTED, self._failure(_UNKNOWN_ERROR, reason))
 
     def _accept(self, request: Any) -> bool:
-        sample = self._sample
-        if sample is None or sample.mode is not Mode.RUNNING:
+        tick = self._tick
+        if tick is None or tick.mode is not Mode.RUNNING:
             return False
-        return self._pose(request.pose, sample) is not None
+        return self._pose(request.pose, tick) is not None
 
     def _begin(self, goal: ServerGoalHandle) -> None:
         self.abort("another goal took its place")
-        assert self._sample is not None
-        pose = self._pose(goal.request.pose, self._sample)
+        assert self._tick is not None
+        pose = self._pose(goal.request.pose, self._tick)
         assert pose is not None
         self._goal, self._target, self._ending = goal, pose, None
-        self._start_time = self._progress_time = self._sample.time
+        self._start_time = self._progress_time = self._tick.time
         self._least_remaining = math.inf
         self._standing_since: float | None = None
         self._corrections = 0
@@ -124,7 +124,7 @@ class NavigateToPose:
         self._end(GoalStatus.CANCELED, self._server.result_type(error_msg="cancelled"))
         return True
 
-    def _pose(self, stamped: Any, sample: Sample) -> PlanarPose | None:
+    def _pose(self, stamped: Any, tick: StampedTick) -> PlanarPose | None:
         """Return the pose of a message in the world; None if it is invalid."""
         p, o = stamped.pose.position, stamped.pose.orientation
         numbers = np.array([p.x, p.y, p.z, o.x, o.y, o.z, o.w])
@@ -133,31 +133,31 @@ class NavigateToPose:
         pose = PlanarPose(p.x, p.y, math.atan2(2.0 * (o.w * o.z + o.x * o.y),
                                          1.0 - 2.0 * (o.y * o.y + o.z * o.z)))  # fmt: skip
         frame = stamped.header.frame_id.lstrip("/")
-        if frame in _WORLD_FRAMES:
+        if frame in _ODOM_FRAMES:
             return pose
-        if frame in (*_BASE_FRAMES, base_frame(self._robot)):
-            return pose.in_world_of(self._robot_pose(sample))
+        if frame in (*_BASE_FRAMES, self._robot.base):
+            return pose.in_world_of(self._robot_pose(tick))
         return None
 
-    def _robot_pose(self, sample: Sample) -> PlanarPose:
+    def _robot_pose(self, tick: StampedTick) -> PlanarPose:
         return PlanarPose(
-            float(sample.q[0]),
-            float(sample.q[1]),
-            heading(self._robot, State(sample.q, sample.v)),
+            float(tick["q"][0]),
+            float(tick["q"][1]),
+            heading(self._robot, State(tick["q"], tick["v"])),
         )
 
-    def _advance(self, goal: ServerGoalHandle, sample: Sample) -> None:
-        here = self._robot_pose(sample)
+    def _advance(self, goal: ServerGoalHandle, tick: StampedTick) -> None:
+        here = self._robot_pose(tick)
         error = self._target.relative_to(here)
-        now = sample.time  # a simulation may be slower than the clock
-        if self._feedback_due.is_due(sample.stamp):
-            self._send_feedback(goal, here, error, sample)
+        now = tick.time  # a simulation may be slower than the clock
+        if self._feedback_due.is_due(tick.stamp):
+            self._send_feedback(goal, here, error, tick)
         if self._ending is None and not goal.client_alive:
             text = "the client of the goal is gone"
             self._end(GoalStatus.ABORTED, self._failure(_UNKNOWN_ERROR, text))
         if self._ending is None:
             self._walk(error, now)
-        stands = self._stands(sample, now)
+        stands = self._stands(tick, now)
         if self._ending is not None and stands:
             self._finish_standing(goal, error)
 
@@ -189,9 +189,9 @@ class NavigateToPose:
         self._standing_since = None
         self._cmd_vel.stand()
 
-    def _stands(self, sample: Sample, now: float) -> bool:
+    def _stands(self, tick: StampedTick, now: float) -> bool:
         """Return whether the robot has stood for a while."""
-        if sample.phase_name != "stand":
+        if tick.phase != "stand":
             self._standing_since = None
             return False
         if self._standing_since is None:
@@ -219,15 +219,15 @@ class NavigateToPose:
         return self._server.result_type(error_code=code, error_msg=text)
 
     def _send_feedback(
-        self, goal: ServerGoalHandle, here: PlanarPose, error: PlanarPose, sample: Sample
+        self, goal: ServerGoalHandle, here: PlanarPose, error: PlanarPose, tick: StampedTick
     ) -> None:
         feedback: Any = self._server.feedback_type()
         pose = feedback.current_pose
-        pose.header.stamp, pose.header.frame_id = stamp_from_seconds(sample.stamp), WORLD
+        pose.header.stamp, pose.header.frame_id = stamp_from_seconds(tick.stamp), ODOM
         pose.pose.position.x, pose.pose.position.y = here.x, here.y
         pose.pose.orientation.z = math.sin(0.5 * here.heading)
         pose.pose.orientation.w = math.cos(0.5 * here.heading)
-        feedback.navigation_time = duration_from_seconds(sample.time - self._start_time)
+        feedback.navigation_time = duration_from_seconds(tick.time - self._start_time)
         pace = float(self._speed_share.value) * self._cmd_vel.max_velocity[0]
         feedback.estimated_time_remaining = duration_from_seconds(error.distance / pace)
         feedback.number_of_recoveries = self._corrections

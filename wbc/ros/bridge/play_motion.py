@@ -16,8 +16,8 @@ from wbc.motions import Motion
 from wbc.motions.engine.parsing import parse_motion
 from wbc.ros.actions import ActionServer, GoalStatus, ServerGoalHandle
 from wbc.ros.bridge.cmd_vel import CmdVel
-from wbc.ros.bridge.layout import Sample
 from wbc.ros.bridge.navigate_to_pose import NavigateToPose
+from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.node import Node
 from wbc.ros.rate_limiter import RateLimiter
 from wbc.ros.stamp import stamp_from_seconds
@@ -71,29 +71,27 @@ class PlayMotion:
         node.create_service(_LIST, f"{NAME}/list_motions", lambda *_: self._list)
         node.create_service(_READY, f"{NAME}/is_motion_ready", self._is_ready)
         self._feedback_due = RateLimiter(_FEEDBACK_RATE)
-        self._sample: Sample | None = None
+        self._tick: StampedTick | None = None
         self._goal: ServerGoalHandle | None = None
         self._command = 0  # number of the goal's command
         self._sent = False  # the goal's motion is in the loop, no longer being planned
         self._orphaned = False  # the loop plays the motion of an earlier goal
         self._ending: tuple[GoalStatus, str] | None = None
 
-    def take(self, sample: Sample) -> None:
+    def take(self, tick: StampedTick) -> None:
         """Take a tick of the loop."""
-        before, self._sample = self._sample, sample
+        before, self._tick = self._tick, tick
         goal = self._goal
         if goal is None:
             return
-        if before is not None and sample.run != before.run:
+        if before is not None and tick.run != before.run:
             self.abort("the robot was reset")
-        elif sample.mode is Mode.FALLEN:
+        elif tick.mode is Mode.FALLEN:
             self.abort("the robot fell")
         elif self._sent and self._ending is None and not goal.client_alive:
             self._stop_motion(GoalStatus.ABORTED, "the client of the goal is gone")
-        elif self._sent and self._feedback_due.is_due(sample.stamp):
-            feedback: Any = self._server.feedback_type(
-                current_time=stamp_from_seconds(sample.stamp)
-            )
+        elif self._sent and self._feedback_due.is_due(tick.stamp):
+            feedback: Any = self._server.feedback_type(current_time=stamp_from_seconds(tick.stamp))
             goal.publish_feedback(feedback)
 
     def on_acknowledgement(self, acknowledgement: Acknowledgement) -> None:
@@ -126,7 +124,7 @@ class PlayMotion:
         return response
 
     def _accept(self, _: Any) -> bool:
-        return self._sample is not None and self._sample.mode is Mode.RUNNING
+        return self._tick is not None and self._tick.mode is Mode.RUNNING
 
     def _begin(self, goal: ServerGoalHandle) -> None:
         try:

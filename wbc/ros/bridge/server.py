@@ -11,31 +11,30 @@ import sys
 
 from wbc.errors import WbcError
 from wbc.motions.engine.planning import SWITCH_INTERVAL
-from wbc.process import RecordRing, parent
+from wbc.process import parent
 from wbc.ros.bridge.config import NodeConfig
-from wbc.ros.bridge.layout import Layout
 from wbc.ros.bridge.robot_node import RobotNode
 from wbc.ros.node import Node
 from wbc.ros.rosout import log_to_rosout
+from wbc.runtime.stream import StreamFollower
 
 
 def main() -> None:
     """Serve until the parent is gone."""
     sys.setswitchinterval(SWITCH_INTERVAL)
     config: NodeConfig = parent.receive_config()
-    layout = Layout.of(config.robot)
-    ring = RecordRing(layout.size, config.ring)
+    follower = StreamFollower()
     with contextlib.ExitStack() as stack:
         try:
             node = Node(config.name, namespace=config.namespace, network=config.network)
             stack.enter_context(node)
             stack.enter_context(log_to_rosout(node))
-            robot_node = RobotNode(node, config, ring)
+            robot_node = RobotNode(node, config, follower)
         except WbcError as error:
             parent.reply({"error": str(error)})
             return
         parent.reply({"node": node.fully_qualified_name})
-        monitor = parent.ParentMonitor(config.parent)
+        monitor = parent.ParentMonitor(config.parent, follower.on_message)
         node.spin_until(lambda: monitor.gone)
         robot_node.stop()
 

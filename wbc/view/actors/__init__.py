@@ -1,28 +1,28 @@
 """What is drawn: each actor owns some nodes of the scene and places them."""
 
-from wbc.view.actors.actor import Actor, Moment, Node, Proportions
-from wbc.view.actors.balance import Balance
-from wbc.view.actors.body import Body
-from wbc.view.actors.footsteps import Footsteps
-from wbc.view.actors.forces import Forces
-from wbc.view.actors.lamp import Lamp
-from wbc.view.actors.stage import Stage
-from wbc.view.actors.support import Support
-from wbc.view.actors.swing import Swing
-from wbc.view.actors.trail import Trail
+from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode
+from wbc.view.actors.balance import BalanceActor
+from wbc.view.actors.floor import FloorActor
+from wbc.view.actors.footsteps import FootstepsActor
+from wbc.view.actors.forces import ForcesActor
+from wbc.view.actors.robot import RobotActor
+from wbc.view.actors.status_light import StatusLightActor
+from wbc.view.actors.support import SupportActor
+from wbc.view.actors.swing import SwingActor
+from wbc.view.actors.trail import TrailActor
 
 __all__ = [
     "Actor",
-    "Balance",
-    "Body",
-    "Footsteps",
-    "Forces",
-    "Lamp",
-    "Moment",
-    "Node",
+    "BalanceActor",
+    "FloorActor",
+    "FootstepsActor",
+    "ForcesActor",
     "Proportions",
-    "Stage",
-    "Support",
-    "Swing",
-    "Trail",
+    "RobotActor",
+    "SceneInput",
+    "SceneNode",
+    "StatusLightActor",
+    "SupportActor",
+    "SwingActor",
+    "TrailActor",
 ]

@@ -19,7 +19,7 @@ from wbc.view.objects import Json
 
 
 @dataclass(frozen=True, eq=False)
-class Node:
+class SceneNode:
     """A place in the scene's tree, with bodies that move together.
 
     Attributes:
@@ -55,7 +55,7 @@ class Proportions:
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
+class SceneInput:
     """A snapshot with the kinematics that drawing it needs.
 
     Attributes:
@@ -65,7 +65,7 @@ class Moment:
         soles: name -> placement of every sole in the world.
         com: (3,) centre of mass, m, world.
         base: (3,) position of the root joint, m, world.
-        dt: time since the previous moment, s; 0 at the first.
+        dt: time since the previous scene_input, s; 0 at the first.
     """
 
     snapshot: Snapshot
@@ -84,11 +84,11 @@ class Actor(ABC):
         nodes: its places in the scene's tree, in the order of `place`'s rows.
     """
 
-    nodes: list[Node]
+    nodes: list[SceneNode]
 
     @abstractmethod
-    def place(self, moment: Moment, poses: np.ndarray) -> None:
-        """Write the poses, (len(nodes), 10), of this moment; they hold the previous ones."""
+    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
+        """Write the poses, (len(nodes), 10), of this scene_input; they hold the previous ones."""
 
     def restart(self) -> None:  # noqa: B027  most actors have no history
         """Forget history: another run begins."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.view.actors.actor import Actor, Moment, Node, Proportions, put
+from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, put
 from wbc.view.colours import COM, DCM, ZMP
 from wbc.view.objects import Y_TO_Z, cylinder, mesh, ring, see_through, sphere
 
@@ -13,7 +13,7 @@ from wbc.view.objects import Y_TO_Z, cylinder, mesh, ring, see_through, sphere
 _LIFT = 0.006
 
 
-class Balance(Actor):
+class BalanceActor(Actor):
     """A ball at the centre of mass, flat marks on the ground for the rest."""
 
     def __init__(self, proportions: Proportions) -> None:
@@ -24,19 +24,19 @@ class Balance(Actor):
         reference = mesh(ring(0.026 * u, 0.034 * u), see_through(DCM), order=5)
         zmp = mesh(cylinder(0.016 * u, 0.004), see_through(ZMP), Y_TO_Z, order=7)
         self.nodes = [
-            Node("balance/com", (ball,), smooth=True),
-            Node("balance/com_on_ground", (shadow,), smooth=True),
-            Node("balance/dcm", (dcm,), smooth=True),
-            Node("balance/dcm_reference", (reference,), smooth=True),
-            Node("balance/zmp", (zmp,), smooth=True),
+            SceneNode("balance/com", (ball,), smooth=True),
+            SceneNode("balance/com_on_ground", (shadow,), smooth=True),
+            SceneNode("balance/dcm", (dcm,), smooth=True),
+            SceneNode("balance/dcm_reference", (reference,), smooth=True),
+            SceneNode("balance/zmp", (zmp,), smooth=True),
         ]
 
-    def place(self, moment: Moment, poses: np.ndarray) -> None:
-        telemetry = moment.snapshot.telemetry
+    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
+        telemetry = scene_input.snapshot.telemetry
         lift = np.array([0.0, 0.0, _LIFT])
-        put(poses[0], moment.com)
-        ground = min((sole.translation[2] for sole in moment.soles.values()), default=0.0)
-        put(poses[1], np.array([moment.com[0], moment.com[1], ground + _LIFT]))
+        put(poses[0], scene_input.com)
+        ground = min((sole.translation[2] for sole in scene_input.soles.values()), default=0.0)
+        put(poses[1], np.array([scene_input.com[0], scene_input.com[1], ground + _LIFT]))
         put(poses[2], telemetry.dcm + lift)
         put(poses[3], telemetry.dcm_reference + lift)
         put(poses[4], telemetry.zmp + 1.5 * lift)

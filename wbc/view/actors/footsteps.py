@@ -1,4 +1,4 @@
-"""Footsteps: those planned as bright outlines, those made as faint ones."""
+"""FootstepsActor: those planned as bright outlines, those made as faint ones."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import pinocchio as pin
 from wbc.robot import Sole
 from wbc.view.actors.actor import (
     Actor,
-    Moment,
-    Node,
     Proportions,
+    SceneInput,
+    SceneNode,
     hide,
     put_pose,
     put_yaw,
@@ -31,7 +31,7 @@ _LANDED = 0.05
 _MOVED = 0.03
 
 
-class Footsteps(Actor):
+class FootstepsActor(Actor):
     """Outlines of the soles on the ground, coloured by side.
 
     A step counts as made when a sole takes up load; without contact wrenches in
@@ -58,7 +58,7 @@ class Footsteps(Actor):
                 mesh(outline(sole), flat(colour), order=3),
                 mesh(area(sole), flat(faded(colour, fill)), order=1),
             )
-            self.nodes.append(Node(f"footsteps/{kind}_{sole.side}_{i}", parts))
+            self.nodes.append(SceneNode(f"footsteps/{kind}_{sole.side}_{i}", parts))
         return range(first, first + count)
 
     def restart(self) -> None:
@@ -67,24 +67,24 @@ class Footsteps(Actor):
             name: deque(maxlen=_MADE) for name in self._soles
         }
 
-    def place(self, moment: Moment, poses: np.ndarray) -> None:
+    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
         hide(poses)
-        steps = moment.snapshot.telemetry.footsteps
+        steps = scene_input.snapshot.contact_plan.footsteps
         for side, rows in self._planned.items():
             for i, step in zip(rows, (s for s in steps if s.side == side), strict=False):
                 put_yaw(poses[i], step.position + _LIFT_PLANNED, step.yaw)
         for name, rows in self._made.items():
-            self._remember(name, moment)
+            self._remember(name, scene_input)
             for i, placement in zip(rows, self._history[name], strict=False):
                 put_pose(poses[i], placement)
                 poses[i, 0:3] += _LIFT_MADE
 
-    def _remember(self, name: str, moment: Moment) -> None:
-        if name not in moment.contacts or name not in moment.soles:
+    def _remember(self, name: str, scene_input: SceneInput) -> None:
+        if name not in scene_input.contacts or name not in scene_input.soles:
             self._loaded[name] = False
             return
-        load = moment.contacts[name][1][2] / self._weight
-        placement, history = moment.soles[name], self._history[name]
+        load = scene_input.contacts[name][1][2] / self._weight
+        placement, history = scene_input.soles[name], self._history[name]
         if load > _LANDED:
             seen = history[-1].translation if history else np.full(3, np.inf)
             # Frames may be dropped, so that nobody saw the sole in the air.

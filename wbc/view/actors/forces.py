@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.geometry.wrench import centre_of_pressure
-from wbc.view.actors.actor import Actor, Moment, Node, Proportions, hide, stretch
+from wbc.runtime.schema import CONTACTS
+from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, hide, stretch
 from wbc.view.colours import FORCE
 from wbc.view.objects import cylinder, mesh, see_through
-from wbc.view.slot import CONTACTS
 
 _RADIUS = 0.012  # m, on a robot of human size
 _HEAD = 0.09  # m
@@ -18,7 +18,7 @@ _LENGTH = 0.6
 _LEAST = 0.02
 
 
-class Forces(Actor):
+class ForcesActor(Actor):
     """One arrow per loaded contact; as long as the force is large."""
 
     def __init__(self, proportions: Proportions) -> None:
@@ -32,11 +32,14 @@ class Forces(Actor):
         for i in range(CONTACTS):
             shaft = mesh(cylinder(radius, 1.0), material, order=10)
             head = mesh(cylinder(2.6 * radius, 1.0, top=0.0), material, order=10)
-            self.nodes += [Node(f"forces/{i}/shaft", (shaft,)), Node(f"forces/{i}/head", (head,))]
+            self.nodes += [
+                SceneNode(f"forces/{i}/shaft", (shaft,)),
+                SceneNode(f"forces/{i}/head", (head,)),
+            ]
 
-    def place(self, moment: Moment, poses: np.ndarray) -> None:
+    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
         hide(poses)
-        for i, (placement, wrench) in enumerate(moment.contacts.values()):
+        for i, (placement, wrench) in enumerate(scene_input.contacts.values()):
             force = placement.rotation @ wrench[:3]
             size = float(np.sqrt(force @ force))
             if not size > _LEAST * self._weight:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.view.actors.actor import Actor, Moment, Node, Proportions, hide, stretch
+from wbc.runtime.schema import SUPPORT as CORNERS
+from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, hide, stretch
 from wbc.view.colours import SUPPORT, faded
 from wbc.view.objects import cylinder, flat, mesh, see_through, triangles
-from wbc.view.slot import SUPPORT as CORNERS
 
 _LIFT = np.array([0.0, 0.0, 0.003])
 _RADIUS = 0.004  # m, on a robot of human size
 _CORNER = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
 
 
-class Support(Actor):
+class SupportActor(Actor):
     """Edges are stretched cylinders; the filling is stretched right-angled triangles."""
 
     def __init__(self, proportions: Proportions) -> None:
@@ -24,14 +24,14 @@ class Support(Actor):
         self.nodes = []
         for i in range(CORNERS):
             line = mesh(cylinder(radius, 1.0, segments=6), edge, order=4)
-            self.nodes.append(Node(f"support/edge_{i}", (line,)))
+            self.nodes.append(SceneNode(f"support/edge_{i}", (line,)))
         for i in range(2 * (CORNERS - 2)):
             piece = mesh(triangles(_CORNER, np.array([[0, 1, 2]]), normals), fill, order=2)
-            self.nodes.append(Node(f"support/fill_{i}", (piece,)))
+            self.nodes.append(SceneNode(f"support/fill_{i}", (piece,)))
 
-    def place(self, moment: Moment, poses: np.ndarray) -> None:
+    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
         hide(poses)
-        corners = moment.snapshot.telemetry.support
+        corners = scene_input.snapshot.contact_plan.support
         if len(corners) < 3 or not np.isfinite(corners).all():
             return
         corners = corners + _LIFT

@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.view.actors.actor import Actor, Moment, Node, Proportions, hide, put
+from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, hide, put
 from wbc.view.colours import SWING
 from wbc.view.objects import flat, mesh, sphere
 
 _BEADS = 24
 
 
-class Swing(Actor):
+class SwingActor(Actor):
     """Beads at equal distances along the swing path."""
 
     def __init__(self, proportions: Proportions) -> None:
         self.nodes = []
         for i in range(_BEADS):
             bead = mesh(sphere(0.007 * proportions.unit, segments=8), flat(SWING))
-            self.nodes.append(Node(f"swing/{i}", (bead,)))
+            self.nodes.append(SceneNode(f"swing/{i}", (bead,)))
 
-    def place(self, moment: Moment, poses: np.ndarray) -> None:
+    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
         hide(poses)
-        path = moment.snapshot.telemetry.swing_path
+        path = scene_input.snapshot.contact_plan.swing_path
         if len(path) < 2 or not np.isfinite(path).all():
             return
         way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])

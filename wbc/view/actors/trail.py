@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.view.actors.actor import Actor, Moment, Node, Proportions, hide, stretch
+from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, hide, stretch
 from wbc.view.colours import COM, faded
 from wbc.view.objects import cylinder, flat, mesh
 
@@ -12,7 +12,7 @@ _PIECES = 120
 _STEP = 0.04  # m, length of a piece on a robot of human size
 
 
-class Trail(Actor):
+class TrailActor(Actor):
     """A chain of thin rods; the oldest becomes the newest."""
 
     def __init__(self, proportions: Proportions) -> None:
@@ -22,19 +22,19 @@ class Trail(Actor):
         self.nodes = []
         for i in range(_PIECES):
             rod = mesh(cylinder(radius, 1.0, segments=6), material)
-            self.nodes.append(Node(f"trail/{i}", (rod,)))
+            self.nodes.append(SceneNode(f"trail/{i}", (rod,)))
         self.restart()
 
     def restart(self) -> None:
         self._last: np.ndarray | None = None
         self._next = 0
 
-    def place(self, moment: Moment, poses: np.ndarray) -> None:
+    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
         if self._last is None:
             hide(poses)
-            self._last = moment.com.copy()
-        stretch(poses[self._next], self._last, moment.com)
-        if np.linalg.norm(moment.com - self._last) >= self._step:
-            self._last = moment.com.copy()
+            self._last = scene_input.com.copy()
+        stretch(poses[self._next], self._last, scene_input.com)
+        if np.linalg.norm(scene_input.com - self._last) >= self._step:
+            self._last = scene_input.com.copy()
             self._next = (self._next + 1) % _PIECES
             hide(poses[self._next])

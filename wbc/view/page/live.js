@@ -19,9 +19,9 @@ function connect() {
       finishBodies();
       socket.send("bodies");
     }
-    if (news.words) {
+    if (news.caption) {
       news.nodes.forEach((node, i) => place(objects[node], news.poses, 10 * i));
-      show(news.words);
+      show(news.caption);
       viewer.set_dirty();
       requestAnimationFrame(() => {
         wbc.frames += 1;
@@ -31,7 +31,7 @@ function connect() {
     }
   };
   socket.onclose = () => {
-    element("lamp").style.background = "#b8c0c8";
+    element("status-light").style.background = "#b8c0c8";
     element("phase").textContent = "the run has ended";
   };
 }

@@ -1,4 +1,4 @@
-// A recording: bodies, an animation for meshcat's own player, and the words over time.
+// A recording: bodies, an animation for meshcat's own player, and the caption over time.
 "use strict";
 async function unpack(text) {
   const packed = await (await fetch("data:application/octet-stream;base64," + text)).blob();
@@ -32,7 +32,7 @@ async function replay() {
 
 function wirePlayer(animator, story) {
   const [play, seek, clock, speed] = ["play", "seek", "clock", "speed"].map(element);
-  const start = story.words[0].time;
+  const start = story.caption[0].time;
   const toggle = () => (animator.playing ? animator.pause() : animator.play());
   play.onclick = toggle;
   seek.max = animator.duration;
@@ -41,40 +41,40 @@ function wirePlayer(animator, story) {
   addEventListener("keydown", (event) => {
     if (event.key === " ") { event.preventDefault(); toggle(); }
   });
-  element("player").hidden = story.words.length < 2;
-  // For films: no player on the page, and frames by their times.
-  wbc.film = () => {
-    document.body.classList.add("film");
+  element("player").hidden = story.caption.length < 2;
+  // For videos: no player on the page, and frames by their times.
+  wbc.videoMode = () => {
+    document.body.classList.add("video");
     animator.pause();
-    return story.words.at(-1).time - start;
+    return story.caption.at(-1).time - start;
   };
   wbc.seek = (time) => {
     animator.seek(time);
     animator.time = time;
-    show(story.words[lastBefore(story.words, start + time + 1e-6)]);
+    show(story.caption[lastBefore(story.caption, start + time + 1e-6)]);
     viewer.render();
     viewer.needs_render = false;
   };
   let shown = -1;
   const tick = () => {
     requestAnimationFrame(tick);
-    const index = lastBefore(story.words, start + animator.time + 1e-6);
+    const index = lastBefore(story.caption, start + animator.time + 1e-6);
     play.textContent = animator.playing ? "❚❚" : "▶";
     seek.value = animator.time;
     clock.textContent = `${animator.time.toFixed(1)} / ${animator.duration.toFixed(1)} s`;
     if (index === shown) return;
     shown = index;
     wbc.frames += 1;
-    show(story.words[index]);
+    show(story.caption[index]);
   };
   tick();
 }
 
-function lastBefore(words, time) {
-  let low = 0, high = words.length - 1;
+function lastBefore(caption, time) {
+  let low = 0, high = caption.length - 1;
   while (low < high) {
     const middle = (low + high + 1) >> 1;
-    if (words[middle].time <= time) low = middle; else high = middle - 1;
+    if (caption[middle].time <= time) low = middle; else high = middle - 1;
   }
   return low;
 }

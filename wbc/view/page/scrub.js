@@ -16,9 +16,9 @@ function connect() {
     const news = JSON.parse(message.data);
     if (news.scale) makeStage(news.scale);
     if (news.paths) begin(news);
-    if (news.words) {
+    if (news.caption) {
       news.nodes.forEach((node, i) => place(objects[node], news.poses, 10 * i));
-      show(news.words);
+      show(news.caption);
       viewer.set_dirty();
       requestAnimationFrame(() => {
         wbc.frames += 1;
@@ -30,7 +30,7 @@ function connect() {
   };
   socket.onclose = () => {
     playing = false;
-    element("lamp").style.background = "#b8c0c8";
+    element("status-light").style.background = "#b8c0c8";
     element("phase").textContent = "the replay has ended";
   };
 }
@@ -59,7 +59,7 @@ function go(time) {
   ask();
   element("seek").value = now;
   element("clock").textContent = `${now.toFixed(2)} / ${run.end.toFixed(2)} s`;
-  for (const mark of document.querySelectorAll(".strip .mark")) {
+  for (const mark of document.querySelectorAll(".series .mark")) {
     mark.style.left = `${100 * (now - run.start) / Math.max(run.end - run.start, 1e-9)}%`;
   }
 }
@@ -106,23 +106,23 @@ function wirePlayer() {
 
 function drawStrips() {
   const box = document.createElement("div");
-  box.className = "card strips";
-  for (const strip of run.strips) {
+  box.className = "card all-series";
+  for (const series of run.series) {
     const row = document.createElement("div");
-    row.className = "strip";
-    const top = Math.max(...strip.values.filter((x) => x !== null), 1e-12);
+    row.className = "series";
+    const top = Math.max(...series.values.filter((x) => x !== null), 1e-12);
     const span = Math.max(run.end - run.start, 1e-9);
     let way = "", pen = "M";
-    strip.values.forEach((value, i) => {
+    series.values.forEach((value, i) => {
       if (value === null) { pen = "M"; return; }
-      const x = 1000 * (strip.time[i] - run.start) / span;
+      const x = 1000 * (series.time[i] - run.start) / span;
       way += `${pen}${x.toFixed(1)} ${(STRIP - 2 - (STRIP - 6) * value / top).toFixed(1)}`;
       pen = "L";
     });
     row.innerHTML = `<svg viewBox="0 0 1000 ${STRIP}" preserveAspectRatio="none">` +
       `<path d="${way}" fill="none" stroke="#2f6fb0" stroke-width="1.2" ` +
       'vector-effect="non-scaling-stroke"/></svg><i class="mark"></i><span></span>';
-    row.querySelector("span").textContent = `${strip.label}, up to ${+top.toPrecision(3)}`;
+    row.querySelector("span").textContent = `${series.label}, up to ${+top.toPrecision(3)}`;
     const seekHere = (event) => {
       if (!event.buttons) return;
       const frame = row.getBoundingClientRect();
@@ -132,7 +132,7 @@ function drawStrips() {
     row.onpointermove = seekHere;
     box.append(row);
   }
-  if (run.strips.length) document.body.append(box);
+  if (run.series.length) document.body.append(box);
 }
 
 connect();

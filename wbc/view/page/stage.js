@@ -1,5 +1,5 @@
 // The stage around meshcat's viewer: floor, lights, camera, and the cards on top.
-// `show` is what both the live page and a recording call with a snapshot's words.
+// `show` is what both the live page and a recording call with a snapshot's caption.
 "use strict";
 const BACKGROUND = 0xe8edf2;
 var viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
@@ -93,11 +93,11 @@ function place(object, pose, at) {
   object.visible = pose[at + 7] > 0;
 }
 
-function show(words) {
-  element("lamp").style.background = words.colour;
-  element("lamp").title = words.status;
-  element("time").textContent = `t = ${words.time.toFixed(2)} s`;
-  element("phase").textContent = words.phase;
-  element("text").textContent = words.text;
-  wbc.time = words.time;
+function show(caption) {
+  element("status-light").style.background = caption.colour;
+  element("status-light").title = caption.status;
+  element("time").textContent = `t = ${caption.time.toFixed(2)} s`;
+  element("phase").textContent = caption.phase;
+  element("text").textContent = caption.text;
+  wbc.time = caption.time;
 }

@@ -1,0 +1,225 @@
+"""The viewer's process never slows, stops or outlives the loop."""
+
+import json
+import logging
+import os
+import signal
+import socket
+import statistics
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+import numpy as np
+import pytest
+from processtools import gone, wait_until
+
+import wbc
+from wbc.errors import StateError
+from wbc.runtime.stream import TickStream
+from wbc.view import Meshcat, Recording, Snapshot, ViewerError
+
+ROOT = Path(wbc.__file__).parent.parent
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return wbc.load("simple_humanoid")
+
+
+@pytest.fixture
+def viewer(robot):
+    with Meshcat(robot, port=0, announce=False) as viewer:
+        yield viewer
+
+
+def python(code, **options):
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", code]
+    return subprocess.run(command, env=env, capture_output=True, text=True, timeout=60, **options)
+
+
+def test_the_loops_process_loads_neither_meshcat_nor_a_server():
+    code = """
+import sys, wbc
+from wbc.view import Meshcat, Recording, Snapshot
+robot = wbc.load("simple_humanoid")
+with Meshcat(robot, port=0) as viewer:
+    recording = Recording(robot)
+    for observer in (viewer, recording):
+        observer.show(Snapshot(0.0, robot.q_nominal))
+print(sorted({"meshcat", "mujoco", "tornado", "umsgpack", "zmq"} & set(sys.modules)))
+"""
+    result = python(code)  # no `__main__` guard, and none is needed
+    assert result.stderr == ""
+    assert result.stdout.splitlines()[-1] == "[]"
+
+
+def test_the_page_is_served(viewer):
+    with urllib.request.urlopen(viewer.url) as answer:
+        assert "simple_humanoid" in answer.read().decode()
+
+
+def test_only_this_machine_can_reach_the_page(viewer):
+    port = int(viewer.url.split(":")[2].split("/")[0])
+    # Another address of the loopback interface: taken only by servers that listen on all.
+    with pytest.raises(OSError), socket.create_connection(("127.0.0.2", port), timeout=1):  # noqa: PT011
+        pass
+    # A page of another site whose name was made to point here.
+    request = urllib.request.Request(viewer.url, headers={"Host": "example.org"})
+    with pytest.raises(urllib.error.HTTPError):
+        urllib.request.urlopen(request)
+
+
+def test_closing_ends_the_process_soon(robot):
+    viewer = Meshcat(robot, port=0, announce=False)
+    viewer.show(Snapshot(0.0, robot.q_nominal))
+    start = time.monotonic()
+    viewer.close()
+    assert time.monotonic() - start < 3.0
+    assert not viewer.alive
+    viewer.close()  # again is no harm
+    viewer.show(Snapshot(0.1, robot.q_nominal))
+
+
+def test_two_viewers_live_side_by_side(robot, viewer):
+    with Meshcat(robot, announce=False) as other:
+        assert other.url != viewer.url
+
+
+def test_a_port_that_is_taken_is_said(robot):
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        with pytest.raises(ViewerError, match=f"port {port} is in use"):
+            Meshcat(robot, port=port)
+
+
+@pytest.mark.parametrize("make", [Meshcat, Recording])
+def test_a_rate_must_be_positive(robot, make):
+    with pytest.raises(ViewerError, match="rate is 0"):
+        make(robot, rate=0.0)
+
+
+def test_a_dead_viewer_does_not_harm_the_loop_and_is_reported_once(robot, viewer, caplog):
+    os.kill(viewer.pid, signal.SIGKILL)
+    wait_until(lambda: not viewer.alive)
+    with caplog.at_level(logging.WARNING):
+        for k in range(100):
+            viewer.show(Snapshot(0.01 * k, robot.q_nominal))
+    said = [r for r in caplog.records if "viewer's process has ended" in r.getMessage()]
+    assert len(said) == 1
+
+
+def test_a_stopped_viewer_never_blocks_the_loop(robot, viewer):
+    os.kill(viewer.pid, signal.SIGSTOP)
+    try:
+        spent = []
+        for k in range(2000):
+            start = time.perf_counter()
+            viewer.show(Snapshot(0.002 * k, robot.q_nominal))
+            spent.append(time.perf_counter() - start)
+        assert statistics.median(spent) < 200e-6
+        assert sum(spent) < 2.0
+        start = time.monotonic()
+        viewer.close()
+        assert time.monotonic() - start < 5.0
+    finally:
+        if not gone(viewer.pid):
+            os.kill(viewer.pid, signal.SIGCONT)
+    assert gone(viewer.pid)
+
+
+def test_the_viewer_ends_with_a_parent_that_is_killed():
+    code = """
+import os, signal, wbc
+from wbc.view import Meshcat
+viewer = Meshcat(wbc.load("simple_humanoid"), port=0, announce=False)
+print(viewer.pid, flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+    result = python(code)
+    assert result.returncode == -signal.SIGKILL
+    wait_until(lambda: gone(int(result.stdout)))
+
+
+def test_a_script_that_never_closes_leaves_nothing_behind():
+    code = """
+import wbc
+from wbc.view import Meshcat
+viewer = Meshcat(wbc.load("simple_humanoid"), port=0, announce=False)
+print(viewer.pid)
+"""
+    result = python(code)
+    assert result.stderr == ""
+    wait_until(lambda: gone(int(result.stdout)))
+
+
+def test_what_is_shared_has_no_name_that_could_be_left_behind(viewer):
+    maps = Path(f"/proc/{viewer.pid}/maps")
+    if not maps.exists():
+        pytest.skip("no /proc here")
+
+    def shared():
+        return [line for line in maps.read_text().splitlines() if " rw-s " in line]
+
+    viewer.show(Snapshot(0.0, wbc.load("simple_humanoid").q_nominal))
+    wait_until(shared)
+    assert all(line.endswith("(deleted)") for line in shared())
+
+
+def test_a_viewer_of_another_robot_than_the_loops_is_refused(viewer):
+    g1 = wbc.load("g1")
+    with pytest.raises(ViewerError, match="make the viewer with the plant's robot"):
+        viewer.attach(TickStream(g1))
+
+
+def test_a_configuration_of_another_robot_is_refused(viewer):
+    with pytest.raises(StateError, match=r"snapshot\.q"):
+        viewer.show(Snapshot(0.0, np.zeros(7)))
+
+
+def test_a_recording_keeps_its_own_rate_and_copies(robot):
+    recording = Recording(robot, rate=25.0)
+    q = robot.q_nominal.copy()
+    for k in range(1001):
+        q[0] = 0.002 * k
+        recording.show(Snapshot(0.002 * k, q))
+    assert len(recording) == 51
+    assert [s.q[0] for s in recording.frames] == pytest.approx(0.04 * np.arange(51))
+
+
+def test_a_recording_begins_anew_with_a_new_run(robot):
+    recording = Recording(robot)
+    for k in (*range(10), *range(5)):
+        recording.show(Snapshot(0.1 * k, robot.q_nominal))
+    assert len(recording) == 5
+
+
+def test_a_recording_of_nothing_is_refused(robot, tmp_path):
+    with pytest.raises(ViewerError, match="nothing was recorded"):
+        Recording(robot).save(tmp_path / "none.html")
+
+
+def test_a_recording_that_cannot_be_written_says_where(robot, tmp_path):
+    recording = Recording(robot)
+    recording.show(Snapshot(0.0, robot.q_nominal))
+    (tmp_path / "file").touch()
+    with pytest.raises(ViewerError, match="cannot write the recording to"):
+        recording.save(tmp_path / "file" / "run.html")
+
+
+def test_a_viewer_can_record_what_it_shows(robot, tmp_path):
+    path = tmp_path / "run.html"
+    with Meshcat(robot, port=0, record=path, announce=False) as viewer:
+        for k in range(5):
+            viewer.show(Snapshot(0.1 * k, robot.q_nominal, text="</script>"))
+    html = path.read_text("utf-8")
+    story = json.loads(html.split('id="story">')[1].split("</script>")[0])
+    assert [w["time"] for w in story["caption"]] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
+    assert story["caption"][0]["text"] == "</script>"
+    assert "http://" not in html.split('id="story">')[0]

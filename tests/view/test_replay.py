@@ -1,0 +1,277 @@
+"""A run that is over can be moved through, made into a video, and gives what was shown."""
+
+import asyncio
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+import urllib.error
+import urllib.request
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from needs import need_browser
+
+import wbc
+from wbc.telemetry import Telemetry
+from wbc.view import Recording, Replay, Snapshot, TimeSeries, Video, ViewerError
+from wbc.view.browser import new_page
+from wbc.view.replay import _peaks
+from wbc.view.timeline import record, thinned, up_to
+
+ROOT = Path(wbc.__file__).parent.parent
+PATIENCE = 120_000  # ms: software rendering on a busy machine
+
+
+@dataclass
+class Glide:
+    """The robot glides forward at 1 m/s and nods."""
+
+    robot: wbc.Robot
+    start: float = 2.0
+    end: float = 12.0
+
+    def at(self, time):
+        time = min(max(time, self.start), self.end)
+        v = np.zeros(self.robot.nv)
+        v[0] = time - self.start
+        q = pin.integrate(self.robot.model, self.robot.q_nominal, v)
+        zmp = np.array([time, 0.0, 0.0])
+        return Snapshot(time, q, telemetry=Telemetry(zmp=zmp), text=f"nod {time:.3f}")
+
+
+@pytest.fixture(scope="module")
+def timeline():
+    return Glide(wbc.load("simple_humanoid"))
+
+
+def test_a_jump_brings_its_history_along(timeline):
+    times = [s.time for s in up_to(timeline, 7.0, None, 2.0)]
+    assert times[0] == pytest.approx(5.0, abs=0.07)
+    assert times[-1] == 7.0
+    assert (np.diff(times) > 0).all()
+    assert max(np.diff(times)) < 0.07
+    # Going on needs only what is new; going back begins anew.
+    assert [s.time for s in up_to(timeline, 7.02, 7.0, 2.0)] == [7.02]
+    assert next(iter(up_to(timeline, 6.0, 7.0, 2.0))).time < 6.0
+    assert [s.time for s in up_to(timeline, 99.0, 11.99, 2.0)] == [12.0]
+
+
+def test_a_page_gets_what_changed(timeline):
+    replay_scene = Replay(timeline.robot, timeline).new_scene()
+    first = replay_scene.frame(5.0)
+    assert len(first["nodes"]) == len(replay_scene.scene.nodes)
+    assert first["caption"]["time"] == 5.0
+    still = replay_scene.frame(5.0)
+    assert still["nodes"] == []
+    moved = replay_scene.frame(5.1)
+    assert 0 < len(moved["nodes"]) < len(first["nodes"])
+    assert len(moved["poses"]) == 10 * len(moved["nodes"])
+    with pytest.raises(ViewerError, match="is no time"):
+        replay_scene.frame(float("nan"))
+
+
+def test_a_jump_back_shows_the_same_as_the_first_time(timeline):
+    replay_scene = Replay(timeline.robot, timeline).new_scene()
+    replay_scene.frame(4.0)
+    before = replay_scene.scene.poses.copy()
+    replay_scene.frame(9.0)
+    assert np.abs(replay_scene.scene.poses - before).max() > 1.0
+    replay_scene.frame(4.0)
+    visible = before[:, 7] > 0
+    assert ((replay_scene.scene.poses[:, 7] > 0) == visible).all()
+    np.testing.assert_allclose(replay_scene.scene.poses[visible], before[visible], atol=1e-9)
+
+
+def test_thinned_strips_keep_their_peaks():
+    values = np.zeros(10_000)
+    values[[123, 9_999]] = (5.0, 3.0)
+    values[500:700] = np.nan
+    (series,) = thinned([TimeSeries("error, mm", np.arange(10_000.0), values)], 100, _peaks)
+    assert len(series.values) <= 100
+    assert series.values.max() == 5.0
+    assert series.values[-1] == 3.0
+
+
+def test_a_video_is_recorded_at_the_recordings_rate(timeline):
+    recording = Recording(timeline.robot, rate=25.0)
+    record(timeline, recording)
+    times = [s.time for s in recording.frames]
+    np.testing.assert_allclose(times, np.arange(2.0, 12.001, 0.04), atol=1e-9)
+
+
+@pytest.fixture
+def served(timeline, tmp_path):
+    """A replay in a process of its own; its address."""
+    code = """
+import sys
+sys.path.insert(0, sys.argv[1])
+import wbc
+from test_replay import Glide
+from wbc.view import Replay, TimeSeries
+timeline = Glide(wbc.load("simple_humanoid"))
+import numpy as np
+series = TimeSeries("lean, mm", np.array([2.0, 7.0, 12.0]), np.array([0.0, 3.0, 1.0]))
+Replay(timeline.robot, timeline, port=0, series=[series]).serve(lambda url: print(url, flush=True))
+"""
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, str(Path(__file__).parent)],
+        stdout=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    yield process, process.stdout.readline().strip()
+    process.kill()
+    process.wait()
+    process.stdout.close()
+
+
+def test_ctrl_c_ends_a_replay_without_a_word(served):
+    process, url = served
+    assert url.startswith("http://127.0.0.1:")
+    process.send_signal(signal.SIGINT)
+    assert process.wait(10.0) == 0
+
+
+def test_other_sites_cannot_reach_in(served):
+    _, url = served
+    request = urllib.request.Request(url, headers={"Host": "example.org"})
+    with pytest.raises(urllib.error.HTTPError):
+        urllib.request.urlopen(request)
+
+
+def test_a_page_that_talks_nonsense_is_answered_and_goes_on(served):
+    from tornado.httpclient import HTTPRequest
+    from tornado.websocket import websocket_connect
+
+    _, url = served
+
+    async def talk():
+        address = url.replace("http", "ws").replace("static/", "socket")
+        foreign = HTTPRequest(address, headers={"Origin": "http://example.org"})
+        with pytest.raises(Exception, match="403"):
+            await websocket_connect(foreign)
+        socket = await websocket_connect(address, max_message_size=2**28)
+        while True:
+            message = await socket.read_message()
+            if isinstance(message, str) and "paths" in message:
+                break
+        answers = []
+        for nonsense in ("{", "[]", '{"time": "soon"}', '{"time": null}', '{"time": NaN}', "7"):
+            await socket.write_message(nonsense)
+            answers.append(json.loads(await socket.read_message()))
+        await socket.write_message('{"time": 3.5}')
+        return json.loads(message), answers, json.loads(await socket.read_message())
+
+    introduction, answers, frame = asyncio.run(talk())
+    assert (introduction["start"], introduction["end"]) == (2.0, 12.0)
+    assert introduction["series"][0]["values"] == [0.0, 3.0, 1.0]
+    assert all("error" in answer for answer in answers)
+    assert frame["caption"]["time"] == 3.5
+
+
+@pytest.mark.browser
+def test_the_player_plays_seeks_and_steps(served):
+    need_browser()
+    _, url = served
+    with new_page(400, 300) as page:
+        page.set_default_timeout(PATIENCE)
+        errors = []
+        page.on("pageerror", lambda error: errors.append(error))
+        page.goto(url)
+        page.wait_for_function("wbc.ready && wbc.time > 2.0")  # it plays by itself
+        page.keyboard.press(" ")
+        page.wait_for_function("!playing")
+        page.evaluate("element('seek').value = 8; element('seek').oninput()")
+        page.wait_for_function("wbc.time === 8 && !waiting")
+        camera = "objects[run.paths.indexOf('/Cameras/default')].position.x"
+        there = page.evaluate(camera)
+        page.keyboard.press("ArrowRight")
+        page.wait_for_function("wbc.time === 8.02")
+        page.keyboard.press("Shift+ArrowLeft")
+        page.wait_for_function("wbc.time === 7.02")
+        page.keyboard.press("Home")
+        page.wait_for_function("wbc.time === 2 && !waiting")
+        assert page.evaluate("element('text').textContent") == "nod 2.000"
+        here = page.evaluate(camera)
+        assert there - here == pytest.approx(6.0, abs=0.6)
+        assert page.evaluate("document.querySelectorAll('.series').length") == 1
+        assert errors == []
+
+
+@pytest.mark.browser
+def test_a_video_has_the_recordings_frames_and_they_move(timeline, tmp_path):
+    imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
+    need_browser()
+    recording = Recording(timeline.robot, rate=5.0)
+    for k in range(6):
+        recording.show(timeline.at(2.0 + 0.2 * k))
+    told = []
+    path = Video(tmp_path / "deep" / "timeline.mp4", 320, 240).render(
+        recording, lambda done, frames: told.append((done, frames))
+    )
+    assert told == [(k, 6) for k in range(1, 7)]
+    reader = imageio_ffmpeg.read_frames(str(path), pix_fmt="gray", bits_per_pixel=8)
+    facts = next(reader)
+    assert facts["size"] == (320, 240)
+    assert facts["fps"] == 5.0
+    pictures = [np.frombuffer(data, np.uint8).astype(float) for data in reader]
+    assert len(pictures) == 6
+    assert pictures[0].std() > 10.0  # there is something in the picture
+    assert np.abs(pictures[5] - pictures[0]).max() > 50.0
+
+
+def test_a_video_of_an_odd_size_is_refused(tmp_path):
+    with pytest.raises(ViewerError, match="width is 321"):
+        Video(tmp_path / "timeline.mp4", 321, 240)
+
+
+def test_a_missing_encoder_is_named_with_its_pip_command(tmp_path, monkeypatch):
+    import importlib.util
+    import shutil
+
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(wbc.errors.MissingExtra, match=r"pip install 'wbc\[video\]'"):
+        Video(tmp_path / "timeline.mp4")
+
+
+def test_a_video_that_fails_leaves_no_file(tmp_path):
+    need_browser()
+    video = Video(tmp_path / "timeline.mp4", 320, 240)
+
+    def fill(interrupt):
+        with video._encoding(5.0) as frames_in:
+            frames_in.write(b"no picture")
+            if interrupt:
+                raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fill(interrupt=True)
+    assert not video.path.exists()
+    with pytest.raises(ViewerError, match="cannot be made"):
+        fill(interrupt=False)
+    assert not video.path.exists()
+
+
+def test_serving_can_be_told_when_it_is_ready(timeline):
+    ready = threading.Event()
+    replay = Replay(timeline.robot, timeline, port=0)
+
+    async def once():
+        task = asyncio.ensure_future(replay._serve(lambda url: ready.set()))
+        await asyncio.sleep(0)
+        start = time.monotonic()
+        while not ready.is_set() and time.monotonic() < start + 5.0:
+            await asyncio.sleep(0.01)
+        task.cancel()
+
+    asyncio.run(once())
+    assert ready.is_set()

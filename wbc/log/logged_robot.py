@@ -1,0 +1,64 @@
+"""The robot of a log, loaded anew: for whoever wants to draw it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wbc.errors import WbcError
+from wbc.log.errors import LogError
+from wbc.log.robot_info import RobotInfo
+from wbc.robot import available, examples, load
+from wbc.robot.registry import find_robot
+from wbc.robot.urdf import read_urdf
+
+if TYPE_CHECKING:
+    from wbc.robot import Robot
+
+
+def logged_robot(info: RobotInfo, name_or_path: str | Path | None = None) -> Robot:
+    """The robot that a log is of.
+
+    Args:
+        info: from the log.
+        name_or_path: as `load` takes it; when left out, the robot of the same name, or the
+            URDF where it was when it was logged.
+
+    Raises:
+        LogError: that robot is not there, or has other joints than the log.
+    """
+    source = name_or_path if name_or_path is not None else _known_name(info)
+    try:
+        robot = load(source) if source is not None else load(info.urdf, **_stated(info))
+    except WbcError as error:
+        raise LogError(
+            f"the log is of '{info.name}', which cannot be loaded: {error}; "
+            "say where it is with --robot"
+        ) from error
+    if robot.joint_names != info.joints:
+        odd = sorted(set(robot.joint_names) ^ set(info.joints))
+        what = f"'{odd[0]}' and {len(odd) - 1} more" if odd else "their order"
+        raise LogError(
+            f"'{robot.name}' has other joints than the robot of the log ({what}); "
+            "say which robot it is with --robot"
+        )
+    return robot
+
+
+def _known_name(info: RobotInfo) -> str | None:
+    """The name by which `load` finds the robot, or None: its URDF has to be read where it was."""
+    if info.name in available() and find_robot(info.name).urdf.name == Path(info.urdf).name:
+        return info.name
+    stem = Path(info.urdf).stem
+    return stem if not Path(info.urdf).is_file() and stem in examples() else None
+
+
+def _stated(info: RobotInfo) -> dict[str, Any]:
+    """What `load` has to be told about a URDF of one's own."""
+    left, right = info.feet
+    joints = [j.name for j in read_urdf(Path(info.urdf)).joints if j.type != "fixed"]
+    fixed = [name for name in joints if name not in info.joints]
+    stated: dict[str, Any] = {"left_foot": left, "right_foot": right, "name": info.name}
+    if fixed:
+        stated["fixed_joints"] = fixed
+    return stated

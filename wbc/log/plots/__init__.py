@@ -1,0 +1,5 @@
+"""The standard pictures of a log."""
+
+from wbc.log.plots.standard import KINDS, plot
+
+__all__ = ["KINDS", "plot"]

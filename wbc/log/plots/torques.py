@@ -1,0 +1,58 @@
+"""Torques against their limits."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from wbc.log.plots.style import FAINT, LIMIT, thin
+from wbc.log.run import LoggedRun
+
+_SHOWN = 6  # joints over time
+_LISTED = 34  # joints in the list
+
+
+def draw_torques(axes: Any, run: LoggedRun) -> None:
+    """Draw the share of their limits of the joints that use most of it, over time."""
+    share = shares(run)
+    order = np.argsort(-share.max(axis=0, initial=0.0))[:_SHOWN]
+    every = thin(len(run))
+    for rank, joint in enumerate(order):
+        axes.plot(
+            run.time[every],
+            share[every, joint],
+            color=f"C{rank}",
+            linewidth=0.8,
+            label=f"{run.robot_info.joints[joint]} ({run.robot_info.tau_max[joint]:g})",
+        )
+    axes.axhline(100.0, color=LIMIT, linewidth=1.0)
+    axes.set_ylim(0.0, max(108.0, 1.05 * float(share.max(initial=0.0))))
+    axes.set(ylabel="% of the limit")
+    axes.set_title("Torques of the six joints nearest to their limits (N·m; N if they slide)")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def draw_torque_peaks(axes: Any, run: LoggedRun) -> None:
+    """Draw median and peak share of the limit of every joint."""
+    share = shares(run)
+    order = np.argsort(-share.max(axis=0, initial=0.0))[:_LISTED][::-1]
+    peak, middle = share.max(axis=0), np.median(share, axis=0)
+    places = np.arange(len(order))
+    colours = [LIMIT if peak[j] >= 99.9 else "#2f6fb0" for j in order]
+    axes.barh(places, peak[order], color=colours, alpha=0.35, height=0.7, label="peak")
+    axes.barh(places, middle[order], color=colours, height=0.7, label="median")
+    axes.axvline(100.0, color=LIMIT, linewidth=1.0)
+    axes.set_yticks(places, [run.robot_info.joints[j] for j in order], fontsize=7)
+    axes.set_ylim(-0.6, len(order) - 0.4)
+    axes.set_xlim(0.0, max(108.0, 1.05 * float(peak.max(initial=0.0))))
+    axes.grid(axis="y", visible=False)
+    axes.set(xlabel="% of the limit")
+    axes.set_title("Torque of every joint: median (full), peak (faint)")
+    axes.tick_params(axis="y", colors=FAINT, labelcolor="black", length=0)
+
+
+def shares(run: LoggedRun) -> np.ndarray:
+    """(n, na) |torque| in percent of its limit."""
+    found: np.ndarray = 100.0 * np.abs(np.nan_to_num(run.tau)) / run.robot_info.tau_max
+    return found

@@ -1,0 +1,91 @@
+"""What one has to know of a robot to make sense of its log."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from wbc.robot import Robot
+
+
+@dataclass(frozen=True, eq=False)
+class RobotInfo:
+    """What one has to know of a robot to make sense of its log, without its model.
+
+    Attributes:
+        name: of the robot.
+        urdf: path of its description, where it was logged.
+        joints: (na,) names.
+        q_min: (na,) rad or m.
+        q_max: (na,) rad or m.
+        v_max: (na,) rad/s or m/s.
+        tau_max: (na,) N·m or N.
+        base: name of the root link.
+        mass: kg.
+        feet: link of each sole, left and right.
+        soles: half length and half width of each sole, left and right, m.
+    """
+
+    name: str
+    urdf: str
+    joints: tuple[str, ...]
+    q_min: np.ndarray
+    q_max: np.ndarray
+    v_max: np.ndarray
+    tau_max: np.ndarray
+    base: str
+    mass: float
+    feet: tuple[str, str]
+    soles: tuple[tuple[float, float], tuple[float, float]]
+
+    @staticmethod
+    def of(robot: Robot) -> RobotInfo:
+        """The info of a robot."""
+        left, right = robot.soles
+        return RobotInfo(
+            name=robot.name,
+            urdf=str(robot.urdf_path),
+            joints=robot.joint_names,
+            q_min=robot.q_min,
+            q_max=robot.q_max,
+            v_max=robot.v_max,
+            tau_max=robot.tau_max,
+            base=robot.base,
+            mass=robot.mass,
+            feet=(left.link, right.link),
+            soles=((left.half_length, left.half_width), (right.half_length, right.half_width)),
+        )
+
+    def to_json(self) -> str:
+        """As text. Infinite limits are null."""
+        table = {
+            name: [x if np.isfinite(x) else None for x in value.tolist()]
+            if isinstance(value, np.ndarray)
+            else value
+            for name, value in vars(self).items()
+        }
+        return json.dumps(table, indent=1)
+
+    @staticmethod
+    def from_json(text: str) -> RobotInfo:
+        """From such a text."""
+        table = json.loads(text)
+        limits = {
+            name: np.array([sign * np.inf if x is None else x for x in table[name]], float)
+            for name, sign in (("q_min", -1), ("q_max", 1), ("v_max", 1), ("tau_max", 1))
+        }
+        left, right = ((float(x), float(y)) for x, y in table["soles"])
+        return RobotInfo(
+            name=str(table["name"]),
+            urdf=str(table["urdf"]),
+            joints=tuple(table["joints"]),
+            **limits,
+            base=str(table["base"]),
+            mass=float(table["mass"]),
+            feet=(str(table["feet"][0]), str(table["feet"][1])),
+            soles=(left, right),
+        )

@@ -1,0 +1,24 @@
+"""Ticks as ROS 2 messages: which topics there are, and how each gets its bytes.
+
+The log and the ROS 2 node publish the same topics, from the same declarations: those of
+`wbc.runtime.quantities` and the composite messages of `wbc.topics.catalogue`.
+"""
+
+from wbc.topics.batch import BatchMaker, TickBatch
+from wbc.topics.catalogue import latched_topics, tick_topics
+from wbc.topics.commanded_wrench import CommandedWrench
+from wbc.topics.latched import LatchedTopic
+from wbc.topics.message_topic import MessageTopic, TopicMessage
+from wbc.topics.numeric import NumericTopic
+
+__all__ = [
+    "BatchMaker",
+    "CommandedWrench",
+    "LatchedTopic",
+    "MessageTopic",
+    "NumericTopic",
+    "TickBatch",
+    "TopicMessage",
+    "latched_topics",
+    "tick_topics",
+]

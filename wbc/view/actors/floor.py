@@ -1,0 +1,34 @@
+"""The floor and the lights, which stay under the robot, and the camera, which follows it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, put
+
+CAMERA = "/Cameras/default"
+STAGE = "stage"
+_TAU = 0.5  # s, time constant of the camera
+_TILE = 1.0  # m, the floor's pattern repeats
+
+
+class FloorActor(Actor):
+    """Moves what the page itself has made: floor with lights, and the camera's target."""
+
+    def __init__(self, proportions: Proportions) -> None:
+        self._height = 0.5 * proportions.top
+        self.nodes = [SceneNode(STAGE, ()), SceneNode(CAMERA, (), smooth=True)]
+        self.restart()
+
+    def restart(self) -> None:
+        self._target: np.ndarray | None = None
+
+    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
+        aim = np.array([scene_input.base[0], scene_input.base[1], self._height])
+        if self._target is None or np.linalg.norm(aim - self._target) > 5.0:
+            self._target = aim
+        self._target = self._target + (1.0 - np.exp(-scene_input.dt / _TAU)) * (aim - self._target)
+        # Whole tiles: the floor seems to lie still.
+        x, y = np.round(aim[:2] / _TILE) * _TILE
+        put(poses[0], np.array([x, y, 0.0]))
+        put(poses[1], self._target)

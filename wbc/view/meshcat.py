@@ -1,0 +1,159 @@
+"""`Meshcat`: a live view of a run in a browser, from a process of its own."""
+
+from __future__ import annotations
+
+import os
+import time
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wbc.closeable import Closeable
+from wbc.errors import StateError
+from wbc.process import ChildProcess, ProcessStartError
+from wbc.runtime.schema import SchemaError
+from wbc.runtime.snapshot import Snapshot
+from wbc.runtime.stream import TickStream
+from wbc.view.config import ViewerConfig
+from wbc.view.errors import ViewerError
+from wbc.view.recording import Recording
+from wbc.view.terrain import checked_boxes
+
+if TYPE_CHECKING:
+    from wbc.robot import Robot
+    from wbc.runtime.protocols import Controller, Plant
+    from wbc.runtime.report import Report
+    from wbc.runtime.schema import Quantity
+    from wbc.runtime.tick import Tick
+
+
+class Meshcat(Closeable):
+    """Shows a robot in a browser while a loop runs.
+
+    Another process reads the loop's ticks from shared memory and serves the page; it may be slow,
+    stopped or dead without any harm to the loop.
+
+    Args:
+        robot: the robot.
+        port: of the page on this machine; None takes the first free one from 7000 on, 0 any free
+            one.
+        rate: frames per second, Hz.
+        record: also make a recording, written to this path when the viewer closes.
+        open: open the page in the browser.
+        boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
+        announce: print the page's address.
+
+    Attributes:
+        url: address of the page; it answers on this machine only.
+        stream: from which the viewer reads, see `wbc.runtime.protocols.StreamObserver`.
+
+    Raises:
+        ViewerError: the process does not start, the port is taken, or `rate` or `boxes` make no
+            sense.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        *,
+        port: int | None = None,
+        rate: float = 30.0,
+        record: str | Path | None = None,
+        open: bool = False,
+        boxes: np.ndarray | None = None,
+        announce: bool = True,
+    ) -> None:
+        if not rate > 0.0:
+            raise ViewerError(f"rate is {rate} Hz; a viewer needs a positive one")
+        self.stream: TickStream | None = None
+        self._robot = robot
+        self._record = Path(record) if record is not None else None
+        self._recording = Recording(robot, boxes=boxes) if record is not None else None
+        config = ViewerConfig(robot, port, float(rate), checked_boxes(boxes), os.getpid())
+        self._process = ChildProcess("wbc.view.server", title="the viewer")
+        try:
+            self.url = str(self._process.configure(config)["url"])
+        except BaseException as error:
+            self.close()
+            if isinstance(error, ProcessStartError):
+                raise ViewerError(f"the viewer: {error}") from error
+            raise
+        if announce:
+            print(f"Viewer: {self.url}", flush=True)
+        if open:
+            webbrowser.open(self.url)
+
+    @property
+    def alive(self) -> bool:
+        """Whether the viewer's process runs."""
+        return self._process.alive
+
+    @property
+    def pid(self) -> int:
+        """Process id of the viewer's process."""
+        return self._process.pid
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """None beside the library's own; see `wbc.runtime.protocols.StreamObserver`."""
+        return ()
+
+    def attach(self, stream: TickStream) -> None:
+        """Read from a stream from now on; see `wbc.runtime.protocols.StreamObserver`.
+
+        Raises:
+            ViewerError: it is the stream of a robot with another number of joints.
+        """
+        if stream.robot.nq != self._robot.nq:
+            raise ViewerError(
+                f"the viewer draws '{self._robot.name}', the loop runs '{stream.robot.name}'; "
+                "make the viewer with the plant's robot"
+            )
+        self.stream = stream
+        self._process.send(*stream.link())
+
+    def begin(self, controller: Controller, plant: Plant) -> None:
+        """Do nothing; see `wbc.runtime.protocols.Observer`."""
+
+    def observe(self, tick: Tick) -> None:
+        """Record the tick, if a recording is made. The page gets it from the stream."""
+        if self._recording is not None:
+            self._recording.observe(tick)
+        self._process.warn_if_exited(time.perf_counter())
+
+    def end(self, report: Report) -> None:
+        """Do nothing; see `wbc.runtime.protocols.Observer`."""
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show a snapshot, outside a loop. Never waits; whatever happens to the viewer, returns.
+
+        Raises:
+            StateError: `snapshot.q` has the wrong size.
+            ViewerError: another part of it has the wrong shape.
+        """
+        robot = self._robot
+        if np.shape(snapshot.q) != (robot.nq,):
+            raise StateError(
+                f"snapshot.q has shape {np.shape(snapshot.q)}, the model needs ({robot.nq},)"
+            )
+        if self.stream is None:
+            self.attach(TickStream(robot, capacity=8))
+        assert self.stream is not None
+        try:
+            snapshot.write(self.stream)
+        except SchemaError as error:
+            raise ViewerError(
+                f"the snapshot at {snapshot.time} s cannot be shown: {error}"
+            ) from error
+        if self._recording is not None:
+            self._recording.show(snapshot)
+        self._process.warn_if_exited(time.perf_counter())
+
+    def close(self) -> None:
+        """End the viewer's process, and write the recording if there is one."""
+        self._process.close()
+        recording, self._recording = self._recording, None
+        if recording is not None and self._record is not None and len(recording):
+            recording.save(self._record)
