@@ -1,11 +1,12 @@
 """How many times faster than real time a closed loop runs on one core, and where the time goes.
 
 A robot walks in MuJoCo: physics at 1 kHz, noisy sensors, state estimator, walker and controller
-at 500 Hz, nobody looking on. The factor of real time is simulated time over the CPU time of the
-whole process during `wbc.run`. Then it walks once more with a stopwatch around each part of a
-control period, and the torques of that walk are given to MuJoCo alone, for comparison. All rounds
-are the same walk: of each period, and of the CPU times, the smallest counts, since other work on
-the machine only ever adds.
+at 500 Hz, without observers. The factor of real time is simulated time over the CPU time of the
+whole process during `wbc.run`. A second walk has a stopwatch around each part of a control period,
+and its torques are then given to MuJoCo alone, for comparison. From measurement to command is what
+estimator and walker take together, the controller included; its ratio to the controller alone is
+the price of everything around the quadratic program. All rounds are the same walk: of each period,
+and of the CPU times, the smallest counts, since other work on the machine only ever adds.
 
     python benchmarks/closed_loop.py
     python benchmarks/closed_loop.py --robot talos --rounds 5 --json out/closed_loop.json
@@ -36,8 +37,10 @@ from wbc.sim import Mujoco
 SPEEDS = {"talos": 0.3, "g1": 0.25, "simple_humanoid": 0.3}
 SETTLE = 0.5  # s of standing before the first step
 
-#: What a control period consists of; the rest is the loop with its book.
-STAGES = ("plant", "estimator", "gait and balance", "controller", "book and loop")
+#: What a control period consists of; the last is what `wbc.run` itself takes, statistics included.
+STAGES = ("plant", "estimator", "gait and balance", "controller", "loop")
+#: Sums of stages, and a comparison.
+TOTALS = ("measurement to command", "period", "mj_step alone")
 _PARTS = ("plant", "estimator", "walker", "controller", "period")
 
 
@@ -54,7 +57,7 @@ class Stopwatch:
         self._spent = dict.fromkeys(_PARTS, 0.0)
 
     def around(self, method: Callable[..., Any], part: str) -> Callable[..., Any]:
-        """The same method, timed."""
+        """Return the same method, timed."""
         spent, clock = self._spent, time.perf_counter
 
         def timed(*args: Any, **options: Any) -> Any:
@@ -67,13 +70,13 @@ class Stopwatch:
         return timed
 
     def stop(self) -> None:
-        """A control period is over."""
+        """End a control period."""
         if self._begun is not None:
             self._spent["period"] = time.perf_counter() - self._begun
             self.periods.append(list(self._spent.values()))
 
     def start(self) -> None:
-        """A control period begins."""
+        """Begin a control period."""
         for part in _PARTS:
             self._spent[part] = 0.0
         self._begun = time.perf_counter()
@@ -145,9 +148,8 @@ def stage_times(robot: wbc.Robot, speed: float, duration: float) -> dict[str, np
     parts = dict(zip(_PARTS, 1e6 * np.array(watch.periods).T, strict=True))
     stages = {name: parts[name] for name in ("plant", "estimator", "controller")}
     stages["gait and balance"] = parts["walker"] - parts["controller"]
-    stages["book and loop"] = (
-        parts["period"] - parts["plant"] - parts["estimator"] - parts["walker"]
-    )
+    stages["loop"] = parts["period"] - parts["plant"] - parts["estimator"] - parts["walker"]
+    stages["measurement to command"] = parts["estimator"] + parts["walker"]
     stages["period"] = parts["period"]
     stages["mj_step alone"] = bare_physics(robot, torques[1:])
     return stages
@@ -169,15 +171,16 @@ def bare_physics(robot: wbc.Robot, torques: list[np.ndarray]) -> np.ndarray:
 def measure(name: str, duration: float, rounds: int) -> dict[str, float]:
     """Per stage median and mean over the periods, and the factor of real time."""
     robot = wbc.load(name)
-    cpu_time(robot, 0.0, 0.1)  # whatever is compiled or read on first use
+    cpu_time(robot, 0.0, 0.1)  # compiles or reads what is needed on first use
     costs, runs = [], []
     for _ in range(rounds):
         costs.append(cpu_time(robot, SPEEDS[name], duration))
         runs.append(stage_times(robot, SPEEDS[name], duration))
     row: dict[str, float] = {}
-    for stage in (*STAGES, "period", "mj_step alone"):
+    for stage in (*STAGES, *TOTALS):
         key, times = stage.replace(" ", "_"), np.min([run[stage] for run in runs], axis=0)
         row[f"{key}_p50_us"], row[f"{key}_mean_us"] = float(np.median(times)), float(times.mean())
+    row["command_over_controller"] = row["measurement_to_command_p50_us"] / row["controller_p50_us"]
     row["real_time_factor"] = 1.0 / min(costs)
     row["real_time_factor_worst"] = 1.0 / max(costs)
     return row
@@ -191,16 +194,18 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5, help="(default: %(default)s)")
     parser.add_argument("--json", type=Path, help="write the table there")
     args = parser.parse_args()
-    columns = (*STAGES, "period", "mj_step alone")
-    print("µs per control period of 2 ms, median / mean; × real time by CPU time")
-    print(f"| robot | {' | '.join(columns)} | × real time |")
-    print(f"| --- |{' --- |' * (len(columns) + 1)}")
+    columns = (*STAGES, *TOTALS)
+    print("µs per control period of 2 ms, median / mean; × controller: measurement to command over")
+    print("the controller alone, of medians; × real time by CPU time")
+    print(f"| robot | {' | '.join(columns)} | × controller | × real time |")
+    print(f"| --- |{' --- |' * (len(columns) + 2)}")
     table = {}
     for name in args.robot or SPEEDS:
         row = table[name] = measure(name, args.duration, args.rounds)
         keys = [column.replace(" ", "_") for column in columns]
         cells = [f"{row[f'{k}_p50_us']:.0f} / {row[f'{k}_mean_us']:.0f}" for k in keys]
-        print(f"| {name} | {' | '.join(cells)} | {row['real_time_factor']:.1f} |", flush=True)
+        cells += [f"{row['command_over_controller']:.2f}", f"{row['real_time_factor']:.1f}"]
+        print(f"| {name} | {' | '.join(cells)} |", flush=True)
     if args.json:
         args.json.parent.mkdir(parents=True, exist_ok=True)
         args.json.write_text(json.dumps(table, indent=2) + "\n", encoding="utf-8")
