@@ -16,7 +16,7 @@ class Jump(Motion):
     """Crouch, push off, fly, land, and stand again.
 
     The height is planned from the robot's limits of torque, joint velocity and joint position;
-    a robot that they do not let up is refused, with the bound and the joint that sets it.
+    a robot whose limits do not allow it is refused, with the bound and the joint that sets it.
     """
 
     name: ClassVar[str] = "jump"
@@ -26,10 +26,10 @@ class Jump(Motion):
 
     @once_per_robot
     def plan(self, robot: Robot) -> JumpPlan:
-        """The jump of a robot; found once, in about a second.
+        """Return the plan for a robot; the first call takes about a second.
 
         Raises:
-            JumpTooHigh: it is beyond the robot's limits; with the bound.
+            JumpTooHigh: the jump is beyond the robot's limits; with the bound.
             MotionError: the clearance is not positive, or the legs cannot jump at all.
         """
         return plan_jump(robot, self.clearance)
@@ -42,10 +42,9 @@ class Jump(Motion):
     def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
         plan = self.plan(context.robot)
-        controller = JumpController(
-            context.robot, plan, context.dt, solver=context.walker.controller.solver
-        )
-        yield  # making it takes a tick, and so does its first step
+        solver = context.walker.controller.solver
+        controller = JumpController(context.robot, plan, context.dt, solver=solver)
+        yield  # making the controller takes a tick, and so does its first step
         yield from context.until(lambda: context.standing)
         yield from context.feet.until_settled()
         assert context.state is not None

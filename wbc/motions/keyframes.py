@@ -1,4 +1,4 @@
-"""Keyframes: a motion from a file of postures and places over time."""
+"""Keyframes: a motion from a file of postures and positions over time."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ _BLEND = 0.3  # s
 
 @dataclass(frozen=True)
 class Keyframes(Motion):
-    """Postures and places from a CSV or YAML file, smoothed, checked, tracked in balance.
+    """Play postures and positions from a CSV or YAML file, smoothed, checked, tracked in balance.
 
     Between keyframes run cubic splines, twice continuously differentiable, from standing at 0 s
     to rest at the last keyframe. Positions, velocities, torques and the ZMP are checked along
-    the whole way before it starts.
+    the whole motion before it starts.
     """
 
     name: ClassVar[str] = "keyframes"
-    summary: ClassVar[str] = "postures and places of the hands from a CSV or YAML file"
+    summary: ClassVar[str] = "play postures and positions of the hands from a CSV or YAML file"
 
-    file: str = parameter("", "path of the .csv, .yaml or .yml")
-    hold: float = parameter(0.5, "at the last keyframe, s")
+    file: str = parameter("", "path of the .csv, .yaml or .yml file")
+    hold: float = parameter(0.5, "pause at the last keyframe, s")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""

@@ -1,4 +1,4 @@
-"""Look: the head, or the trunk where there is no head, follows a point."""
+"""Look: the head, or the trunk of a robot without a head, follows a point."""
 
 from __future__ import annotations
 
@@ -15,18 +15,19 @@ from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_r
 from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
 
-_AHEAD = 1.5  # m: where the point is by default, at the height of the eyes
+_AHEAD = 1.5  # m: default distance of the point, at the height of the eyes
 _ALONG = 0.7  # cosine from which on a joint's axis counts as pitch or yaw
-_PLAY = 0.85  # share of a joint's range that may be used
-_HIPS_PITCH = 0.35  # rad of bow that the trunk gives at most
+_RANGE = 0.85  # share of a joint's range that may be used
+_TRUNK_PITCH = 0.35  # rad that the trunk contributes at most
 _HIPS_YAW = 0.15  # rad that the hips add to the waist's yaw
+_SETTLING = 1.5  # s at the start that do not count in the gaze error
 
 
 @dataclass(frozen=True)
 class Look(Motion):
-    """The gaze follows a point, which may go round in an ellipse that faces the robot.
+    """Follow a point with the gaze; the point moves on an ellipse that faces the robot.
 
-    The neck turns as far as its joints go, the trunk does the rest; a robot without a head
+    The neck turns as far as its joints allow, the trunk does the rest; a robot without a head
     looks with its chest.
     """
 
@@ -34,11 +35,11 @@ class Look(Motion):
     summary: ClassVar[str] = "follow a point with head or trunk"
 
     point: tuple[float, ...] | None = parameter(
-        None, "middle of the ellipse, standing frame, m (default: ahead)", names=("X", "Y", "Z")
+        None, "centre of the ellipse, standing frame, m (default: ahead)", names=("X", "Y", "Z")
     )
-    radius: float = parameter(0.4, "of the ellipse: to the sides, half of it up and down, m")
+    radius: float = parameter(0.4, "of the ellipse: sideways; half of it up and down, m")
     frequency: float = parameter(0.2, "rounds per second, Hz")
-    seconds: float = parameter(6.0, "s")
+    seconds: float = parameter(6.0, "duration, s")
 
     @property
     def while_walking(self) -> bool:
@@ -54,9 +55,9 @@ class Look(Motion):
         for k in range(24):
             yaw, pitch = gaze.angles(self._point(gaze, k / 24.0 / self.frequency))
             for what, angle, limit in (
-                ("to the side", yaw, gaze.most_yaw),
-                ("up", -pitch, gaze.most_up),
-                ("down", pitch, gaze.most_down),
+                ("to the side", yaw, gaze.max_yaw),
+                ("up", -pitch, gaze.max_up),
+                ("down", pitch, gaze.max_down),
             ):
                 angle = abs(angle) if what == "to the side" else angle
                 if angle > limit:
@@ -70,7 +71,7 @@ class Look(Motion):
         return GazeAllocation(robot)
 
     def _point(self, gaze: GazeAllocation, time: float) -> np.ndarray:
-        """(3,) place of the point, standing frame, m."""
+        """Return the position of the point at a time, standing frame, (3,) m."""
         middle = (
             gaze.eye + np.array([_AHEAD, 0.0, 0.0]) if self.point is None else np.array(self.point)
         )
@@ -95,7 +96,7 @@ class Look(Motion):
         squares, ticks, start = 0.0, 0, context.time
         while context.time < end:
             yield
-            if context.time - start > 1.5:
+            if context.time - start > _SETTLING:
                 error = gaze.error(context, self._point(gaze, context.time - start))
                 squares, ticks = squares + error * error, ticks + 1
         context.note(f"gaze off by {math.degrees(math.sqrt(squares / max(ticks, 1))):.1f}° rms")
@@ -103,18 +104,18 @@ class Look(Motion):
 
 
 class GazeAllocation:
-    """Shares the angles of a gaze between the joints of the neck and the trunk.
+    """Distributes the angles of a gaze over the joints of the neck and the trunk.
 
-    A joint takes `limit · tanh(angle / limit)`, smooth up to its limit; the trunk the rest.
+    A joint takes `limit · tanh(angle / limit)`, smooth up to its limit; the trunk takes the rest.
 
     Args:
         robot: the robot.
 
     Attributes:
-        eye: (3,) where it looks from, standing frame, m.
-        most_yaw: largest angle to either side, rad.
-        most_up: rad.
-        most_down: rad.
+        eye: (3,) position of the eyes, standing frame, m.
+        max_yaw: greatest angle to either side, rad.
+        max_up: greatest angle upwards, rad.
+        max_down: greatest angle downwards, rad.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -130,25 +131,25 @@ class GazeAllocation:
             axis = here.jacobian[3:, 6 + joint]
             sign = float(np.sign(axis[int(np.argmax(np.abs(axis)))]))
             now = robot.q_nominal[7 + joint]
-            ends = sorted(sign * _PLAY * (x[joint] - now) for x in (robot.q_min, robot.q_max))
+            ends = sorted(sign * _RANGE * (x[joint] - now) for x in (robot.q_min, robot.q_max))
             found = (joint, sign, ends[0], ends[1])
             if abs(axis[2]) > _ALONG and self._yaw[0] < 0:
                 self._yaw = found
             elif abs(axis[1]) > _ALONG and self._pitch[0] < 0:
                 self._pitch = found
-        waist = _PLAY * upper_body.waist_range[2]
+        waist = _RANGE * upper_body.waist_range[2]
         trunk_yaw = min(abs(waist[0]), waist[1]) + _HIPS_YAW
-        self.most_yaw = min(abs(self._yaw[2]), self._yaw[3]) + trunk_yaw
-        self.most_down = self._pitch[3] + _HIPS_PITCH
-        self.most_up = -self._pitch[2] + 0.5 * _HIPS_PITCH
+        self.max_yaw = min(abs(self._yaw[2]), self._yaw[3]) + trunk_yaw
+        self.max_down = self._pitch[3] + _TRUNK_PITCH
+        self.max_up = -self._pitch[2] + 0.5 * _TRUNK_PITCH
 
     def angles(self, point: np.ndarray) -> tuple[float, float]:
-        """Yaw to the left and pitch downwards of the way from the eye to a point, rad."""
+        """Return yaw to the left and pitch downwards from the eyes to a point, rad."""
         x, y, z = point - self.eye
         return math.atan2(y, x), -math.atan2(z, math.hypot(x, y))
 
     def joints(self, yaw: float, pitch: float) -> np.ndarray:
-        """(na,) what the neck's joints add to their nominal positions, rad."""
+        """Return the offsets of the neck's joints from their nominal positions, (na,) rad."""
         turn = np.zeros(self._robot.na)
         for angle, (joint, sign, low, high) in ((yaw, self._yaw), (pitch, self._pitch)):
             if joint >= 0:
@@ -156,7 +157,7 @@ class GazeAllocation:
         return turn
 
     def trunk(self, yaw: float, pitch: float) -> np.ndarray:
-        """(3,) rotation vector of the upper trunk that makes up what the neck leaves, rad."""
+        """Return the rotation vector of the upper trunk for what the neck leaves, (3,) rad."""
         left = [
             angle - _soft(angle, low, high)
             for angle, (_, _, low, high) in ((yaw, self._yaw), (pitch, self._pitch))
@@ -164,7 +165,7 @@ class GazeAllocation:
         return np.array([0.0, left[1], left[0]])
 
     def error(self, context: MotionContext, point: np.ndarray) -> float:
-        """Angle between the gaze and the way to a point, as estimated, rad."""
+        """Return the estimated angle between the gaze and the direction of a point, rad."""
         at = context.walker.kinematics.frame(self._frame)
         frame = context.walker.standing_frame
         way = frame.act(point) - at.translation

@@ -1,4 +1,4 @@
-"""One leg: stand on one foot, bear a light push, stand on both again."""
+"""One leg: stand on one foot, withstand a light push, stand on both again."""
 
 from __future__ import annotations
 
@@ -15,19 +15,21 @@ from wbc.motions.engine.motion import Motion, Script, check_positive, parameter
 from wbc.robot import Robot
 from wbc.robot.upper_body import SIDES, Side
 
+_MAX_HEIGHT = 30.0  # % of the leg
+
 
 @dataclass(frozen=True)
 class OneLeg(Motion):
     """Stand on one leg: shift the weight, lift the other foot, hold, put it down.
 
-    In mid-hold a simulated robot gets a push on the torso.
+    In the middle of the hold a simulated robot gets a push on the torso.
     """
 
     name: ClassVar[str] = "one-leg"
     summary: ClassVar[str] = "stand on one leg, be pushed lightly, stand on both again"
 
     leg: str = parameter("both", "that carries", choices=("left", "right", "both"))
-    hold: float = parameter(5.0, "how long, s")
+    hold: float = parameter(5.0, "time on one leg, s")
     height: float = parameter(8.0, "of the lifted sole, % of the leg's length")
     impulse: float = parameter(0.05, "of the push in mid-hold, in simulation, N·s per kg")
     towards: float = parameter(90.0, "direction of the push: 0 forward, 90 left, °")
@@ -35,17 +37,19 @@ class OneLeg(Motion):
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
         check_positive(self, "hold", "height")
-        if self.height > 30.0:
-            raise MotionError(f"one-leg: height = {self.height} % is beyond 30 % of the leg")
+        if self.height > _MAX_HEIGHT:
+            raise MotionError(
+                f"one-leg: height = {self.height} % is beyond {_MAX_HEIGHT:g} % of the leg"
+            )
 
     def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
-        carrying: Sequence[Side] = SIDES if self.leg == "both" else (self._side(),)
+        support_sides: Sequence[Side] = SIDES if self.leg == "both" else (self._side(),)
         angle = math.radians(self.towards)
         push = self.impulse * np.array([math.cos(angle), math.sin(angle), 0.0])
-        for leg in carrying:
-            up: Side = "right" if leg == "left" else "left"
-            yield from context.feet.lift(up, 0.01 * self.height * context.robot.leg_length)
+        for support in support_sides:
+            lifted: Side = "right" if support == "left" else "left"
+            yield from context.feet.lift(lifted, 0.01 * self.height * context.robot.leg_length)
             yield from context.wait(0.5 * self.hold)
             context.request_push(push)
             yield from context.wait(0.5 * self.hold)

@@ -1,4 +1,4 @@
-"""Sine: fifteen joints on sines of time, the first pattern of many a tutorial."""
+"""Sine: fifteen joints on sines of time, the first pattern of many tutorials."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
 from wbc.telemetry import ContactPlan, Telemetry
 
-_LEAD_IN = 1.0  # s from standing into the pattern; likewise back, and at rest there
+_LEAD_IN = 1.0  # s from standing to the pattern; likewise back, and at rest there
 _STIFFNESS = 20.0  # torque limits per rad
 _DAMPING = 0.6  # torque limits per rad/s
 _ACCELERATION = 10.0  # rad/s², on the way back
-_FADE = 0.3  # s in which the torques of standing give way
+_FADE = 0.3  # s in which the torques of standing decay
 _ROUNDING = 0.05
 _ALONG = 0.6  # cosine from which on a joint turns about an axis
 _X, _Y, _Z = 0, 1, 2
@@ -34,14 +34,15 @@ Joints = dict[str, tuple[int, float]]
 
 
 def pattern(time: float, rounding: float = 0.0) -> dict[str, float]:
-    """Joint positions of the pattern at a time, rad.
+    """Return the joint positions of the pattern at a time, rad.
 
     The legs swing in opposite phase at 1 rad/s, the knees bend only forward, the trunk turns
     at twice the rate, the arms swing against the legs.
 
     Args:
         time: s.
-        rounding: ε of max(0, x) ≈ (x + √(x² + ε²)) / 2, for who needs the knees' accelerations.
+        rounding: ε of max(0, x) ≈ (x + √(x² + ε²)) / 2, which makes the knees' accelerations
+            finite.
     """
 
     def bend(phase: float) -> float:
@@ -69,18 +70,18 @@ def pattern(time: float, rounding: float = 0.0) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Sine(Motion):
-    """The pattern as joint positions: open loop, or as a posture under balance.
+    """Track the pattern as joint positions: open loop, or as a posture with balance.
 
-    Open loop, springs and dampers at the joints track it, and nothing looks after balance: a
-    robot may fall, and the report says when. Balanced, the walker's controller keeps CoM, trunk
-    and feet, and the joints follow as far as that lets them.
+    Open loop, a PD controller at the joints tracks it, and nothing balances: a robot may fall,
+    and the report says when. Balanced, the walker's controller keeps CoM, trunk and feet, and
+    the joints follow as far as that allows.
     """
 
     name: ClassVar[str] = "sine"
     summary: ClassVar[str] = "fifteen joints on sines of time, open loop or balanced"
 
     balanced: bool = parameter(False, "keep the balance; without it the robot may fall")
-    seconds: float = parameter(4.0 * math.pi, "of the pattern, whose period is 6.28 s; s")
+    seconds: float = parameter(4.0 * math.pi, "duration of the pattern, whose period is 6.28 s, s")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
@@ -131,11 +132,11 @@ class Sine(Motion):
 
 
 class JointPdController:
-    """Springs and dampers at the joints: a override that knows nothing of balance.
+    """PD control of the joints, without balance; a `ControllerOverride`.
 
     Args:
-        context: whose joints these are; they set out from where they are.
-        posture: time, s -> (na,) rad; from 0 on after a lead-in of 1 s, exactly.
+        context: of the robot, whose joints start from where they are.
+        posture: time, s -> (na,) rad; after a lead-in of 1 s it is followed exactly.
     """
 
     dcm_error = math.nan  #: no DCM is planned
@@ -155,7 +156,7 @@ class JointPdController:
         self._fading: np.ndarray | None = None  # what the torques of standing had more
 
     def step(self, estimate: Estimate) -> Command:
-        """One tick."""
+        """Compute the command of one tick."""
         reference, state = self._reference, estimate.state
         reference.advance(self._dt)
         q, v = reference.value, reference.velocity
@@ -170,19 +171,19 @@ class JointPdController:
         return Command(tau, np.zeros(self._robot.nv), {}, q, v)
 
     def abandon(self) -> None:
-        """Go back to the posture of standing."""
+        """Return to the posture of standing."""
         if self._rest is None:
             self._rest = 0.0
             self._reference.move_to(self._home, _LEAD_IN)
 
     @property
     def done(self) -> bool:
-        """It is there, and at rest."""
+        """Whether the joints are back, and at rest."""
         return self._rest is not None and self._rest >= _LEAD_IN
 
     @property
     def telemetry(self) -> Telemetry:
-        """Unknown: joint springs know nothing of balance."""
+        """Unknown: this controller does not balance."""
         return Telemetry()
 
     @property
@@ -192,7 +193,7 @@ class JointPdController:
 
 
 def match_joints(robot: Robot) -> tuple[Joints, tuple[str, ...]]:
-    """The pattern's joints on a robot: name -> (index into (na,), sign); and names that it lacks.
+    """Return the robot's joints for the pattern: name -> (index into (na,), sign); missing names.
 
     A joint of that very name counts; else the one that does the same: the waist's that turns
     about the vertical, a leg's before, at and after the knee, an arm's before and at the elbow.

@@ -10,81 +10,79 @@ import numpy as np
 
 from wbc.errors import MotionError
 from wbc.ik.objective import PostureObjective, PostureSolution
-from wbc.ik.posture_checks import holding_effort, pelvis_violation
+from wbc.ik.posture_checks import MAX_TORQUE_SHARE, holding_effort, pelvis_violation
 from wbc.ik.posture_ik import PostureIK
 from wbc.motions.engine.context import MotionContext
 from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_robot, parameter
 from wbc.robot import Robot
 
-_GRAVITY = 9.81
-_STRENGTH = 0.85  # share of a joint's torque that a squat may take, by statics
-_MISS = 1e-3  # m
-_DEPTHS = 7  # postures along the way
+_MAX_COM_ERROR = 1e-3  # m
+_SAMPLES = 7  # postures along the way down
 _DEGREE = 4  # of the polynomial through them
 
 
 @dataclass(frozen=True)
 class Squat(Motion):
-    """Down and up in a cosine; never higher than standing, so that no knee locks."""
+    """Move down and up in a cosine; never higher than standing, so that no knee locks."""
 
     name: ClassVar[str] = "squat"
     summary: ClassVar[str] = "go down by a share of the leg's length, and up"
 
     depth: float = parameter(10.0, "of the CoM's way down, % of the leg's length")
     frequency: float = parameter(0.5, "squats per second, Hz")
-    times: int = parameter(4, "how many")
+    times: int = parameter(4, "number of squats")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
         check_positive(self, "depth", "frequency", "times")
         ik = PostureIK(robot)
-        self._bends(robot)
-        why = self._hindrance(ik, self._pose(ik, robot, self.depth), self.depth)
+        self._joint_polynomials(robot)
+        why = self._obstacle(ik, self.depth)
         if not why:
             return
         low, high = 0.0, self.depth
         while high - low > 0.1:
             middle = 0.5 * (low + high)
-            pose = self._pose(ik, robot, middle)
-            low, high = (low, middle) if self._hindrance(ik, pose, middle) else (middle, high)
+            low, high = (low, middle) if self._obstacle(ik, middle) else (middle, high)
         raise MotionError(
             f"squat: {robot.name} cannot go down by {self.depth:g} % of its leg: {why}; "
             f"{max(low, 0.1):.1f} % is the most"
         )
 
     @once_per_robot
-    def _bends(self, robot: Robot) -> np.ndarray:
-        """(k, na) polynomial, highest power first: what the joints add at a share of the depth."""
+    def _joint_polynomials(self, robot: Robot) -> np.ndarray:
+        """Return (k, na) coefficients, highest power first, of the joints' way over the depth."""
         ik = PostureIK(robot)
-        shares = np.linspace(0.0, 1.0, _DEPTHS)
-        poses = [self._pose(ik, robot, self.depth * share).q[7:] for share in shares]
-        return np.asarray(np.polyfit(shares, np.array(poses) - poses[0], _DEGREE))
+        shares = np.linspace(0.0, 1.0, _SAMPLES)
+        postures = [self._posture(ik, self.depth * share).q[7:] for share in shares]
+        return np.asarray(np.polyfit(shares, np.array(postures) - postures[0], _DEGREE))
 
-    def _pose(self, ik: PostureIK, robot: Robot, depth: float) -> PostureSolution:
-        down = np.array([0.0, 0.0, -0.01 * depth * robot.leg_length])
+    def _posture(self, ik: PostureIK, depth: float) -> PostureSolution:
+        down = np.array([0.0, 0.0, -0.01 * depth * ik.robot.leg_length])
         return ik.solve(PostureObjective(com=down, strict_trunk=True, strict_com=True))
 
-    def _hindrance(self, ik: PostureIK, pose: PostureSolution, depth: float) -> str:
-        """What keeps the robot from going so deep; empty when nothing does."""
-        robot = ik.robot
-        if pose.com_error > _MISS:
-            return ik.limiting_joints(pose)
-        if low := pelvis_violation(robot, pose.q):
-            return low
-        lowest = holding_effort(robot, pose.q)
+    def _obstacle(self, ik: PostureIK, depth: float) -> str:
+        """Return what keeps the robot from a depth (%); empty if nothing does."""
+        robot, posture = ik.robot, self._posture(ik, depth)
+        if posture.com_error > _MAX_COM_ERROR:
+            return ik.limiting_joints(posture)
+        if violation := pelvis_violation(robot, posture.q):
+            return violation
+        effort = holding_effort(robot, posture.q)
+        # At the bottom the weight and the upward acceleration add up.
         amplitude = 0.005 * depth * robot.leg_length
-        swing = 1.0 + amplitude * (2.0 * math.pi * self.frequency) ** 2 / _GRAVITY
-        if lowest.ratio * swing > _STRENGTH:
+        load = 1.0 + amplitude * (2.0 * math.pi * self.frequency) ** 2 / robot.gravity
+        if effort.ratio * load > MAX_TORQUE_SHARE:
             return (
-                f"'{lowest.joint}' would need {100.0 * lowest.ratio * swing:.0f} % of its torque "
-                f"(at most {100.0 * _STRENGTH:.0f} %)"
+                f"'{effort.joint}' would need {100.0 * effort.ratio * load:.0f} % of its torque "
+                f"(at most {100.0 * MAX_TORQUE_SHARE:.0f} %)"
             )
         return ""
 
     def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
         depth = 0.01 * self.depth * context.robot.leg_length
-        fit = self._bends(context.robot)
+        coefficients = self._joint_polynomials(context.robot)
         home = context.posture.home
 
         def share(time: float) -> float:
@@ -92,10 +90,10 @@ class Squat(Motion):
 
         def joints(time: float) -> np.ndarray:
             s = share(time)
-            bent = fit[0]
-            for coefficient in fit[1:]:
-                bent = bent * s + coefficient
-            return np.asarray(home + bent)
+            offset = coefficients[0]
+            for coefficient in coefficients[1:]:
+                offset = offset * s + coefficient
+            return np.asarray(home + offset)
 
         context.com.follow(lambda t: np.array([0.0, 0.0, -depth * share(t)]))
         context.posture.follow(joints)

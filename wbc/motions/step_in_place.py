@@ -1,4 +1,4 @@
-"""Step in place."""
+"""Step in place: steps on the spot."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from wbc.robot import Robot
 
 @dataclass(frozen=True)
 class StepInPlace(Motion):
-    """Left, right, left, right, where it stands."""
+    """Step with the left and the right foot in turn, onto the places where they stand."""
 
     name: ClassVar[str] = "step-in-place"
     summary: ClassVar[str] = "step on the spot"
 
-    steps: int = parameter(6, "how many")
+    steps: int = parameter(6, "number of steps")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""

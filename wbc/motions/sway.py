@@ -19,15 +19,15 @@ _SUPPORT = 0.86  # share of the support that the motion may use
 
 @dataclass(frozen=True)
 class Sway(Motion):
-    """The CoM on a circle or a figure of eight over standing feet."""
+    """Move the CoM on a circle or a figure of eight over standing feet."""
 
     name: ClassVar[str] = "sway"
     summary: ClassVar[str] = "move the centre of mass on a circle or a figure of eight"
 
     size: float = parameter(0.04, "radius of the circle, half the length of the eight, m")
     frequency: float = parameter(0.5, "rounds per second, Hz")
-    shape: str = parameter("circle", "of the way", choices=("circle", "eight"))
-    rounds: float = parameter(4.0, "how many")
+    shape: str = parameter("circle", "of the path", choices=("circle", "eight"))
+    rounds: float = parameter(4.0, "number of rounds")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""
@@ -44,22 +44,22 @@ class Sway(Motion):
             )
 
     def _zmp(self, robot: Robot, angle: float) -> np.ndarray:
-        """(2,) where the ZMP goes, c − c̈ / ω², from the middle of the soles, m."""
+        """Return the ZMP c − c̈ / ω², from the middle of the soles, (2,) m."""
         rate = 2.0 * math.pi * self.frequency
-        swing = rate * rate * robot.com_height / 9.81
-        c = self.place(angle / rate)[:2]
-        doubled = np.array([1.0, 1.0 if self.shape == "circle" else 4.0])
-        return np.asarray(c * (1.0 + swing * doubled))
+        ratio = rate * rate * robot.com_height / robot.gravity
+        c = self.com_offset(angle / rate)[:2]
+        harmonic = np.array([1.0, 1.0 if self.shape == "circle" else 4.0])
+        return np.asarray(c * (1.0 + ratio * harmonic))
 
     def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
-        context.com.follow(self.place, blend=1.0 / self.frequency)
+        context.com.follow(self.com_offset, blend=1.0 / self.frequency)
         yield from context.wait(self.rounds / self.frequency)
         context.com.move_to(0.0, 1.0)
         yield from context.until_arrived(context.com)
 
-    def place(self, time: float) -> np.ndarray:
-        """(3,) offset of the CoM at a time, m."""
+    def com_offset(self, time: float) -> np.ndarray:
+        """Return the offset of the CoM at a time, s; (3,) m."""
         angle = 2.0 * math.pi * self.frequency * time
         if self.shape == "circle":
             return self.size * np.array([math.sin(angle), math.cos(angle), 0.0])
