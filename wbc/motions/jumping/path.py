@@ -50,6 +50,10 @@ class JumpPath:
     pitch: np.ndarray
     force: np.ndarray
 
+    def __repr__(self) -> str:
+        low, high = self.height[[0, -1]].tolist()
+        return f"JumpPath({self.robot.name}, CoM from {low:.3f} to {high:.3f} m)"
+
     @property
     def top(self) -> float:
         """Greatest height of the CoM above the soles, m."""

@@ -69,6 +69,13 @@ class JumpPlan:
     speed_share: float
     speed_joint: str
 
+    def __repr__(self) -> str:
+        return (
+            f"JumpPlan({self.path.robot.name}, clearance {1e3 * self.clearance:.0f} mm, take-off at "
+            f"{self.speed:.2f} m/s, {100.0 * self.torque_share:.0f} % of the torque of "
+            f"'{self.torque_joint}')"
+        )
+
     @property
     def take_off(self) -> float:
         """Height of the CoM above the soles at take-off, m."""

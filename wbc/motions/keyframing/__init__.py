@@ -1,4 +1,4 @@
-"""Keyframes: postures and places over time, from files."""
+"""Keyframes: postures and positions over time, from files, and their plans."""
 
 from wbc.motions.keyframing.keyframe import FilePosition, FileValue, Keyframe, KeyframeError
 from wbc.motions.keyframing.reading import read_keyframes

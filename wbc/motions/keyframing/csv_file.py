@@ -1,7 +1,7 @@
 """Keyframes in CSV.
 
-A head line, then a line per keyframe; an empty cell leaves that column out of a keyframe; lines
-that begin with # are comments. Commas part the cells, which may be in double quotes. Every
+A header line, then a line per keyframe; an empty cell leaves that column out of a keyframe; lines
+that begin with # are comments. Commas separate the cells, which may be in double quotes. Every
 column states its unit.
 
     time [s], left_elbow [deg], left_hand.x [m], left_hand.y [m], left_hand.z [m], com.z [cm]
@@ -30,7 +30,7 @@ _AXES = "xyz"
 
 @dataclass(frozen=True, slots=True)
 class _Column:
-    """What a column of a CSV file is: time, a joint, or one axis of a place."""
+    """A column of a CSV file: time, a joint, or one axis of a position."""
 
     name: str
     axis: str
@@ -40,7 +40,7 @@ class _Column:
 
 
 def from_csv(text: str, source: str) -> list[Keyframe]:
-    """The keyframes of a CSV text.
+    """Return the keyframes of a CSV text.
 
     Raises:
         KeyframeError: with line and column.
@@ -52,14 +52,14 @@ def from_csv(text: str, source: str) -> list[Keyframe]:
     ]
     if len(lines) < 2:
         raise KeyframeError(
-            source, FilePosition(1, 1), "a head line and at least one keyframe are needed"
+            source, FilePosition(1, 1), "a header line and at least one keyframe are needed"
         )
     head = _cells(*lines[0])
     if (first := _HEAD.match(head[0][0])) is None or first["name"].strip() != "time":
         raise KeyframeError(
             source,
             head[0][1],
-            f"the first column must be  time [s],  parted from the next by a comma; it is "
+            f"the first column must be  time [s],  separated from the next by a comma; it is "
             f"'{head[0][0]}'",
         )
     columns = [_column(cell, where, source) for cell, where in head]
@@ -103,7 +103,7 @@ def _check_columns(columns: list[_Column], source: str) -> None:
     for column in columns:
         key = (column.name, column.axis)
         if key in seen:
-            raise KeyframeError(source, column.where, "this column is there already")
+            raise KeyframeError(source, column.where, "this column exists already")
         seen[key] = column
     for column in columns:
         missing = [a for a in _AXES if column.axis and (column.name, a) not in seen]
@@ -117,7 +117,7 @@ def _row(k: int, line: str, columns: list[_Column], source: str) -> Keyframe:
     cells = _cells(k, line)
     if len(cells) != len(columns):
         at = cells[len(columns)][1] if len(cells) > len(columns) else FilePosition(k, len(line) + 1)
-        raise KeyframeError(source, at, f"{len(cells)} cells where the head has {len(columns)}")
+        raise KeyframeError(source, at, f"{len(cells)} cells where the header has {len(columns)}")
     joints: dict[str, FileValue] = {}
     parts: dict[str, dict[str, FileValue]] = {}
     time: FileValue | None = None

@@ -1,4 +1,4 @@
-"""What keyframe files are about: values with units taken off, and where they are written."""
+"""Keyframes: values in SI units, and where they are written in their file."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ UNITS: dict[str, dict[str, float]] = {
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
 }
 
-#: The name under which the CoM's offset from standing has a place.
+#: Name of the CoM's offset from standing among the positions.
 COM = "com"
 
 
 class KeyframeError(MotionError):
-    """A keyframe file cannot be used; the text begins with file, line and column."""
+    """A keyframe file cannot be used; the message begins with file, line and column."""
 
     def __init__(self, source: str, where: FilePosition, text: str) -> None:
         super().__init__(f"{source}:{where.line}:{where.column}: {text}")
@@ -27,7 +27,12 @@ class KeyframeError(MotionError):
 
 @dataclass(frozen=True, slots=True)
 class FilePosition:
-    """A place in a file; both count from 1."""
+    """A position in a file; both count from 1.
+
+    Attributes:
+        line: line number.
+        column: column number.
+    """
 
     line: int
     column: int
@@ -35,7 +40,13 @@ class FilePosition:
 
 @dataclass(frozen=True, slots=True)
 class FileValue:
-    """A number of a file in SI units, its quantity (see `UNITS`), and where it is written."""
+    """A number from a file.
+
+    Attributes:
+        number: in SI units.
+        quantity: a key of `UNITS`.
+        where: its position in the file.
+    """
 
     number: float
     quantity: str
@@ -44,11 +55,11 @@ class FileValue:
 
 @dataclass(frozen=True)
 class Keyframe:
-    """What is wanted at one time.
+    """Targets at one time.
 
     Attributes:
         time: s.
-        joints: joint name -> position, rad (m for a sliding joint).
+        joints: joint name -> position, rad (m for a prismatic joint).
         places: frame name, or `com` -> x, y, z, m.
     """
 
@@ -58,13 +69,13 @@ class Keyframe:
 
 
 def number(text: str, where: FilePosition, source: str) -> float:
-    """A finite number.
+    """Parse a finite number.
 
     Raises:
-        KeyframeError: it is none.
+        KeyframeError: the text is none.
     """
     try:
-        value = float(text.replace("_", "?"))  # Python's 1_000 is nobody else's number
+        value = float(text.replace("_", "?"))  # Python alone accepts 1_000
     except ValueError:
         raise KeyframeError(source, where, f"'{text}' is not a number") from None
     if not math.isfinite(value):
@@ -75,13 +86,13 @@ def number(text: str, where: FilePosition, source: str) -> float:
 def scale(
     unit: str, quantities: tuple[str, ...], where: FilePosition, source: str
 ) -> tuple[str, float]:
-    """Quantity and factor of a unit.
+    """Return quantity and factor of a unit.
 
     Raises:
-        KeyframeError: it is no unit of these quantities.
+        KeyframeError: it is not a unit of these quantities.
     """
     for quantity in quantities:
         if unit in UNITS[quantity]:
             return quantity, UNITS[quantity][unit]
     known = ", ".join(name for quantity in quantities for name in UNITS[quantity])
-    raise KeyframeError(source, where, f"unit '{unit}' is none of {known}")
+    raise KeyframeError(source, where, f"unit '{unit}' is not one of {known}")

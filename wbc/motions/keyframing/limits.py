@@ -1,4 +1,4 @@
-"""Whether a plan keeps the robot's limits, before it starts."""
+"""Checks of a keyframe plan against the robot's limits, before it starts."""
 
 from __future__ import annotations
 
@@ -10,20 +10,19 @@ from wbc.motions.keyframing.keyframe import KeyframeError
 from wbc.motions.keyframing.plan import KeyframePlan, KeyframePlanner
 
 _STEP = 0.01  # s
-_EVERY = 10  # of these for the torques
-_STRENGTH = 0.95  # share of a torque limit that may be planned with
-_GRAVITY = 9.81
-_SUPPORT = 0.8  # share of the soles over which the ZMP may be planned
+_EVERY = 10  # steps between two checks of the torques
+_MAX_TORQUE_SHARE = 0.95  # of any torque limit
+_SUPPORT = 0.8  # share of the soles over which the ZMP may move
 
 
 def check_limits(planner: KeyframePlanner, plan: KeyframePlan) -> None:
-    """Positions and velocities of all joints, torques, pelvis and ZMP, along the whole way.
+    """Check positions and velocities of all joints, torques, pelvis and ZMP over the motion.
 
-    Torques are those of the motion on a base that is held, and for the legs those at rest. The
-    ZMP is that of the pendulum, `p = c − c̈ / ω²`.
+    Torques are those of the motion on a fixed base, and for the legs those at rest. The ZMP is
+    that of the linear inverted pendulum, `p = c − c̈ / ω²`.
 
     Raises:
-        KeyframeError: with the line and column that lead there.
+        KeyframeError: with line and column of the value that causes it.
     """
     robot = planner.robot
     half = support_half_size(robot)
@@ -36,12 +35,12 @@ def check_limits(planner: KeyframePlanner, plan: KeyframePlan) -> None:
         _refuse(planner, time, np.abs(v) > robot.v_max, v, -robot.v_max, robot.v_max, "velocity")
         if k % _EVERY == 0:
             _check_torques(planner, time, q, v, a)
-            _check_stoop(planner, time, q)
+            _check_pelvis(planner, time, q)
         _check_zmp(planner, plan, time, half)
 
 
 def _check_keyed(planner: KeyframePlanner) -> None:
-    """The positions as they are written, before those on the way."""
+    """Check the positions as they are written, before those in between."""
     robot = planner.robot
     for frame in planner.frames:
         for name, value in frame.joints.items():
@@ -52,10 +51,11 @@ def _check_keyed(planner: KeyframePlanner) -> None:
             _refuse(planner, frame.time.number, bad, q, robot.q_min, robot.q_max, "position")
 
 
-def _check_stoop(planner: KeyframePlanner, time: float, posture: np.ndarray) -> None:
-    low = pelvis_violation(planner.robot, planner.on_soles(posture))
-    if low:
-        raise KeyframeError(planner.source, planner.cell(0, time).where, f"at {time:.2f} s {low}")
+def _check_pelvis(planner: KeyframePlanner, time: float, posture: np.ndarray) -> None:
+    violation = pelvis_violation(planner.robot, planner.place_on_soles(posture))
+    if violation:
+        where = planner.value_at(0, time).where
+        raise KeyframeError(planner.source, where, f"at {time:.2f} s {violation}")
 
 
 def _refuse(
@@ -73,7 +73,7 @@ def _refuse(
     unit = {"position": "rad", "velocity": "rad/s", "torque": "N·m"}[what]
     raise KeyframeError(
         planner.source,
-        planner.cell(joint, time).where,
+        planner.value_at(joint, time).where,
         f"{what} of '{planner.robot.joint_names[joint]}' at {time:.2f} s would be "
         f"{value[joint]:.3f} {unit}, beyond [{low[joint]:.2f}, {high[joint]:.2f}]",
     )
@@ -85,25 +85,23 @@ def _check_torques(
     robot = planner.robot
     whole = robot.q_nominal.copy()
     whole[7:] = q
-    still = np.zeros(6)
+    zero = np.zeros(6)
     model, data = robot.model, robot.model.createData()
-    torque = pin.rnea(model, data, whole, np.concatenate((still, v)), np.concatenate((still, a)))[
-        6:
-    ]
+    torque = pin.rnea(model, data, whole, np.concatenate((zero, v)), np.concatenate((zero, a)))[6:]
     legs = [j - 6 for leg in robot.legs for j in leg]
     torque[legs] = holding_effort(robot, whole).torque[legs]
-    limit = _STRENGTH * robot.tau_max
+    limit = _MAX_TORQUE_SHARE * robot.tau_max
     _refuse(planner, time, np.abs(torque) > limit, torque, -limit, limit, "torque")
 
 
 def _check_zmp(planner: KeyframePlanner, plan: KeyframePlan, time: float, half: np.ndarray) -> None:
     robot = planner.robot
     c, _, a = plan.com.derivatives(time)
-    zmp = (c - a * robot.com_height / _GRAVITY)[:2]
+    zmp = (c - a * robot.com_height / robot.gravity)[:2]
     if (np.abs(zmp) > _SUPPORT * half).any():
         raise KeyframeError(
             planner.source,
-            planner.cell(0, time).where,
+            planner.value_at(0, time).where,
             f"at {time:.2f} s the CoM would be too far out or too fast to balance: its ZMP "
             f"({zmp[0]:.3f}, {zmp[1]:.3f}) m lies beyond ±({_SUPPORT * half[0]:.3f}, "
             f"{_SUPPORT * half[1]:.3f}) m",

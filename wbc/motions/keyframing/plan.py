@@ -1,4 +1,4 @@
-"""From keyframes to smooth references of the whole body, and what stands in their way."""
+"""The plan of a keyframe motion: smooth references of the whole body."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from wbc.motions.keyframing.spline import Spline
 from wbc.robot import Robot
 from wbc.robot.upper_body import Side
 
-_KNOTS = 0.1  # s between the postures that are found for places
-_MISS = 0.003  # m
+_KNOT_SPACING = 0.1  # s between the postures that are computed for positions
+_MAX_ERROR = 0.003  # m
 #: Posture, CoM, torso and pelvis at one time.
-Row = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+References = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
-_SOLE_MISS, _SOLE_TILT = 0.005, 0.02  # m, rad: how far posture and ground may disagree
+_SOLE_OFFSET, _SOLE_TILT = 0.005, 0.02  # m, rad: tolerances between posture and ground
 
 
 @dataclass(frozen=True)
@@ -30,11 +30,11 @@ class KeyframePlan:
 
     Attributes:
         duration: s.
-        posture: time -> (na,) rad.
+        posture: time -> (na,) joint positions, rad.
         com: time -> (3,) offset of the CoM, m.
-        torso: time -> (3,) rotation vector, rad.
-        pelvis: time -> (3,) rotation vector, rad.
-        places: side -> time -> (3,) place of the hand, m.
+        torso: time -> (3,) rotation vector of the upper trunk, rad.
+        pelvis: time -> (3,) rotation vector of the root link, rad.
+        places: side -> time -> (3,) position of the hand, m.
     """
 
     duration: float
@@ -44,17 +44,21 @@ class KeyframePlan:
     pelvis: Spline
     places: Mapping[Side, Spline]
 
+    def __repr__(self) -> str:
+        hands = "".join(f", {side} hand led" for side in self.places)
+        return f"KeyframePlan({self.duration:g} s, {self.posture.times.size} knots{hands})"
+
 
 class KeyframePlanner:
-    """Turns the keyframes of one file into a plan for one robot.
+    """Plans the keyframes of one file for one robot.
 
     Args:
         robot: the robot.
-        frames: in the order of time.
+        frames: the keyframes in the order of time.
         source: name of the file, for messages.
 
     Raises:
-        KeyframeError: a name that the robot does not have, or names that contradict.
+        KeyframeError: a name that the robot does not have, or names that contradict each other.
     """
 
     def __init__(self, robot: Robot, frames: Sequence[Keyframe], source: str) -> None:
@@ -72,34 +76,34 @@ class KeyframePlanner:
         self.duration = frames[-1].time.number
 
     def plan(self) -> KeyframePlan:
-        """The references.
+        """Return the references.
 
         Raises:
-            KeyframeError: a place out of reach, or a posture that lifts a sole.
+            KeyframeError: a position out of reach, or a posture that lifts a sole.
         """
         times = [0.0]
         for before, after in pairwise([0.0, *(f.time.number for f in self.frames)]):
-            steps = max(1, round((after - before) / _KNOTS))
+            steps = max(1, round((after - before) / _KNOT_SPACING))
             times += list(np.linspace(before, after, steps + 1)[1:])
         q = self._ik.standing.q
         rows = []
         for time in times:
-            q = np.concatenate((q[:7], self._keyed(time, q[7:])))
-            row, q = self._found(time, q) if self.places else self._given(time, q)
+            q = np.concatenate((q[:7], self._joint_positions(time, q[7:])))
+            row, q = self._solved(time, q) if self.places else self._from_joints(time, q)
             rows.append(row)
         knots = np.array(times)
         posture, com, torso, pelvis = (
             Spline(knots, np.array(column)) for column in zip(*rows, strict=True)
         )
-        return KeyframePlan(self.duration, posture, com, torso, pelvis, self._led())
+        return KeyframePlan(self.duration, posture, com, torso, pelvis, self._hand_splines())
 
-    def on_soles(self, posture: np.ndarray) -> np.ndarray:
-        """(nq,) a posture (na,) with the left sole where it stands."""
+    def place_on_soles(self, posture: np.ndarray) -> np.ndarray:
+        """Return the posture (nq,) of joint positions (na,) with the left sole where it stands."""
         q = np.concatenate((self._ik.standing.q[:7], posture))
         return self._ik.place_on_left_sole(q)[0]
 
-    def cell(self, joint: int, time: float) -> FileValue:
-        """What in the file has a joint where it is at a time."""
+    def value_at(self, joint: int, time: float) -> FileValue:
+        """Return the value of the file that determines a joint at a time, s."""
         name = self.robot.joint_names[joint]
         after = [f for f in self.frames if f.time.number >= time - 1e-9] or [self.frames[-1]]
         for frame in after:
@@ -169,47 +173,47 @@ class KeyframePlanner:
     def _home(self, name: str) -> np.ndarray:
         return self._ik.frame_position(self._hands[name].hand, self._ik.standing.q)
 
-    def _led(self) -> dict[Side, Spline]:
+    def _hand_splines(self) -> dict[Side, Spline]:
         return {
             self._hands[name].side: spline for name, spline in self.places.items() if name != COM
         }
 
-    def _keyed(self, time: float, posture: np.ndarray) -> np.ndarray:
+    def _joint_positions(self, time: float, posture: np.ndarray) -> np.ndarray:
         posture = posture.copy()
         for joint, spline in self.joints.items():
             posture[joint] = spline(time)[0]
         return posture
 
-    def _found(self, time: float, q: np.ndarray) -> tuple[Row, np.ndarray]:
-        """The posture that has hands and CoM where they are wanted, the keyed joints as given."""
+    def _solved(self, time: float, q: np.ndarray) -> tuple[References, np.ndarray]:
+        """Return references and posture for hands and CoM at their positions, joints as given."""
         objective = PostureObjective(
             com=self.places[COM](time) if COM in self.places else np.zeros(3),
             hands={self._hands[n].hand: s(time) for n, s in self.places.items() if n != COM},
             fixed_joints=tuple(self.joints),
             strict_com=True,
         )
-        pose = self._ik.solve(objective, q, restarts=0)
+        posture = self._ik.solve(objective, q, restarts=0)
         for name in self.places:
             if name == COM:
                 continue
-            if pose.hand_errors[self._hands[name].hand] > _MISS:
-                raise self._out_of_reach(name, time, pose)
-        if COM in self.places and pose.com_error > _MISS:
-            stops = self._ik.limiting_joints(pose)
-            text = f"'{COM}' at {time:.2f} s is off by {1e3 * pose.com_error:.0f} mm: {stops}"
+            if posture.hand_errors[self._hands[name].hand] > _MAX_ERROR:
+                raise self._out_of_reach(name, time, posture)
+        if COM in self.places and posture.com_error > _MAX_ERROR:
+            stops = self._ik.limiting_joints(posture)
+            text = f"'{COM}' at {time:.2f} s is off by {1e3 * posture.com_error:.0f} mm: {stops}"
             raise self._place_error(COM, time, text)
-        return (pose.q[7:], pose.com, pose.torso, pose.pelvis), pose.q
+        return (posture.q[7:], posture.com, posture.torso, posture.pelvis), posture.q
 
-    def _out_of_reach(self, name: str, time: float, pose: PostureSolution) -> KeyframeError:
-        """Rather said of the keyframe's own place than of one on the way there."""
+    def _out_of_reach(self, name: str, time: float, posture: PostureSolution) -> KeyframeError:
+        """Return an error about the keyframe's own position rather than one on the way there."""
         hand = self._hands[name].hand
-        place, miss = self.places[name](time), pose.hand_errors[hand]
+        place, miss = self.places[name](time), posture.hand_errors[hand]
         after = next(
             (f for f in self.frames if name in f.places and f.time.number >= time), self.frames[-1]
         )
         goal = np.array([v.number for v in after.places[name]])
-        there = self._ik.solve(PostureObjective(hands={hand: goal}, strict_com=True), pose.q)
-        if there.hand_error > _MISS:
+        there = self._ik.solve(PostureObjective(hands={hand: goal}, strict_com=True), posture.q)
+        if there.hand_error > _MAX_ERROR:
             time, place, miss = after.time.number, goal, there.hand_error
         at = " ".join(f"{x:.2f}" for x in place)
         text = f"'{name}' at {time:.2f} s: ({at}) m is out of reach by {1e3 * miss:.0f} mm"
@@ -220,12 +224,12 @@ class KeyframePlanner:
         after = [f for f in keyed if f.time.number >= time - 1e-9] or keyed[-1:]
         return KeyframeError(self.source, after[0].places[name][0].where, text)
 
-    def _given(self, time: float, q: np.ndarray) -> tuple[Row, np.ndarray]:
-        """CoM and trunk as the keyed joints place them, on the soles."""
+    def _from_joints(self, time: float, q: np.ndarray) -> tuple[References, np.ndarray]:
+        """Return references and posture with CoM and trunk as the joints place them."""
         q, miss, tilt = self._ik.place_on_left_sole(q)
-        if miss > _SOLE_MISS or tilt > _SOLE_TILT:
+        if miss > _SOLE_OFFSET or tilt > _SOLE_TILT:
             leg = min(self._legs & set(self.joints), default=0)
-            where = self.cell(leg, time).where
+            where = self.value_at(leg, time).where
             text = (
                 f"the posture at {time:.2f} s lifts or turns a sole by {1e3 * miss:.0f} mm, "
                 f"{np.rad2deg(tilt):.1f}°: both legs must keep the soles on the ground"

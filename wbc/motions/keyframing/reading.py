@@ -1,4 +1,4 @@
-"""Reading keyframe files of either kind."""
+"""Reading keyframe files, CSV or YAML."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ from wbc.motions.keyframing.csv_file import from_csv
 from wbc.motions.keyframing.keyframe import FilePosition, Keyframe, KeyframeError
 from wbc.motions.keyframing.yaml_file import from_yaml
 
-_LONGEST = 600.0  # s
+_MAX_DURATION = 600.0  # s
 _READERS = {".csv": from_csv, ".yaml": from_yaml, ".yml": from_yaml}
 
 
 def read_keyframes(path: Path) -> list[Keyframe]:
-    """Read a file, by its ending.
+    """Read the keyframes of a file, whose suffix gives the format.
 
     Raises:
-        KeyframeError: it cannot be understood; with line and column.
-        MotionError: it cannot be read.
-        MissingExtra: it is YAML and PyYAML is not installed.
+        KeyframeError: the content is malformed; with line and column.
+        MotionError: the file cannot be read.
+        MissingExtra: the file is YAML and PyYAML is not installed.
     """
-    # Before it is read: whoever drives the live page may name any file, or a device without end.
+    # Checked before reading: a user of the live page may name any file, even an endless device.
     read = _READERS.get(path.suffix.lower())
     if read is None:
         raise MotionError(f"keyframes: {path.name} must end in {' or '.join(_READERS)}")
@@ -32,15 +32,15 @@ def read_keyframes(path: Path) -> list[Keyframe]:
             raise KeyframeError(
                 path.name,
                 frame.time.where,
-                f"time {frame.time.number:g} s must be after {before:g} s: times grow, and the "
-                "robot stands at 0 s",
+                f"time {frame.time.number:g} s must be after {before:g} s: times must increase, "
+                "and the robot stands at 0 s",
             )
         before = frame.time.number
-    if before > _LONGEST:
+    if before > _MAX_DURATION:
         raise KeyframeError(
             path.name,
             frames[-1].time.where,
-            f"time {before:g} s: a motion lasts {_LONGEST:g} s at most",
+            f"time {before:g} s: a motion lasts at most {_MAX_DURATION:g} s",
         )
     return frames
 

@@ -1,4 +1,4 @@
-"""Cubic splines through given points, at rest at both ends."""
+"""Cubic splines through points, at rest at both ends."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import numpy as np
 
 
 class Spline:
-    """Twice continuously differentiable curve through points, at rest at the first and the last.
+    """A twice continuously differentiable curve through points, at rest at both ends.
 
     Piecewise cubic with clamped ends (de Boor, A Practical Guide to Splines, 1978, ch. IV). It
-    stays where it is before the first and after the last point.
+    is constant before the first and after the last point.
 
     Args:
-        times: (k,) strictly increasing, s, k ≥ 2.
-        points: (k, n).
+        times: (k,) strictly increasing times, s, k ≥ 2.
+        points: (k, n) positions at these times.
     """
 
     def __init__(self, times: np.ndarray, points: np.ndarray) -> None:
@@ -22,11 +22,11 @@ class Spline:
         self._v = _velocities(self.times, self._x)
 
     def __call__(self, time: float) -> np.ndarray:
-        """(n,) position at a time, s."""
+        """Return the position at a time, s; (n,)."""
         return self.derivatives(time)[0]
 
     def derivatives(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(n,) position, velocity and acceleration at a time, s."""
+        """Return position, velocity and acceleration at a time, s; (n,) each."""
         times = self.times
         if time <= times[0] or time >= times[-1]:
             still = np.zeros(self._x.shape[1])
@@ -43,7 +43,7 @@ class Spline:
 
 
 def _velocities(t: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """(k, n) velocities at the points that make the accelerations continuous, zero at the ends."""
+    """Return the velocities (k, n) that make the accelerations continuous, zero at the ends."""
     k = t.size
     A, b = np.eye(k), np.zeros_like(x)
     for i in range(1, k - 1):

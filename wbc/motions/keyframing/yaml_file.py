@@ -1,4 +1,4 @@
-"""Keyframes in YAML, read as a tree of nodes that know their line and column.
+"""Keyframes in YAML, read as a tree of nodes that have line and column.
 
 units: {angle: deg, length: m}    # of what follows; time is in s
 keyframes:
@@ -24,7 +24,7 @@ from wbc.motions.keyframing.keyframe import (
 
 
 def from_yaml(text: str, source: str) -> list[Keyframe]:
-    """The keyframes of a YAML text.
+    """Return the keyframes of a YAML text.
 
     Raises:
         KeyframeError: with line and column.
@@ -49,7 +49,7 @@ def from_yaml(text: str, source: str) -> list[Keyframe]:
 
 
 class _Tree:
-    """Takes keyframes out of YAML's nodes."""
+    """Converts YAML nodes to keyframes."""
 
     def __init__(self, source: str) -> None:
         self._source = source
@@ -65,11 +65,11 @@ class _Tree:
         return [self._keyframe(node) for node in frames.value]
 
     def _unit(self, node: Any, quantity: str) -> float:
-        """Factor to SI units; 0 when it is not stated."""
+        """Return the factor to SI units; 0 if it is not stated."""
         if node is None:
             return 0.0
         if node.id != "scalar":
-            raise self._error(node, f"one of {', '.join(UNITS[quantity])} is wanted here")
+            raise self._error(node, f"one of {', '.join(UNITS[quantity])} is expected here")
         return scale(str(node.value), (quantity,), _where(node), self._source)[1]
 
     def _keyframe(self, node: Any) -> Keyframe:
@@ -102,7 +102,7 @@ class _Tree:
             if keys and key.value not in keys:
                 raise self._error(key, f"unknown key '{key.value}'{did_you_mean(key.value, keys)}")
             if key.value in table:
-                raise self._error(key, f"'{key.value}' is there already")
+                raise self._error(key, f"'{key.value}' exists already")
             table[str(key.value)] = value
         return table
 
@@ -111,7 +111,7 @@ class _Tree:
             known = ", ".join(UNITS[quantity])
             raise self._error(node, f"units.{quantity} is not stated: one of {known}")
         if node.id != "scalar":
-            raise self._error(node, "a number is wanted here")
+            raise self._error(node, "a number is expected here")
         value = number(str(node.value), _where(node), self._source)
         return FileValue(factor * value, quantity, _where(node))
 
