@@ -71,7 +71,7 @@ class JumpPlan:
 
     def __repr__(self) -> str:
         return (
-            f"JumpPlan({self.path.robot.name}, clearance {1e3 * self.clearance:.0f} mm, take-off at "
+            f"JumpPlan({self.path.robot.name}, {1e3 * self.clearance:.0f} mm clear, take-off at "
             f"{self.speed:.2f} m/s, {100.0 * self.torque_share:.0f} % of the torque of "
             f"'{self.torque_joint}')"
         )
