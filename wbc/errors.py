@@ -27,30 +27,43 @@ class StateError(WbcError, ValueError):
     """A configuration or velocity has a wrong size, a NaN or a non-unit quaternion."""
 
 
-class FrameNotFound(WbcError, KeyError):
-    """The model has no frame of that name."""
+class _NameNotFound(WbcError, KeyError):
+    """The model has nothing of that name; the text lists similar names.
 
-    def __init__(self, name: str, names: Iterable[str], user: str = "") -> None:
-        who = f"{user}: " if user else ""
-        super().__init__(f"{who}the model has no frame '{name}'{did_you_mean(name, names)}")
+    Args:
+        name: that was looked up.
+        names: that exist.
+        caller: who looked it up, for the message.
+    """
+
+    _kind = "name"
+
+    def __init__(self, name: str, names: Iterable[str], caller: str = "") -> None:
+        where = f"{caller}: " if caller else ""
+        text = f"{where}the model has no {self._kind} '{name}'{did_you_mean(name, names)}"
+        super().__init__(text)
 
     def __str__(self) -> str:  # KeyError would print the repr of the message
         return str(self.args[0])
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (type(self), str(self))
 
-class JointNotFound(WbcError, KeyError):
+
+class FrameNotFound(_NameNotFound):
+    """The model has no frame of that name."""
+
+    _kind = "frame"
+
+
+class JointNotFound(_NameNotFound):
     """The model has no actuated joint of that name."""
 
-    def __init__(self, name: str, names: Iterable[str], user: str = "") -> None:
-        who = f"{user}: " if user else ""
-        super().__init__(f"{who}the model has no joint '{name}'{did_you_mean(name, names)}")
-
-    def __str__(self) -> str:
-        return str(self.args[0])
+    _kind = "joint"
 
 
 class TaskError(WbcError, ValueError):
-    """A task was given a negative weight, a target of the wrong shape or the like."""
+    """A task has a negative weight, a target of the wrong shape or another invalid value."""
 
 
 class ContactError(WbcError, ValueError):
@@ -66,11 +79,11 @@ class SolverNotFound(WbcError):
 
 
 class GaitError(WbcError, ValueError):
-    """A gait parameter or a velocity command makes no sense."""
+    """A gait parameter, a footstep or a velocity command is invalid."""
 
 
 class MotionError(WbcError, ValueError):
-    """A motion was given what it cannot do, or is used at the wrong moment."""
+    """A motion has an invalid parameter, cannot be performed, or is requested at a wrong time."""
 
 
 class MeasurementError(WbcError, ValueError):
@@ -78,7 +91,7 @@ class MeasurementError(WbcError, ValueError):
 
 
 class PlantError(WbcError):
-    """The simulated plant cannot be built or stepped as asked."""
+    """The simulated plant cannot be built or stepped with these arguments."""
 
 
 class PhysicsDiverged(PlantError):
@@ -94,15 +107,28 @@ class MissingExtra(WbcError, ImportError):
             f"run  pip install 'wbc[{extra}]'"
         )
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (type(self), str(self))
+
+
+def _unpickled(kind: type[WbcError], text: str) -> WbcError:
+    """An error with its text, built without the arguments that the text was made of."""
+    error = kind.__new__(kind)
+    error.args = (text,)
+    if isinstance(error, ImportError):
+        error.msg = text
+    return error
+
 
 def did_you_mean(name: str, names: Iterable[str], most: int = 3) -> str:
-    """`"; did you mean 'a' or 'b'?"`, or a short list of what there is."""
+    """Return `"; did you mean 'a' or 'b'?"`, or a list of the first names if none is similar."""
     known = list(names)
-    near = difflib.get_close_matches(name, known, n=most, cutoff=0.6)
-    # A fragment of a name ("sole") is a better hint than its spelling distance.
-    near += [k for k in known if name.lower() in k.lower() and k not in near][: most - len(near)]
-    if near:
-        return "; did you mean " + " or ".join(f"'{n}'" for n in near) + "?"
+    similar = difflib.get_close_matches(name, known, n=most, cutoff=0.6)
+    # Names that contain the word are better hints than names of similar spelling.
+    containing = [k for k in known if name.lower() in k.lower() and k not in similar]
+    similar += containing[: most - len(similar)]
+    if similar:
+        return "; did you mean " + " or ".join(f"'{n}'" for n in similar) + "?"
     if not known:
         return ""
     listed = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
@@ -110,7 +136,7 @@ def did_you_mean(name: str, names: Iterable[str], most: int = 3) -> str:
 
 
 def short_repr(value: Any) -> str:
-    """The `repr` of any value in at most 60 characters, for messages."""
+    """Return the `repr` of any value in at most 60 characters, for messages."""
     if value is None:
         return "missing"
     try:

@@ -137,7 +137,7 @@ def test_the_chapters_minimal_robot_is_refused_by_name():
     ("stated", "complaint"),
     [
         ({"left_foot": "leftfoot"}, "no such link; did you mean 'left_foot'"),
-        ({"right_foot": "left_foot"}, "hang on the same joint"),
+        ({"right_foot": "left_foot"}, "moved by the same joint"),
         ({"torso": "tors"}, "torso is 'tors'.*did you mean 'torso'"),
         ({"imu": "imu"}, "imu is 'imu', but the model has no such frame"),
         ({"nominal_posture": {"left_kne": 0.3}}, "no joint 'left_kne'; did you mean 'left_knee'"),

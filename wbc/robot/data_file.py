@@ -82,6 +82,10 @@ class RobotData:
         """Where a key is stated, for messages: `argument`, or the name of the data file."""
         return "argument" if key in self.arguments else self.source
 
+    def statement_of(self, key: str) -> str | None:
+        """Where a key is stated, or None if it is not."""
+        return self.source_of(key) if getattr(self, key) else None
+
     def with_arguments(self, **arguments: Any) -> RobotData:
         """Return these data with what the caller of `load` states instead; None states nothing.
 

@@ -12,12 +12,13 @@ import pinocchio as pin
 from wbc.errors import RobotDescriptionError, did_you_mean
 from wbc.robot.data_file import RobotData
 from wbc.robot.feet import checked_foot_link, find_feet
-from wbc.robot.finding import Fact, Finding
+from wbc.robot.finding import Fact, Finding, Origin
 from wbc.robot.inertia import add_placeholder_masses, check_mass_matrix, repair_model
 from wbc.robot.limits import set_armature, set_limits
 from wbc.robot.model import build_model
 from wbc.robot.packages import search_folders
 from wbc.robot.posture import (
+    Posture,
     com_offset,
     nominal_posture,
     stand_base_up,
@@ -121,20 +122,19 @@ def build_robot(data: RobotData) -> Robot:
     model.name = name
     base = link_of(model, urdf, 1)
     facts = [Fact("base", base, "derived", "root of the tree")]
-    # Before any repair, which would give a massless end a little inertia and hide it.
+    # Before any repair, which would hide a massless link.
     check_mass_matrix(model, pin.neutral(model), str(urdf.path))
     findings = _repaired(model, urdf)
     add_placeholder_masses(model)
 
-    links, guessed = feet_links(data, urdf)
+    links = feet_links(data, urdf)
     for side, link in zip(("left", "right"), links, strict=True):
-        stated_in = None if guessed else data.source_of(f"{side}_foot")
-        facts.append(Fact.of(f"{side} foot", link, stated_in, "its name"))
+        facts.append(Fact.of(f"{side} foot", link, data.statement_of(f"{side}_foot"), "its name"))
     feet = (parent_joint(model, links[0]), parent_joint(model, links[1]))
     if feet[0] == feet[1]:
         raise RobotDescriptionError(
-            f"{urdf.path}: the feet '{links[0]}' and '{links[1]}' hang on the same joint; "
-            "name two links that move apart"
+            f"{urdf.path}: the feet '{links[0]}' and '{links[1]}' are moved by the same joint; "
+            "state two links that move apart"
         )
     legs = (leg_joints(model, feet[0]), leg_joints(model, feet[1]))
     findings += set_limits(model, data, legs)
@@ -145,32 +145,18 @@ def build_robot(data: RobotData) -> Robot:
     stand_base_up(model, start.q, feet)
     soles, sole_facts = add_soles(model, urdf, data, folders, links, zero, start.q)
     posture = nominal_posture(model, start, soles, legs)
-    offset = 1e3 * com_offset(model, posture.q)
-    facts += sole_facts
-    facts.append(
-        Fact(
-            "nominal posture",
-            f"{posture.how}; centre of mass ({offset[0]:+.0f}, {offset[1]:+.0f}) mm "
-            "from the soles' midpoint",
-            "stated" if posture.stated else "derived",
-            posture.source,
-        )
-    )
     torso = _frame(model, data, "torso", data.torso) or find_torso(model, urdf, legs)
     imu = _frame(model, data, "imu", data.imu) or base
     armature = float(model.armature.max())
     facts += [
-        Fact.of(
-            "torso",
-            torso,
-            data.source_of("torso") if data.torso else None,
-            "where the limbs branch off",
-        ),
-        Fact.of("imu", imu, data.source_of("imu") if data.imu else None, "the base link"),
+        *sole_facts,
+        _posture_fact(model, posture),
+        Fact.of("torso", torso, data.statement_of("torso"), "the link where the limbs branch"),
+        Fact.of("imu", imu, data.statement_of("imu"), "the base link"),
         Fact.of(
             "armature",
             f"{armature:g} kg·m²" if armature else "none",
-            data.source_of("armature") if armature else None,
+            data.statement_of("armature"),
             "none stated",
         ),
     ]
@@ -191,6 +177,16 @@ def build_robot(data: RobotData) -> Robot:
     )
 
 
+def _posture_fact(model: pin.Model, posture: Posture) -> Fact:
+    offset = 1e3 * com_offset(model, posture.q)
+    value = (
+        f"{posture.how}; centre of mass ({offset[0]:+.0f}, {offset[1]:+.0f}) mm "
+        "from the soles' midpoint"
+    )
+    origin: Origin = "stated" if posture.stated else "derived"
+    return Fact("nominal posture", value, origin, posture.source)
+
+
 def _repaired(model: pin.Model, urdf: Urdf) -> list[Finding]:
     return [
         Finding(
@@ -205,8 +201,8 @@ def _repaired(model: pin.Model, urdf: Urdf) -> list[Finding]:
     ]
 
 
-def feet_links(data: RobotData, urdf: Urdf) -> tuple[tuple[str, str], bool]:
-    """Return the (left, right) foot links, and whether they were guessed from their names.
+def feet_links(data: RobotData, urdf: Urdf) -> tuple[str, str]:
+    """Return the (left, right) foot links, stated or guessed from their names.
 
     Raises:
         RobotDescriptionError: a stated link does not exist, only one is stated, or the names of
@@ -214,7 +210,7 @@ def feet_links(data: RobotData, urdf: Urdf) -> tuple[tuple[str, str], bool]:
     """
     if data.left_foot is not None and data.right_foot is not None:
         left = checked_foot_link(urdf, data.left_foot, "left")
-        return (left, checked_foot_link(urdf, data.right_foot, "right")), False
+        return left, checked_foot_link(urdf, data.right_foot, "right")
     if data.left_foot is not None or data.right_foot is not None:
         stated, missing = ("left", "right") if data.left_foot is not None else ("right", "left")
         raise RobotDescriptionError(
@@ -228,7 +224,7 @@ def feet_links(data: RobotData, urdf: Urdf) -> tuple[tuple[str, str], bool]:
             "foot; state both, left_foot=… and right_foot=… (a robot needs two feet)"
             f"{did_you_mean('foot', urdf.links, 6)}"
         )
-    return guess, True
+    return guess
 
 
 def _frame(model: pin.Model, data: RobotData, what: str, name: str | None) -> str | None:
