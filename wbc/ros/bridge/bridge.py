@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from wbc.closeable import Closeable
 from wbc.process import ChildProcess, ProcessStartError
 from wbc.ros.bridge.config import NodeConfig
+from wbc.ros.bridge.node_topics import NodeTopic
 from wbc.ros.dds_types import import_cyclonedds
 from wbc.ros.errors import RosError
 from wbc.ros.network import Network
@@ -39,6 +41,7 @@ class Bridge(Closeable):
         network: domain and interface; from the environment when left out.
         update_rate: of the joint states, Hz; a parameter of the node.
         use_sim_time: stamp messages with the plant's time, not the system's; likewise.
+        topics: topics of your own, beside those of `wbc.ros.bridge.node_topics`.
 
     Attributes:
         reset_hint: how a person resets the robot.
@@ -60,8 +63,11 @@ class Bridge(Closeable):
         network: Network | None = None,
         update_rate: float = 50.0,
         use_sim_time: bool = False,
+        topics: Sequence[NodeTopic] = (),
     ) -> None:
         import_cyclonedds()
+        for topic in topics:
+            topic.check_importable()
         robot, dt = handler.player.robot, handler.player.dt
         self.stream: TickStream | None = None
         channel = handler.open_channel().config
@@ -78,6 +84,7 @@ class Bridge(Closeable):
             use_sim_time=use_sim_time,
             dt=dt,
             parent=os.getpid(),
+            topics=tuple(topics),
         )
         try:
             self._process.configure(config)

@@ -10,6 +10,7 @@ from wbc.teleop import ChannelConfig
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
+    from wbc.ros.bridge.node_topics import NodeTopic
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +27,7 @@ class NodeConfig:
         use_sim_time: whether messages are stamped with the plant's time.
         dt: control period, s.
         parent: process whose end ends the node.
+        topics: further topics of the node.
     """
 
     robot: Robot
@@ -37,3 +39,4 @@ class NodeConfig:
     use_sim_time: bool
     dt: float
     parent: int
+    topics: tuple[NodeTopic, ...] = ()

@@ -11,6 +11,7 @@ from wbc.ros.bridge.config import NodeConfig
 from wbc.ros.bridge.diagnostics import Diagnostics
 from wbc.ros.bridge.joint_topics import JointTopics
 from wbc.ros.bridge.navigate_to_pose import NavigateToPose
+from wbc.ros.bridge.node_topics import TOPICS, NodeTopics
 from wbc.ros.bridge.play_motion import PlayMotion
 from wbc.ros.bridge.simulation_services import SimulationServices
 from wbc.ros.bridge.stamped_tick import StampedTick
@@ -71,6 +72,7 @@ class RobotNode:
         self._play = PlayMotion(node, client, cmd_vel, self._navigate)
         node.create_timer(_POLL_PERIOD, self._poll)
         self._latest: StampedTick | None = None
+        NodeTopics(node, robot, (*TOPICS, *config.topics), lambda: self._latest)
         self._looks = node.create_timer(1.0 / _LEAST_LOOKS, self._look)
         self._change_rates(None)
         for parameter in (self._update_rate, self._state_rate):
