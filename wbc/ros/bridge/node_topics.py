@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from wbc.geometry.polygon import convex_hull
@@ -92,9 +93,7 @@ class NodeTopics:
             if topic.rate is None:
                 self._publish(topic, publisher)
             else:
-                node.create_timer(
-                    1.0 / topic.rate, lambda t=topic, p=publisher: self._publish(t, p)
-                )
+                node.create_timer(1.0 / topic.rate, partial(self._publish, topic, publisher))
 
     def _publish(self, topic: NodeTopic, publisher: Publisher) -> None:
         tick = self._latest_tick()
