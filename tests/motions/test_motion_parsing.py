@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from wbc.errors import MotionError
 from wbc.motions import MOTIONS, Keyframes, OneLeg, Reach, Sine, Squat
-from wbc.motions.engine.parsing import parse_motion
+from wbc.motions.engine import parse_motion
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from wbc.cli import simulation
 from wbc.cli.formatting import table, terminal_width
 from wbc.cli.parser import number
 from wbc.motions import Motion, MotionPlayer
-from wbc.motions.engine.motion import MotionParameter
+from wbc.motions.engine import MotionParameter
 from wbc.motions.registry import MOTIONS
 from wbc.trials import MotionRunner, RunEvaluator
 

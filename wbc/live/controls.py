@@ -7,7 +7,7 @@ import json
 from typing import Any
 
 from wbc.errors import MotionError, did_you_mean, short_repr
-from wbc.motions.engine.parsing import create_motion, describe_motion
+from wbc.motions.engine import create_motion, describe_motion
 from wbc.teleop import (
     Capabilities,
     CommandRefused,

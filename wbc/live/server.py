@@ -19,7 +19,7 @@ from wbc.live.address import allowed_hosts, check_host, url_host
 from wbc.live.broker import RequestBroker
 from wbc.live.config import LiveServerConfig
 from wbc.live.errors import LiveError
-from wbc.motions.engine.planning import SWITCH_INTERVAL
+from wbc.motions.engine import SWITCH_INTERVAL
 from wbc.process import parent
 from wbc.runtime.stream import StreamFollower
 from wbc.view.config import ViewerConfig

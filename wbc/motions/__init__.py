@@ -2,12 +2,20 @@
 
 from wbc.motions.bow import Bow
 from wbc.motions.demo import Demo
-from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, MotionParameter, Script, once_per_robot, parameter
-from wbc.motions.engine.motion_reference import FrameTarget, MotionReference
-from wbc.motions.engine.packing import pack, unpack
-from wbc.motions.engine.player import MotionPlayer
-from wbc.motions.engine.reference import SmoothReference
+from wbc.motions.engine import (
+    FrameTarget,
+    Motion,
+    MotionContext,
+    MotionParameter,
+    MotionPlayer,
+    MotionReference,
+    Script,
+    SmoothReference,
+    once_per_robot,
+    pack,
+    parameter,
+    unpack,
+)
 from wbc.motions.jump import Jump
 from wbc.motions.keyframes import Keyframes
 from wbc.motions.look import Look

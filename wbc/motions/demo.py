@@ -7,8 +7,7 @@ from typing import ClassVar
 
 from wbc.errors import MotionError
 from wbc.motions.bow import Bow
-from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter
+from wbc.motions.engine import Motion, MotionContext, Script, once_per_robot, parameter
 from wbc.motions.jump import Jump
 from wbc.motions.look import Look
 from wbc.motions.one_leg import OneLeg

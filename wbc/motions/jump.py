@@ -5,8 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_robot, parameter
+from wbc.motions.engine import (
+    Motion,
+    MotionContext,
+    Script,
+    check_positive,
+    once_per_robot,
+    parameter,
+)
 from wbc.motions.jumping import JumpController, JumpPlan, plan_jump
 from wbc.robot import Robot
 

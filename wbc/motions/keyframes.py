@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from wbc.errors import MotionError
-from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, once_per_robot, parameter
+from wbc.motions.engine import Motion, MotionContext, Script, once_per_robot, parameter
 from wbc.motions.keyframing import read_keyframes
 from wbc.motions.keyframing.limits import check_limits
 from wbc.motions.keyframing.plan import KeyframePlan, KeyframePlanner

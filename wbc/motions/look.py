@@ -10,8 +10,14 @@ import numpy as np
 
 from wbc.errors import MotionError
 from wbc.kinematics import Kinematics
-from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_robot, parameter
+from wbc.motions.engine import (
+    Motion,
+    MotionContext,
+    Script,
+    check_positive,
+    once_per_robot,
+    parameter,
+)
 from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
 

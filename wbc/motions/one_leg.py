@@ -10,8 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from wbc.errors import MotionError
-from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, check_positive, parameter
+from wbc.motions.engine import Motion, MotionContext, Script, check_positive, parameter
 from wbc.robot import Robot
 from wbc.robot.upper_body import SIDES, Side
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wbc.errors import MotionError, did_you_mean
 from wbc.motions.demo import DEMO_MOTIONS, Demo
-from wbc.motions.engine.motion import Motion
+from wbc.motions.engine import Motion
 from wbc.motions.keyframes import Keyframes
 
 #: What the command line, the live page and the ROS 2 node offer.

@@ -13,9 +13,16 @@ from wbc.command import Command
 from wbc.errors import MotionError
 from wbc.estimation import Estimate
 from wbc.gait.leg_workspace import LegWorkspace
-from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_robot, parameter
-from wbc.motions.engine.reference import Path, SmoothReference
+from wbc.motions.engine import (
+    Motion,
+    MotionContext,
+    Path,
+    Script,
+    SmoothReference,
+    check_positive,
+    once_per_robot,
+    parameter,
+)
 from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
 from wbc.telemetry import ContactPlan, Telemetry

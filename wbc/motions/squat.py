@@ -12,8 +12,14 @@ from wbc.errors import MotionError
 from wbc.ik.objective import PostureObjective, PostureSolution
 from wbc.ik.posture_checks import MAX_TORQUE_SHARE, holding_effort, pelvis_violation
 from wbc.ik.posture_ik import PostureIK
-from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, check_positive, once_per_robot, parameter
+from wbc.motions.engine import (
+    Motion,
+    MotionContext,
+    Script,
+    check_positive,
+    once_per_robot,
+    parameter,
+)
 from wbc.robot import Robot
 
 _MAX_COM_ERROR = 1e-3  # m

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, check_positive, parameter
+from wbc.motions.engine import Motion, MotionContext, Script, check_positive, parameter
 from wbc.robot import Robot
 
 

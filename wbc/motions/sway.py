@@ -10,8 +10,7 @@ import numpy as np
 
 from wbc.errors import MotionError
 from wbc.ik.posture_checks import support_half_size
-from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script, check_positive, parameter
+from wbc.motions.engine import Motion, MotionContext, Script, check_positive, parameter
 from wbc.robot import Robot
 
 _SUPPORT = 0.86  # share of the support that the motion may use

@@ -15,9 +15,9 @@ from wbc.robot.srdf import GroupState, find_srdf, read_group_state
 from wbc.robot.standing import posture_range, standing_posture, unevenness
 
 KNEE_BEND = 0.4
-# Beyond this a correction of the soles is worth telling, rad and m.
+# A correction of the soles beyond this is reported, rad and m.
 FLAT = 1e-4
-# Beyond this it is made.
+# One beyond this is made.
 EXACT = 1e-9
 # A centre of mass farther out than this part of the sole's half length is brought back.
 SUPPORTED = 0.6
@@ -29,11 +29,11 @@ POINT = 0.01
 
 @dataclass(frozen=True, slots=True)
 class Posture:
-    """A configuration (nq,) and how it came about.
+    """A posture and how it was found.
 
     Attributes:
         q: (nq,) the configuration.
-        how: what it is made of, for people; empty if nothing is stated anywhere.
+        how: description for reports; empty if no posture is stated anywhere.
         stated: whether the data file or the caller states it.
         source: where it is stated.
         stated_joints: velocity indices of the joints that are stated.
@@ -47,7 +47,7 @@ class Posture:
 
 
 def starting_posture(model: pin.Model, data: RobotData) -> Posture:
-    """The posture that the data file or an SRDF gives, or the neutral one within limits.
+    """Return the posture of the data file or an SRDF, or else the zero posture within limits.
 
     Raises:
         RobotDescriptionError: a malformed SRDF, or a stated joint that does not exist.
@@ -71,7 +71,7 @@ def starting_posture(model: pin.Model, data: RobotData) -> Posture:
 
 
 def zero_posture(model: pin.Model) -> np.ndarray:
-    """(nq,) every joint at zero, or as near to it as its range with a margin allows."""
+    """Return every joint at zero, or as near to it as its range with a margin allows; (nq,)."""
     lower, upper = posture_range(model)
     q = pin.neutral(model)
     q[7:] = np.clip(q[7:], lower, upper)
@@ -112,7 +112,7 @@ def nominal_posture(
     soles: tuple[Sole, Sole],
     legs: tuple[tuple[int, ...], tuple[int, ...]],
 ) -> Posture:
-    """The posture to stand in: soles flat on z = 0, their midpoint at the origin, facing x."""
+    """Return the nominal posture: soles flat on z = 0, their midpoint at the origin, facing x."""
     ids = (soles[0].frame_id, soles[1].frame_id)
     move = {index for leg in legs for index in leg}
     if not start.how:
@@ -143,7 +143,7 @@ def nominal_posture(
 def _completed(
     model: pin.Model, q: np.ndarray, soles: tuple[int, int], free: set[int]
 ) -> np.ndarray | None:
-    """`q` with the joints `free` (velocity indices) moved such that the soles are flat.
+    """Return `q` with the joints `free` (velocity indices) moved such that the soles are flat.
 
     None if the soles are flat already, or cannot be made flat without the other joints.
     """
@@ -157,12 +157,12 @@ def _completed(
 
 
 def has_soles(soles: tuple[Sole, Sole]) -> bool:
-    """Whether the feet have area enough to stand on, not just points."""
+    """Return whether the feet have enough area to stand on, rather than points."""
     return all(min(sole.half_length, sole.half_width) > POINT for sole in soles)
 
 
 def placed(model: pin.Model, q: np.ndarray, soles: tuple[int, int]) -> np.ndarray:
-    """`q` (nq,) moved and turned about z: soles' midpoint at the origin, heading x."""
+    """Return `q` (nq,) moved and turned about z: soles' midpoint at the origin, heading x."""
     data = model.createData()
     q = np.array(q)
     pin.framesForwardKinematics(model, data, q)
@@ -180,7 +180,11 @@ def _bent(
     soles: tuple[Sole, Sole],
     legs: tuple[tuple[int, ...], tuple[int, ...]],
 ) -> tuple[np.ndarray, str]:
-    """Knees bent, feet side by side, centre of mass over the soles' midpoint; and what was done."""
+    """Return a posture with bent knees, the feet side by side and the CoM over their midpoint.
+
+    Returns:
+        The posture (nq,) and a description.
+    """
     ids = (soles[0].frame_id, soles[1].frame_id)
     q = placed(model, q, ids)
     wanted: dict[int, float] = {}
@@ -194,7 +198,7 @@ def _bent(
 
 
 def find_knee(model: pin.Model, q: np.ndarray, sole: Sole, leg: Sequence[int]) -> int | None:
-    """Velocity index of the joint that shortens the leg most: the one with both long segments."""
+    """Return the velocity index of the knee: the lateral joint between two long segments."""
     data = model.createData()
     pin.computeJointJacobians(model, data, q)
     end = data.oMi[sole.joint_id].act(sole.placement.translation)
@@ -211,7 +215,7 @@ def find_knee(model: pin.Model, q: np.ndarray, sole: Sole, leg: Sequence[int]) -
 
 
 def knee_bend(model: pin.Model, q: np.ndarray, knee: int) -> float:
-    """Position of the knee bent by 0.4 rad, towards the side on which it has its range."""
+    """Return the position of the knee bent by 0.4 rad, towards the side of its range, rad."""
     lower, upper = posture_range(model)
     low, high = float(lower[knee - 6]), float(upper[knee - 6])
     if np.isfinite(low + high) and abs(low + high) > 0.2 * (high - low):
@@ -225,5 +229,5 @@ def knee_bend(model: pin.Model, q: np.ndarray, knee: int) -> float:
 
 
 def com_offset(model: pin.Model, q: np.ndarray) -> np.ndarray:
-    """(2,) centre of mass from the soles' midpoint in a placed posture `q` (nq,), m."""
+    """Return the CoM from the soles' midpoint in a placed posture `q` (nq,); (2,) m."""
     return np.array(pin.centerOfMass(model, model.createData(), q)[:2])

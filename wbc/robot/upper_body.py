@@ -1,4 +1,4 @@
-"""Arms, head and waist, read off the kinematic tree: no robot's names are known here."""
+"""Arms, head and waist of any robot, found in its kinematic tree without its names."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from wbc.robot import Robot
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
 
-_ARM_JOINTS = 7  # what comes after belongs to a gripper
-_ASIDE = 0.05  # share of the standing height: farther than this from the middle is an arm
+_ARM_JOINTS = 7  # further joints belong to a gripper
+_ASIDE = 0.05  # share of the standing height; a limb farther than this from the middle is an arm
 _WAIST = np.array([0.5, 0.5, 1.0])  # share of roll, pitch and yaw that the waist takes
-_PLAY = 0.85  # share of the waist's range that may be used
+_RANGE = 0.85  # share of the waist's range that may be used
 _ALONG = 0.7  # an axis counts as pitch, roll or yaw when its cosine is larger
 
 
@@ -32,7 +32,7 @@ class Arm:
         shoulder: name of the joint that is highest among the first three.
         hand: name of the hand's frame: the link that moves with the last joint and is
             farthest from the joint before.
-        length: of the stretched arm from shoulder to hand, m.
+        length: length of the stretched arm from shoulder to hand, m.
     """
 
     side: Side
@@ -57,15 +57,15 @@ class Head:
 
 @dataclass(frozen=True)
 class UpperBody:
-    """What a robot has above its legs.
+    """Arms, head and waist of a robot.
 
     Attributes:
         robot: the robot.
-        arms: left and right, those that it has.
-        head: or None.
+        arms: the arms that it has, left before right.
+        head: the head; None without one that can be turned.
         waist: indices into (na,) of the joints between base and torso.
-        waist_range: (3, 2) least and largest angle of the torso about the heading axes roll,
-            pitch and yaw against the base, that the waist's joints give; rad.
+        waist_range: (3, 2) least and greatest roll, pitch and yaw of the torso against the base
+            that the waist's joints allow, rad.
     """
 
     robot: Robot
@@ -76,7 +76,7 @@ class UpperBody:
 
     @classmethod
     def of(cls, robot: Robot) -> UpperBody:
-        """Look at a robot's tree, in its nominal posture."""
+        """Find the parts of a robot in its nominal posture."""
         model = robot.model
         data = model.createData()
         pin.computeJointJacobians(model, data, robot.q_nominal)
@@ -108,10 +108,10 @@ class UpperBody:
         )
 
     def arm(self, side: str) -> Arm:
-        """The arm of a side.
+        """Return the arm of a side.
 
         Raises:
-            MotionError: there is none.
+            MotionError: the robot has none.
         """
         for arm in self.arms:
             if arm.side == side:
@@ -120,7 +120,7 @@ class UpperBody:
         raise MotionError(f"{self.robot.name} has no {side} arm (it has: {have})")
 
     def both_arms(self) -> tuple[Arm, Arm]:
-        """Left and right.
+        """Return the left and the right arm.
 
         Raises:
             MotionError: one is missing.
@@ -128,7 +128,7 @@ class UpperBody:
         return self.arm("left"), self.arm("right")
 
     def elbow(self, arm: Arm) -> int:
-        """The joint of an arm (index into (na,)) that changes the reach from the shoulder most."""
+        """Return the joint, index into (na,), that changes the distance shoulder to hand most."""
         model, data = self.robot.model, self.robot.model.createData()
         shoulder = model.getJointId(arm.shoulder)
         hand = self.robot.frame_id(arm.hand)
@@ -146,11 +146,14 @@ class UpperBody:
         return best
 
     def hips_share(self, turn: np.ndarray) -> np.ndarray:
-        """(3,) how far the root link turns along with the upper trunk, rotation vectors, rad.
+        """Return the root link's share of a rotation of the upper trunk, rotation vectors, rad.
 
-        The waist takes half of roll and pitch and all of the yaw, as far as its joints go.
+        The waist takes half of roll and pitch and all of the yaw, as far as its joints allow.
+
+        Args:
+            turn: (3,) rotation vector of the upper trunk, heading axes, rad.
         """
-        low, high = _PLAY * self.waist_range.T
+        low, high = _RANGE * self.waist_range.T
         return np.asarray(turn - np.clip(_WAIST * turn, low, high))
 
 
@@ -159,7 +162,7 @@ def _indices(model: pin.Model, joints: list[int]) -> tuple[int, ...]:
 
 
 def _chain(model: pin.Model, root: int) -> list[int]:
-    """Joints from a root on until the limb branches (fingers) or ends."""
+    """Return the joints from a root until the limb branches (fingers) or ends."""
     chain = [root]
     while len(model.children[chain[-1]]) == 1:
         chain.append(int(model.children[chain[-1]][0]))
@@ -167,7 +170,7 @@ def _chain(model: pin.Model, root: int) -> list[int]:
 
 
 def _tip(robot: Robot, data: pin.Data, chain: list[int]) -> str:
-    """Link that moves with the last joint and is farthest from the joint before."""
+    """Return the link that moves with the last joint and is farthest from the joint before."""
     model = robot.model
     before = data.oMi[chain[-2] if len(chain) > 1 else chain[-1]].translation
     links = [

@@ -9,7 +9,7 @@ from typing import Any
 
 from wbc.errors import did_you_mean, short_repr
 from wbc.motions import Motion, MotionPlayer
-from wbc.motions.engine.packing import check_importable
+from wbc.motions.engine import check_importable
 from wbc.teleop.commands import (
     GainCommand,
     GaitParameterCommand,

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from wbc.motions import Motion, unpack
-from wbc.motions.engine.planning import MotionPlanner, PlannedMotion
+from wbc.motions.engine import MotionPlanner, PlannedMotion
 from wbc.process import BlobQueue, BlobQueueFull, BlobTooLarge
 from wbc.robot import Robot
 from wbc.teleop.acknowledgement import Acknowledgement, Outcome

@@ -13,7 +13,7 @@ import numpy as np
 
 from wbc.closeable import Closeable
 from wbc.motions import MOTIONS, Motion, MotionPlayer
-from wbc.motions.engine.manager import ZERO_VELOCITY, MotionManager, MotionStatus
+from wbc.motions.engine import ZERO_VELOCITY, MotionManager, MotionStatus
 from wbc.runtime.clock import Clock
 from wbc.runtime.loop import StopRun
 from wbc.runtime.mode import Mode

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 
-from wbc.motions.engine.motion import Script
 from wbc.motions.engine.reference import SmoothReference
+
+#: What `Motion.play` returns: each `yield` lets one tick pass.
+Script = Generator[None, None, None]
 
 
 class ScriptClock:

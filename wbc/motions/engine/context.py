@@ -14,12 +14,11 @@ from wbc.geometry.planar import ground_point, planar_rotation
 from wbc.ik.objective import PostureSolution
 from wbc.ik.posture_checks import MAX_PELVIS_TILT
 from wbc.limits.per_joint import default_braking
-from wbc.motions.engine.clock import ScriptClock
+from wbc.motions.engine.clock import Script, ScriptClock
 from wbc.motions.engine.com_bias_observer import ComBiasObserver
 from wbc.motions.engine.com_reference import ComReference
 from wbc.motions.engine.feet import FootReferences
 from wbc.motions.engine.hands import HandReferences
-from wbc.motions.engine.motion import Script
 from wbc.motions.engine.motion_reference import MotionReference
 from wbc.motions.engine.override import ControllerOverride
 from wbc.motions.engine.reference import SmoothReference

@@ -9,9 +9,8 @@ import numpy as np
 
 from wbc.errors import MotionError
 from wbc.gait.footsteps import other_side
-from wbc.motions.engine.clock import ScriptClock
+from wbc.motions.engine.clock import Script, ScriptClock
 from wbc.motions.engine.com_reference import ComReference
-from wbc.motions.engine.motion import Script
 from wbc.motions.engine.reference import SmoothReference
 from wbc.motions.engine.stance import Stance
 from wbc.robot.upper_body import SIDES, Side

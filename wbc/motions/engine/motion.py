@@ -6,22 +6,18 @@ import dataclasses
 import functools
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar
 from weakref import WeakKeyDictionary
 
 from wbc.errors import MotionError, did_you_mean
+from wbc.motions.engine.clock import Script
+from wbc.motions.engine.context import MotionContext
 from wbc.robot import Robot
-
-if TYPE_CHECKING:
-    from wbc.motions.engine.context import MotionContext
 
 M = TypeVar("M", bound="Motion")
 P = TypeVar("P")
-
-#: What `Motion.play` returns: each `yield` lets one tick pass.
-Script = Generator[None, None, None]
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,9 @@ import numpy as np
 from wbc.command import Command
 from wbc.errors import MotionError
 from wbc.estimation import Estimate
+from wbc.motions.engine.clock import Script
 from wbc.motions.engine.context import MotionContext
-from wbc.motions.engine.motion import Motion, Script
+from wbc.motions.engine.motion import Motion
 from wbc.motions.engine.motion_reference import MotionReference
 from wbc.robot import Robot
 from wbc.state import State

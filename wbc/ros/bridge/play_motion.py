@@ -13,7 +13,7 @@ from typing import Any
 from wbc.errors import MotionError
 from wbc.messages import message_type
 from wbc.motions import Motion
-from wbc.motions.engine.parsing import parse_motion
+from wbc.motions.engine import parse_motion
 from wbc.ros.actions import ActionServer, GoalStatus, ServerGoalHandle
 from wbc.ros.bridge.cmd_vel import CmdVel
 from wbc.ros.bridge.navigate_to_pose import NavigateToPose

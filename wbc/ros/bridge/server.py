@@ -10,7 +10,7 @@ import contextlib
 import sys
 
 from wbc.errors import WbcError
-from wbc.motions.engine.planning import SWITCH_INTERVAL
+from wbc.motions.engine import SWITCH_INTERVAL
 from wbc.process import parent
 from wbc.ros.bridge.config import NodeConfig
 from wbc.ros.bridge.robot_node import RobotNode
