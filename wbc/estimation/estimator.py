@@ -102,7 +102,7 @@ class Estimator:
             joint_surprise,
         )
         self._joint_shape = (robot.na,)
-        self._work = np.zeros((2, 3, 3))
+        self._work = np.zeros((4, 3, 3))
         self._slip = np.zeros(len(robot.soles))
         self.reset(robot.standing())
 

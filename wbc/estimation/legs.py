@@ -31,7 +31,7 @@ class LegKinematics:
         links = [list(chain) for chain in chains]
         self._links = np.concatenate([link for chain in links for link in chain])
         self._ends = np.cumsum([len(chain) for chain in links])
-        self._work, self._vector = np.zeros((2, 3, 3)), np.zeros(3)
+        self._work, self._vector = np.zeros((4, 3, 3)), np.zeros(3)
         self.poses = np.zeros(1, POSES)
 
     def update(self, position: np.ndarray, velocity: np.ndarray) -> None:

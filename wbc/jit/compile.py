@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from wbc.jit.cache import cache_folder
 
@@ -62,6 +62,20 @@ def subkernel(function: F) -> F:
         no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True, **_OPTIONS
     )(function)
     return made
+
+
+def subkernel_or(plain: Callable[..., None]) -> Callable[[F], F]:
+    """Compile a function that only kernels call.
+
+    Args:
+        plain: does the same with numpy; it takes the function's place without Numba, where loops
+            over single entries are slow.
+    """
+
+    def chosen(function: F) -> F:
+        return cast(F, plain) if numba is None else subkernel(function)
+
+    return chosen
 
 
 @contextmanager

@@ -1,4 +1,7 @@
-"""Compiled parts of the estimator; without Numba the same source runs as plain Python."""
+"""Compiled parts of the estimator.
+
+Without Numba the same source runs as plain Python, on numpy where that is much faster.
+"""
 
 from wbc.jit.loading import load_kernels
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from wbc.estimation.kernels.filter_record import (
@@ -18,12 +16,22 @@ from wbc.estimation.kernels.filter_record import (
     TURN,
     VELOCITY,
 )
+from wbc.estimation.kernels.matrix import (
+    add,
+    add_gram,
+    combine_rows,
+    conjugate,
+    difference,
+    difference_of_columns,
+    invert_factor,
+    subtract,
+    whiten,
+)
 from wbc.estimation.kernels.rotation import copy, exponential, left_jacobian, multiply, rotate, skew
 from wbc.jit.compile import argument_types, kernel, subkernel
 
 #: Corrections between two rounds of `_remove_rounding`.
 _TIDY = 20
-_ROWS = 6 * FEET
 
 _FILTER = np.zeros(1, FILTER)
 _VECTOR = np.zeros(3)
@@ -66,36 +74,23 @@ def _catch_up(f: np.ndarray) -> None:
     np.dot(Phi, P, product)
     np.dot(product, Phi.T, P)
     gyro = count * f["gyro_step"]
-    for i in range(MOVED):
-        for j in range(MOVED):
-            P[i, j] += gyro * (
-                lever[i, 0] * lever[j, 0] + lever[i, 1] * lever[j, 1] + lever[i, 2] * lever[j, 2]
-            )
+    add_gram(P, gyro, lever)
+    process, wandering, wander = f["process"], f["wandering"], f["wander"]
     for i in range(SIZE):
-        P[i, i] += count * f["process"][i]
+        P[i, i] += count * process[i]
         for foot in range(FEET):
-            P[i, i] += f["wandering"][i, foot] * f["wander"][foot]
+            P[i, i] += wandering[i, foot] * wander[foot]
     for foot in range(FEET):
-        f["wander"][foot] = 0.0
+        wander[foot] = 0.0
 
 
 @subkernel
 def _turn_noise(f: np.ndarray, foot: int) -> None:
     """The legs' noise of a sole's pose in world axes: N = R C Rᵀ block by block."""
-    R, C, N, turned = f["R"], f["leg_noise"][foot], f["noise"], f["A"]
+    R, C, N, work = f["R"], f["leg_noise"][foot], f["noise"], f["A"]
     for i in range(0, 6, 3):
         for j in range(0, 6, 3):
-            for k in range(3):
-                for m in range(3):
-                    turned[k, m] = 0.0
-                    for n in range(3):
-                        turned[k, m] += R[k, n] * C[i + n, j + m]
-            for k in range(3):
-                for m in range(3):
-                    s = 0.0
-                    for n in range(3):
-                        s += turned[k, n] * R[m, n]
-                    N[i + k, j + m] = s
+            conjugate(R, C[i : i + 3, j : j + 3], N[i : i + 3, j : j + 3], work)
 
 
 @subkernel
@@ -128,10 +123,8 @@ def _innovate(f: np.ndarray, foot: int, row: int, h: np.ndarray, F: np.ndarray) 
     """Six rows of H P and of the residual: where a sole is off, and how it is turned."""
     P, HP, residual, R, vectors = f["P"], f["HP"], f["residual"], f["R"], f["vectors"]
     seen, off, place = f["A"], f["B"], f["a"]
-    for i in range(3):
-        for j in range(SIZE):
-            HP[row + i, j] = P[POSITION + i, j] - P[PLACE + 3 * foot + i, j]
-            HP[row + 3 + i, j] = P[i, j] - P[TURN + 3 * foot + i, j]
+    difference(P, POSITION, PLACE + 3 * foot, HP[row : row + 3])
+    difference(P, 0, TURN + 3 * foot, HP[row + 3 : row + 6])
     rotate(R, h, place)
     for i in range(3):
         residual[row + i] = vectors[1, i] + place[i] - vectors[2 + foot, i]
@@ -146,31 +139,6 @@ def _innovate(f: np.ndarray, foot: int, row: int, h: np.ndarray, F: np.ndarray) 
     residual[row + 3] = 0.5 * (off[2, 1] - off[1, 2])
     residual[row + 4] = 0.5 * (off[0, 2] - off[2, 0])
     residual[row + 5] = 0.5 * (off[1, 0] - off[0, 1])
-
-
-@subkernel
-def _invert_factor(S: np.ndarray, inverse: np.ndarray, m: int) -> None:
-    """Inverse of the lower Cholesky factor of S[:m, :m], zero beyond; the factor replaces S."""
-    for i in range(_ROWS):
-        for j in range(_ROWS):
-            inverse[i, j] = 0.0
-    for j in range(m):
-        s = S[j, j]
-        for k in range(j):
-            s -= S[j, k] * S[j, k]
-        S[j, j] = math.sqrt(s)
-        for i in range(j + 1, m):
-            s = S[i, j]
-            for k in range(j):
-                s -= S[i, k] * S[j, k]
-            S[i, j] = s / S[j, j]
-    for j in range(m):
-        inverse[j, j] = 1.0 / S[j, j]
-        for i in range(j + 1, m):
-            s = 0.0
-            for k in range(j, i):
-                s -= S[i, k] * inverse[k, j]
-            inverse[i, j] = s / S[i, i]
 
 
 @subkernel
@@ -287,9 +255,7 @@ def correct(filter_: np.ndarray, held: np.ndarray, h: np.ndarray, F: np.ndarray)
     f = filter_[0]
     P, HP, S, residual, xi = f["P"], f["HP"], f["S"], f["residual"], f["xi"]
     m = 0
-    for i in range(_ROWS):
-        for j in range(SIZE):
-            HP[i, j] = 0.0
+    subtract(HP, HP)
     for foot in range(FEET):
         if held[foot]:
             _innovate(f, foot, m, h[foot], F[foot])
@@ -300,26 +266,13 @@ def correct(filter_: np.ndarray, held: np.ndarray, h: np.ndarray, F: np.ndarray)
     for foot in range(FEET):
         if held[foot]:
             _turn_noise(f, foot)
-            for i in range(m):
-                for j in range(3):
-                    S[i, k + j] = HP[i, POSITION + j] - HP[i, PLACE + 3 * foot + j]
-                    S[i, k + 3 + j] = HP[i, j] - HP[i, TURN + 3 * foot + j]
-            for i in range(6):
-                for j in range(6):
-                    S[k + i, k + j] += f["noise"][i, j]
+            difference_of_columns(HP, POSITION, PLACE + 3 * foot, S[:, k : k + 3])
+            difference_of_columns(HP, 0, TURN + 3 * foot, S[:, k + 3 : k + 6])
+            add(S[k : k + 6, k : k + 6], f["noise"])
             k += 6
-    _invert_factor(S, f["inverse"], m)
+    invert_factor(S, f["inverse"], m)
     whitened, weighted = f["whitened"], f["weighted"]
-    for i in range(m):
-        s = 0.0
-        for j in range(i + 1):
-            s += f["inverse"][i, j] * residual[j]
-        whitened[i] = s
-    for i in range(m):
-        s = 0.0
-        for j in range(i, m):
-            s += f["inverse"][j, i] * whitened[j]
-        weighted[i] = s
+    whiten(f["inverse"], residual, whitened, weighted)
     slipped, largest, k = -1, f["slip_gate"], 0
     for foot in range(FEET):
         if held[foot]:
@@ -331,17 +284,11 @@ def correct(filter_: np.ndarray, held: np.ndarray, h: np.ndarray, F: np.ndarray)
             k += 6
     if slipped >= 0:
         return slipped
-    for j in range(SIZE):
-        xi[j] = 0.0
-    for i in range(m):
-        for j in range(SIZE):
-            xi[j] -= weighted[i] * HP[i, j]
+    combine_rows(weighted, HP, xi)
     _retract(f)
     np.dot(f["inverse"], HP, f["Y"])
     np.dot(f["Y"].T, f["Y"], f["product"])
-    for i in range(SIZE):
-        for j in range(SIZE):
-            P[i, j] -= f["product"][i, j]
+    subtract(P, f["product"])
     f["corrections"] += 1
     if f["corrections"] % _TIDY == 0:
         _remove_rounding(f)

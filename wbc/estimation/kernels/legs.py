@@ -7,7 +7,9 @@ import math
 import numpy as np
 
 from wbc.estimation.kernels.filter_record import FILTER
+from wbc.estimation.kernels.matrix import combine
 from wbc.estimation.kernels.rotation import (
+    copy,
     cross,
     multiply,
     quaternion,
@@ -52,33 +54,29 @@ _VECTOR = np.zeros(3)
 
 @subkernel
 def _follow(
-    link: np.ndarray, q: np.ndarray, R: np.ndarray, p: np.ndarray, turned: np.ndarray
+    link: np.ndarray, q: np.ndarray, R: np.ndarray, p: np.ndarray, work: np.ndarray
 ) -> None:
-    """Move a frame (R, p) over one link; `turned` is a (3, 3) workspace."""
-    rotation, sine, versine = link["rotation"], link["sine"], link["versine"]
-    position, slide = link["position"], link["slide"]
-    joint = link["joint"]
+    """Move a frame (R, p) over one link; `work` is a (4, 3, 3) workspace."""
+    local, turned, moved = work[0], work[1], work[2, 0]
+    rotate(R, link["position"], moved)
     for i in range(3):
-        p[i] += R[i, 0] * position[0] + R[i, 1] * position[1] + R[i, 2] * position[2]
+        p[i] += moved[i]
+    joint = link["joint"]
     angle = q[joint] if joint >= 0 else 0.0
     s, c = math.sin(angle), 1.0 - math.cos(angle)
-    for i in range(3):
-        for j in range(3):
-            turned[i, j] = 0.0
-            for k in range(3):
-                local = rotation[k, j] + s * sine[k, j] + c * versine[k, j]
-                turned[i, j] += R[i, k] * local
-    for i in range(3):
-        for j in range(3):
-            R[i, j] = turned[i, j]
-        if joint >= 0:
-            # A joint slides along its own axis, which it does not turn.
-            p[i] += angle * (R[i, 0] * slide[0] + R[i, 1] * slide[1] + R[i, 2] * slide[2])
+    combine(link["rotation"], link["sine"], link["versine"], s, c, local)
+    multiply(R, local, turned)
+    copy(turned, R)
+    if joint >= 0:
+        # A joint slides along its own axis, which it does not turn.
+        rotate(R, link["slide"], moved)
+        for i in range(3):
+            p[i] += angle * moved[i]
 
 
 @kernel(
     argument_types(
-        _LINKS, np.zeros(1, np.int64), _VECTOR, _VECTOR, np.zeros((2, 3, 3)), _VECTOR, _POSES
+        _LINKS, np.zeros(1, np.int64), _VECTOR, _VECTOR, np.zeros((4, 3, 3)), _VECTOR, _POSES
     )
 )
 def find_poses(
@@ -97,12 +95,12 @@ def find_poses(
         ends: (3,) index after the last link of each chain.
         q: (na,) rad or m.
         v: (na,) rad/s or m/s.
-        work: (2, 3, 3) workspace.
+        work: (4, 3, 3) workspace.
         vector: (3,) workspace.
         poses: (1,) result.
     """
     out = poses[0]
-    R, turned = work[0], work[1]
+    R, moved = work[3], work[2, 0]
     base_R, base_p = out["base_rotation"], out["base_position"]
     linear, angular = out["linear"], out["angular"]
     p = vector
@@ -115,17 +113,20 @@ def find_poses(
     for n in range(ends[0]):
         link = links[n]
         x, y, z = p[0], p[1], p[2]
-        _follow(link, q, R, p, turned)
+        _follow(link, q, R, p, work)
         x, y, z = p[0] - x, p[1] - y, p[2] - z
         linear[0] += angular[1] * z - angular[2] * y
         linear[1] += angular[2] * x - angular[0] * z
         linear[2] += angular[0] * y - angular[1] * x
         joint = link["joint"]
         if joint >= 0:
-            axis, slide, rate = link["axis"], link["slide"], v[joint]
+            rate = v[joint]
+            rotate(R, link["axis"], moved)
             for i in range(3):
-                angular[i] += rate * (R[i, 0] * axis[0] + R[i, 1] * axis[1] + R[i, 2] * axis[2])
-                linear[i] += rate * (R[i, 0] * slide[0] + R[i, 1] * slide[1] + R[i, 2] * slide[2])
+                angular[i] += rate * moved[i]
+            rotate(R, link["slide"], moved)
+            for i in range(3):
+                linear[i] += rate * moved[i]
     # Turn it round: base in IMU axes.
     for i in range(3):
         for j in range(3):
@@ -145,7 +146,7 @@ def find_poses(
             for j in range(3):
                 R[i, j] = base_R[i, j]
         for n in range(ends[foot], ends[foot + 1]):
-            _follow(links[n], q, R, p, turned)
+            _follow(links[n], q, R, p, work)
 
 
 @kernel(
@@ -156,7 +157,7 @@ def find_poses(
         _VECTOR,
         _VECTOR,
         _VECTOR,
-        np.zeros((2, 3, 3)),
+        np.zeros((4, 3, 3)),
         _VECTOR,
         _VECTOR,
     )
@@ -181,7 +182,7 @@ def write_state(
         gyro: (3,) reading, IMU axes, rad/s.
         position: (na,) joint positions, rad.
         velocity: (na,) joint velocities, rad/s.
-        work: (2, 3, 3) workspace.
+        work: (4, 3, 3) workspace.
         q: (nq,) result.
         v: (nv,) result.
     """

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from wbc.jit.compile import subkernel
+from wbc.jit.compile import subkernel, subkernel_or
 
 #: Below this angle series replace quotients of small numbers, rad.
 _SMALL = 1e-3
 
 
-@subkernel
+@subkernel_or(lambda A, out: np.copyto(out, A))
 def copy(A: np.ndarray, out: np.ndarray) -> None:
     """`out = A`, (3, 3)."""
     for i in range(3):
@@ -20,7 +20,7 @@ def copy(A: np.ndarray, out: np.ndarray) -> None:
             out[i, j] = A[i, j]
 
 
-@subkernel
+@subkernel_or(lambda A, B, out: np.copyto(out, A.dot(B)))
 def multiply(A: np.ndarray, B: np.ndarray, out: np.ndarray) -> None:
     """`out = A B`, all (3, 3); `out` is neither A nor B."""
     for i in range(3):
@@ -28,14 +28,14 @@ def multiply(A: np.ndarray, B: np.ndarray, out: np.ndarray) -> None:
             out[i, j] = A[i, 0] * B[0, j] + A[i, 1] * B[1, j] + A[i, 2] * B[2, j]
 
 
-@subkernel
+@subkernel_or(lambda R, x, out: np.copyto(out, R.dot(x)))
 def rotate(R: np.ndarray, x: np.ndarray, out: np.ndarray) -> None:
     """`out = R x`; `out` is not x."""
     for i in range(3):
         out[i] = R[i, 0] * x[0] + R[i, 1] * x[1] + R[i, 2] * x[2]
 
 
-@subkernel
+@subkernel_or(lambda R, x, out: np.copyto(out, x.dot(R)))
 def rotate_back(R: np.ndarray, x: np.ndarray, out: np.ndarray) -> None:
     """`out = Rᵀ x`; `out` is not x."""
     for i in range(3):
