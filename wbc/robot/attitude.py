@@ -1,4 +1,4 @@
-"""How the body is turned, whatever way its base link's axes point."""
+"""Orientation and heading of the body, independent of the axes of its base link."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from wbc.state import State
 
 
 def attitude(robot: Robot, state: State) -> tuple[float, float, float, float]:
-    """Unit quaternion (x, y, z, w) of the body: the identity when standing, heading +x.
+    """Return the unit quaternion (x, y, z, w) of the body; identity when it stands heading +x.
 
-    The base's orientation times the inverse of the nominal one: some models have a base
-    link whose x axis points backward or whose z axis lies flat.
+    It is the orientation of the base times the inverse of the nominal one, because some models
+    have a base link whose x axis points backward or whose z axis is horizontal.
     """
     x, y, z, w = state.q[3:7].tolist()
     a, b, c, d = robot.q_nominal[3:7].tolist()
@@ -26,6 +26,6 @@ def attitude(robot: Robot, state: State) -> tuple[float, float, float, float]:
 
 
 def heading(robot: Robot, state: State) -> float:
-    """Heading of the body about world z, rad; 0 when standing."""
+    """Return the heading of the body about world z, rad; 0 when it stands."""
     x, y, z, w = attitude(robot, state)
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

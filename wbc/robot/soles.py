@@ -1,4 +1,4 @@
-"""Finding a robot's two soles and adding them to its model."""
+"""`Sole`, the contact rectangle of a foot, and how both soles are added to a model."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from wbc.errors import RobotDescriptionError
 from wbc.robot.data_file import RobotData
 from wbc.robot.finding import Fact
 from wbc.robot.foot_surface import FootSurface, foot_surface
+from wbc.robot.joint_axes import joint_axes
 from wbc.robot.sole_fitting import SoleFit, fit_sole, is_round, resting_normal
-from wbc.robot.topology import axis_of, parent_joint
+from wbc.robot.topology import parent_joint
 from wbc.robot.urdf import Urdf
 
 Side = Literal["left", "right"]
@@ -29,14 +30,14 @@ class Sole:
     from the ground) and x forward when the robot stands.
 
     Attributes:
-        name: of the frame in the model: `left_sole` or `right_sole`, or with `_contact` behind
-            where the URDF has a link or joint of that name.
+        name: name of the frame in the model: `left_sole` or `right_sole`, with `_contact`
+            appended if the URDF has a link or joint of that name.
         side: `left` or `right`.
-        frame_id: of the frame in the model.
-        joint_id: of the joint that moves the foot.
+        frame_id: index of the frame in the model.
+        joint_id: index of the joint that moves the foot.
         placement: T_joint_sole, from sole to joint coordinates.
-        half_length: along x, m.
-        half_width: along y, m.
+        half_length: half the size along x, m.
+        half_width: half the size along y, m.
         link: name of the foot link.
     """
 
@@ -54,7 +55,7 @@ class Sole:
 
     @property
     def size_text(self) -> str:
-        """Length and width for people, e.g. `200 × 120 mm`."""
+        """Length and width as text, e.g. `200 × 120 mm`."""
         return f"{2e3 * self.half_length:.0f} × {2e3 * self.half_width:.0f} mm"
 
     @property
@@ -76,19 +77,22 @@ def add_soles(
     """Fit both soles to the shapes of the feet, and add their frames to the model.
 
     A flat sole depends on the shape of the foot only: the upright zero position tells which side
-    is down and where forward is. A round foot touches the ground where its posture lets it.
+    is down and where forward is. A round foot touches the ground where its posture puts it.
 
     Args:
         model: the robot; gets the frames.
-        urdf: its description.
-        data: what is stated about it.
-        folders: that may hold its packages.
+        urdf: the description.
+        data: what is stated about the robot.
+        folders: folders that may hold its packages.
         links: the left and the right foot.
         zero: (nq,) the zero position with the base upright.
-        start: (nq,) the posture to stand in, as far as it is known.
+        start: (nq,) the stated posture, before its legs are completed.
+
+    Returns:
+        The left and the right sole, and a fact about each.
 
     Raises:
-        RobotDescriptionError: a foot has no geometry and none is stated.
+        RobotDescriptionError: a foot has no geometry and none is stated, or is a wheel.
     """
     names = _frame_names(model)
     soles, facts = [], []
@@ -125,7 +129,7 @@ def add_soles(
 
 
 def _frame_names(model: pin.Model) -> dict[Side, str]:
-    """Names for the frames of the soles that no link, joint or frame of the model has."""
+    """Return names for the frames of the soles that the model does not have yet."""
     suffix = "_sole"
     while any(model.existFrame(side + suffix) for side in SIDES):
         suffix += "_contact"
@@ -142,11 +146,8 @@ def _refuse_wheel(
     """
     name, index = model.names[joint], model.joints[joint].idx_q
     turn = model.upperPositionLimit[index] - model.lowerPositionLimit[index]
-    if (
-        model.joints[joint].nq == 1
-        and turn > 2.0 * np.pi
-        and is_round(surface, axis_of(model, joint))
-    ):
+    unlimited = model.joints[joint].nq == 1 and turn > 2.0 * np.pi
+    if unlimited and is_round(surface, joint_axes(model)[joint][3:]):
         raise RobotDescriptionError(
             f"{urdf.path}: the foot '{link}' is a wheel, which turns without limit about its own "
             f"centre on the joint '{name}' and rolls away from under the robot; name links that "
@@ -157,9 +158,9 @@ def _refuse_wheel(
 def _directions(
     model: pin.Model, q: np.ndarray, links: tuple[str, str], joint: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Up and forward, (3,) unit vectors in a foot joint's coordinates, at `q` (nq,).
+    """Return up and forward, (3,) unit vectors in a foot joint's coordinates, at `q` (nq,).
 
-    Forward has the left foot on its left.
+    Forward is level and has the left foot on its left.
     """
     data = model.createData()
     pin.framesForwardKinematics(model, data, q)
@@ -167,14 +168,14 @@ def _directions(
     across = left - right
     forward = np.cross([across[0], across[1], 0.0], [0.0, 0.0, 1.0])
     length = float(np.linalg.norm(forward))
-    # Feet behind or upon each other tell nothing; the base's own x axis then decides.
+    # Feet behind or above each other do not define it; then it is the base's x axis.
     forward = forward / length if length > 0.02 else np.array([1.0, 0.0, 0.0])
     to_joint = data.oMi[joint].rotation.T
     return to_joint @ np.array([0.0, 0.0, 1.0]), to_joint @ forward
 
 
 def _stated(data: RobotData, placement: pin.SE3) -> SoleFit:
-    """The rectangle that a data file states, in the foot link's axes."""
+    """Return the stated rectangle, which is given in the foot link's axes."""
     x, y = data.sole.get("center", (0.0, 0.0))
     height, length, width = (float(data.sole[key]) for key in ("height", "length", "width"))
     sole = placement * pin.SE3(np.eye(3), np.array([x, y, height], dtype=float))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pinocchio as pin
 
 from wbc.robot.urdf import Urdf
@@ -36,14 +35,6 @@ def link_of(model: pin.Model, urdf: Urdf, joint: int) -> str:
         return next(j.child for j in urdf.joints if j.name == name)
     # The root link's frame is the first body frame on the free-flyer.
     return next(str(f.name) for f in model.frames if f.parentJoint == 1 and f.type == pin.BODY)
-
-
-def axis_of(model: pin.Model, joint: int) -> np.ndarray:
-    """Return the (3,) unit axis of a joint of one coordinate, in the joint's coordinates."""
-    motion = model.joints[joint].createData().S
-    column = np.asarray(motion.matrix() if hasattr(motion, "matrix") else motion).reshape(6)
-    axis = column[3:] if np.any(column[3:]) else column[:3]
-    return np.asarray(axis / np.linalg.norm(axis))
 
 
 def parent_joint(model: pin.Model, link: str) -> int:
