@@ -9,16 +9,16 @@ import numpy as np
 
 
 class Status(Enum):
-    """How the tick's QP ended."""
+    """Outcome of the tick's QP."""
 
     OK = "ok"  #: solved to optimality
-    INFEASIBLE = "infeasible"  #: no solution exists: `explanation` names the rows; safe torques
-    FAILED = "failed"  #: the solver gave up: safe torques
+    INFEASIBLE = "infeasible"  #: there is no solution: safe torques; `explanation` names the rows
+    FAILED = "failed"  #: the solver failed or an input is not finite: safe torques
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Command:
-    """The output of one tick. Always finite; torques always within limits.
+    """The output of one tick: always finite, torques always within limits.
 
     Attributes:
         tau: (na,) joint torques, N·m (N for prismatic joints), model joint order.
@@ -29,7 +29,7 @@ class Command:
             (a point contact has zero moment).
         q_target: (na,) joint positions one control period ahead, rad.
         v_target: (na,) joint velocities one control period ahead, rad/s.
-        status: how the solve ended.
+        status: outcome of the QP.
         explanation: empty when `status` is OK; otherwise which rows conflict.
     """
 

@@ -60,7 +60,7 @@ class WholeBodyController:
 
     in fewer unknowns (see `wbc.qp.elimination`). When there is no solution, the command
     holds the last good torques, fading within 0.1 s, plus joint damping of 5 % of the
-    torque limit per rad/s, clipped to the limits; `status` says so and `explanation`
+    torque limit per rad/s, clipped to the limits; `status` tells it and `explanation`
     names the rows in conflict.
 
     Args:
@@ -253,9 +253,9 @@ class WholeBodyController:
         return self._safe_command(kin, *self._explain(problem, solution))
 
     def _explain(self, problem: Problem, solution: Solution) -> tuple[Status, str]:
-        """Status and reason of a failure; found anew at most every 0.1 s, it takes long."""
-        kept = self._explanation
-        if kept is None or kept[0] != solution.outcome or self._tick >= kept[1]:
+        """Return status and reason of a failure; a search takes long, so at most one per 0.1 s."""
+        cached = self._explanation
+        if cached is None or cached[0] != solution.outcome or self._tick >= cached[1]:
             reason = explain(problem)
             status = Status.INFEASIBLE
             if not reason and solution.outcome is Outcome.INFEASIBLE:
@@ -264,11 +264,11 @@ class WholeBodyController:
                 status = Status.FAILED
                 reason = f"the solver gave up ({solution.detail}); the rows can hold together"
             until = self._tick + round(_EXPLANATION_PERIOD / self.dt)
-            kept = self._explanation = (solution.outcome, until, status, reason)
-        return kept[2], kept[3]
+            cached = self._explanation = (solution.outcome, until, status, reason)
+        return cached[2], cached[3]
 
     def _assembly(self) -> Assembly | CompiledAssembly:
-        """The assembly of this structure; they are kept, since a gait comes back to each."""
+        """Return the assembly of this structure; a gait comes back to each, so they are cached."""
         key = (
             tuple(self.tasks),
             tuple(map(_priority, self.tasks)),
@@ -282,7 +282,7 @@ class WholeBodyController:
         if found is None:
             if (
                 len(self._assemblies) >= _MAX_ASSEMBLIES
-            ):  # contacts made anew each tick must not pile up
+            ):  # new contact objects in each tick must not fill the memory
                 self._assemblies.clear()
             found = self._assemblies[key] = self._new_assembly()
         return found

@@ -1,8 +1,8 @@
 """Everything that follows from one state, computed once and shared by all tasks.
 
 Two Pinocchio passes give most of it: the composite rigid body algorithm in its world
-convention and the non-linear effects; the forward kinematics at zero acceleration is made when
-a frame's motion is first asked for. The centroidal quantities are read off the base rows of the
+convention and the non-linear effects; the forward kinematics at zero acceleration is computed
+when a frame's motion is first used. The centroidal quantities are read off the base rows of the
 mass matrix and of the non-linear effects instead of being computed by passes of their own.
 """
 
@@ -97,24 +97,24 @@ class Kinematics:
         self.data = robot.model.createData()
         self.mass = float(pin.computeTotalMass(robot.model))
         self._nq, self._nv = robot.nq, robot.nv
-        self._at_rest = np.zeros(robot.nv)
+        self._zero_acceleration = np.zeros(robot.nv)
         self._gravity = np.concatenate((robot.model.gravity.linear, np.zeros(3)))
         self._world: dict[int, FrameKinematics] = {}
         self._local: dict[int, FrameKinematics] = {}
         self._centroid: Centroid | None = None
         self._p_com: np.ndarray | None = None
-        self._moved = False
+        self._velocities_propagated = False
         self.update(state)
 
     def __getstate__(self) -> tuple[Robot, State]:
-        """Return what all else follows from: Pinocchio's workspace is computed again."""
+        """Return the robot and the state; Pinocchio's workspace is computed from them again."""
         return self.robot, self.state
 
     def __setstate__(self, state: tuple[Robot, State]) -> None:
         self.__init__(*state)  # type: ignore[misc]
 
     def update(self, state: State) -> None:
-        """Move on to `state`; what was read before still describes the old one.
+        """Continue with another state; arrays that were read before still describe the old one.
 
         Raises:
             StateError: see `State.validated`.
@@ -132,7 +132,7 @@ class Kinematics:
         self._world.clear()
         self._local.clear()
         self._centroid = self._p_com = None
-        self._moved = False
+        self._velocities_propagated = False
 
     @cached_property
     def joint_placements(self) -> np.ndarray:
@@ -155,7 +155,7 @@ class Kinematics:
         return np.lib.stride_tricks.as_strided(rotations[0].T, shape, strides)
 
     def frame(self, frame: str | int) -> pin.SE3:
-        """`T_world_frame` of a frame, by name or by frame index.
+        """Return `T_world_frame` of a frame, by name or by frame index.
 
         Raises:
             FrameNotFound: the model has no frame of that name.
@@ -170,13 +170,13 @@ class Kinematics:
 
     @property
     def p_com(self) -> np.ndarray:
-        """(3,) centre of mass in the world, m."""
+        """Centre of mass (3,) in the world, m."""
         if self._p_com is None:
             self._p_com = self.data.oYcrb[1].lever.copy()
         return self._p_com
 
     def motion(self, frame: str | int) -> FrameKinematics:
-        """A frame's kinematics in world axes, by name or by frame index.
+        """Return a frame's kinematics in world axes, by name or by frame index.
 
         Raises:
             FrameNotFound: the model has no frame of that name.
@@ -184,7 +184,7 @@ class Kinematics:
         return self._motion(frame, self._world, _WORLD_AXES)
 
     def motion_local(self, frame: str | int) -> FrameKinematics:
-        """A frame's kinematics in its own axes, by name or by frame index.
+        """Return a frame's kinematics in its own axes, by name or by frame index.
 
         Raises:
             FrameNotFound: the model has no frame of that name.
@@ -192,20 +192,22 @@ class Kinematics:
         return self._motion(frame, self._local, _FRAME_AXES)
 
     def _motion(
-        self, frame: str | int, known: dict[int, FrameKinematics], axes: pin.ReferenceFrame
+        self, frame: str | int, cache: dict[int, FrameKinematics], axes: pin.ReferenceFrame
     ) -> FrameKinematics:
         frame_id = self.robot.frame_id(frame) if isinstance(frame, str) else frame
-        found = known.get(frame_id)
+        found = cache.get(frame_id)
         if found is None:
-            if not self._moved:
+            if not self._velocities_propagated:
                 state = self.state
-                pin.forwardKinematics(self.model, self.data, state.q, state.v, self._at_rest)
-                self._moved = True
-            found = known[frame_id] = FrameKinematics(self.model, self.data, frame_id, axes)
+                pin.forwardKinematics(
+                    self.model, self.data, state.q, state.v, self._zero_acceleration
+                )
+                self._velocities_propagated = True
+            found = cache[frame_id] = FrameKinematics(self.model, self.data, frame_id, axes)
         return found
 
     def jacobian(self, frame: str | int) -> np.ndarray:
-        """(6, nv) Jacobian of a frame's origin in world axes, linear rows first.
+        """Return the Jacobian (6, nv) of a frame's origin in world axes, linear rows first.
 
         Raises:
             FrameNotFound: the model has no frame of that name.
@@ -214,12 +216,12 @@ class Kinematics:
 
     @property
     def J_com(self) -> np.ndarray:
-        """(3, nv) `v_com = J_com v`."""
+        """Jacobian (3, nv) of the centre of mass, `v_com = J_com v`."""
         return self.centroid.jacobian[:3]
 
     @property
     def v_com(self) -> np.ndarray:
-        """(3,) velocity of the centre of mass, m/s."""
+        """Velocity (3,) of the centre of mass, m/s."""
         if self._centroid is not None:
             return self._centroid.velocity[:3]
         # The base's momentum in base axes, turned into the world and over the mass.
@@ -228,27 +230,27 @@ class Kinematics:
 
     @property
     def bias_com(self) -> np.ndarray:
-        """(3,) `J̇_com v`, m/s²."""
+        """Bias acceleration (3,) of the centre of mass, `J̇_com v`, m/s²."""
         return self.centroid.bias[:3]
 
     @property
     def J_angular(self) -> np.ndarray:
-        """(3, nv) `angular_momentum = J_angular v`."""
+        """Matrix (3, nv) with `angular_momentum = J_angular v`."""
         return self.centroid.jacobian[3:]
 
     @property
     def angular_momentum(self) -> np.ndarray:
-        """(3,) about the centre of mass, world axes, kg·m²/s."""
+        """Angular momentum (3,) about the centre of mass, world axes, kg·m²/s."""
         return self.centroid.velocity[3:]
 
     @property
     def bias_angular(self) -> np.ndarray:
-        """(3,) `J̇_angular v`, N·m."""
+        """Rate (3,) of the angular momentum at zero acceleration, `J̇_angular v`, N·m."""
         return self.centroid.bias[3:]
 
     @property
     def centroidal_momentum(self) -> np.ndarray:
-        """(6,) linear then angular momentum about the centre of mass, world axes."""
+        """Linear (kg·m/s), then angular momentum (kg·m²/s) about the centre of mass, world axes."""
         return np.concatenate((self.mass * self.v_com, self.angular_momentum))
 
     @property

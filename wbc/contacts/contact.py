@@ -1,4 +1,4 @@
-"""The base of all contacts: a frame that the ground holds, and the forces it may bear."""
+"""The base of all contacts: a frame held by the environment, and a cone of contact forces."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Contact(ABC):
     All of these may be changed from tick to tick, but for frame and name.
 
     A contact of your own derives from this (or from a contact of the library) and returns the
-    rows of its cone, as many as it likes, from `make_cone`, and one text for each from
+    rows of its cone, any number of them, from `make_cone`, and one text for each from
     `cone_labels`.
 
     Raises:
@@ -99,7 +99,7 @@ class Contact(ABC):
 
     @property
     def cone(self) -> np.ndarray:
-        """(k, motion_size) rows of the force cone `cone @ f ≤ 0`, contact axes."""
+        """Rows of the force cone `cone @ f ≤ 0`, (k, motion_size), contact axes."""
         if self._cone is None:
             self._cone = self.make_cone(self._friction / math.sqrt(2.0))
         return self._cone

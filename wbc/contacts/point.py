@@ -8,7 +8,7 @@ from wbc.contacts.contact import Contact
 
 
 class PointContact(Contact):
-    """A point that does not slip and bears a force but no moment.
+    """A point that does not slip and transmits a force but no moment.
 
     `|f_x| ≤ μ f_z` and `|f_y| ≤ μ f_z` with the pyramid's coefficient; see `Contact`
     for the arguments.

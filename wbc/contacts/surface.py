@@ -10,7 +10,7 @@ from wbc.robot import Sole
 
 
 class SurfaceContact(Contact):
-    """A rectangle that stays flat on the ground and bears a wrench.
+    """A rectangle that stays flat on the ground and transmits a wrench.
 
     The wrench (force, moment at the rectangle's centre, contact axes) satisfies the
     exact condition for non-slipping of the rectangle under friction pyramids at its
@@ -67,7 +67,7 @@ class SurfaceContact(Contact):
 
     @classmethod
     def from_sole(cls, sole: Sole, *, margin: float = 0.0, friction: float = 0.7) -> SurfaceContact:
-        """The contact of a robot's sole, its rectangle shrunk by `margin` (m) all around.
+        """Return the contact of a robot's sole, its rectangle shrunk by `margin` (m) all around.
 
         Raises:
             ContactError: nothing is left of the rectangle.
@@ -93,7 +93,7 @@ CONE_LABELS = (
 
 
 def wrench_cone(X: float, Y: float, mu: float) -> np.ndarray:
-    """(16, 6) rows of `cone @ wrench ≤ 0` for a rectangle, see `SurfaceContact`.
+    """Return the rows (16, 6) of `cone @ wrench ≤ 0` for a rectangle, see `SurfaceContact`.
 
     Args:
         X: half length, m.

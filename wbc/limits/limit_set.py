@@ -22,7 +22,7 @@ _ACCEPTED = (
 
 @dataclass(frozen=True, eq=False)
 class LimitSet:
-    """Limits by kind; two of them are the same only when they are one object.
+    """The limits of a controller by kind, compared by identity.
 
     Attributes:
         torque: limit on the joint torques, or None.

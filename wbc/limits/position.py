@@ -63,7 +63,7 @@ class JointPositionLimit(AccelerationBound):
             raise LimitError(
                 f"{self.name}: recovery {recovery} s must not be below the horizon {horizon} s"
             )
-        # A joint with little play keeps at least half of it.
+        # A joint with a small range keeps at least half of it.
         margins = np.minimum(margin, 0.25 * (robot.q_max - robot.q_min))
         self.lower = robot.q_min + margins
         self.upper = robot.q_max - margins
@@ -91,18 +91,18 @@ class JointPositionLimit(AccelerationBound):
         return -a[0], a[1]
 
     def _largest(self, d: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """(2, na) largest acceleration towards the lower and the upper limit."""
+        """Return the largest acceleration towards the lower and the upper limit, (2, na)."""
         T, braking = self.horizon, self.braking
-        room = 2.0 * np.maximum(d, (T / self.recovery) * d)  # the latter where d < 0
-        room -= T * v
-        a = np.maximum(room, 0.0)
+        clearance = 2.0 * np.maximum(d, (T / self.recovery) * d)  # the latter where d < 0
+        clearance -= T * v
+        a = np.maximum(clearance, 0.0)
         a *= braking
         a += self._half * self._half
         np.sqrt(a, out=a)
         a -= self._half
-        np.minimum(room, 0.0, out=room)
-        room /= T
-        a += room
+        np.minimum(clearance, 0.0, out=clearance)
+        clearance /= T
+        a += clearance
         a -= v
         a /= T
         return np.asarray(np.maximum(a, -braking, out=a))

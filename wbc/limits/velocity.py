@@ -12,14 +12,14 @@ from wbc.robot import Robot
 
 
 class JointVelocityLimit(AccelerationBound):
-    """`(−v_max − q̇) / T ≤ q̈ ≤ (v_max − q̇) / T`, but never a demand above `braking`.
+    """`(−v_max − q̇) / T ≤ q̈ ≤ (v_max − q̇) / T`, but never demanding more than `braking`.
 
     Args:
         robot: the robot.
         maximum: v_max, rad/s, a number or (na,); the robot's own limits when left out.
         horizon: T, the time over which a violation is corrected, s; not shorter than the
             control period.
-        braking: what is demanded at most of a joint that is too fast, rad/s², a number
+        braking: largest deceleration that is demanded of a joint that is too fast, rad/s², a number
             or (na,); `default_braking` when left out.
 
     Raises:

@@ -9,7 +9,7 @@ from enum import Enum
 import numpy as np
 
 from wbc.command import Command
-from wbc.contacts import Contact, SurfaceContact
+from wbc.contacts import Contact
 from wbc.kinematics import Kinematics
 from wbc.limits import LimitSet
 from wbc.qp.constraints import Constraints
@@ -27,11 +27,11 @@ from wbc.tasks import Task
 
 
 class Formulation(Enum):
-    """Which unknowns the QP has, and who assembles it. The optimum is the same."""
+    """Which unknowns the QP has and how it is assembled; the optimum is the same."""
 
-    COMPILED = "compiled"  #: base and stance wrench eliminated, in compiled kernels; the fast one
-    REDUCED = "reduced"  #: the same in numpy, where kernels cannot be had
-    FULL = "full"  #: v̇ and f with the base dynamics as equalities; the readable one
+    COMPILED = "compiled"  #: base and stance wrench eliminated, in compiled kernels; the fastest
+    REDUCED = "reduced"  #: the same in numpy, for machines without Numba
+    FULL = "full"  #: v̇ and f with the base dynamics as equalities; the simplest
 
 
 class Assembly:
@@ -89,7 +89,7 @@ class Assembly:
         self.blocks, self.equality = self._constraints.blocks, self._constraints.equality
 
     def build(self, kin: Kinematics) -> Problem:
-        """The QP of the tick; its arrays are valid until the next call.
+        """Return the QP of the tick; its arrays are valid until the next call.
 
         Raises:
             TaskError: an attribute of a task has a wrong shape or type.
@@ -106,7 +106,7 @@ class Assembly:
         return Problem(H, g, C, lb, ub, constraints.bounded, self.equality, self.blocks, finite)
 
     def recover(self, x: np.ndarray, kin: Kinematics, dt: float) -> Command | None:
-        """The command of a solution; None when it is not finite.
+        """Return the command of a solution; None when it is not finite.
 
         Args:
             x: (n,).
@@ -124,7 +124,7 @@ class Assembly:
         acceleration, tau = m.acceleration(x1), m.T @ x1
         if not (math.isfinite(tau.dot(tau)) and math.isfinite(acceleration.dot(acceleration))):
             return None
-        if self._torque_limit is not None:  # what the solver's tolerance leaves
+        if self._torque_limit is not None:  # the solver's tolerance may exceed them
             tau = np.clip(tau, -self._torque_limit.maximum, self._torque_limit.maximum)
         v, a = kin.state.v[6:], acceleration[6:]
         q_target = kin.state.q[7:] + dt * v + (0.5 * dt * dt) * a
@@ -132,8 +132,9 @@ class Assembly:
 
 
 def _stance_contact(contacts: Sequence[Contact]) -> Contact | None:
-    """The first surface contact that moves exactly as told."""
+    """Return the first exact contact whose motion rows are those of a rigid frame."""
     for contact in contacts:
-        if isinstance(contact, SurfaceContact) and contact.motion_weight is None:
+        rigid = contact.motion_size == 6 and type(contact).write is Contact.write
+        if rigid and contact.motion_weight is None:
             return contact
     return None

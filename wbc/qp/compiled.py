@@ -138,7 +138,7 @@ class CompiledAssembly:
             raise_row_error(owner, error)
 
     def assemble(self, kin: Kinematics) -> Problem:
-        """Return the QP of what was copied by `update`."""
+        """Return the QP of the references that `update` copied."""
         state = kin.state
         self._problem.finite = assemble(
             kin.mass_matrix,
@@ -176,7 +176,7 @@ class CompiledAssembly:
 
 
 class _Stack:
-    """The rows of dense tasks and contacts one below the other, the cost's first.
+    """Stacks the rows of dense tasks and contacts, those of the cost first.
 
     Args:
         cost: what is in the cost.
@@ -199,7 +199,7 @@ class _Stack:
 
 
 class _FrameTable:
-    """The frames that tasks and contacts refer to, each once; the first entry is the centroid.
+    """Lists the frames that tasks and contacts refer to, each once, after the centroid.
 
     Attributes:
         ids: their indices in the model; that of the base for the centroid.
@@ -274,7 +274,7 @@ def _limit_updates(limits: LimitSet, forces: dict[Contact, slice], buffers: Buff
 
 
 def _joints_behind(robot: Robot, frame_id: int) -> list[int]:
-    """Joints between the base and a frame, ascending, as indices into (na,) vectors."""
+    """Return the joints between the base and a frame, ascending, as indices into (na,) vectors."""
     joint = robot.model.frames[frame_id].parentJoint
     found = []
     while joint > 1:

@@ -28,7 +28,7 @@ from wbc.tasks import Task
 class Constraints:
     """Writes `lb ≤ [x[:bounded]; C x] ≤ ub`.
 
-    All rows are kept as `low ≤ R x̂ ≤ high` with x̂ = (x, 1): the last column of R, the constant
+    All rows are written as `low ≤ R x̂ ≤ high` with x̂ = (x, 1): the last column of R, the constant
     part, is brought to the other side in one go. The order of the rows: base dynamics (when
     they remain), motion of exact contacts, exact tasks, torques, general limits, forces contact by
     contact.
@@ -88,7 +88,7 @@ class Constraints:
         self._row_lb, self._row_ub = self._lb[self.bounded :], self._ub[self.bounded :]
 
     def build(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """C (m, n), lb and ub (bounded + m,), valid until the next call."""
+        """Return C (m, n), lb and ub (bounded + m,), valid until the next call."""
         self._bound_joints(kin)
         for group in self._groups:
             group.write(kin)
@@ -108,7 +108,7 @@ class Constraints:
             write_bounds(bound, kin, self._lower, self._upper)
             np.maximum(lb, self._lower, out=lb)
             np.minimum(ub, self._upper, out=ub)
-        # Two limits that exclude each other (fast at a stop, say): the middle.
+        # Limits that exclude each other (a fast joint at its stop): take the middle.
         crossed = lb > ub
         if crossed.any():
             lb[crossed] = ub[crossed] = 0.5 * (lb + ub)[crossed]
@@ -117,7 +117,7 @@ class Constraints:
 def _bound_blocks(
     robot: Robot, bounds: Sequence[AccelerationBound], m: Elimination
 ) -> list[RowBlock]:
-    """Names of the simple bounds: on the base's acceleration, when it is in x, and on q̈."""
+    """Name the simple bounds: on the base's acceleration, when it is in x, and on q̈."""
     first, stop = m.joints.start, m.joints.stop
     name = " or ".join(bound.name for bound in bounds) or "joint acceleration"
     blocks = [RowBlock(name, "rad/s²", first, stop, robot.joint_names)]

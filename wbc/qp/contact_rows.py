@@ -34,6 +34,6 @@ class ContactRows:
         return ((contact, rows) for contact, rows, _, _ in self._parts)
 
     def write(self, kin: Kinematics) -> None:
-        """Recompute J and a."""
+        """Compute J and a of the present state."""
         for contact, _, J, a in self._parts:
             write_rows(contact, kin, J, a)

@@ -30,7 +30,7 @@ class Regularisation:
 
 
 class Cost:
-    """Sums up `½ Σ w (A v̇ − b)²` of all tasks as `½ xᵀ H x + gᵀ x`.
+    """The sum `½ Σ w (A v̇ − b)²` over all tasks as `½ xᵀ H x + gᵀ x`.
 
     With the residual of all rows written `G x̂`, x̂ = (x, 1), the product `Gᵀ G` holds H and,
     in its last column, g. Tasks on single joints and the regularisation of unknowns only
@@ -86,15 +86,15 @@ class Cost:
         self._base_rows = self._G[size + m.eliminated :]
         self._root_force = float(np.sqrt(regularisation.force))
         self._product = np.zeros((n + 1, n + 1))
-        self._small = np.zeros(n)
-        self._small[m.joints] = regularisation.acceleration
-        self._small[m.free] = regularisation.force * m.unit**2
+        self._diagonal_cost = np.zeros(n)
+        self._diagonal_cost[m.joints] = regularisation.acceleration
+        self._diagonal_cost[m.free] = regularisation.force * m.unit**2
         self._H = np.zeros((n, n))
         self._g = np.zeros(n)
         self._diagonal = self._H.reshape(-1)[:: n + 1]
 
     def build(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
-        """H (n, n) and g (n,), valid until the next call."""
+        """Return H (n, n) and g (n,), valid until the next call."""
         m, A, b, G, rows = self._m, self._A, self._b, self._G, self._task_rows
         for task, A_task, b_task, root in self._tasks:
             write_rows(task, kin, A_task, b_task)
@@ -112,7 +112,7 @@ class Cost:
         np.dot(G.T, G, out=product)
         H[:] = product[:-1, :-1]
         g[:] = product[:-1, -1]
-        diagonal += self._small
+        diagonal += self._diagonal_cost
         for joint_task, index, b_joint in self._joint_tasks:
             write_joint_rows(joint_task, kin, b_joint)
             diagonal[index] += joint_task.weight
@@ -121,7 +121,7 @@ class Cost:
 
 
 def _slice_if_possible(index: np.ndarray) -> np.ndarray | slice:
-    """A run of consecutive indices as a slice, which is several times faster."""
+    """Return consecutive indices as a slice, which is several times faster."""
     if index.size and np.array_equal(index, np.arange(index[0], index[0] + index.size)):
         return slice(int(index[0]), int(index[0]) + index.size)
     return index

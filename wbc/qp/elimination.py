@@ -8,10 +8,10 @@ is a single matrix whose last column is the constant part:
 
 and the joint accelerations are a run of entries of x. So the rows of tasks, contacts and
 limits are assembled in one way, constants and all. The dynamics are
-`M v̇ + h = Sᵀ τ + Jᵀ f`; its six base rows are what the formulations get rid of:
+`M v̇ + h = Sᵀ τ + Jᵀ f`; the formulations differ in how they treat its six base rows:
 
 - `NoElimination`: x = (v̇, f); the base rows remain as equalities E x̂ = 0. The readable reference.
-- `StanceElimination`: a surface contact that moves exactly as told fixes the base,
+- `StanceElimination`: an exact surface contact determines the motion of the base,
   `J_b v̇_base + J_a q̈ = a`, and its wrench follows from the base rows through the same
   6×6 inverse; x = (q̈, other forces).
 - `BaseElimination`: no such contact; `v̇_base = M_bb⁻¹ (J_bᵀ f − h_b − M_ba q̈)`, x = (q̈, f).
@@ -28,7 +28,7 @@ import numpy as np
 
 
 class Elimination(ABC):
-    """The affine maps of one formulation, kept in arrays that `update` overwrites.
+    """The affine maps of one formulation, in arrays that `update` overwrites.
 
     Args:
         nv: size of the generalised velocity.
@@ -71,7 +71,7 @@ class Elimination(ABC):
             M: (nv, nv) mass matrix.
             h: (nv,) bias forces.
             J: (nf, nv) stacked contact Jacobians, contact axes.
-            a: (nf,) accelerations that the contacts are told, `J v̇ = a`.
+            a: (nf,) prescribed accelerations of the contacts, `J v̇ = a`.
         """
 
     def project(self, A: np.ndarray, out: np.ndarray) -> None:
@@ -80,7 +80,7 @@ class Elimination(ABC):
         out[:, self.joints] += A[:, 6:]
 
     def acceleration(self, x: np.ndarray) -> np.ndarray:
-        """(nv,) generalised acceleration, from x̂ (n + 1,)."""
+        """Return the generalised acceleration (nv,) of x̂ (n + 1,)."""
         return np.concatenate((self.B @ x, x[self.joints]))
 
 
@@ -122,7 +122,7 @@ class BaseElimination(Elimination):
 class StanceElimination(Elimination):
     """x = (q̈, forces of all contacts but the first).
 
-    The first six rows of J belong to a surface contact that moves exactly as told. With
+    The first six rows of J belong to an exact surface contact. With
     X the inverse of their base columns, P = −X J_a and J' the other contacts' rows,
 
         v̇_base = P q̈ + X a,                   f_1 = Xᵀ (M_b v̇ + h_b − J'_bᵀ f'),
@@ -159,7 +159,7 @@ class StanceElimination(Elimination):
 
 
 def inverse_of_action(X: np.ndarray) -> np.ndarray:
-    """(6, 6) inverse of the matrix by which a rigid displacement acts on twists.
+    """Return the inverse (6, 6) of the matrix by which a rigid displacement acts on twists.
 
     For `X = [R, S; 0, R]` it is `[Rᵀ, −Rᵀ S Rᵀ; 0, Rᵀ]`.
     """

@@ -1,4 +1,4 @@
-"""Why a QP has no solution: the rows in conflict, named."""
+"""Explains why a QP has no solution by naming the rows in conflict."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ _NO_BOUND = 1e30
 _SOFT = 8  # DAQP's flag: may be violated at a price
 _SOFTNESS = 1e-9  # of the rows against the proximal term
 _MAX_PROXIMAL = 10
-_NEGLIGIBLE = 1e-6  # violation of a row of unit norm
+_MIN_VIOLATION = 1e-6  # violation of a row of unit norm
 _ROWS_PER_BLOCK = 2
 
 
 class ElasticRows:
-    """The rows of a problem with every row allowed to give way.
+    """The rows of a problem, each of which may be violated at a cost.
 
     Finds the point that violates them least: it minimises the sum of the squared violations
     over rows scaled to unit norm, by the proximal point method
@@ -44,7 +44,7 @@ class ElasticRows:
         self._model.setup(np.eye(n), np.zeros(n), self.A, self._ub, self._lb, sense)
 
     def least_violation(self, without: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """The point that violates the rows least, and its violations.
+        """Return the point that violates the rows least, and its violations.
 
         Args:
             without: (bounded + m,) True for rows to be left out.
@@ -68,11 +68,11 @@ class ElasticRows:
 
 
 def explain(problem: Problem) -> str:
-    """One line that names what cannot hold together: a least set of blocks and their worst rows.
+    """Return one line that names a minimal set of conflicting blocks and their worst rows.
 
     E.g. "cannot hold together: torque limit [leg_left_4_joint] above its maximum by 12 N·m;
     jump [z] off by 3 m/s²". A block is left out when the others are in conflict without it.
-    Empty when the rows can hold together.
+    The line is empty when all rows can hold together.
     """
     crossed = np.flatnonzero(problem.lb > problem.ub)
     if crossed.size:
@@ -84,37 +84,37 @@ def explain(problem: Problem) -> str:
         )
     elastic = ElasticRows(problem)
     _, violation = elastic.least_violation()
-    if np.abs(violation).max(initial=0.0) < _NEGLIGIBLE:
+    if np.abs(violation).max(initial=0.0) < _MIN_VIOLATION:
         return ""
-    guilty, violation = _least_blocks(problem, elastic, violation)
+    conflicting, violation = _least_blocks(problem, elastic, violation)
     violation = violation * elastic.norm
     return "cannot hold together: " + "; ".join(
-        _describe(problem, block, violation) for block in guilty
+        _describe(problem, block, violation) for block in conflicting
     )
 
 
 def _least_blocks(
     problem: Problem, elastic: ElasticRows, violation: np.ndarray
 ) -> tuple[list[RowBlock], np.ndarray]:
-    """Blocks none of which can be left out, and the violations of their rows alone."""
+    """Return blocks none of which can be left out, and the violations of their rows alone."""
     size = np.abs(violation)
 
     def share(block: RowBlock) -> float:
         return float(size[block.start : block.stop].max())
 
-    suspects = sorted((b for b in problem.blocks if share(b) > 0.0), key=share)
+    candidates = sorted((b for b in problem.blocks if share(b) > 0.0), key=share)
     without = np.ones(size.size, dtype=bool)
-    for block in suspects:
+    for block in candidates:
         without[block.start : block.stop] = False
-    guilty = []
-    for block in suspects:
+    conflicting = []
+    for block in candidates:
         rows = slice(block.start, block.stop)
         without[rows] = True
         _, remaining = elastic.least_violation(without)
-        if np.abs(remaining).max() < _NEGLIGIBLE:
+        if np.abs(remaining).max() < _MIN_VIOLATION:
             without[rows] = False
-            guilty.append(block)
-    return guilty[::-1], elastic.least_violation(without)[1]
+            conflicting.append(block)
+    return conflicting[::-1], elastic.least_violation(without)[1]
 
 
 def _describe(problem: Problem, block: RowBlock, violation: np.ndarray) -> str:

@@ -1,7 +1,7 @@
 """Copies what tasks, contacts and limits ask for into the kernels' buffers, tick by tick.
 
-One function per kind: it is told once where an object's numbers go, and returns a function that
-copies them. Gains are copied only when they were set anew.
+One function per kind: it looks up once where an object's numbers go and returns a function that
+copies them in each tick. Gains are copied only when they were set anew.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from wbc.tasks import JointTask, MotionTask, PostureTask, Task, TaskReference
 Update = Callable[[Kinematics], None]
 
 
-def inherits(thing: object, owner: type, method: str) -> bool:
+def inherits(instance: object, owner: type, method: str) -> bool:
     """Return whether a method is the library's own, which the kernels implement."""
-    return isinstance(thing, owner) and getattr(type(thing), method) is getattr(owner, method)
+    return isinstance(instance, owner) and getattr(type(instance), method) is getattr(owner, method)
 
 
 def has_motion_kernel(task: Task) -> bool:

@@ -1,4 +1,4 @@
-"""The quadratic program in the form that every solver adapter gets."""
+"""The quadratic program and its solution, in the form that every solver uses."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ class Problem:
     finite: bool = True
 
     def values(self, x: np.ndarray) -> np.ndarray:
-        """(bounded + m,) what the bounds are compared with at x."""
+        """Return what the bounds are compared with at x, (bounded + m,)."""
         return np.concatenate((x[: self.bounded], self.C @ x))
 
     def violation(self, x: np.ndarray) -> np.ndarray:
-        """(bounded + m,) by how much each row is violated at x, 0 where it is not."""
+        """Return by how much each row is violated at x, (bounded + m,), 0 where it is not."""
         y = self.values(x)
         return np.asarray(np.maximum(np.maximum(self.lb - y, y - self.ub), 0.0))
 
@@ -65,8 +65,8 @@ class Solution:
     Attributes:
         x: (n,).
         outcome: solved, infeasible or failed.
-        iterations: as the solver counts them; 0 when it doesn't say.
-        detail: the solver's own word on a failure.
+        iterations: as the solver counts them; 0 when it does not report them.
+        detail: the solver's own message on a failure.
     """
 
     x: np.ndarray

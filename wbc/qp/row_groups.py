@@ -1,7 +1,7 @@
 """Groups of constraint rows, one class per kind of constraint.
 
-Each group owns a run of rows `low ≤ R x̂ ≤ high`, x̂ = (x, 1): it is given views of its rows
-once, and rewrites every tick what changes.
+Each group owns consecutive rows `low ≤ R x̂ ≤ high`, x̂ = (x, 1): it is given views of its rows
+once and rewrites in every tick what has changed.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ _AXES = ("x", "y", "z", "roll", "pitch", "yaw")
 
 
 class RowGroup(ABC):
-    """A run of constraint rows.
+    """Consecutive constraint rows of one kind.
 
     Attributes:
         blocks: names of its rows, counted from its first row.
@@ -45,11 +45,11 @@ class RowGroup(ABC):
 
     @abstractmethod
     def write(self, kin: Kinematics) -> None:
-        """Rewrite what changed."""
+        """Rewrite what has changed since the last tick."""
 
 
 class BaseDynamicsRows(RowGroup):
-    """`E x̂ = 0`, where the formulation leaves the base's dynamics as equalities."""
+    """`E x̂ = 0`, for a formulation that leaves the base's dynamics as equalities."""
 
     equality = True
 
@@ -65,7 +65,7 @@ class BaseDynamicsRows(RowGroup):
 
 
 class ExactRows(RowGroup):
-    """Exact contacts and exact tasks, `A v̇ = b`, stacked and projected in one go."""
+    """Exact contacts and exact tasks, `A v̇ = b`, stacked and projected together."""
 
     equality = True
 

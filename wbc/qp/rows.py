@@ -1,4 +1,4 @@
-"""Named rows: what tasks, contacts and limits hand to the QP."""
+"""Names and units of the rows of a QP, for explanations."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class RowBlock:
-    """A run of consecutive rows that belong to one thing.
+    """Consecutive rows that belong to one task, contact or limit.
 
     Attributes:
-        name: whose rows they are, e.g. "torque limit" or "right_sole cone".
+        name: the owner, e.g. "torque limit" or "right_sole cone".
         unit: unit of the rows' values, e.g. "N·m"; or two of them, "m/s², rad/s²".
         start: first row.
         stop: one past the last row.
@@ -26,11 +26,11 @@ class RowBlock:
     switch: int = 3
 
     def label(self, row: int) -> str:
-        """Text for a row by its index in the whole problem."""
+        """Return the text for a row, by its index in the whole problem."""
         k = row - self.start
         return f"{self.name} [{self.labels[k]}]" if self.labels else f"{self.name} [{k}]"
 
     def unit_of(self, row: int) -> str:
-        """Unit of a row by its index in the whole problem."""
+        """Return the unit of a row, by its index in the whole problem."""
         units = self.unit.split(", ")
         return units[0] if row - self.start < self.switch else units[-1]

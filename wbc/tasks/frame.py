@@ -13,12 +13,12 @@ from wbc.tasks.motion import HELD, MotionTask, TaskReference
 
 
 def is_rotation(R: np.ndarray) -> bool:
-    """Whether a (3, 3) matrix is a rotation (to 1e-6): orthonormal and right-handed."""
+    """Return whether a (3, 3) matrix is a rotation (to 1e-6): orthonormal and right-handed."""
     return bool(abs(R @ R.T - np.eye(3)).max() < 1e-6 and np.linalg.det(R) > 0.0)
 
 
 class _FrameTask(MotionTask):
-    """What the three frame tasks share: the frame and how it is to move."""
+    """Base of the three frame tasks: the frame and its desired motion."""
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class FrameTask(_FrameTask):
 
     Attributes:
         frame: name of the frame.
-        target: `T_world_frame` wanted; None: held where first evaluated.
+        target: desired `T_world_frame`; None: held where first evaluated.
         velocity: (6,) reference velocity, m/s and rad/s, world axes.
         acceleration: (6,) feed-forward, m/s² and rad/s².
 

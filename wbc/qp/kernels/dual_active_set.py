@@ -2,10 +2,10 @@
 
     min ½ xᵀ H x + gᵀ x   subject to   lb ≤ [x[:bounded]; C x] ≤ ub
 
-With H = Uᵀ U, w = U⁻ᵀ g and y = U x + w the cost is ½ |y|², and a row c x ≤ u reads
-m·y ≤ d for m = U⁻ᵀ c, d = u + m·w. For a working set of rows held at their bounds the
-multipliers solve K λ = −d with K = M Mᵀ, and y = −Mᵀ λ. Starting from any set with λ ≥ 0, that
-of the last tick say, rows are added (the most violated one) and removed (the one whose
+With H = L Lᵀ, w = L⁻¹ g and y = Lᵀ x + w the cost is ½ |y|², and a row c x ≤ u reads
+m·y ≤ d for m = L⁻¹ c, d = u + m·w. For a working set of rows held at their bounds the
+multipliers solve K λ = −d with K = M Mᵀ, and y = −Mᵀ λ. Starting from any set with λ ≥ 0, such as
+that of the last tick, rows are added (the most violated one) and removed (the one whose
 multiplier would change sign first) until neither is needed; the dual cost rises at each step
 (Goldfarb and Idnani, A numerically stable dual method for solving strictly convex quadratic
 programs, Mathematical Programming 1983; the start from any set as in Arnström, Bemporad and
@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.jit.compile import kernel, subkernel
-from wbc.qp.kernels.factors import cholesky, solve_factored, solve_transposed, solve_upper
+from wbc.qp.kernels.factors import cholesky, solve_factored, solve_lower, solve_lower_transposed
 from wbc.qp.kernels.schema import reader
 from wbc.qp.kernels.working_set import (
     Inequality,
@@ -45,20 +45,20 @@ _read_workspace = reader(SOLVER_GROUPS, Workspace)
 
 @subkernel
 def point_of(active: WorkingSet, work: Workspace, size: int) -> None:
-    """x of the multipliers: U x = −Mᵀ λ − w."""
+    """Compute x of the multipliers: Lᵀ x = −Mᵀ λ − w."""
     x, n = work.x, work.x.size
     for i in range(n):
         x[i] = -work.w[i]
     for k in range(size):
-        factor, m = active.multiplier[k], active.M[k]
+        factor = active.multiplier[k]
         for i in range(n):
-            x[i] -= factor * m[i]
-    solve_upper(work.U, x)
+            x[i] -= factor * active.M[k, i]
+    solve_lower_transposed(work.L, x, x.size)
 
 
 @subkernel
 def most_violated(rows: Inequality, work: Workspace, tolerance: float) -> tuple[int, int]:
-    """Row whose bound is violated most for its scale, and the side; (−1, 0) when none is."""
+    """Return the row that is violated most for its scale, and the side; (−1, 0) when none is."""
     worst, at, side = tolerance, -1, 0
     for row in range(rows.lb.size):
         if work.used[row] != 0:
@@ -76,7 +76,7 @@ def most_violated(rows: Inequality, work: Workspace, tolerance: float) -> tuple[
 def first_to_vanish(
     active: WorkingSet, target: np.ndarray, size: int, is_equality: np.ndarray
 ) -> tuple[int, float]:
-    """Which multiplier changes sign first on the way to the target, and after what share."""
+    """Return which multiplier changes sign first on the way to the target, and at what share."""
     largest = 0.0
     for k in range(size):
         largest = max(largest, abs(target[k]))
@@ -119,7 +119,7 @@ def refine(
             active.multiplier[k] += residual[k]
             for i in range(n):
                 step[i] += residual[k] * active.M[k, i]
-        solve_upper(work.U, step)
+        solve_lower_transposed(work.L, step, n)
         for i in range(n):
             x[i] -= step[i]
     return worst
@@ -161,11 +161,11 @@ def solve(
     work = _read_workspace(real_arrays, integer_arrays, table)
     rows = Inequality(C, lb, ub, bounded, is_equality)
     target, w = work.target, work.w
-    if not cholesky(H, work.U):
+    if not cholesky(H, work.L):
         return NOT_CONVEX
     for k in range(g.size):
         w[k] = g[k]
-    solve_transposed(work.U, w, np.int64(0))
+    solve_lower(work.L, w, np.int64(0))
     size = start_from_last(rows, active, work)
     outcome = ITERATION_LIMIT
     iteration = 0

@@ -33,7 +33,7 @@ def invert_action(X: np.ndarray, out: np.ndarray) -> None:
 def eliminate(
     maps: AffineMaps, M: np.ndarray, h: np.ndarray, J: np.ndarray, a: np.ndarray, unit: float
 ) -> None:
-    """B, W, T of the elimination, see `wbc.qp.elimination`."""
+    """Compute B, W and T of the elimination, see `wbc.qp.elimination`."""
     B, W, T, S, stance = maps.B, maps.W, maps.T, maps.base_force, maps.stance_joints
     nv, nf = M.shape[0], J.shape[0]
     na, last = nv - 6, B.shape[1] - 1
@@ -86,7 +86,7 @@ def eliminate(
 
 @subkernel
 def add_product(weights: np.ndarray, B: np.ndarray, out: np.ndarray) -> None:
-    """out += Bᵀ weights for six rows B. Six products in one pass: it is the stores that cost."""
+    """out += Bᵀ weights for six rows B. Six products in one pass, which saves stores."""
     w0, w1, w2, w3, w4, w5 = weights[0], weights[1], weights[2], weights[3], weights[4], weights[5]
     for c in range(out.size):
         out[c] += (w0 * B[0, c] + w1 * B[1, c] + w2 * B[2, c]) + (
@@ -96,7 +96,7 @@ def add_product(weights: np.ndarray, B: np.ndarray, out: np.ndarray) -> None:
 
 @subkernel
 def add_columns(weights: np.ndarray, B: np.ndarray, columns: np.ndarray, out: np.ndarray) -> None:
-    """The same in some columns only."""
+    """out += Bᵀ weights for six rows B, in some columns only."""
     w0, w1, w2, w3, w4, w5 = weights[0], weights[1], weights[2], weights[3], weights[4], weights[5]
     for c in columns:
         out[c] += (w0 * B[0, c] + w1 * B[1, c] + w2 * B[2, c]) + (

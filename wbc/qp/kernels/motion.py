@@ -12,7 +12,7 @@ from wbc.qp.kernels.groups import Frames, Tree
 
 @subkernel
 def sweep(tree: Tree, J: np.ndarray, v: np.ndarray) -> None:
-    """Spatial velocity and bias acceleration of all bodies, at the world's origin.
+    """Compute spatial velocity and bias acceleration of all bodies, at the world's origin.
 
     With joint columns J_i of the world Jacobian, v_i = v_p + J_i q̇_i and
     a_i = a_p + v_p × J_i q̇_i (Featherstone 2008, §2.10: each column moves with its body).
@@ -48,7 +48,7 @@ def sweep(tree: Tree, J: np.ndarray, v: np.ndarray) -> None:
 
 @subkernel
 def place_frames(frames: Frames, joint_placements: np.ndarray) -> None:
-    """Placement of each frame in the world.
+    """Compute the placement of each frame in the world.
 
     Args:
         frames: the frames.
@@ -67,7 +67,7 @@ def place_frames(frames: Frames, joint_placements: np.ndarray) -> None:
 
 @subkernel
 def move_frames(tree: Tree, frames: Frames, J: np.ndarray) -> None:
-    """Jacobian, velocity and classical bias acceleration of each frame's origin."""
+    """Compute Jacobian, velocity and classical bias acceleration of each frame's origin."""
     for k in range(1, frames.body.size):
         x, y, z = frames.placement[k, 0, 3], frames.placement[k, 1, 3], frames.placement[k, 2, 3]
         body = frames.body[k]
@@ -102,7 +102,7 @@ def move_frames(tree: Tree, frames: Frames, J: np.ndarray) -> None:
 def move_centroid(
     frames: Frames, M: np.ndarray, h: np.ndarray, v: np.ndarray, mass: float, gravity: np.ndarray
 ) -> None:
-    """Entry 0 of the frames, see `wbc.kinematics.Kinematics._centroidal`.
+    """Compute entry 0 of the frames, see `wbc.kinematics.Kinematics.centroid`.
 
     The CoM in base axes is read off the base rows of M: M[0:3, 3:6] = −m [c]×.
     """
@@ -165,7 +165,7 @@ def log3(R: np.ndarray, S: np.ndarray, out: np.ndarray) -> None:
         factor = 0.5 * angle / sine if sine > 1e-8 else 0.5
         out[0], out[1], out[2] = factor * x, factor * y, factor * z
         return
-    # Near half a turn the axis is what the symmetric part says, its sign what the sines say.
+    # Near half a turn the axis follows from the symmetric part, its sign from the sines.
     scale = angle / math.sqrt(1.0 - cosine)
     out[0] = scale * math.copysign(math.sqrt(max(Q[0] - cosine, 0.0)), x)
     out[1] = scale * math.copysign(math.sqrt(max(Q[1] - cosine, 0.0)), y)

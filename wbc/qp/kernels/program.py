@@ -43,7 +43,7 @@ def write_cost(
     v: np.ndarray,
     root_force: float,
 ) -> None:
-    """H and g of `½ |G x̂|²`, the regularisation and the tasks on single joints."""
+    """Write H and g of `½ |G x̂|²`, the regularisation and the tasks on single joints."""
     G, H, g = program.G, program.H, program.g
     n, eliminated = g.size, 6 if maps.stance_joints.size > 0 else 0
     count = rows.root_weight.size
@@ -91,7 +91,7 @@ def split(affine: np.ndarray, row: np.ndarray) -> float:
 def write_limit_rows(
     inequalities: Inequalities, maps: AffineMaps, program: QuadraticProgram, first: int
 ) -> None:
-    """Rows of the general limits, from row `first` of C on."""
+    """Write the rows of the general limits, from row `first` of C on."""
     n, na = program.C.shape[1], maps.T.shape[0]
     affine = np.empty(n + 1)
     for r in range(inequalities.lower.size):
@@ -111,7 +111,7 @@ def write_limit_rows(
 def write_force_rows(
     contacts: Contacts, maps: AffineMaps, program: QuadraticProgram, first: int, unit: float
 ) -> None:
-    """Rows of the force cones and normal forces, from row `first` of C on."""
+    """Write the rows of the force cones and normal forces, from row `first` of C on."""
     C, lb, ub, W = program.C, program.lb, program.ub, maps.W
     n, na = C.shape[1], maps.T.shape[0]
     eliminated = 6 if maps.stance_joints.size > 0 else 0
@@ -154,7 +154,7 @@ def write_constraints(
     v: np.ndarray,
     unit: float,
 ) -> None:
-    """C, lb and ub; the order of the rows as in `wbc.qp.constraints`."""
+    """Write C, lb and ub; the order of the rows is that of `wbc.qp.constraints`."""
     C, lb, ub = program.C, program.lb, program.ub
     n, na = C.shape[1], maps.T.shape[0]
     write_joint_bounds(bounds, q, v, lb[:na], ub[:na])

@@ -15,7 +15,7 @@ ACCELERATIONS, POSITIONS, VELOCITIES = 0, 1, 2  #: kinds of `JointBounds`
 
 @subkernel
 def write_tasks(tasks: MotionTasks, frames: Frames, rows: DenseRows) -> None:
-    """`A v̇ = b` of the tasks, see `wbc.tasks.motion.MotionTask`."""
+    """Write `A v̇ = b` of the tasks, see `wbc.tasks.motion.MotionTask`."""
     error = np.empty(6)
     for t in range(tasks.frame.size):
         k, first, size, row = tasks.frame[t], tasks.component[t], tasks.size[t], tasks.row[t]
@@ -41,7 +41,7 @@ def write_tasks(tasks: MotionTasks, frames: Frames, rows: DenseRows) -> None:
 
 @subkernel
 def write_contacts(contacts: Contacts, frames: Frames, rows: DenseRows) -> None:
-    """`J v̇ = a` of the contacts in their axes; copied to the rows unless eliminated."""
+    """Write `J v̇ = a` of the contacts in their axes; copy it to the rows unless eliminated."""
     J, a = contacts.jacobian, contacts.acceleration
     for i in range(contacts.frame.size):
         k, start, size, row = (
@@ -77,7 +77,7 @@ def write_contacts(contacts: Contacts, frames: Frames, rows: DenseRows) -> None:
 def write_joint_bounds(
     bounds: JointBounds, q: np.ndarray, v: np.ndarray, lb: np.ndarray, ub: np.ndarray
 ) -> None:
-    """Tightest bounds of all limits; the middle where two exclude each other."""
+    """Write the tightest bounds of all limits; the middle where two exclude each other."""
     for j in range(lb.size):
         low, high = -np.inf, np.inf
         position, velocity = q[7 + j], v[6 + j]
@@ -106,8 +106,11 @@ def write_joint_bounds(
 def max_acceleration_towards_limit(
     distance: float, velocity: float, braking: float, horizon: float, recovery: float
 ) -> float:
-    """The law of `wbc.limits.JointPositionLimit`, for one joint and one of its two limits."""
-    room = 2.0 * max(distance, distance * horizon / recovery) - horizon * velocity
+    """Return the largest acceleration towards one of a joint's two position limits.
+
+    The law is that of `wbc.limits.JointPositionLimit`.
+    """
+    clearance = 2.0 * max(distance, distance * horizon / recovery) - horizon * velocity
     half = 0.5 * horizon * braking
-    speed = math.sqrt(max(room, 0.0) * braking + half * half) - half
-    return max((speed + min(room, 0.0) / horizon - velocity) / horizon, -braking)
+    speed = math.sqrt(max(clearance, 0.0) * braking + half * half) - half
+    return max((speed + min(clearance, 0.0) / horizon - velocity) / horizon, -braking)

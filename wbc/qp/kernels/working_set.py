@@ -11,7 +11,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from wbc.jit.compile import subkernel
-from wbc.qp.kernels.factors import factor_row, solve_factored, solve_transposed
+from wbc.qp.kernels.factors import factor_row, solve_factored, solve_lower
 from wbc.qp.kernels.schema import integers, reals
 
 _ZERO_NORM = 1e-9  # norm below which a row has no direction
@@ -48,8 +48,8 @@ class Workspace(NamedTuple):
 
     Attributes:
         x: the solution.
-        U: upper factor of H.
-        w: U⁻ᵀ g.
+        L: lower factor of H.
+        w: L⁻¹ g.
         scale: one over the norm of each row, see `scale_of`.
         used: 1 for rows in the working set.
         target: multipliers at which all rows of the working set meet their bounds.
@@ -59,7 +59,7 @@ class Workspace(NamedTuple):
     """
 
     x: Annotated[np.ndarray, reals("unknowns")]
-    U: Annotated[np.ndarray, reals("unknowns", "unknowns")]
+    L: Annotated[np.ndarray, reals("unknowns", "unknowns")]
     w: Annotated[np.ndarray, reals("unknowns")]
     scale: Annotated[np.ndarray, reals("rows")]
     used: Annotated[np.ndarray, integers("rows")]
@@ -83,23 +83,22 @@ class Inequality(NamedTuple):
 
 @subkernel
 def value_of(rows: Inequality, row: int, x: np.ndarray) -> float:
-    """What the bounds of a row are compared with at x."""
+    """Return what the bounds of a row are compared with at x."""
     if row < rows.bounded:
         y: float = x[row]
         return y
-    c = rows.C[row - rows.bounded]
     y = 0.0
     for k in range(x.size):
-        y += c[k] * x[k]
+        y += rows.C[row - rows.bounded, k] * x[k]
     return y
 
 
 @subkernel
 def scale_of(rows: Inequality, row: int, scale: np.ndarray) -> float:
-    """One over the norm of a row, computed when it is first asked for.
+    """Return one over the norm of a row, computed on first use.
 
-    Negative for a row of which elimination left nothing but rounding errors: it holds, or does
-    not, whatever x.
+    Negative for a row of which elimination left only rounding errors: whether it holds does not
+    depend on x.
     """
     if scale[row] == 0.0:
         s = 1.0
@@ -108,8 +107,8 @@ def scale_of(rows: Inequality, row: int, scale: np.ndarray) -> float:
             for c in rows.C[row - rows.bounded]:
                 s += c * c
         scale[row] = 1.0 / math.sqrt(s) if s > _ZERO_NORM * _ZERO_NORM else -1.0
-    known: float = scale[row]
-    return known
+    factor: float = scale[row]
+    return factor
 
 
 @subkernel
@@ -125,12 +124,12 @@ def append(
         for i in range(n):
             m[i] = 0.0
         m[row] = sign
-        solve_transposed(work.U, m, row)
+        solve_lower(work.L, m, row)
     else:
         c = rows.C[row - rows.bounded]
         for i in range(n):
             m[i] = sign * c[i]
-        solve_transposed(work.U, m, np.int64(0))  # a literal would be compiled apart
+        solve_lower(work.L, m, np.int64(0))  # a literal would be compiled apart
     s = rows.ub[row] if side > 0 else -rows.lb[row]
     for i in range(n):
         s += m[i] * work.w[i]

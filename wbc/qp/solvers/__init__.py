@@ -18,7 +18,7 @@ def make_solver(name: str | None = None, **options: object) -> NamedSolver:
         options: passed on to the solver, by its own names.
 
     Raises:
-        SolverNotFound: unknown or not installed; the text says what is there.
+        SolverNotFound: it is unknown or not installed; the text lists what is.
     """
     if name is None:
         name = "wbc" if load_qp_kernels() else "daqp"

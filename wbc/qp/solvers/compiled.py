@@ -1,4 +1,4 @@
-"""The library's own dual active-set method, compiled: the default where Numba is."""
+"""The library's own dual active-set solver, compiled: the default when Numba is installed."""
 
 from __future__ import annotations
 
@@ -21,17 +21,16 @@ from wbc.qp.solvers.daqp import DaqpSolver
 
 _TOLERANCE = 1e-9
 _ITERATIONS = 200
-_LOOSER = (1.0, 10.0, 100.0)  # factors on the tolerance that are tried when a cold solve fails
+_TOLERANCE_FACTORS = (10.0, 100.0)  # tried when a cold solve fails
 
 
 class CompiledSolver:
-    """A dual active-set method that starts from the working set of the last tick.
+    """A dual active-set solver that starts from the working set of the last tick.
 
-    See `wbc.qp.kernels.dual_active_set`. A stale working set can mislead it: a cold solve
-    follows. Where many rows all but meet in a point, as when a foot is unloaded to nothing, it
-    may go round in circles over the last digit of its tolerance, or take that digit for a
-    contradiction: so it is tried with 10 and 100 times that. What it still does not solve is
-    given to DAQP, which has the last word.
+    See `wbc.qp.kernels.dual_active_set`. A warm start from an outdated working set can fail: a
+    cold solve follows, then one by DAQP. Where many rows nearly meet in a point, as when a foot
+    is unloaded completely, the method may cycle within its tolerance or report a conflict; a
+    problem that DAQP cannot solve either is tried again with 10 and 100 times the tolerance.
 
     Args:
         tolerance: by how much a row of unit norm may be violated.
@@ -54,16 +53,16 @@ class CompiledSolver:
         state.reset()
         if self._attempt(problem, state, self._tolerance) == SOLVED:
             return state.solution()
-        second = DaqpSolver().solve(problem)
-        if second.outcome is Outcome.SOLVED:
+        fallback = DaqpSolver().solve(problem)
+        if fallback.outcome is Outcome.SOLVED:
             state.reset()
-            return second
-        for factor in _LOOSER[1:]:
+            return fallback
+        for factor in _TOLERANCE_FACTORS:
             state.reset()
             if self._attempt(problem, state, factor * self._tolerance) == SOLVED:
                 return state.solution()
         state.reset()
-        return second
+        return fallback
 
     def _attempt(self, problem: Problem, state: _SolverState, tolerance: float) -> int:
         code = solve(
@@ -112,14 +111,14 @@ class _SolverState:
         self.x = memory.group(Workspace).x
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Copy what one solve leaves to the next: the working set and its multipliers."""
+        """Copy the working set and its multipliers: all that one solve hands on to the next."""
         active = self._active
         return _SolverState, self._sizes, (active.size, active.row, active.side, active.multiplier)
 
-    def __setstate__(self, kept: tuple[np.ndarray, ...]) -> None:
+    def __setstate__(self, saved: tuple[np.ndarray, ...]) -> None:
         active = self._active
-        copies = (active.size, active.row, active.side, active.multiplier)
-        for array, values in zip(copies, kept, strict=True):
+        targets = (active.size, active.row, active.side, active.multiplier)
+        for array, values in zip(targets, saved, strict=True):
             array[:] = values
 
     def solution(self) -> Solution:

@@ -19,25 +19,24 @@ _EQUALITY = 5  # DAQP's flags: active and immutable
 _SOLVED = (1, 4)  # optimal; optimal up to rounding errors
 _INFEASIBLE = -1
 _CYCLING = -2
-_LOOSER = (1.0, 10.0, 100.0)  # factors on primal_tol that are tried when a cold solve cycles
+_TOLERANCE_FACTORS = (1.0, 10.0, 100.0)  # of primal_tol, for cold solves
 
-_NOTHING = 1e-9  # norm of a row that is none; share of a row that the others do not span
+_ZERO_NORM = 1e-9  # norm of a zero row; share of a row that the others do not span
 _CONTRADICTION = 1e-8  # of a row that follows from the others
 
 _Key = tuple[int, int, bytes]
 
 
 class DaqpSolver:
-    """A dual active-set method that starts from the active set of the last tick.
+    """A dual active-set solver that starts from the active set of the last tick.
 
     Args:
         settings: DAQP's own, by their names. `primal_tol` is in the units of the rows.
 
-    A cold solve has the last word on failure: a stale active set can mislead the warm start.
-    Where bounds all but coincide, as when a foot is unloaded to nothing, the method may go round
-    in circles over the last digit of `primal_tol`, or take it for a contradiction; then it is
-    tried again with 10 and 100 times that. Equalities that follow from others are left out, and
-    looked at afterwards.
+    A warm start from an outdated active set can fail: a cold solve follows. Where bounds nearly
+    coincide, as when a foot is unloaded completely, the method may cycle within `primal_tol` or
+    report a conflict; it is then tried again with 10 and 100 times that tolerance. Equalities that
+    follow from others are left out and checked afterwards.
     """
 
     name = "daqp"
@@ -73,7 +72,7 @@ class DaqpSolver:
         import daqp  # not before it is needed: `import wbc` stays light
 
         iterations = 0
-        for factor in _LOOSER:
+        for factor in _TOLERANCE_FACTORS:
             model = daqp.Model()
             tolerance = factor * self._settings["primal_tol"]
             model.settings = {**self._settings, "primal_tol": tolerance}
@@ -83,7 +82,7 @@ class DaqpSolver:
                 x, _, flag, info = model.solve()
                 iterations += info["iterations"]
                 if flag in _SOLVED and scaled.holds(x):
-                    if factor == 1.0:  # a looser model is not kept for the ticks to come
+                    if factor == 1.0:  # a model of larger tolerance is not reused
                         self._models[key] = _WarmModel(model, ub, lb, scaled.redundant)
                     return Solution(scaled.unit * x, Outcome.SOLVED, iterations)
                 if flag in _SOLVED:
@@ -95,10 +94,10 @@ class DaqpSolver:
 
 
 class _Scaled:
-    """A problem as DAQP gets it: with unknowns of one curvature, without redundant rows.
+    """A problem in the form for DAQP: unknowns of equal curvature, no redundant rows.
 
-    DAQP's tolerances are absolute in the scale of the cost, and what looks singular to it gets
-    proximal steps, which end before the optimum.
+    DAQP's tolerances are absolute in the scale of the cost, and a Hessian that it considers
+    singular gets proximal steps, which end before the optimum.
 
     Attributes:
         unit: (n,) the problem's unknowns are `unit * x`.
@@ -126,7 +125,7 @@ class _Scaled:
             self.lb[rows], self.ub[rows], self.sense[rows] = -_NO_BOUND, _NO_BOUND, 0
 
     def holds(self, x: np.ndarray) -> bool:
-        """Whether x is finite and holds the rows that were left out."""
+        """Return whether x is finite and satisfies the rows that were left out."""
         if not math.isfinite(x.dot(x)):
             return False
         if not self.redundant.size:
@@ -137,7 +136,7 @@ class _Scaled:
 
 @dataclass(slots=True)
 class _WarmModel:
-    """A model, the arrays that it looks at, and the rows of C that it does without."""
+    """A model, the arrays that it refers to, and the rows of C that were left out."""
 
     model: Any
     ub: np.ndarray
@@ -146,7 +145,7 @@ class _WarmModel:
 
 
 def _redundant(problem: Problem) -> np.ndarray:
-    """Rows of C that are equalities and follow from those before them, or say nothing."""
+    """Return the equalities of C that are zero or follow from those before them."""
     basis = np.zeros((0, problem.g.size))
     found = []
     for row in np.flatnonzero(problem.equality[problem.bounded :]):
@@ -155,7 +154,7 @@ def _redundant(problem: Problem) -> np.ndarray:
         for _ in range(2):  # twice is enough
             left = left - basis.T @ (basis @ left)
         rest = math.sqrt(left.dot(left))
-        if norm < _NOTHING or rest < _NOTHING * norm:
+        if norm < _ZERO_NORM or rest < _ZERO_NORM * norm:
             found.append(row)
         else:
             basis = np.vstack((basis, left / rest))

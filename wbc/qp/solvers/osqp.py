@@ -17,7 +17,7 @@ _NO_BOUND = 1e30
 
 
 class OsqpSolver:
-    """An operator-splitting method; a few digits, meant for large sparse problems.
+    """An operator-splitting solver of moderate accuracy, meant for large sparse problems.
 
     Args:
         settings: OSQP's own, by their names; `eps_abs` and `eps_rel` are 1e-9 when left out,
@@ -51,26 +51,26 @@ class OsqpSolver:
         from osqp import SolverStatus
 
         key = (problem.g.size, problem.bounded, problem.C.shape[0])
-        known = self._workspaces.get(key)
-        if known is None:
-            known = _OsqpWorkspace(problem, self._settings)
-            self._workspaces[key] = known
+        workspace = self._workspaces.get(key)
+        if workspace is None:
+            workspace = _OsqpWorkspace(problem, self._settings)
+            self._workspaces[key] = workspace
         else:
-            known.update(problem)
-        result = known.solver.solve(raise_error=False)
+            workspace.update(problem)
+        result = workspace.solver.solve(raise_error=False)
         status, codes = result.info.status_val, SolverStatus
         x = np.asarray(result.x, dtype=float)
         if status == codes.OSQP_SOLVED and np.isfinite(x).all():
             return Solution(x, Outcome.SOLVED, result.info.iter)
         infeasible = (codes.OSQP_PRIMAL_INFEASIBLE, codes.OSQP_PRIMAL_INFEASIBLE_INACCURATE)
         outcome = Outcome.INFEASIBLE if status in infeasible else Outcome.FAILED
-        del self._workspaces[key]  # its iterates may be poisoned
+        del self._workspaces[key]  # its iterates may not be finite
         detail = f"osqp: {result.info.status}"
         return Solution(np.zeros(problem.g.size), outcome, result.info.iter, detail)
 
 
 class _OsqpWorkspace:
-    """OSQP set up once for problems of one size; every entry of H and C is structure."""
+    """OSQP, set up once for problems of one size with dense H and C."""
 
     def __init__(self, problem: Problem, settings: dict[str, Any]) -> None:
         import osqp
@@ -93,7 +93,7 @@ class _OsqpWorkspace:
         self.solver.setup(P, problem.g, A, *_clipped(problem), **settings)
 
     def update(self, problem: Problem) -> None:
-        """New numbers, the same structure."""
+        """Replace the numbers of the problem; its structure stays."""
         lb, ub = _clipped(problem)
         H = problem.H[self._upper]
         self.solver.update(q=problem.g, l=lb, u=ub, Px=H, Ax=_columns(problem))
@@ -104,7 +104,7 @@ def _clipped(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _columns(problem: Problem) -> np.ndarray:
-    """Values of [I; C] column by column."""
+    """Return the values of [I; C], column by column."""
     C, bounded = problem.C, problem.bounded
     m, n = C.shape
     values = np.empty(bounded * (m + 1) + (n - bounded) * m)

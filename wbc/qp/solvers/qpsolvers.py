@@ -11,7 +11,7 @@ from wbc.qp.problem import Outcome, Problem, Solution
 
 
 class QpsolversSolver:
-    """A solver by its `qpsolvers` name, set up afresh for each problem.
+    """A solver by its `qpsolvers` name, set up anew for each problem.
 
     Args:
         name: one of `qpsolvers.available_solvers`; one that takes sparse problems only gets them
@@ -29,9 +29,9 @@ class QpsolversSolver:
         import qpsolvers  # imports every installed solver: seconds
 
         if name not in qpsolvers.available_solvers:
-            known = sorted({"wbc", "daqp", "osqp", *qpsolvers.available_solvers})
+            names = sorted({"wbc", "daqp", "osqp", *qpsolvers.available_solvers})
             raise SolverNotFound(
-                f"QP solver '{name}' is unknown or not installed{did_you_mean(name, known)} "
+                f"QP solver '{name}' is unknown or not installed{did_you_mean(name, names)} "
                 f"(most solvers come with  pip install {name}  or  pip install 'wbc[solvers]' )"
             )
         self.name = name
@@ -56,7 +56,7 @@ class QpsolversSolver:
         return Solution(np.zeros(n), Outcome.FAILED, detail=f"{self.name} found no solution")
 
     def _arguments(self, problem: Problem) -> tuple[Any, ...]:
-        """P, q, G, h, A, b, lb and ub."""
+        """Return P, q, G, h, A, b, lb and ub of `qpsolvers.Problem`."""
         bounded, n = problem.bounded, problem.g.size
         lb, ub = np.full(n, -np.inf), np.full(n, np.inf)
         lb[:bounded], ub[:bounded] = problem.lb[:bounded], problem.ub[:bounded]
