@@ -13,7 +13,7 @@ from wbc.errors import WbcError
 
 if TYPE_CHECKING:
     from wbc.ros import Node, QoSProfile
-    from wbc.ros.graph import TopicEndpointInfo, TopicInfo
+    from wbc.ros.graph_snapshot import TopicEndpointInfo, TopicInfo
 
 _DESCRIPTION = """\
 Runs ROS 2 nodes over DDS (Cyclone DDS) and inspects the ROS graph, without a ROS installation.

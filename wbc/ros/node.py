@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from concurrent.futures import Future
 from functools import cached_property
@@ -13,6 +12,7 @@ from wbc.messages import Message
 from wbc.ros import names
 from wbc.ros.dds_endpoints import Waitable
 from wbc.ros.errors import RosError
+from wbc.ros.executor import Executor
 from wbc.ros.graph import Graph
 from wbc.ros.network import Network
 from wbc.ros.parameters import NodeParameter, ParameterServer
@@ -22,9 +22,6 @@ from wbc.ros.qos import DEFAULT, SERVICES, QoSProfile
 from wbc.ros.services import Client, Service, ServiceReply
 from wbc.ros.subscription import RawSubscription, Subscription
 from wbc.ros.timer import Timer
-
-_MAX_WAIT = 0.1  # s: Ctrl-C takes effect at least as often
-_PENDING_WAIT = 0.005  # s
 
 
 class Node(Closeable):
@@ -61,12 +58,8 @@ class Node(Closeable):
         self.namespace = names.normalize_namespace(namespace)
         self.network = network or Network.from_environment()
         self.participant = Participant(self.namespace, self.name, self.network)
-        from cyclonedds.core import WaitSet
-
-        self._wait_set: Any = WaitSet(self.participant.dds)
+        self._executor = Executor(self.participant.dds)
         self._publishers: list[Publisher] = []  # DDS removes writers that nothing refers to
-        self._waitables: list[Waitable] = []
-        self._timers: list[Timer] = []
         self._open = True
 
     def __repr__(self) -> str:
@@ -218,7 +211,7 @@ class Node(Closeable):
         if not timer_period_sec > 0.0:
             raise RosError(f"the period of a timer is {timer_period_sec} s; it must be positive")
         timer = Timer(timer_period_sec, callback)
-        self._timers.append(timer)
+        self._executor.add_timer(timer)
         return timer
 
     @cached_property
@@ -278,32 +271,17 @@ class Node(Closeable):
 
     def add_waitable(self, waitable: Waitable) -> None:
         """Execute a waitable while the node spins, whenever its reader has received messages."""
-        self._waitables.append(waitable)
-        self._wait_set.attach(waitable.reader.condition)
+        self._executor.add_waitable(waitable)
 
     def destroy_subscription(self, subscription: Subscription | RawSubscription) -> None:
         """Remove a subscription."""
-        self._waitables.remove(subscription)
-        self._wait_set.detach(subscription.reader.condition)
+        self._executor.remove_waitable(subscription)
         self.participant.remove(subscription.reader.gid)
         subscription.reader.close()
 
-    def spin_once(self, timeout_sec: float = _MAX_WAIT) -> None:
+    def spin_once(self, timeout_sec: float = 0.1) -> None:
         """Wait for messages or a timer, at most `timeout_sec` s, and run the callbacks due."""
-        now = time.monotonic()
-        if any(waitable.has_pending for waitable in self._waitables):
-            timeout_sec = min(timeout_sec, _PENDING_WAIT)
-        wait = min([timeout_sec, *(timer.next_call - now for timer in self._timers)])
-        received = self._wait_set.wait(int(1e9 * max(wait, 0.0)))
-        for waitable in tuple(self._waitables):
-            if received or waitable.has_pending:
-                waitable.execute()
-        now = time.monotonic()
-        for timer in tuple(self._timers):
-            if timer.is_canceled():
-                self._timers.remove(timer)
-            elif timer.next_call <= now:
-                timer.call(now)
+        self._executor.spin_once(timeout_sec)
 
     def spin(self, timeout_sec: float = float("inf")) -> None:
         """Run callbacks until the node is closed, or for `timeout_sec` s."""
@@ -321,13 +299,7 @@ class Node(Closeable):
         Returns:
             Whether the condition holds; False after the time limit or when the node was closed.
         """
-        end = time.monotonic() + timeout_sec
-        while not condition():
-            left = end - time.monotonic()
-            if left <= 0.0 or not self._open:
-                return False
-            self.spin_once(min(left, _MAX_WAIT))
-        return True
+        return self._executor.spin_until(condition, timeout_sec)
 
     def spin_until_future_complete(
         self, future: Future[Any], timeout_sec: float = float("inf")
@@ -344,6 +316,5 @@ class Node(Closeable):
         if not self._open:
             return
         self._open = False
-        self._waitables.clear()
-        self._timers.clear()
+        self._executor.close()
         self.participant.leave()  # DDS removes the endpoints with their participant
