@@ -31,6 +31,7 @@ from wbc.runtime.clock import Clock
 from wbc.runtime.mode import Mode
 from wbc.runtime.real_time import RealTime, real_time_thread
 from wbc.runtime.report import Report
+from wbc.runtime.stream import TickStream
 from wbc.runtime.tick import Tick
 from wbc.sim import Mujoco
 from wbc.teleop import Acknowledgement, CommandClient, CommandHandler, MotionCommand
@@ -95,7 +96,7 @@ class Watch:
         self.times: list[float] = []
 
     def begin(self, controller: object, plant: object) -> None:
-        """See `wbc.runtime.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Observer`."""
 
     def before_tick(self, now: float) -> None:
         """Let the page's commands in."""
@@ -106,14 +107,14 @@ class Watch:
     def _count(self, *_: object) -> None:
         self._taken += 1
 
-    def record(self, tick: Tick, controller: object) -> None:
+    def observe(self, tick: Tick) -> None:
         """Note the command."""
         self.ended.append(time.perf_counter())
         self.tau.append(tick.command.tau)
         self.times.append(tick.time)
 
     def end(self, report: Report) -> None:
-        """See `wbc.runtime.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Observer`."""
 
 
 def stand(live: Live, handler: CommandHandler, seconds: float) -> Watch:
@@ -121,8 +122,8 @@ def stand(live: Live, handler: CommandHandler, seconds: float) -> Watch:
     watch = Watch(handler)
     handler.plant.reset()
     handler.begin()
-    logs = (watch, live)
-    wbc.run(handler.player, handler.plant, seconds, log=logs, before_tick=watch.before_tick)
+    both = (watch, live)
+    wbc.run(handler.player, handler.plant, seconds, observers=both, before_tick=watch.before_tick)
     return watch
 
 
@@ -193,7 +194,7 @@ def torques(robot: wbc.Robot, slower: float, faster: float, at: float) -> list[n
         def begin(self, controller: Any, plant: Any) -> None:
             player.velocity = (slower, 0.0, 0.0)
 
-        def record(self, tick: Tick, controller: Any) -> None:
+        def observe(self, tick: Tick) -> None:
             if tick.time > at - 1e-9:
                 found.append(tick.command.tau)
 
@@ -204,7 +205,7 @@ def torques(robot: wbc.Robot, slower: float, faster: float, at: float) -> list[n
         if abs(now - at) < 1e-9:
             player.velocity = (faster, 0.0, 0.0)
 
-    wbc.run(player, plant, at + 1.0, log=Keeper(), before_tick=before_tick)
+    wbc.run(player, plant, at + 1.0, observers=[Keeper()], before_tick=before_tick)
     return found
 
 
@@ -240,13 +241,17 @@ def cost(robot: wbc.Robot, ticks: int) -> list[Row]:
     ):
         clock = Clock(player.dt, ticks)
 
+        stream = TickStream(robot, live.quantities)
+        live.attach(stream)
+
         class Timed:
             def begin(self, controller: Any, plant: Any) -> None:
                 live.begin(controller, plant)
 
-            def record(self, tick: Tick, controller: Any) -> None:
+            def observe(self, tick: Tick) -> None:
                 start = time.thread_time_ns()
-                live.record(tick, controller)
+                stream.write(tick)
+                live.observe(tick)
                 showing.append(1e-3 * (time.thread_time_ns() - start))
 
             def end(self, report: Report) -> None:
@@ -259,7 +264,7 @@ def cost(robot: wbc.Robot, ticks: int) -> list[Row]:
             looking.append(1e-3 * (time.thread_time_ns() - start))
 
         player.velocity = (0.1, 0.0, 0.0)
-        wbc.run(player, plant, ticks * player.dt, log=Timed(), before_tick=before_tick)
+        wbc.run(player, plant, ticks * player.dt, observers=[Timed()], before_tick=before_tick)
     rows: list[Row] = []
     for what, values in (("looking for commands", looking), ("showing a tick", showing)):
         p50, p99, mean = *np.percentile(values, [50, 99]), np.mean(values)

@@ -2,10 +2,10 @@
 
 The loop is `wbc.run(..., real_time=True)` at 500 Hz with the walker's own work in every tick; a
 walk in MuJoCo is recorded once and replayed, so that the physics takes no part. Measured are the
-call that keeps a tick (`FlightRecorder.record`), with and without a plan in it (30 per second have
-one), the walker's work in the same loop with and without a log, and what the other process did:
-its processor time, its longest write, the size of the file. A write takes milliseconds; that no
-call takes as long shows that it happens elsewhere.
+calls that keep a tick (`TickStream.write` and `FlightRecorder.observe`), with and without a contact
+plan in it (30 per second have one), the walker's work in the same loop with and without a log, and
+what the other process did: its processor time, its longest write, the size of the file. A write
+takes milliseconds; that no call takes as long shows that it happens elsewhere.
 
 Runs with and without a log take turns, so that a machine's other work falls on both.
 
@@ -35,23 +35,28 @@ from shared.replay import Replay, record, walker
 import wbc
 from wbc.log import FlightRecorder
 from wbc.log.reader import Log
-from wbc.log.run import LoggedRun
+from wbc.runtime.stream import TickStream
+from wbc.runtime.tick import Tick
 
 DT = 0.002  # s
 
 
 class Timed:
-    """A flight recorder whose calls are timed."""
+    """A flight recorder and its stream; the calls of a tick are timed."""
 
-    def __init__(self, recorder: FlightRecorder) -> None:
-        self._recorder = recorder
+    def __init__(self, recorder: FlightRecorder, robot: wbc.Robot) -> None:
+        self._recorder, self._stream = recorder, TickStream(robot)
+        recorder.attach(self._stream)
         self.begin, self.end = recorder.begin, recorder.end
         self.spent: list[float] = []
+        self.with_plan: list[bool] = []
 
-    def record(self, tick: Any, controller: Any) -> None:
+    def observe(self, tick: Tick) -> None:
         start = time.perf_counter()
-        self._recorder.record(tick, controller)
+        self._stream.write(tick)
+        self._recorder.observe(tick)
         self.spent.append(time.perf_counter() - start)
+        self.with_plan.append(tick.contact_plan is not None)
 
 
 def run(
@@ -64,8 +69,8 @@ def run(
         plant,
         len(walk) * DT,
         real_time=True,
-        announce=lambda _: None,
-        log=log,
+        on_conditions=lambda _: None,
+        observers=[] if log is None else [log],
     )
     if not report.survived:
         raise SystemExit(f"{robot.name} does not do what was recorded: {report.fell_why}")
@@ -86,14 +91,13 @@ def measure(name: str, seconds: float, rounds: int, speed: float) -> dict[str, A
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "walk.mcap"
             with FlightRecorder(path, robot) as recorder:
-                timed = Timed(recorder)
+                timed = Timed(recorder, robot)
                 work, late = run(robot, walk, speed, timed)
             logged.append(work)
             overruns["with"] += late
             spent.append(timed.spent)
             log = Log(path)
-            with_plan = np.isin(LoggedRun(log).stamps, log.stamps("/footsteps"))
-            planned.append(with_plan[: len(timed.spent)])
+            planned.append(timed.with_plan)
             written = compare_writers(path)
             topics = Messages.of(path).share()
             facts.append(

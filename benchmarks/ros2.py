@@ -28,6 +28,7 @@ from wbc.messages import Template, message_type
 from wbc.motions import MotionPlayer
 from wbc.ros import Network, Node, QoSProfile
 from wbc.ros.bridge import Bridge
+from wbc.runtime.stream import TickStream
 from wbc.runtime.tick import Tick
 from wbc.teleop import CommandHandler
 from wbc.topics.link_transforms import MovingLinks, links
@@ -122,6 +123,8 @@ def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
         Bridge(handler, network=Network(domain)) as bridge,
     ):
         handler.begin()
+        stream = TickStream(robot)
+        bridge.attach(stream)
         bridge.begin(player, plant)
         tick = Tick(0.0, measurement, estimate, command, None, 1e-4, 2e-4)
         due = time.perf_counter()
@@ -134,7 +137,8 @@ def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
             start = time.thread_time_ns()
             handler.before_tick(0.0)
             middle = time.thread_time_ns()
-            bridge.record(tick, player)
+            stream.write(tick)
+            bridge.observe(tick)
             end = time.thread_time_ns()
             commands[i], records[i], both[i] = middle - start, end - middle, end - start
         gc.enable()

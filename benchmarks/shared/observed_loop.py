@@ -20,9 +20,9 @@ import wbc
 from shared.clients import connected_client
 from shared.replay import Replay
 from wbc.runtime.clock import Clock
-from wbc.runtime.protocols import Controller, Observer, Recorder
+from wbc.runtime.protocols import Controller
 from wbc.runtime.real_time import RealTime, real_time_thread
-from wbc.runtime.snapshot import Snapshot
+from wbc.runtime.stream import TickStream
 from wbc.runtime.tick import Tick
 
 BeforeTick = Callable[[float], None]
@@ -36,14 +36,14 @@ class AttachedObserver:
 
     Attributes:
         processes: its own, then its client's.
-        recorder: called after every tick.
+        observer: called after every tick.
         before_tick: called before every tick.
         owns_clock: `before_tick` waits for the time of the tick, so that the loop does not.
         on: whether it is called and its processes run.
     """
 
     processes: tuple[int, ...]
-    recorder: Recorder | None = None
+    observer: Any = None
     before_tick: BeforeTick | None = None
     owns_clock: bool = False
     on: bool = True
@@ -99,9 +99,9 @@ class ObservedLoop:
                 self.plant,
                 length,
                 estimator=estimator,
-                log=_Recorders(self),
+                observers=[_SwitchedObservers(self)],
                 real_time=False if paced else wanted,
-                announce=conditions.append,
+                on_conditions=conditions.append,
                 before_tick=self._before_tick(Clock(self.plant.dt, 1) if paced else None),
             )
         for name, observer in self.observers.items():
@@ -136,53 +136,43 @@ class ObservedLoop:
         return before_tick
 
 
-class _Recorders:
-    """All recorders of a loop that are switched on."""
+class _SwitchedObservers:
+    """The observers of a loop; those that are switched off cost nothing.
 
-    def __init__(self, loop: ObservedLoop) -> None:
-        self._found = [
-            (w, w.recorder, loop.wrap(f"{name}: a tick", w.recorder.record, False))
-            for name, w in loop.observers.items()
-            if w.recorder is not None
-        ]
-
-    def begin(self, controller: Controller, plant: Any) -> None:
-        """See `wbc.runtime.protocols.Recorder`."""
-        for _, recorder, _ in self._found:
-            recorder.begin(controller, plant)
-
-    def record(self, tick: Any, controller: Controller) -> None:
-        """See `wbc.runtime.protocols.Recorder`."""
-        for observer, _, record in self._found:
-            if observer.on:
-                record(tick, controller)
-
-    def end(self, report: wbc.Report) -> None:
-        """See `wbc.runtime.protocols.Recorder`."""
-        for _, recorder, _ in self._found:
-            recorder.end(report)
-
-
-class Frames:
-    """Shows a viewer 30 snapshots per second, as `wbc.run` does.
-
-    Not by `wbc.run` itself, since that would make them for one that is switched off, too.
+    They read one stream, as in `wbc.run`; it is written while at least one of them is on.
     """
 
-    def __init__(self, viewer: Observer, dt: float) -> None:
-        self._viewer, self._every, self._count = viewer, max(1, round(1.0 / (30.0 * dt))), 0
+    def __init__(self, loop: ObservedLoop) -> None:
+        found = [w for w in loop.observers.values() if w.observer is not None]
+        self._found = [
+            (w, w.observer, loop.wrap(f"{name}: a tick", w.observer.observe, False))
+            for name, w in loop.observers.items()
+            if w.observer is not None
+        ]
+        quantities = dict.fromkeys(q for w in found for q in w.observer.quantities)
+        self._stream = TickStream(loop.plant.robot, tuple(quantities))
+        self._write = loop.wrap("writing the tick's record", self._stream.write, False)
+        for w in found:
+            w.observer.attach(self._stream)
 
     def begin(self, controller: Controller, plant: Any) -> None:
-        """See `wbc.runtime.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Observer`."""
+        self._stream.begin_run()
+        for _, observer, _ in self._found:
+            observer.begin(controller, plant)
 
-    def record(self, tick: Tick, controller: Controller) -> None:
-        """See `wbc.runtime.protocols.Recorder`."""
-        if self._count % self._every == 0:
-            self._viewer.show(Snapshot.of(tick, controller))
-        self._count += 1
+    def observe(self, tick: Tick) -> None:
+        """See `wbc.runtime.protocols.Observer`."""
+        observing = [observe for attached, _, observe in self._found if attached.on]
+        if observing:
+            self._write(tick)
+        for observe in observing:
+            observe(tick)
 
     def end(self, report: wbc.Report) -> None:
-        """See `wbc.runtime.protocols.Recorder`."""
+        """See `wbc.runtime.protocols.Observer`."""
+        for _, observer, _ in self._found:
+            observer.end(report)
 
 
 def cpu_seconds(pid: int) -> float:
@@ -199,7 +189,7 @@ def viewer(loop: ObservedLoop) -> Iterator[AttachedObserver]:
     """Attach the viewer."""
     with wbc.view.Meshcat(loop.plant.robot, port=0, announce=False) as meshcat:
         with connected_client("page", meshcat.url) as client:
-            yield AttachedObserver((meshcat.pid, client.pid), Frames(meshcat, loop.plant.dt))
+            yield AttachedObserver((meshcat.pid, client.pid), meshcat)
         loop.figures["viewer: frames at a page, Hz"] = client.rates.get("frames", 0.0)
 
 

@@ -1,6 +1,7 @@
 """Processes of our own beside the loop's: what they share, and how they end."""
 
 import contextlib
+import json
 import os
 import signal
 import socket
@@ -12,38 +13,68 @@ from pathlib import Path
 import pytest
 from rostools import environment, hear_interrupts, new_domain
 
-from wbc.process.records import SLOTS, RecordRing
+from wbc.process import ChildProcess, RingReader, SharedRing
+from wbc.runtime.schema import Schema
+from wbc.runtime.stream import StreamLink
+
+
+def write(ring, value):
+    ring.rows[ring.begin()] = value
+    ring.publish()
 
 
 def test_a_ring_gives_records_in_order_and_never_half_of_one():
-    ring = RecordRing(2)
-    reader = RecordRing(2, os.dup(ring.descriptor))
+    ring = SharedRing(2, capacity=16)
+    reader = RingReader(SharedRing(2, capacity=16, descriptor=os.dup(ring.descriptor)), first=0)
     for i in range(5):
-        ring.begin()[:] = i
-        ring.publish()
-    assert [r.tolist() for r in reader.read()] == [[i, i] for i in range(5)]
-    ring.begin()[:] = 5  # not published
-    assert list(reader.read()) == []
+        write(ring, i)
+    ring.rows[ring.begin()] = 5  # not published
+    assert reader.take(100).tolist() == [[i, i] for i in range(5)]
+    assert len(reader.take(100)) == 0
 
 
-def test_a_ring_drops_the_oldest_for_a_slow_reader():
-    ring = RecordRing(1)
-    reader = RecordRing(1, os.dup(ring.descriptor))
-    for i in range(3 * SLOTS):
-        ring.begin()[:] = i
-        ring.publish()
-    got = [int(r[0]) for r in reader.read()]
-    assert got == list(range(3 * SLOTS - len(got), 3 * SLOTS))
-    assert len(got) >= SLOTS // 2
+def test_a_ring_drops_the_oldest_for_a_slow_reader_and_counts_them():
+    ring = SharedRing(1, capacity=8)
+    reader = RingReader(ring)
+    taken = []
+    for burst in (5, 8, 3, 20, 1):
+        for _ in range(burst):
+            write(ring, ring.published)
+        while len(rows := reader.take(3)):
+            taken += rows[:, 0].tolist()
+    assert taken == [*range(16), *range(28, 37)]
+    assert reader.lost == 12
 
 
-def test_who_comes_late_to_a_ring_gets_the_latest():
-    ring = RecordRing(1, slots=4)
+def test_the_latest_record_of_a_ring_comes_once():
+    ring = SharedRing(1, capacity=4)
+    reader = RingReader(ring)
+    assert reader.latest() is None
     for i in range(6):
-        ring.begin()[:] = i
-        ring.publish()
-    reader = RecordRing(1, os.dup(ring.descriptor), slots=4)
-    assert [int(r[0]) for r in reader.read()] == [4, 5]
+        write(ring, i)
+    assert reader.latest() == [5.0]
+    assert reader.latest() is None
+
+
+def test_a_child_gets_a_descriptor_with_a_message(tmp_path):
+    module = tmp_path / "reads_a_ring.py"
+    module.write_text(
+        "from wbc.process import SharedRing, parent\n"
+        "message = parent.receive_config()\n"
+        "ring = SharedRing(1, 4, descriptor=message.descriptor)\n"
+        "parent.reply({'value': float(ring.rows[0, 0])})\n"
+    )
+    ring = SharedRing(1, capacity=4)
+    write(ring, 7.0)
+    sys.path.insert(0, str(tmp_path))
+    try:
+        child = ChildProcess("reads_a_ring")
+        child.send(StreamLink(Schema(()), 4, 0), ring.descriptor)
+        line = child._process.stdout.readline()
+        child.close()
+    finally:
+        sys.path.remove(str(tmp_path))
+    assert json.loads(line) == {"value": 7.0}
 
 
 @pytest.mark.parametrize("said", [b"", (1 << 40).to_bytes(8, "little") + b"half"])

@@ -33,12 +33,20 @@ def add_to(subcommands: Any) -> None:
         default="png",
         help="file format (default: png)",
     )
+    parser.add_argument(
+        "--signal",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="plot this quantity of the tick over time instead of the standard plots, e.g. tau or "
+        "foot_wrench/left_sole; may be repeated",
+    )
     parser.set_defaults(execute=execute)
 
 
 def execute(options: argparse.Namespace) -> int:
     """Plot; return the exit code."""
     folder = options.out if options.out is not None else Path(options.log).parent
-    for path in plot(LoggedRun.read(options.log), folder, f".{options.format}"):
+    for path in plot(LoggedRun.read(options.log), folder, f".{options.format}", options.signal):
         print(path.resolve())
     return 0

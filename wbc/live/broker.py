@@ -10,6 +10,7 @@ import numpy as np
 
 from wbc.live.config import LiveServerConfig
 from wbc.live.controls import Controls
+from wbc.live.series import SeriesSource
 from wbc.motions import Motion
 from wbc.runtime.mode import Mode
 from wbc.runtime.stream import StreamFollower
@@ -43,6 +44,7 @@ class RequestBroker:
     Attributes:
         controls: what the pages offer.
         pages: those that are open.
+        series: quantities that the pages plot.
     """
 
     def __init__(self, config: LiveServerConfig, follower: StreamFollower) -> None:
@@ -52,6 +54,7 @@ class RequestBroker:
         self.controls = Controls(capabilities)
         self.pages: set[PageClient] = set()
         self._follower = follower
+        self.series = SeriesSource()
         self._run = 0
         self._senders: dict[int, PageClient] = {}  # by the number of the command
         self._infeasible = 0  # motions that the pages have been told of
@@ -90,6 +93,8 @@ class RequestBroker:
         reader = self._follower.reader
         if reader is None or not len(ticks := reader.take(_MAX_TICKS)):
             return
+        self.series.attach(reader.schema)
+        self.series.advance(ticks)
         run = int(ticks["run"][-1])
         if run != self._run:
             self._run = run

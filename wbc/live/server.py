@@ -19,6 +19,7 @@ from wbc.live.address import allowed_hosts, check_host, url_host
 from wbc.live.broker import RequestBroker
 from wbc.live.config import LiveServerConfig
 from wbc.live.errors import LiveError
+from wbc.live.series import SeriesList, SeriesSocket
 from wbc.motions.engine import SWITCH_INTERVAL
 from wbc.process import parent
 from wbc.runtime.stream import StreamFollower
@@ -80,6 +81,8 @@ async def serve(config: LiveServerConfig) -> None:
         handlers = [
             (r"/socket", LivePage, {"live_scene": scene}),
             (r"/controls", ControlSocket, {"broker": broker}),
+            (r"/series", SeriesSocket, {"source": broker.series}),
+            (r"/quantities.json", SeriesList, {"source": broker.series}),
             *_files(config.robot.name),
         ]
         hosts = allowed_hosts(config.host)

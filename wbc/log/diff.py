@@ -95,8 +95,11 @@ def compare(a: LoggedRun, b: LoggedRun, tolerance: float = 0.0) -> Difference:
         tolerance: by how much numbers may differ, absolute, in SI units.
 
     Raises:
-        LogError: the runs are of robots with different joints, or have no tick in common.
+        LogError: the tolerance is negative, or the runs are of robots with different joints or
+            have no tick in common.
     """
+    if not tolerance >= 0.0:
+        raise LogError(f"tolerance = {tolerance} must be 0 or positive")
     if a.robot_info.joints != b.robot_info.joints:
         raise LogError(
             f"{a.log.path} is of '{a.robot_info.name}' and {b.log.path} of '{b.robot_info.name}': "

@@ -4,7 +4,7 @@ from wbc.process.blobs import BlobQueue, BlobQueueFull, BlobTooLarge
 from wbc.process.child import ChildProcess, ProcessStartError
 from wbc.process.latest_value import LatestValue
 from wbc.process.memory import SharedMemory
-from wbc.process.records import RecordRing
+from wbc.process.ring import RingReader, SharedRing
 
 __all__ = [
     "BlobQueue",
@@ -13,6 +13,7 @@ __all__ = [
     "ChildProcess",
     "LatestValue",
     "ProcessStartError",
-    "RecordRing",
+    "RingReader",
     "SharedMemory",
+    "SharedRing",
 ]

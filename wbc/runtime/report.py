@@ -55,11 +55,13 @@ class Report:
         fell_why: the reason, or an empty text.
         duration_s: simulated time, s.
         steps: touchdowns.
-        distance_m: length of the way over the ground, the sway of the gait averaged out.
+        distance_m: length of the path over the ground while moving, the sway of the gait averaged
+            out.
         displacement_m: (forward, left) of the base from its start, in its first heading, m.
         turned_rad: heading change, counted over full turns, rad.
         mean_speed_m_s: distance over time spent walking, starts and stops included, m/s.
-        cruise_speed_m_s: median speed while walking, m/s.
+        cruise_speed_m_s: median speed, over a gait cycle, while it is at least 80 % of the
+            fastest, m/s.
         dcm_error_rms_mm: of the measured DCM against its plan; None: the controller has none.
         torque_peak_ratio: largest |τ| / τ_max of any joint.
         torque_excess_nm: by how much any commanded torque exceeded its limit, N·m.
@@ -118,24 +120,31 @@ class Report:
     aborted_motions: tuple[str, ...] = ()
     flights: tuple[Flight, ...] = ()
 
+    def __repr__(self) -> str:
+        return (
+            f"Report({self.robot}: {self._result()}; {self.distance_m:.2f} m, {self.steps} steps, "
+            f"{self.qp_failures} QP failures, tick {self.tick_p50_us:.0f} µs)"
+        )
+
     def to_json(self) -> str:
-        """All fields as a JSON object."""
+        """Return all fields as a JSON object."""
         return json.dumps(asdict(self), indent=2)
 
     def save(self, path: str | Path) -> None:
         """Write `to_json` to a file."""
         Path(path).write_text(self.to_json() + "\n", encoding="utf-8")
 
-    def table(self) -> str:
-        """The result for human eyes."""
+    def _result(self) -> str:
         if self.survived:
-            fate = f"survived {self.duration_s:.1f} s"
-            if self.aborted_motions:
-                fate += f", but GAVE UP: {', '.join(self.aborted_motions)}"
-        elif self.fell_at_s is not None:
-            fate = f"FELL at {self.fell_at_s:.2f} s: {self.fell_why}"
-        else:
-            fate = f"ended early at {self.duration_s:.2f} s: {self.fell_why}"
+            aborted = f", but GAVE UP: {', '.join(self.aborted_motions)}"
+            return f"survived {self.duration_s:.1f} s" + (aborted if self.aborted_motions else "")
+        if self.fell_at_s is not None:
+            return f"FELL at {self.fell_at_s:.2f} s: {self.fell_why}"
+        return f"ended early at {self.duration_s:.2f} s: {self.fell_why}"
+
+    def table(self) -> str:
+        """Return the result as a table for people."""
+        fate = self._result()
         forward, left = self.displacement_m
         why = f"  ({self.explanation})" if self.explanation else ""
         rows = [

@@ -17,8 +17,9 @@ from wbc.state import State
 from wbc.telemetry import Telemetry
 
 _TRAIL = 0.1  # s between the points of the trail
-_CYCLE = 1.6  # s: a gait cycle's sway is averaged out of the way over the ground
+_CYCLE = 1.6  # s: the sway of a gait cycle is averaged out of the path over the ground
 _MOVING = 0.03  # m/s: slower than this is standing
+_CRUISE = 0.8  # share of the fastest speed that counts as cruise
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +156,7 @@ class RunStatistics:
         errors = errors[np.isfinite(errors)]
         self._record_turn()
         here = self._truth.q[:2]
-        distance, mean, cruise = _way(np.array([*self._trail, here]))
+        distance, mean, cruise = _distance_and_speeds(np.array([*self._trail, here]))
         c, s = np.cos(self._heading), np.sin(self._heading)
         dx, dy = here - self._trail[0]
         late = clock.lateness if clock is not None else np.zeros(1)
@@ -191,11 +192,11 @@ class RunStatistics:
         )
 
 
-def _way(trail: np.ndarray) -> tuple[float, float, float]:
-    """Length of the way (m), mean and median speed while moving (m/s), sway averaged out.
+def _distance_and_speeds(trail: np.ndarray) -> tuple[float, float, float]:
+    """Return distance, m, mean speed while moving and cruise speed, m/s; sway is averaged out.
 
     Args:
-        trail: (n, 2) places, `_TRAIL` s apart.
+        trail: (n, 2) positions, `_TRAIL` s apart.
     """
     width = round(_CYCLE / _TRAIL)
     padded = np.pad(trail, ((width // 2, width // 2), (0, 0)), mode="edge")
@@ -203,7 +204,12 @@ def _way(trail: np.ndarray) -> tuple[float, float, float]:
     smooth = np.vstack((trail[:1], (sums[width:] - sums[:-width]) / width, trail[-1:]))
     strides = np.linalg.norm(np.diff(smooth, axis=0), axis=1)
     moving = strides > _MOVING * _TRAIL
+    # A robot that stands sways a little all the time, which is no distance.
+    net = float(np.linalg.norm(trail[-1] - trail[0]))
+    distance = max(float(strides[moving].sum()), net)
     if not moving.any():
-        return float(strides.sum()), 0.0, 0.0
+        return distance, 0.0, 0.0
     speeds = strides[moving] / _TRAIL
-    return float(strides.sum()), float(speeds.mean()), float(np.median(speeds))
+    # Starts and stops take most of a short walk: its cruise speed is that of its fastest part.
+    cruise = float(np.median(speeds[speeds >= _CRUISE * speeds.max()]))
+    return distance, float(speeds.mean()), cruise

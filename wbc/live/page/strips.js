@@ -14,6 +14,9 @@ const STRIPS = [
   {label: "pushes survived", colour: "#1f9d7a", least: 1, of: (g) => g.survived,
     grey: (g) => g.pushes, word: (g) => `${g.survived} of ${g.pushes}`},
 ];
+// The last strip shows whichever quantity of the tick is chosen, as the server sends it.
+const CHOSEN = {least: 0, of: null, most: false,
+  word: () => (CHOSEN.value === null ? "unknown" : `${+CHOSEN.value.toPrecision(4)}`)};
 
 function build() {
   const box = make("div", {id: "strips"});
@@ -24,7 +27,35 @@ function build() {
     const words = make("p", {}, make("b", {textContent: strip.label}), strip.text, strip.peak);
     box.append(make("div", {}, strip.canvas, words));
   }
+  const choice = make("select", {id: "quantity", title: "any quantity of the tick"},
+    make("option", {value: "", textContent: "any quantity…"}));
+  [CHOSEN.canvas, CHOSEN.text, CHOSEN.peak] = [make("canvas"), make("span"), make("i")];
+  [CHOSEN.points, CHOSEN.value] = [[], null];
+  box.append(make("div", {}, CHOSEN.canvas, make("p", {}, choice, CHOSEN.text, CHOSEN.peak)));
+  choice.addEventListener("pointerdown", () => offer(choice));
+  choice.addEventListener("focus", () => offer(choice));
+  choice.addEventListener("change", () => follow(choice.value));
   document.body.append(box);
+}
+
+async function offer(choice) {
+  const labels = await (await fetch("/quantities.json")).json();
+  if (labels.length + 1 === choice.options.length) return;
+  choice.append(...labels.map((label) => make("option", {value: label, textContent: label})));
+}
+
+let series = null;
+function follow(label) {
+  if (series !== null) series.close();
+  [CHOSEN.points, CHOSEN.value] = [[], null];
+  series = new WebSocket(`ws://${location.host}/series`);
+  series.onopen = () => series.send(label);
+  series.onmessage = (event) => {
+    const {stamp, value} = JSON.parse(event.data);
+    CHOSEN.value = value;
+    if (value !== null) CHOSEN.points.push([stamp, value, null]);
+    while (CHOSEN.points.length && CHOSEN.points[0][0] < stamp - SHOWN - 1) CHOSEN.points.shift();
+  };
 }
 
 function add(now) {
@@ -41,19 +72,22 @@ function add(now) {
 function draw() {
   if (last === null) return;
   const end = performance.now() / 1000 - behind;
-  for (const strip of STRIPS) {
+  for (const strip of [...STRIPS, CHOSEN]) {
     const canvas = strip.canvas, scale = devicePixelRatio || 1;
     const w = canvas.clientWidth * scale, h = canvas.clientHeight * scale;
     if (canvas.width !== w || canvas.height !== h) Object.assign(canvas, {width: w, height: h});
     const pen = canvas.getContext("2d");
     pen.clearRect(0, 0, w, h);
-    let peak = 0;
-    for (const [, value, grey] of strip.points) peak = Math.max(peak, value, grey ?? 0);
-    const top = Math.max(peak, strip.least);
+    let peak = 0, base = 0;
+    for (const [, value, grey] of strip.points) {
+      peak = Math.max(peak, value, grey ?? 0);
+      base = Math.min(base, value);
+    }
+    const range = Math.max(peak - base, strip.least, 1e-12);
     const line = (k, colour) => {
       pen.beginPath();
       for (const point of strip.points) {
-        pen.lineTo(w * (1 - (end - point[0]) / SHOWN), h - 2 * scale - (h - 6 * scale) * point[k] / top);
+        pen.lineTo(w * (1 - (end - point[0]) / SHOWN), h - 2 * scale - (h - 6 * scale) * (point[k] - base) / range);
       }
       pen.strokeStyle = colour;
       pen.lineWidth = 1.5 * scale;

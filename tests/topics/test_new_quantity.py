@@ -1,0 +1,121 @@
+"""A quantity that is declared once appears in the log, the plots, the page's list and ROS."""
+
+import numpy as np
+import pytest
+
+import wbc
+from wbc.live.series import SeriesSource
+from wbc.log import FlightRecorder, LogError, LoggedRun, plot
+from wbc.runtime.schema import Quantity
+from wbc.runtime.stream import TickStream
+from wbc.topics import tick_topics
+
+POWER = Quantity(
+    "joint_power",
+    lambda tick: tick.command.tau * tick.estimate.state.v[6:],
+    "mechanical power of each joint",
+    unit="W",
+    size="na",
+)
+TOTAL = Quantity("total_power", lambda tick: tick.command.tau @ tick.estimate.state.v[6:], "", "W")
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return wbc.load("simple_humanoid")
+
+
+@pytest.fixture(scope="module")
+def run(robot, tmp_path_factory):
+    path = tmp_path_factory.mktemp("log") / "run.mcap"
+    with FlightRecorder(path, robot) as log, wbc.sim.Mujoco(robot) as plant:
+        wbc.run(wbc.Walker(robot), plant, 0.1, observers=[log], quantities=[POWER, TOTAL])
+    return LoggedRun.read(path)
+
+
+def test_it_is_in_the_log_under_its_name_with_its_unit_and_labels(run, robot):
+    column, power = run.quantity("joint_power")
+    assert (column.unit, column.labels) == ("W", robot.joint_names)
+    np.testing.assert_allclose(power, run.tau * run.v[:, 6:], rtol=1e-12)
+    _, total = run.quantity("total_power")
+    np.testing.assert_allclose(total[:, 0], power.sum(axis=1), atol=1e-9)
+    assert run.log.topics["/wbc/joint_power"] == "std_msgs/msg/Float64MultiArray"
+    assert run.log.topics["/wbc/total_power"] == "std_msgs/msg/Float64"
+
+
+def test_every_quantity_of_the_library_is_in_the_log_too(run):
+    names = {"q", "v", "tau", "com", "dcm", "zmp", "foot_wrench/left_sole", "heading", "true_q"}
+    assert names <= set(run.quantities)
+    _, q = run.quantity("q")
+    assert (q == run.q).all()
+    with pytest.raises(LogError, match="no quantity 'torque'"):
+        run.quantity("torque")
+
+
+def test_it_is_plotted_by_its_name(run, tmp_path):
+    pytest.importorskip("matplotlib")
+    (path,) = plot(run, tmp_path, quantities=["joint_power"])
+    assert path.name == "run_joint_power.png"
+    assert path.stat().st_size > 10_000
+
+
+def test_the_page_offers_it(robot):
+    source = SeriesSource()
+    source.attach(TickStream(robot, [POWER, TOTAL]).schema)
+    assert f"joint_power: {robot.joint_names[3]}, W" in source.labels
+    assert source.labels["total_power, W"] == ("total_power", 0)
+    assert "com: z, m" in source.labels
+
+
+def test_the_log_and_the_node_share_topics_and_frames(robot):
+    topics = {t.name: t for t in tick_topics(TickStream(robot, [POWER]).schema, robot)}
+    assert topics["wbc/joint_power"].type_name == "std_msgs/msg/Float64MultiArray"
+    assert {"joint_states", "odom", "balance/dcm", "balance/cop", "/tf", "/tf_static"} <= set(
+        topics
+    )
+
+
+def test_points_and_odometry_of_the_log_are_in_the_frame_of_ros(run):
+    assert run.log.first("/balance/com").header.frame_id == "odom"
+    assert run.log.first("/odom").header.frame_id == "odom"
+    transforms = run.log.first("/tf").transforms
+    assert (transforms[0].header.frame_id, transforms[0].child_frame_id) == (
+        "odom",
+        run.robot_info.base,
+    )
+
+
+def test_a_ros_node_hears_it(robot):
+    pytest.importorskip("cyclonedds")
+    from rostools import PATIENCE, new_domain, node
+
+    from wbc.motions import MotionPlayer
+    from wbc.ros import Network
+    from wbc.ros.bridge import Bridge
+    from wbc.teleop import CommandHandler
+
+    player, domain = MotionPlayer(robot), new_domain()
+    heard = []
+    with (
+        wbc.sim.Mujoco(robot) as plant,
+        CommandHandler(player, plant, owns_clock=False) as handler,
+        Bridge(handler, network=Network(domain)) as bridge,
+        node("listener", domain) as listener,
+    ):
+        listener.create_subscription("std_msgs/msg/Float64", "/wbc/total_power", heard.append)
+
+        def before_tick(now):
+            if heard:
+                raise wbc.StopRun("heard")
+            listener.spin_once(0.0)
+
+        wbc.run(
+            player,
+            plant,
+            PATIENCE,
+            observers=[bridge],
+            quantities=[TOTAL],
+            before_tick=before_tick,
+            real_time=True,
+        )
+    assert np.isfinite(heard[0].data)

@@ -1,0 +1,37 @@
+"""Any quantity of a tick over time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from wbc.log.plots.style import mark_failures, thin
+from wbc.log.run import LoggedRun
+
+_LEGEND = 12  # numbers at most that are named one by one
+
+
+def draw_quantity(axes: Any, run: LoggedRun, name: str) -> None:
+    """Draw all numbers of a quantity over time.
+
+    Args:
+        axes: to draw into.
+        run: the run.
+        name: of the quantity.
+
+    Raises:
+        LogError: the log has no quantity of that name.
+    """
+    column, values = run.quantity(name)
+    every = thin(len(run))
+    for i in range(values.shape[1]):
+        axes.plot(run.time[every], values[every, i], linewidth=0.9, label=column.labels[i])
+    mark_failures(axes, run.time, run.state("status"))
+    axes.set(xlabel="time, s", ylabel=column.unit or None)
+    axes.set_title(f"{name}: {column.doc}" + (f" ({column.frame})" if column.frame else ""))
+    if 1 < values.shape[1] <= _LEGEND:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        axes.text(0.5, 0.5, "unknown in this run", transform=axes.transAxes, ha="center")
