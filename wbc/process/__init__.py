@@ -2,7 +2,6 @@
 
 from wbc.process.blobs import BlobQueue, BlobQueueFull, BlobTooLarge
 from wbc.process.child import ChildProcess, ProcessStartError
-from wbc.process.latest_value import LatestValue
 from wbc.process.memory import SharedMemory
 from wbc.process.ring import RingReader, SharedRing
 
@@ -11,7 +10,6 @@ __all__ = [
     "BlobQueueFull",
     "BlobTooLarge",
     "ChildProcess",
-    "LatestValue",
     "ProcessStartError",
     "RingReader",
     "SharedMemory",

@@ -1,11 +1,10 @@
-"""What processes share: queues of messages and latest values."""
+"""Queues of messages in shared memory."""
 
 import os
 
-import numpy as np
 import pytest
 
-from wbc.process import BlobQueue, BlobQueueFull, BlobTooLarge, LatestValue
+from wbc.process import BlobQueue, BlobQueueFull, BlobTooLarge
 
 
 @pytest.fixture
@@ -42,21 +41,3 @@ def test_a_message_larger_than_a_slot_is_refused(queues):
     with pytest.raises(BlobTooLarge, match="101 bytes; at most 100"):
         writer.put(b"x" * 101)
     assert reader.get() is None
-
-
-def test_a_latest_value_is_the_one_written_last():
-    writer = LatestValue(2)
-    reader = LatestValue(2, os.dup(writer.descriptor))
-    assert reader.read().tolist() == [0.0, 0.0]
-    writer.write((1.0, 2.0))
-    writer.write(np.array([3.0, 4.0]))
-    assert reader.read().tolist() == [3.0, 4.0]
-
-
-def test_a_latest_value_that_is_being_written_is_not_read():
-    value = LatestValue(1)
-    value.write((1.0,))
-    assert value.read()[0] == 1.0
-    value._values[:] = 2.0
-    value._sequence[0] += 1
-    assert value.read()[0] == 1.0
