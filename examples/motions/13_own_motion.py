@@ -1,7 +1,7 @@
-"""Write a motion of your own: a dataclass whose `play` gives orders and waits.
+"""Write a motion of your own: a dataclass whose `play` sets references and waits.
 
-Each `yield from` lets time pass; in between the references go where they were sent, smoothly
-enough that no torque jumps. It can be interrupted at any tick without a line of yours.
+Each `yield from` lets time pass; meanwhile the references move smoothly to their targets, so that
+no torque jumps. The motion can be interrupted at any tick without further code.
 """
 
 from dataclasses import dataclass
@@ -16,16 +16,16 @@ from wbc.trials import run_motions
 
 @dataclass(frozen=True)
 class KickTheAir(Motion):
-    """Stands on one leg and swings the other to and fro, arms held up."""
+    """Stand on one leg and swing the other forward and back, arms held up."""
 
     name: ClassVar[str] = "kick"
     summary: ClassVar[str] = "kick the air"
 
-    kicks: int = parameter(3, "how many")
+    kicks: int = parameter(3, "number of kicks")
     reach: float = parameter(0.12, "of the foot to the front and to the back, m")
 
     def play(self, context: MotionContext) -> Script:
-        """The script."""
+        """Return the script."""
         for arm in context.upper_body.arms:
             side = 1.0 if arm.side == "left" else -1.0
             context.hands.reach(arm.side, (0.3, side * 0.4, 1.2), duration=1.5)
