@@ -1,11 +1,11 @@
-"""Pictures of the motions, each at its most telling moment, from the page that shows a run.
+"""Pictures of the motions, each at a characteristic moment, from the page that shows a run.
 
-Every motion is played in MuJoCo with noisy sensors and the estimator, recorded, and the
-recording's page is photographed in a browser without a window: the robot, its centre of mass
-with the way it came, DCM, ZMP, contact forces and the support polygon.
+Every motion is played in MuJoCo with noisy sensors and the estimator and recorded. The page of the
+recording is rendered in a headless browser: the robot, the path of its centre of mass, DCM, ZMP,
+contact forces and the support polygon.
 
     python benchmarks/gallery.py                  # docs/motions/*.png and docs/motions.png
-    python benchmarks/gallery.py --motion jump    # only this one; the sheet is left alone
+    python benchmarks/gallery.py --motion jump    # only this one; the overview stays
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ from wbc.view.browser import new_page
 
 ROOT = Path(__file__).resolve().parents[1]
 SIZE = (480, 600)  # pixels of a picture
-COLUMNS, WIDTH_ON_SHEET, GAP = 4, 300, 14
-PATIENCE = 240_000  # ms: meshes are drawn in software
-LONGEST = 30.0  # s of a run
-CARD = "#status { max-width: none; left: 8px; top: 8px; padding: 3px 8px; font-size: 11px; }"
-#: Where the camera goes: round the robot, and so much nearer than on the page itself.
-LOOK = """([turn, nearer, lower]) => {
+COLUMNS, OVERVIEW_WIDTH, GAP = 4, 300, 14
+PAGE_TIMEOUT = 240_000  # ms: meshes are rendered in software
+MAX_DURATION = 30.0  # s of a run
+STATUS_CSS = "#status { max-width: none; left: 8px; top: 8px; padding: 3px 8px; font-size: 11px; }"
+#: Moves the camera: turned about the robot, and scaled in distance and height.
+MOVE_CAMERA = """([turn, nearer, lower]) => {
   const p = viewer.camera.position, c = Math.cos(turn), s = Math.sin(turn);
   p.set(nearer * (c * p.x + s * p.z), nearer * lower * p.y, nearer * (c * p.z - s * p.x));
   viewer.camera.updateProjectionMatrix();
@@ -62,19 +62,19 @@ class Scene:
     """A picture.
 
     Attributes:
-        name: of the file.
-        said: one sentence.
-        command: that plays it, without `wbc motion`.
-        robot: its name.
-        motion: what is played.
-        moment: whether the time, s, has come.
-        turn: of the camera round the robot, rad.
-        nearer: distance of the camera, as a share of the page's own.
+        name: name of the file.
+        caption: one sentence.
+        command: the command that plays it, without `wbc motion`.
+        robot: name of the robot.
+        motion: the motion to play.
+        moment: whether to take the picture, from the time (s) and the player.
+        turn: angle of the camera about the robot, rad.
+        nearer: distance of the camera relative to the page's default.
         lower: height of the camera, likewise.
     """
 
     name: str
-    said: str
+    caption: str
     command: str
     robot: str
     motion: Motion
@@ -85,12 +85,12 @@ class Scene:
 
 
 def after(seconds: float) -> Moment:
-    """A time of the run."""
+    """The moment at a time of the run, s."""
     return lambda time, player: time >= seconds
 
 
 def at_the_top(time: float, player: MotionPlayer) -> bool:
-    """In flight, on the way down."""
+    """Whether the robot is in flight and has passed the top."""
     context = player.context
     if (
         not isinstance(context.override, JumpController)
@@ -102,12 +102,12 @@ def at_the_top(time: float, player: MotionPlayer) -> bool:
 
 
 def on_one_leg(time: float, player: MotionPlayer) -> bool:
-    """A foot is held up."""
+    """Whether a foot is lifted and a push has been applied."""
     return player.context.stance.lifted is not None and len(player.context.pushes) > 0
 
 
 def stepping(time: float, player: MotionPlayer) -> bool:
-    """In the middle of the third step."""
+    """Whether the third step is half done."""
     swings = player.telemetry.phase in ("left", "right")
     return player.steps == 2 and swings and player.walker.state_machine.progress > 0.5
 
@@ -115,7 +115,7 @@ def stepping(time: float, player: MotionPlayer) -> bool:
 SCENES = (
     Scene(
         "sway",
-        "The centre of mass goes round an eight, or a circle, over the soles.",
+        "The centre of mass follows a figure of eight, or a circle, above the soles.",
         "sway --robot g1 --shape eight",
         "g1",
         Sway(shape="eight"),
@@ -124,7 +124,7 @@ SCENES = (
     ),
     Scene(
         "squat",
-        "Down by a fifth of the leg, the CoM over the soles, and no knee locks on the way up.",
+        "Down by 20 % of the leg length and up again, with the CoM above the soles.",
         "squat --robot talos --depth 20",
         "talos",
         Squat(depth=20.0),
@@ -132,7 +132,7 @@ SCENES = (
     ),
     Scene(
         "wave",
-        "Both hands above the shoulders and to and fro, while the walker walks.",
+        "Both hands wave above the shoulders while the robot walks.",
         "wave --robot talos --walk 0.3",
         "talos",
         Wave(walk=0.3),
@@ -141,7 +141,7 @@ SCENES = (
     ),
     Scene(
         "reach",
-        "Each hand to a place of its own; what is out of reach is said, and by how much.",
+        "Each hand reaches a position of its own; the report lists those out of reach.",
         "reach --robot talos --left 0.55 0.35 1.35 --right 0.5 -0.25 0.85",
         "talos",
         Reach(left=(0.55, 0.35, 1.35), right=(0.5, -0.25, 0.85)),
@@ -149,7 +149,7 @@ SCENES = (
     ),
     Scene(
         "look",
-        "Head and trunk share the turn that follows a point.",
+        "Head and trunk turn together to follow a point.",
         "look --robot talos --radius 0.9",
         "talos",
         Look(radius=0.9),
@@ -166,7 +166,7 @@ SCENES = (
     ),
     Scene(
         "bow",
-        "Waist and hips share the angle, and the hips go back.",
+        "Waist and hips share the angle, and the hips move back.",
         "bow --robot g1 --angle 40",
         "g1",
         Bow(angle=40.0),
@@ -175,7 +175,7 @@ SCENES = (
     ),
     Scene(
         "step-in-place",
-        "The walker's own steps, onto the places where the feet are.",
+        "The walker steps onto the places where its feet are.",
         "step-in-place --robot romeo",
         "romeo",
         StepInPlace(),
@@ -183,7 +183,7 @@ SCENES = (
     ),
     Scene(
         "sine",
-        "The tutorial's fifteen joints on sines, here as a posture under balance.",
+        "Fifteen joints follow sines, as a posture task under balance.",
         "sine --robot simple_humanoid --balanced",
         "simple_humanoid",
         Sine(balanced=True),
@@ -191,7 +191,7 @@ SCENES = (
     ),
     Scene(
         "sine-open-loop",
-        "The same sines as they stand, with nobody who looks after balance: the report says when.",
+        "The same sines without balance control: the robot falls, and the report says when.",
         "sine --robot simple_humanoid",
         "simple_humanoid",
         Sine(),
@@ -200,7 +200,7 @@ SCENES = (
     ),
     Scene(
         "jump",
-        "Planned from the limits of torque and velocity; no force at the soles, no spin.",
+        "Planned within the torque and velocity limits; here in flight, without contact forces.",
         "jump --robot g1 --clearance 0.08",
         "g1",
         Jump(clearance=0.08),
@@ -210,7 +210,7 @@ SCENES = (
     ),
     Scene(
         "keyframes",
-        "Postures and places of the hands from a file, checked before anything moves.",
+        "Postures and hand positions from a file, checked before the robot moves.",
         "keyframes --robot simple_humanoid --file examples/motions/keyframes/robot_dance.csv",
         "simple_humanoid",
         Keyframes(file=str(ROOT / "examples" / "motions" / "keyframes" / "robot_dance.csv")),
@@ -219,8 +219,8 @@ SCENES = (
 )
 
 
-def photograph(scene: Scene, path: Path) -> None:
-    """Play a scene up to its moment, and take the picture."""
+def render(scene: Scene, path: Path) -> None:
+    """Play a scene up to its moment and render the picture."""
     robot = wbc.load(scene.robot)
     player = MotionPlayer(robot, motions=[scene.motion])
     runner, recording = MotionRunner(player), Recording(robot)
@@ -231,22 +231,22 @@ def photograph(scene: Scene, path: Path) -> None:
         runner(time, plant)
 
     with wbc.sim.Mujoco(robot, seed=1) as plant:
-        report = wbc.run(player, plant, LONGEST, observers=[recording], before_tick=tick)
+        report = wbc.run(player, plant, MAX_DURATION, observers=[recording], before_tick=tick)
     print(f"{scene.name}: {robot.name} at {report.duration_s:.2f} s", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory() as folder, new_page(*SIZE) as page:
-        page.set_default_timeout(PATIENCE)
+        page.set_default_timeout(PAGE_TIMEOUT)
         page.goto(recording.save(Path(folder) / "scene.html").as_uri())
         page.wait_for_function("wbc.ready")
         duration = page.evaluate("wbc.film()")
-        page.evaluate(LOOK, [scene.turn, scene.nearer, scene.lower])
-        page.add_style_tag(content=CARD)
+        page.evaluate(MOVE_CAMERA, [scene.turn, scene.nearer, scene.lower])
+        page.add_style_tag(content=STATUS_CSS)
         page.evaluate("(time) => wbc.seek(time)", duration)
         path.parent.mkdir(parents=True, exist_ok=True)
         page.screenshot(path=path)
 
 
-def sheet(scenes: Sequence[Scene], folder: Path, path: Path) -> None:
-    """All pictures on one, each with its command."""
+def write_overview(scenes: Sequence[Scene], folder: Path, path: Path) -> None:
+    """Write one picture with all scenes and their commands."""
     figures = []
     for scene in scenes:
         data = base64.b64encode((folder / f"{scene.name}.png").read_bytes()).decode("ascii")
@@ -254,7 +254,7 @@ def sheet(scenes: Sequence[Scene], folder: Path, path: Path) -> None:
             f'<figure><img src="data:image/png;base64,{data}">'
             f"<figcaption>wbc motion {scene.command}</figcaption></figure>"
         )
-    width = COLUMNS * WIDTH_ON_SHEET + (COLUMNS + 1) * GAP
+    width = COLUMNS * OVERVIEW_WIDTH + (COLUMNS + 1) * GAP
     html = f"""<style>
 body {{ margin: 0; background: white; width: {width}px; display: grid; gap: {GAP}px;
   padding: {GAP}px; box-sizing: border-box;
@@ -271,27 +271,27 @@ figcaption {{ font: 12px/1.35 "DejaVu Sans Mono", monospace; color: #23272f; pad
 
 
 def write_page(scenes: Sequence[Scene], path: Path) -> None:
-    """The gallery in Markdown."""
+    """Write the gallery in Markdown."""
     lines = [
         "# Motions",
         "",
         "Each in MuJoCo with the robot's torque limits, noisy sensors and the estimator in the",
-        "loop, at its most telling moment. Pictures and page are made by",
+        "loop, at a characteristic moment. Pictures and page are made by",
         "`python benchmarks/gallery.py`. `wbc motion --list` names all motions, `wbc motion NAME",
-        "--help` tells what may be chosen, and `wbc motion demo` plays everything in a row.",
+        "--help` lists its parameters, and `wbc motion demo` plays all motions in a row.",
         "A motion of your own takes a page of code: `examples/motions/13_own_motion.py`.",
         "",
-        "Red arrows are contact forces; black is the centre of mass with the way that it came,",
-        "violet the DCM, yellow the ZMP, green the support polygon.",
+        "Red arrows are contact forces, black is the path of the centre of mass, violet the DCM,",
+        "yellow the ZMP, and green the support polygon.",
     ]
     for scene in scenes:
         lines += [
             "",
             f"## {scene.name}",
             "",
-            f'<img src="motions/{scene.name}.png" width="360" alt="{scene.said}">',
+            f'<img src="motions/{scene.name}.png" width="360" alt="{scene.caption}">',
             "",
-            scene.said,
+            scene.caption,
             "",
             "```bash",
             f"wbc motion {scene.command}",
@@ -301,19 +301,19 @@ def write_page(scenes: Sequence[Scene], path: Path) -> None:
 
 
 def main() -> None:
-    """Take the pictures, make sheet and page."""
+    """Render the pictures, write overview and page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     names = [scene.name for scene in SCENES]
     parser.add_argument("--motion", action="append", choices=names, help="only this picture")
     parser.add_argument("--docs", type=Path, default=ROOT / "docs", help="folder to write to")
-    parser.add_argument("--sheet", action="store_true", help="only sheet and page, no picture")
+    parser.add_argument("--overview", action="store_true", help="only overview and page")
     options = parser.parse_args()
     folder = options.docs / "motions"
     for scene in SCENES:
-        if not options.sheet and (not options.motion or scene.name in options.motion):
-            photograph(scene, folder / f"{scene.name}.png")
+        if not options.overview and (not options.motion or scene.name in options.motion):
+            render(scene, folder / f"{scene.name}.png")
     if not options.motion:
-        sheet(SCENES, folder, options.docs / "motions.png")
+        write_overview(SCENES, folder, options.docs / "motions.png")
         write_page(SCENES, options.docs / "motions.md")
 
 

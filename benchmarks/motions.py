@@ -1,13 +1,13 @@
 """What each robot does besides walking, in physics: the table of motions of the README.
 
 Every run is in MuJoCo with physics at 1 kHz, friction 0.8, the URDF's torque limits, noisy
-sensors and the estimator in the loop; CoM errors, slips, hands and flights are judged by the
-truth, relative to the soles. A run passes when the robot does not fall, the figure is within
-its bound, no QP fails, no torque and no joint position exceeds its limit (by 1e-3 rad), no
-sole slips by more than 5 mm, no motion gives up half-way, and all is over in time. What is
-refused before it starts fails too, but for the jump of a robot whose limits rule it out. The
-positions to reach for are those of sampled postures of both arms; how many postures were sampled
-for them, and why others were rejected, is printed below the table. Every position counts.
+sensors and the estimator in the loop. CoM errors, slips, hands and flights are measured on the
+true state, relative to the soles. A run passes if the robot does not fall, the figure is within
+its bound, no QP fails, no torque and no joint position exceeds its limit (by 1e-3 rad), no sole
+slips by more than 5 mm, no motion is aborted, and the run ends in time. A motion that is refused
+before it starts fails too, except the jump of a robot whose limits rule it out. The positions to
+reach are those of sampled postures of both arms; how many postures were sampled, and why others
+were rejected, is printed below the table. Every position counts.
 
     python benchmarks/motions.py                     # all robots, 5 seeds
     python benchmarks/motions.py --robot g1 --seeds 1 --motion squat
@@ -47,9 +47,9 @@ ROBOTS = ("talos", "g1", "simple_humanoid")
 WALK = {"g1": 0.2}  # m/s; 0.3 for the others
 ONE_LEG_BOUND = {"talos": 6.0}  # mm
 CLEARANCE = 30.0  # mm
-MAY_BE_BOUND = ("talos", "g1")  # whose limits may rule out that jump
-WAVING = 8.0  # s
-REACHES = 40  # pairs of places per seed
+MAY_REFUSE_JUMP = ("talos", "g1")  # their limits may rule out that jump
+WAVE_TIME = 8.0  # s
+REACHES = 40  # pairs of positions per seed
 MARKS = ("<!-- motions:begin -->", "<!-- motions:end -->")
 
 
@@ -58,14 +58,14 @@ class Row:
     """A line of the table.
 
     Attributes:
-        name: as in the table.
-        motions: what is played, for a robot's name and a seed.
-        figure: what is measured, None when there is nothing to measure.
-        unit: of the figure.
-        worst: of several seeds' figures.
-        good: whether a robot's figure will do.
-        whole: whether a robot has really done all of it, by the report.
-        jumps: whether it is the jump, which a robot's limits may rule out.
+        name: the first column.
+        motions: the motions to play, for a robot's name and a seed.
+        figure: the measured figure; NaN without one.
+        unit: unit of the figure.
+        worst: reduces the figures of several seeds to one.
+        within_bound: whether a robot's figure is good enough.
+        complete: whether the report shows that the robot did all of the motion.
+        may_be_refused: whether a robot's limits may rule the motion out.
     """
 
     name: str
@@ -73,18 +73,18 @@ class Row:
     figure: Callable[[Report], float] = lambda report: math.nan
     unit: str = ""
     worst: Callable[[list[float]], float] = max
-    good: Callable[[str, float], bool] = lambda robot, figure: True
-    whole: Callable[[str, Report], bool] = lambda robot, report: True
-    jumps: bool = False
+    within_bound: Callable[[str, float], bool] = lambda robot, figure: True
+    complete: Callable[[str, Report], bool] = lambda robot, report: True
+    may_be_refused: bool = False
 
     def passed(self, robot: str, report: Report) -> bool:
-        """Whether a run will do."""
+        """Whether a run passes."""
         slip = math.inf if report.foot_slip_mm is None else report.foot_slip_mm
         return (
             report.survived
             and not report.aborted_motions
-            and self.whole(robot, report)
-            and self.good(robot, self.figure(report))
+            and self.complete(robot, report)
+            and self.within_bound(robot, self.figure(report))
             and report.qp_failures == 0
             and report.joint_limit_excess_rad <= 1e-3
             and report.torque_excess_nm <= 0.0
@@ -93,17 +93,17 @@ class Row:
 
 
 def com_error(report: Report) -> float:
-    """mm rms."""
+    """Return the CoM error of a run, mm rms."""
     return math.inf if report.com_error_rms_mm is None else report.com_error_rms_mm
 
 
 def clearance(report: Report) -> float:
-    """mm, of the lower sole."""
+    """Return the greatest clearance of the lower sole in flight, mm."""
     return max((flight.clearance_mm for flight in report.flights), default=0.0)
 
 
 def reached(report: Report) -> float:
-    """% of the hands' places that were reached within 1 cm."""
+    """Return the share of the hands' targets that were reached within 1 cm, %."""
     return 100.0 * report.targets_reached / max(report.targets, 1)
 
 
@@ -113,34 +113,36 @@ ROWS = (
         lambda robot, seed: [Sway(), Sway(shape="eight")],
         com_error,
         "mm",
-        good=lambda robot, error: error <= 6.0,
+        within_bound=lambda robot, error: error <= 6.0,
     ),
     Row(
         "squat 10 % of leg length, 0.5 Hz: CoM error rms ≤ 5 mm",
         lambda robot, seed: [Squat()],
         com_error,
         "mm",
-        good=lambda robot, error: error <= 5.0,
+        within_bound=lambda robot, error: error <= 5.0,
     ),
     Row(
         "wave while walking 0.3 m/s (g1 0.2), 8 s: no fall",
-        lambda robot, seed: [Wave(walk=WALK.get(robot, 0.3), seconds=WAVING)],
-        whole=lambda robot, report: report.displacement_m[0] >= 0.8 * WALK.get(robot, 0.3) * WAVING,
+        lambda robot, seed: [Wave(walk=WALK.get(robot, 0.3), seconds=WAVE_TIME)],
+        complete=lambda robot, report: (
+            report.displacement_m[0] >= 0.8 * WALK.get(robot, 0.3) * WAVE_TIME
+        ),
     ),
     Row(
         "one leg, each side 5 s, pushed 0.05 N·s/kg: no fall (talos: CoM error rms ≤ 6 mm)",
         lambda robot, seed: [OneLeg(towards=(90.0, 0.0, 180.0, 270.0, 45.0)[seed % 5])],
         com_error,
         "mm",
-        good=lambda robot, error: error <= ONE_LEG_BOUND.get(robot, math.inf),
+        within_bound=lambda robot, error: error <= ONE_LEG_BOUND.get(robot, math.inf),
     ),
     Row(
-        f"reach, {REACHES} × 2 random places per seed: ≥ 98 % within 1 cm, no fall",
+        f"reach, {REACHES} × 2 random positions per seed: ≥ 98 % within 1 cm, no fall",
         lambda robot, seed: [Reach(random=REACHES, place_seed=seed)],
         reached,
         "%",
         worst=lambda shares: sum(shares) / len(shares),
-        whole=lambda robot, report: report.targets == 2 * REACHES,
+        complete=lambda robot, report: report.targets == 2 * REACHES,
     ),
     Row(
         "jump: both soles clear ≥ 3 cm, lands standing",
@@ -148,37 +150,42 @@ ROWS = (
         clearance,
         "mm",
         worst=min,
-        good=lambda robot, height: height >= CLEARANCE,
-        jumps=True,
+        within_bound=lambda robot, height: height >= CLEARANCE,
+        may_be_refused=True,
     ),
     Row(
         "demo, everything in a row: no fall",
         lambda robot, seed: [Demo()],
-        whole=lambda robot, report: not any(n.startswith("left out") for n in report.notes),
+        complete=lambda robot, report: not any(n.startswith("left out") for n in report.notes),
     ),
 )
 
 
 def trial(job: tuple[str, int, int]) -> tuple[str, int, int, Report | str]:
-    """One run in a process of its own; a text when the robot's limits rule the motion out."""
+    """Run one trial; the message of the refusal if the robot cannot do the motion."""
     name, index, seed = job
     robot = wbc.load(name)
     try:
         report = run_motions(robot, ROWS[index].motions(name, seed), seed)
-    except MotionError as bound:
-        return name, index, seed, str(bound)
+    except MotionError as refusal:
+        return name, index, seed, str(refusal)
     return name, index, seed, report
 
 
 def main() -> int:
     """Run the trials, print the table, write the JSON."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--robot", action="append", choices=ROBOTS, help="only this one")
+    parser.add_argument(
+        "--robot",
+        action="append",
+        choices=ROBOTS,
+        help="robot to run; may be repeated (default: all)",
+    )
     parser.add_argument("--motion", default="", help="only rows whose name contains this")
-    parser.add_argument("--seeds", type=int, default=5)
-    parser.add_argument("--jobs", type=int, default=1, help="processes")
+    parser.add_argument("--seeds", type=int, default=5, help="runs per cell (default: %(default)s)")
+    parser.add_argument("--jobs", type=int, default=1, help="processes (default: %(default)s)")
     parser.add_argument("--json", type=Path, help="write all reports here")
-    parser.add_argument("--readme", type=Path, help="put the table between the marks of this file")
+    parser.add_argument("--readme", type=Path, help="renew the table in this file")
     args = parser.parse_args()
     robots = args.robot or ROBOTS
     jobs = [
@@ -211,7 +218,7 @@ def main() -> int:
                 "row": ROWS[i].name,
                 "robot": n,
                 "seed": s,
-                **(asdict(r) if not isinstance(r, str) else {"bound": r}),
+                **(asdict(r) if not isinstance(r, str) else {"refused": r}),
             }
             for (i, n), reports in results.items()
             for s, r in enumerate(reports)
@@ -221,15 +228,15 @@ def main() -> int:
 
 
 def line(row: Row, robot: str, seed: int, result: Report | str) -> str:
-    """What is said while it goes on."""
+    """Return the progress line of one run."""
     head = f"{robot:16} {row.name.split(':')[0][:44]:44} seed {seed}"
     if isinstance(result, str):
-        return f"bound {head}  {result}"
+        return f"refused {head}  {result}"
     mark = "ok   " if row.passed(robot, result) else "FAIL "
     figure = "" if not row.unit else f"{row.figure(result):6.1f} {row.unit}"
     slip = result.foot_slip_mm or 0.0
     failure = result.explanation[:80] if result.qp_failures else ""
-    why = result.fell_why or ", ".join(f"gave up {m}" for m in result.aborted_motions) or failure
+    why = result.fell_why or ", ".join(f"aborted {m}" for m in result.aborted_motions) or failure
     return (
         f"{mark} {head}  {figure}  CoM {com_error(result):.1f} mm, slip {slip:.1f} mm, torque "
         f"{100 * result.torque_peak_ratio:.0f} %, joints {result.joint_limit_excess_rad:.0e}  {why}"
@@ -237,22 +244,22 @@ def line(row: Row, robot: str, seed: int, result: Report | str) -> str:
 
 
 def cell(row: Row, robot: str, results: list[Report | str]) -> tuple[str, bool]:
-    """Text of a cell, and whether all is well in it."""
+    """Return the text of a cell, and whether all its runs passed."""
     reports = [r for r in results if not isinstance(r, str)]
     if not reports:
-        return f"refused: {results[0]}", row.jumps and robot in MAY_BE_BOUND
+        return f"refused: {results[0]}", row.may_be_refused and robot in MAY_REFUSE_JUMP
     passed = sum(row.passed(robot, r) for r in reports)
-    well = passed == len(reports)
+    good = passed == len(reports)
     if not row.unit:
-        return f"{passed}/{len(reports)}", well
+        return f"{passed}/{len(reports)}", good
     figure = row.worst([row.figure(r) for r in reports])
     if row.unit == "%":
-        well = well and figure >= 98.0
-    return f"{figure:.1f} {row.unit} ({passed}/{len(reports)})", well
+        good = good and figure >= 98.0
+    return f"{figure:.1f} {row.unit} ({passed}/{len(reports)})", good
 
 
 def table(results: dict[tuple[int, str], list[Report | str]], robots: tuple[str, ...]) -> str:
-    """A Markdown table, one row per motion, and the extremes of all runs below."""
+    """Return a Markdown table: one row per motion, then the extremes of all runs."""
     lines = [f"| | {' | '.join(robots)} |", f"| --- |{' --- |' * len(robots)}"]
     for index, row in enumerate(ROWS):
         cells = [results.get((index, name)) for name in robots]

@@ -1,8 +1,8 @@
-"""What a fresh process pays before the first tick: imports, loading a robot, the first tick.
+"""Time that a fresh process needs for imports, for loading a robot and for the first tick.
 
-Every row is measured in fresh processes, in turn (A B C, A B C, …), so that a busy machine is busy
-for all of them; the median counts. Python's bytecode is there already, as pip leaves it. "Cold" has
-no compiled kernels on disk, as right after an install; "warm" has those of an earlier process.
+Every row is measured in fresh processes, in turn (A B C, A B C, …), so that other load on the
+machine affects all of them; the median counts. Python's bytecode exists already, as after pip. A
+"cold" row finds no compiled kernels on disk, as after an installation; a "warm" one does.
 
     python benchmarks/startup.py
     python benchmarks/startup.py --repeat 21 --cold 5 --json out/startup.json
@@ -56,8 +56,8 @@ end()
 assert command.status is wbc.Status.OK, command.explanation
 """
 
-# What a child measures itself: the part between `begin` and `end`, CPU and wall.
-STOPWATCH = """
+# The child process measures CPU and wall time between `begin` and `end`.
+TIMER = """
 import time
 def begin():
     global cpu, wall
@@ -69,13 +69,13 @@ def end():
 
 @dataclass(frozen=True)
 class Row:
-    """One thing to start.
+    """One line of the table.
 
     Attributes:
-        name: in the table.
-        code: run by `python -c`.
-        cold: it finds no compiled kernels.
-        part: what of it is measured between `begin()` and `end()`.
+        name: the first column.
+        code: Python code, run by `python -c`.
+        cold: whether the process finds no compiled kernels.
+        part: name of the part between `begin()` and `end()`, which is timed separately.
     """
 
     name: str
@@ -86,7 +86,7 @@ class Row:
 
 @dataclass
 class Times:
-    """What the repeats of a row took, s; `part_*` are what its child measured itself."""
+    """CPU and wall times of the repeats of a row, and of its part, s."""
 
     cpu: list[float] = field(default_factory=list)
     wall: list[float] = field(default_factory=list)
@@ -94,13 +94,13 @@ class Times:
     part_wall: list[float] = field(default_factory=list)
 
     def add(self, other: Times) -> None:
-        """Take the other's figures in."""
+        """Append the times of another."""
         for name, values in vars(other).items():
             getattr(self, name).extend(values)
 
 
 def rows(robot: str) -> list[Row]:
-    """What is measured."""
+    """Return the lines of the table."""
     return [
         Row("python", "pass"),
         Row("import numpy", "import numpy"),
@@ -114,15 +114,15 @@ def rows(robot: str) -> list[Row]:
 
 
 def run(row: Row, environment: Mapping[str, str]) -> Times:
-    """Run a row once, in a process of its own.
+    """Run a row once, in a fresh process.
 
     Raises:
-        SystemExit: it failed; its own message is above.
+        SystemExit: the process failed; it has printed why.
     """
-    stopwatch = STOPWATCH if row.part else ""
+    timer = TIMER if row.part else ""
     before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     done = subprocess.run(
-        [sys.executable, "-c", stopwatch + row.code],
+        [sys.executable, "-c", timer + row.code],
         env=environment,
         stdout=subprocess.PIPE,
         text=True,
@@ -139,7 +139,7 @@ def run(row: Row, environment: Mapping[str, str]) -> Times:
 
 
 def environment(folder: Path, kernels: Path) -> dict[str, str]:
-    """Of a child: one thread, this checkout, bytecode and kernels in these folders."""
+    """Return the environment of a child: one thread, this checkout, these folders as caches."""
     keep = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
     threads = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
     return {
@@ -153,7 +153,7 @@ def environment(folder: Path, kernels: Path) -> dict[str, str]:
 
 
 def measure(chosen: list[Row], repeat: int, cold: int) -> dict[str, Times]:
-    """Times of each row; the cold ones are repeated only `cold` times, for they take long."""
+    """Measure each row `repeat` times, cold ones `cold` times."""
     times = {row.name: Times() for row in chosen}
     with tempfile.TemporaryDirectory(prefix="wbc-startup-") as name:
         folder = Path(name)
@@ -170,12 +170,12 @@ def measure(chosen: list[Row], repeat: int, cold: int) -> dict[str, Times]:
 
 
 def median(values: list[float]) -> float | None:
-    """The median, s, if there is one."""
+    """Return the median, s, or None without values."""
     return float(np.median(values)) if values else None
 
 
 def table(chosen: list[Row], times: dict[str, Times]) -> list[dict[str, float | str | None]]:
-    """One line per row: medians, s, and the ratio of CPU times to importing Pinocchio."""
+    """Return medians, s, and the ratio of CPU time to importing Pinocchio, by row."""
     unit = median(times[CALIBRATION].cpu) or np.nan
     lines: list[dict[str, float | str | None]] = []
     for row in chosen:
@@ -218,13 +218,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--robot", default="talos")
-    parser.add_argument("--repeat", type=int, default=9, help="(default: %(default)s)")
+    parser.add_argument("--robot", default="talos", help="robot to load (default: %(default)s)")
+    parser.add_argument("--repeat", type=int, default=9, help="repeats (default: %(default)s)")
     parser.add_argument(
         "--cold", type=int, default=3, help="repeats without kernels (default: %(default)s)"
     )
-    parser.add_argument("--only", action="append", metavar="TEXT", help="rows whose name has it")
-    parser.add_argument("--json", type=Path, help="write the table there")
+    parser.add_argument("--only", action="append", metavar="TEXT", help="only rows containing this")
+    parser.add_argument("--json", type=Path, help="write the table and all times to this file")
     options = parser.parse_args()
     chosen = [row for row in rows(options.robot) if options.cold > 0 or not row.cold]
     texts = [CALIBRATION, *(options.only or [""])]

@@ -2,8 +2,8 @@
 
 Every run is in MuJoCo with physics at 1 kHz, friction 0.8, the URDF's torque limits, noisy
 sensors (encoders, joint velocities, IMU, foot forces) and no ground truth in the walker. A
-cell passes when the robot survives, gets as far as asked, and no QP fails, no torque and no
-joint position exceeds its limit.
+cell passes if the robot survives and reaches its goal, no QP fails, and no torque and no joint
+position exceeds its limit.
 
     python benchmarks/walk.py                     # all robots, 5 seeds
     python benchmarks/walk.py --robot g1 --seeds 2
@@ -54,7 +54,7 @@ SCENARIOS: dict[str, list[Scenario]] = {
 
 
 def trial(job: tuple[str, int, int]) -> tuple[str, int, int, wbc.Report]:
-    """One run in a process of its own."""
+    """Run one trial."""
     name, index, seed = job
     report = run_scenario(wbc.load(name), SCENARIOS[name][index], seed)
     return name, index, seed, report
@@ -63,12 +63,17 @@ def trial(job: tuple[str, int, int]) -> tuple[str, int, int, wbc.Report]:
 def main() -> int:
     """Run the trials, print the table, write the JSON."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--robot", action="append", choices=sorted(SCENARIOS), help="only this one")
+    parser.add_argument(
+        "--robot",
+        action="append",
+        choices=sorted(SCENARIOS),
+        help="robot to run; may be repeated (default: all)",
+    )
     parser.add_argument("--scenario", default="", help="only scenarios whose name contains this")
-    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--seeds", type=int, default=5, help="runs per cell (default: %(default)s)")
     parser.add_argument("--jobs", type=int, default=1, help="processes; timings need 1")
     parser.add_argument("--json", type=Path, help="write all reports here")
-    parser.add_argument("--readme", type=Path, help="put the table between the marks of this file")
+    parser.add_argument("--readme", type=Path, help="renew the table in this file")
     args = parser.parse_args()
     jobs = [
         (name, index, seed)
