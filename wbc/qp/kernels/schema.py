@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from typing import Any, TypeVar, get_type_hints
 
 import numpy as np
+from numba import carray, types
+from numba.extending import intrinsic
 
 from wbc.jit.compile import subkernel
 
@@ -94,21 +96,32 @@ def _shape(field: ArrayField, sizes: object) -> tuple[int, ...]:
     return tuple(axis if isinstance(axis, int) else getattr(sizes, axis) for axis in field.axes)
 
 
-# A line of the table, not its number: Numba would compile these anew for each number.
+@intrinsic
+def _pointer(typing_context: Any, array: Any, index: Any) -> Any:
+    """Return the address of an entry of a contiguous array."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        struct = context.make_array(signature.args[0])(context, builder, arguments[0])
+        return builder.gep(struct.data, [arguments[1]])
+
+    return types.CPointer(array.dtype)(array, types.int64), generate
+
+
+# Views of a pointer instead of slices, which would count references. A line of the table is passed,
+# not its number: Numba would compile these anew for each number.
 @subkernel
-def _one_axis(flat: np.ndarray, line: np.ndarray) -> np.ndarray:
-    return flat[line[0] : line[0] + line[1]]
+def _one_axis(flat: np.ndarray, line: np.ndarray) -> Any:
+    return carray(_pointer(flat, line[0]), (line[1],))
 
 
 @subkernel
-def _two_axes(flat: np.ndarray, line: np.ndarray) -> np.ndarray:
-    return flat[line[0] : line[0] + line[1] * line[2]].reshape(line[1], line[2])
+def _two_axes(flat: np.ndarray, line: np.ndarray) -> Any:
+    return carray(_pointer(flat, line[0]), (line[1], line[2]))
 
 
 @subkernel
-def _three_axes(flat: np.ndarray, line: np.ndarray) -> np.ndarray:
-    size = line[1] * line[2] * line[3]
-    return flat[line[0] : line[0] + size].reshape(line[1], line[2], line[3])
+def _three_axes(flat: np.ndarray, line: np.ndarray) -> Any:
+    return carray(_pointer(flat, line[0]), (line[1], line[2], line[3]))
 
 
 def reader(groups: tuple[type, ...], group: type) -> Callable[..., Any]:
