@@ -96,7 +96,7 @@ def _shape(field: ArrayField, sizes: object) -> tuple[int, ...]:
     return tuple(axis if isinstance(axis, int) else getattr(sizes, axis) for axis in field.axes)
 
 
-@intrinsic
+@intrinsic  # type: ignore[untyped-decorator]
 def _pointer(typing_context: Any, array: Any, index: Any) -> Any:
     """Return the address of an entry of a contiguous array."""
 
