@@ -109,7 +109,7 @@ def on_one_leg(time: float, player: MotionPlayer) -> bool:
 def stepping(time: float, player: MotionPlayer) -> bool:
     """Whether the third step is half done."""
     swings = player.telemetry.phase in ("left", "right")
-    return player.steps == 2 and swings and player.walker.state_machine.progress > 0.5
+    return player.steps == 2 and swings and player.walker.gait_state.progress > 0.5
 
 
 SCENES = (

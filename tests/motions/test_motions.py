@@ -30,7 +30,6 @@ from wbc.motions.wave import Wave
 from wbc.runtime.fall import fall_reason
 from wbc.sim import Mujoco
 from wbc.trials import RunEvaluator, run_motions
-from wbc.walking.stabilizer import ComBiasEstimator
 
 #: Share of its torque limit by which a joint's torque may change in a tick because a motion is
 #: interrupted, begun or blended over: a joint has its whole torque in 0.1 s at the soonest.
@@ -354,16 +353,6 @@ def test_the_performer_walks_like_the_walker():
     assert report.displacement_m[0] > 0.4
     assert player.context.at_home
     assert player.telemetry.phase == "stand"
-
-
-def test_the_bias_of_the_com_is_found_from_the_centre_of_pressure():
-    random, bias = np.random.default_rng(2), ComBiasEstimator(3.3)
-    swing = 2.0 * np.pi * 0.5
-    for k in range(4000):
-        com = 0.03 * np.exp(1j * swing * 0.002 * k)
-        cop = com * (1.0 + swing**2 / 3.3**2) + 0.005 * random.standard_normal()
-        bias.update(0.002, com + (0.004 - 0.006j), -(swing**2) * com, cop)
-    assert bias.value == pytest.approx(0.004 - 0.006j, abs=5e-4)
 
 
 def test_motions_that_a_robot_cannot_do_are_refused_with_the_bound():

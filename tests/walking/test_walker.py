@@ -134,7 +134,7 @@ def test_walker_follows_given_footsteps() -> None:
         truth = wbc.Kinematics(robot, plant.ground_truth())
     assert_clean(report)
     assert walker.steps == 3
-    assert walker.state_machine.phase is Phase.STAND
+    assert walker.gait_state.phase is Phase.STAND
     for name, sign in (("left_sole", 1), ("right_sole", -1)):
         at = truth.frame(name).translation
         assert at[:2] == pytest.approx([0.45, sign * width / 2], abs=0.04)
@@ -219,6 +219,9 @@ def test_bad_input_names_what_is_wrong() -> None:
         walker.velocity = (0.3, 0.0)
     with pytest.raises(GaitError, match="finite"):
         walker.velocity = (float("nan"), 0.0, 0.0)
+    for bad in (0.3, None, "fast", ("a", "b", "c")):
+        with pytest.raises(GaitError, match=r"velocity .* needs three numbers"):
+            walker.velocity = bad
     broken = state.q.copy()
     broken[9] = np.nan
     with pytest.raises(StateError, match=r"q\[9\]"):
@@ -248,3 +251,38 @@ def test_telemetry_shows_the_step_in_the_making() -> None:
                 assert telemetry.swing_path[-1][:2] == pytest.approx(landing[:2], abs=0.02)
                 assert telemetry.support.shape == (4, 3)
     assert {"double", "left"} <= seen
+
+
+def test_footsteps_beyond_reach_are_refused_and_the_step_is_named() -> None:
+    walker = wbc.Walker(wbc.load("talos"))
+
+    def step(side: str, x: float, y: float, yaw: float = 0.0) -> wbc.Footstep:
+        return wbc.Footstep(side, np.array([x, y, 0.0]), yaw)
+
+    good = [step("left", 0.2, 0.085), step("right", 0.4, -0.085)]
+    walker.follow(good)
+    refused = {
+        r"footstep 0: the left foot would stand 5\.00 m ahead of the right foot": [
+            step("left", 5.0, 0.085)
+        ],
+        r"footstep 2: the left foot would stand 5\.00 m ahead of footstep 1": [
+            *good,
+            step("left", 5.4, 0.085),
+        ],
+        r"footstep 1: .* -?0\.00 m beside it": [good[0], step("right", 0.2, 0.085)],
+        r"footstep 0: position .* must be finite": [step("left", float("nan"), 0.085)],
+        r"footstep 0: .* yaw nan": [step("left", 0.2, 0.085, float("nan"))],
+        r"footstep 0: .* turned by 2\.00 rad": [step("left", 0.2, 0.085, 2.0)],
+    }
+    for message, footsteps in refused.items():
+        with pytest.raises(GaitError, match=message):
+            walker.follow(footsteps)
+
+
+def test_walker_says_what_it_is_doing() -> None:
+    walker = wbc.Walker(wbc.load("talos"))
+    walker.velocity = (0.3, 0.0, 0.0)
+    assert repr(walker) == (
+        "Walker(talos, DcmPlanner, phase STAND, support left, 0 steps, "
+        "velocity (0.3 m/s, 0 m/s, 0 rad/s), dt 0.002 s)"
+    )

@@ -1,21 +1,28 @@
-"""The gait: footsteps, phases, the DCM plan and the swing foot."""
+"""Gait: footsteps, phases, planners of footsteps and DCM, and the swing foot."""
 
-from wbc.gait.dcm import DcmReference, ZmpSegment, solve_dcm
 from wbc.gait.footsteps import Velocity, next_footstep
 from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.parameters import GaitParameters
-from wbc.gait.state_machine import GaitStateMachine, Phase
+from wbc.gait.planners import DcmPlanner, DcmReference, Planner, StepPlan, ZmpSegment, solve_dcm
+from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
+from wbc.gait.state_machine import GaitStateMachine
 from wbc.gait.swing_foot import SwingFoot
 from wbc.geometry.planar import Feet, Placement
 
 __all__ = [
+    "DcmPlanner",
     "DcmReference",
     "Feet",
+    "GaitCommand",
     "GaitParameters",
+    "GaitState",
     "GaitStateMachine",
     "LiftedFoot",
     "Phase",
     "Placement",
+    "PlannedFootstep",
+    "Planner",
+    "StepPlan",
     "SwingFoot",
     "Velocity",
     "ZmpSegment",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from wbc.errors import GaitError
@@ -34,18 +35,27 @@ class Velocity:
         """No motion asked for."""
         return self.forward == 0.0 and self.left == 0.0 and self.turn == 0.0
 
+    def must_be_finite(self) -> None:
+        """Check the entries.
+
+        Raises:
+            GaitError: an entry is not finite.
+        """
+        wanted = (self.forward, self.left, self.turn)
+        if not all(map(math.isfinite, wanted)):
+            raise GaitError(
+                f"velocity {wanted} must be finite: (forward m/s, left m/s, turn left rad/s)"
+            )
+
     def clamped(self, gait: GaitParameters) -> Velocity:
         """The nearest velocity within the gait's limits.
 
         Raises:
             GaitError: an entry is not finite.
         """
+        self.must_be_finite()
         limits = gait.max_velocity
         wanted = (self.forward, self.left, self.turn)
-        if not all(abs(w) < float("inf") for w in wanted):
-            raise GaitError(
-                f"velocity {wanted} must be finite: (forward m/s, left m/s, turn rad/s)"
-            )
         return Velocity(*(max(-m, min(m, w)) for w, m in zip(wanted, limits, strict=True)))
 
 

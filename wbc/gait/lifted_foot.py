@@ -29,17 +29,15 @@ class LiftedFoot:
     target_frozen = True  #: no step adjustment
 
     def __init__(self, start: Placement, stance: Placement) -> None:
-        self._local = stance.to_local(start.point)
-        self._yaw = wrap_angle(start.yaw - stance.yaw)
-        self._rise = start.height - stance.height
+        self._relative = start.relative_to(stance)
         self._stance = stance
         self.offset = np.zeros(4)
         self.offset_velocity = np.zeros(4)
         self.offset_acceleration = np.zeros(4)
         self.expects_contact = False
 
-    def advance(self, stance: Placement) -> None:
-        """Follow the support sole as it is measured."""
+    def follow_support(self, stance: Placement) -> None:
+        """Keep the place relative to the support sole, as it is estimated now."""
         self._stance = stance
 
     @property
@@ -48,12 +46,7 @@ class LiftedFoot:
         return self.expects_contact and bool(self.offset[2] < -_SETTLED)
 
     def _start(self) -> Placement:
-        stance = self._stance
-        return Placement(
-            stance.to_world(self._local),
-            wrap_angle(stance.yaw + self._yaw),
-            stance.height + self._rise,
-        )
+        return self._stance.compose(self._relative)
 
     @property
     def target(self) -> Placement:

@@ -35,6 +35,12 @@ def yaw_of(rotation: np.ndarray) -> float:
     return math.atan2(rotation[1, 0], rotation[0, 0])
 
 
+def rotation_about_z(yaw: float) -> np.ndarray:
+    """(3, 3) rotation about the world's z axis by yaw, rad."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
 class Placement(NamedTuple):
     """A sole on the ground.
 
@@ -55,6 +61,20 @@ class Placement(NamedTuple):
     def to_local(self, world: complex) -> complex:
         """The sole's coordinates of a world point."""
         return (world - self.point) * planar_rotation(-self.yaw)
+
+    def relative_to(self, other: Placement) -> Placement:
+        """This placement in the axes of another one."""
+        return Placement(
+            other.to_local(self.point), wrap_angle(self.yaw - other.yaw), self.height - other.height
+        )
+
+    def compose(self, relative: Placement) -> Placement:
+        """The world placement of one that is given in this one's axes."""
+        return Placement(
+            self.to_world(relative.point),
+            wrap_angle(self.yaw + relative.yaw),
+            self.height + relative.height,
+        )
 
 
 @dataclass(slots=True)

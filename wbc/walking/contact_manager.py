@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pinocchio as pin
 
 from wbc.contacts import SurfaceContact
 from wbc.controller import WholeBodyController
-from wbc.gait import GaitStateMachine, Phase
+from wbc.gait import GaitState, Phase
+from wbc.geometry.planar import rotation_about_z
 from wbc.robot import Robot
 from wbc.tasks import FrameTask
 from wbc.walking.gains import WalkerGains
@@ -54,22 +53,22 @@ class ContactManager:
         """One per foot; the controller has that of the foot in the air."""
         return tuple(self._swing_tasks.values())
 
-    def update(self, state_machine: GaitStateMachine) -> None:
+    def update(self, state: GaitState) -> None:
         """Set contacts and swing task for the phase of now."""
-        support = self._contacts[state_machine.support]
-        other = self._contacts[state_machine.swing_side]
+        support = self._contacts[state.support]
+        other = self._contacts[state.swing_side]
         support.motion_weight = None
         support.max_force = other.max_force = float("inf")
-        self._track_swing(state_machine)
-        if state_machine.phase is Phase.SWING:
+        self._track_swing(state)
+        if state.phase is Phase.SWING:
             self._hold((support,))
             return
         other.motion_weight = self._gains.second_contact_weight
-        if state_machine.phase is Phase.STAND:
-            if state_machine.swing_load < 1.0:
-                other.max_force = max(state_machine.swing_load * self._weight, 1.0)
-        elif state_machine.phase is Phase.TRANSFER and not state_machine.stopping:
-            left_over = (1.0 - state_machine.progress) / (1.0 - self._gains.unload_from)
+        if state.phase is Phase.STAND:
+            if state.other_foot_load < 1.0:
+                other.max_force = max(state.other_foot_load * self._weight, 1.0)
+        elif state.phase is Phase.TRANSFER and not state.stopping:
+            left_over = (1.0 - state.progress) / (1.0 - self._gains.unload_from)
             if left_over < 1.0:
                 other.max_force = max(left_over * 0.5 * self._weight, 1.0)
         self._hold((support, other))
@@ -78,9 +77,9 @@ class ContactManager:
         if contacts != self._controller.contacts:  # which checks what it is given
             self._controller.contacts = contacts
 
-    def _track_swing(self, state_machine: GaitStateMachine) -> None:
-        swing = state_machine.swing
-        wanted = self._swing_tasks[state_machine.swing_side] if swing is not None else None
+    def _track_swing(self, state: GaitState) -> None:
+        swing = state.swing
+        wanted = self._swing_tasks[state.swing_side] if swing is not None else None
         if wanted is not self._tracking:
             if self._tracking is not None:
                 self._controller.remove(self._tracking)
@@ -89,8 +88,8 @@ class ContactManager:
             self._tracking = wanted
         if swing is None or wanted is None:
             return
-        if state_machine.lifted is not None:
-            wanted.weight = self._held_weight(float(state_machine.lifted.offset[2]))
+        if state.lifted is not None:
+            wanted.weight = self._held_weight(float(state.lifted.offset[2]))
         self._swing_target.rotation = rotation_about_z(swing.yaw)
         self._swing_target.translation = np.array(swing.position)
         wanted.target = self._swing_target
@@ -108,9 +107,3 @@ class ContactManager:
         weight = np.full(6, self._gains.swing_weight)
         weight[3:5] *= flat * flat
         return weight
-
-
-def rotation_about_z(yaw: float) -> np.ndarray:
-    """(3, 3) rotation about the world's z axis."""
-    c, s = math.cos(yaw), math.sin(yaw)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

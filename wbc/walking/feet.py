@@ -1,28 +1,64 @@
-"""Where the soles are, and which of them stand."""
+"""Feet as estimated: placements of the soles, contacts by side, and the centre of pressure."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+import numpy as np
+
 from wbc.estimation import Estimate
 from wbc.gait import Feet, Placement
-from wbc.geometry.planar import yaw_of
+from wbc.geometry.planar import planar_rotation, yaw_of
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 
+_LEAST_LOAD = 0.8  # share of the weight on the soles below which there is no centre of pressure
+
 
 def foot_placements(kin: Kinematics) -> Feet:
-    """Both soles on the ground, as the kinematics place them."""
+    """Both soles, as the kinematics place them."""
     left, right = kin.robot.soles
     return Feet(_placement(kin, left.frame_id), _placement(kin, right.frame_id))
 
 
 def _placement(kin: Kinematics, frame_id: int) -> Placement:
-    at = kin.frame(frame_id)
-    x, y, z = at.translation.tolist()
-    return Placement(complex(x, y), yaw_of(at.rotation), z)
+    T_world_sole = kin.frame(frame_id)
+    x, y, z = T_world_sole.translation.tolist()
+    return Placement(complex(x, y), yaw_of(T_world_sole.rotation), z)
 
 
 def sides_in_contact(robot: Robot, estimate: Estimate) -> frozenset[str] | None:
-    """Return the sides whose soles stand; None when the robot has no foot sensors."""
+    """Sides whose soles stand on the ground; None without foot sensors."""
     if estimate.loads is None:
         return None
-    return frozenset(sole.side for sole in robot.soles if sole.name in estimate.contacts)
+    contacts = estimate.contacts
+    return frozenset([sole.side for sole in robot.soles if sole.name in contacts])
+
+
+def centre_of_pressure(
+    robot: Robot, feet: Feet, wrenches: Mapping[str, np.ndarray]
+) -> complex | None:
+    """Centre of pressure of both soles, a ground point in world axes, m.
+
+    `p = Σ f_z p_sole / Σ f_z` with `p_sole = (−τ_y, τ_x) / f_z` in each sole's axes.
+
+    Args:
+        robot: the robot.
+        feet: its soles.
+        wrenches: sole name -> (6,) force then moment in sole axes; N, N·m.
+
+    Returns:
+        None while the soles carry less than 80 % of the weight.
+    """
+    load, moment = 0.0, 0j
+    for sole in robot.soles:
+        wrench = wrenches.get(sole.name)
+        if wrench is None:
+            return None
+        _, _, force, roll, pitch, _ = wrench.tolist()
+        if force > 0.0:
+            placement = feet.of(sole.side)
+            local = complex(-pitch, roll)
+            moment += force * placement.point + local * planar_rotation(placement.yaw)
+            load += force
+    return moment / load if load >= _LEAST_LOAD * robot.weight else None

@@ -1,4 +1,4 @@
-"""What a motion adds to the walker's own references: CoM, trunk attitude, share of the weight."""
+"""What a motion adds to the walker's references: CoM, trunk orientation, weight shift."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import pinocchio as pin
 
-from wbc.gait import DcmReference, Feet
+from wbc.gait import DcmReference, GaitState, Phase
 from wbc.geometry.planar import planar_rotation
 
-_H = 1e-3  # s, of the differences in time of an attitude
+_H = 1e-3  # s, step of the finite differences of a rotation
 
 
 def _zeros() -> np.ndarray:
@@ -19,10 +19,10 @@ def _zeros() -> np.ndarray:
 
 @dataclass(slots=True)
 class RotationOffset:
-    """A rotation that a reference adds to standing is_zero.
+    """A rotation that a reference adds to standing upright.
 
     Attributes:
-        is_zero: there is nothing to add; the others are not looked at.
+        is_zero: there is nothing to add; the other attributes are not read.
         vector: (3,) rotation vector φ in heading axes, rad.
         rate: (3,) φ̇, rad/s.
         acceleration: (3,) φ̈, rad/s².
@@ -34,7 +34,7 @@ class RotationOffset:
     acceleration: np.ndarray = field(default_factory=_zeros)
 
     def motion(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(3, 3) rotation, (3,) angular velocity and acceleration, heading axes."""
+        """Return the (3, 3) rotation, (3,) angular velocity and acceleration in heading axes."""
         bend = 0.5 * _H * _H * self.acceleration
         before, now, after = (
             np.asarray(pin.exp3(self.vector + h * self.rate + bend * (h != 0.0)))
@@ -49,10 +49,10 @@ class RotationOffset:
 class ReferenceOffset:
     """What a motion adds to the walker's references; zero, with centred weight, when walking.
 
-    The walker adds it to what its gait wants, so that balance, contacts and steps stay the
-    same whatever a motion does. The CoM's offset c moves the DCM's plan by c + ċ/ω and the
-    ZMP's by c − c̈/ω²: the pendulum is linear, plans add up. Whoever sets it sees to it that
-    none of it jumps.
+    The walker adds it to what its planner wants, so that balance, contacts and steps stay the
+    same whatever a motion does. The CoM's offset c moves the reference of the DCM by c + ċ/ω
+    and that of the ZMP by c − c̈/ω²: the linear inverted pendulum superposes. Whoever sets an
+    offset keeps it continuous.
 
     Attributes:
         com: (3,) offset of the CoM, heading axes, m.
@@ -63,8 +63,6 @@ class ReferenceOffset:
         weight_shift: where the weight is while standing: 0 over the right sole, 1 over the left.
         weight_shift_velocity: 1/s.
         weight_shift_acceleration: 1/s².
-        com_bias: by how much the estimated CoM is off, x + iy in heading axes, m; balance
-            takes it off.
     """
 
     com: np.ndarray = field(default_factory=_zeros)
@@ -75,32 +73,27 @@ class ReferenceOffset:
     weight_shift: float = 0.5
     weight_shift_velocity: float = 0.0
     weight_shift_acceleration: float = 0.0
-    com_bias: complex = 0j
 
-    def apply(
-        self, plan: DcmReference, omega: float, heading: float, feet: Feet, standing: bool
-    ) -> DcmReference:
-        """The gait's plan, apply by the offset of the CoM.
+    def apply(self, reference: DcmReference, state: GaitState, heading: float) -> DcmReference:
+        """The planner's reference, moved by the offset of the CoM and the motion of the weight.
 
         Args:
-            plan: of the gait.
-            omega: natural frequency, 1/s.
-            heading: rad.
-            feet: soles as measured.
-            standing: whether `weight_shift` counts; the plan already has its position, but
-                not its motion.
+            reference: of the planner, which has the position of the weight shift already.
+            state: phase and feet.
+            heading: of the robot, rad.
         """
+        omega = state.gait.omega
         to_world = planar_rotation(heading)
         c, v, a = (
-            complex(float(x[0]), float(x[1])) * to_world
+            complex(*x[:2].tolist()) * to_world
             for x in (self.com, self.com_velocity, self.com_acceleration)
         )
-        if standing:
-            across = feet.left.point - feet.right.point
+        if state.phase is Phase.STAND or state.lifted is not None:
+            across = state.feet.left.point - state.feet.right.point
             v += self.weight_shift_velocity * across
             a += self.weight_shift_acceleration * across
         return DcmReference(
-            plan.dcm + c + v / omega,
-            plan.dcm_velocity + v + a / omega,
-            plan.zmp + c - a / (omega * omega),
+            reference.dcm + c + v / omega,
+            reference.dcm_velocity + v + a / omega,
+            reference.zmp + c - a / (omega * omega),
         )

@@ -1,11 +1,13 @@
-"""The trunk is held upright, or leant as a motion says."""
+"""Orientation tasks that hold the trunk upright, or where a motion turns it."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from wbc.controller import WholeBodyController
+from wbc.geometry.planar import rotation_about_z
 from wbc.kinematics import Kinematics
 from wbc.tasks import OrientationTask
-from wbc.walking.contact_manager import rotation_about_z
 from wbc.walking.gains import WalkerGains
 from wbc.walking.reference_offset import ReferenceOffset
 
@@ -14,7 +16,7 @@ class TrunkTasks:
     """Orientation tasks of torso and base (one task where these are one link).
 
     Args:
-        controller: that gets the tasks.
+        controller: controller that gets the tasks.
         kin: standing upright, heading along x.
         gains: weight and gain.
 
@@ -30,30 +32,30 @@ class TrunkTasks:
             controller.add(OrientationTask(name, weight=gains.trunk_weight, kp=gains.trunk_kp))
             for name in frames
         )
-        self._upright = [kin.frame(name).rotation.copy() for name in frames]
+        self._upright = [np.array(kin.frame(name).rotation) for name in frames]
 
-    def update(self, yaw: float, rate: float, offset: ReferenceOffset | None) -> None:
-        """Upright, along a heading.
+    def update(self, yaw: float, yaw_rate: float, offset: ReferenceOffset | None) -> None:
+        """Set the references: upright along a heading, turned by an offset.
 
         Args:
-            yaw: rad.
-            rate: rad/s.
-            offset: by how much a motion leans it; None: not at all.
+            yaw: heading, rad.
+            yaw_rate: rad/s.
+            offset: rotation that a motion adds; None: nothing.
         """
         heading = rotation_about_z(yaw)
         for task, upright in zip(self.tasks, self._upright, strict=True):
             task.target = heading.dot(upright)
-            task.velocity[2] = rate
+            task.velocity[2] = yaw_rate
         if offset is None:
             return
-        attitudes = (offset.torso, offset.base)[-len(self.tasks) :]
-        for task, upright, attitude in zip(self.tasks, self._upright, attitudes, strict=True):
-            if attitude.is_zero:
+        rotations = (offset.torso, offset.base)[-len(self.tasks) :]
+        for task, upright, added in zip(self.tasks, self._upright, rotations, strict=True):
+            if added.is_zero:
                 task.velocity[:2] = 0.0
                 task.acceleration[:] = 0.0
                 continue
-            rotation, velocity, acceleration = attitude.motion()
+            rotation, velocity, acceleration = added.motion()
             task.target = heading @ rotation @ upright
             task.velocity = heading @ velocity
-            task.velocity[2] += rate
+            task.velocity[2] += yaw_rate
             task.acceleration = heading @ acceleration

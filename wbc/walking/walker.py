@@ -1,8 +1,7 @@
-"""The walker: gait, balance and whole-body controller put together."""
+"""The walker: gait, stabilizer and whole-body controller put together."""
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Sequence
 
@@ -11,33 +10,36 @@ import pinocchio as pin
 
 from wbc.command import Command
 from wbc.controller import WholeBodyController
-from wbc.errors import GaitError
 from wbc.estimation import Estimate
 from wbc.gait import (
+    DcmPlanner,
     DcmReference,
     Feet,
+    GaitCommand,
     GaitParameters,
+    GaitState,
     GaitStateMachine,
     Phase,
     Placement,
+    Planner,
     Velocity,
 )
-from wbc.gait.footsteps import SIDES
 from wbc.gait.leg_workspace import LegWorkspace
-from wbc.gait.state_machine import PREVIEW_STEPS
-from wbc.geometry.planar import ground_point, planar_rotation, wrap_angle
+from wbc.gait.planners import PREVIEW_STEPS
+from wbc.geometry.planar import ground_point, rotation_about_z, wrap_angle
 from wbc.kinematics import Kinematics
 from wbc.qp import Solver
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.tasks import AngularMomentumTask, ComTask, PostureTask, Task
 from wbc.telemetry import ContactPlan, Footstep, Telemetry
-from wbc.walking.contact_manager import ContactManager, rotation_about_z
-from wbc.walking.feet import foot_placements, sides_in_contact
+from wbc.walking.command_checks import parse_footsteps, parse_velocity
+from wbc.walking.contact_manager import ContactManager
+from wbc.walking.feet import centre_of_pressure, foot_placements, sides_in_contact
 from wbc.walking.gains import WalkerGains
+from wbc.walking.height_reference import HeightReference
 from wbc.walking.reference_offset import ReferenceOffset
-from wbc.walking.stabilizer import footstep_adjustment, zmp_from_dcm_error
-from wbc.walking.support_polygon import SupportPolygon
+from wbc.walking.stabilizer import Stabilizer, StabilizerOutput
 from wbc.walking.trunk_tasks import TrunkTasks
 
 
@@ -53,12 +55,15 @@ class Walker:
         dt: control period, s.
         gait: gait parameters; scaled to the robot when left out.
         gains: weights and gains of the tasks.
-        solver: QP solver by name.
+        planner: plans footsteps and DCM; the analytic `DcmPlanner` when left out.
+        solver: QP solver, by name or as an object.
 
     Attributes:
         controller: the whole-body controller; add tasks of your own to it.
         posture: the posture task, for arms and head.
-        state_machine: the gait's state machine.
+        planner: plans footsteps and DCM.
+        stabilizer: DCM feedback, step adjustment, bias of the CoM.
+        state_machine: phases of the gait.
         reference_offset: what a motion adds to the references of CoM and trunk; None: nothing.
 
     Raises:
@@ -72,12 +77,13 @@ class Walker:
         *,
         gait: GaitParameters | None = None,
         gains: WalkerGains | None = None,
+        planner: Planner | None = None,
         solver: str | Solver | None = None,
     ) -> None:
         self.robot = robot
         self.dt = dt
-        self._reach = LegWorkspace(robot)
-        self.gait = gait or GaitParameters.for_robot(robot, self._reach)
+        workspace = LegWorkspace(robot)
+        self.gait = gait or GaitParameters.for_robot(robot, workspace)
         self.gains = gains = gains or WalkerGains()
         self.controller = controller = WholeBodyController(robot, dt, solver=solver)
         kp = gains.height_kp
@@ -94,15 +100,25 @@ class Walker:
         weights = np.full(robot.na, gains.posture_weight)
         for leg in robot.legs:
             weights[np.array(leg) - 6] = gains.leg_posture_weight
-        weights[list(self._reach.knees)] = gains.knee_posture_weight
+        weights[list(workspace.knees)] = gains.knee_posture_weight
         self.posture = controller.add(PostureTask(robot, weight=weights, kp=gains.posture_kp))
         self.momentum = controller.add(AngularMomentumTask(weight=gains.momentum_weight))
         self._contact_manager = ContactManager(robot, controller, gains)
-        self._support = SupportPolygon(robot)
+        self._height = HeightReference(workspace, gains.ground_time)
+        self.stabilizer = Stabilizer(robot, gains)
+        self.planner: Planner = planner or DcmPlanner()
         self.reference_offset: ReferenceOffset | None = None
-        self._wanted = Velocity()
-        self._queue: list[tuple[str, Placement]] = []
+        self._command = GaitCommand()
         self.reset(robot.standing())
+
+    def __repr__(self) -> str:
+        state, velocity = self.gait_state, self._command.velocity
+        return (
+            f"Walker({self.robot.name}, {type(self.planner).__name__}, "
+            f"phase {state.phase.name}, support {state.support}, {state.steps} steps, "
+            f"velocity ({velocity.forward:g} m/s, {velocity.left:g} m/s, "
+            f"{velocity.turn:g} rad/s), dt {self.dt:g} s)"
+        )
 
     @property
     def velocity(self) -> tuple[float, float, float]:
@@ -111,16 +127,18 @@ class Walker:
         May be set at any tick. The present step goes over to it smoothly, less the nearer the
         foot is to the ground; the rest comes with the next step. Beyond the gait's limits it is
         clamped, with a `VelocityClamped` warning that says to what.
+
+        Raises:
+            GaitError: it is not three finite numbers.
         """
-        return (self._wanted.forward, self._wanted.left, self._wanted.turn)
+        velocity = self._command.velocity
+        return (velocity.forward, velocity.left, velocity.turn)
 
     @velocity.setter
     def velocity(self, value: Sequence[float]) -> None:
-        if len(value) != 3:
-            raise GaitError(f"velocity {value!r} needs three numbers: forward, left, turn")
-        wanted = Velocity(*(float(x) for x in value))
-        self._wanted = wanted.clamped(self.gait)
-        if self._wanted != wanted:
+        wanted = parse_velocity(value)
+        self._command.velocity = wanted.clamped(self.gait)
+        if self._command.velocity != wanted:
             got = self.velocity
             limits = self.gait.max_velocity
             warnings.warn(
@@ -139,7 +157,7 @@ class Walker:
         """
         self.gait = gait
         self.state_machine.change_gait(gait)
-        self._wanted = self._wanted.clamped(gait)
+        self._command.velocity = self._command.velocity.clamped(gait)
 
     @property
     def tasks(self) -> tuple[Task, ...]:
@@ -156,24 +174,15 @@ class Walker:
         """Walk over given footsteps, alternating sides, then stop.
 
         Raises:
-            GaitError: an unknown side, or two steps of the same side in a row.
+            GaitError: an unknown side, two steps of the same side in a row, a number that is
+                not finite, or a step beyond the reach of the one before it.
         """
-        queue = []
-        for k, step in enumerate(footsteps):
-            if step.side not in SIDES:
-                raise GaitError(f"footstep {k}: side '{step.side}' is neither 'left' nor 'right'")
-            if k and step.side == footsteps[k - 1].side:
-                raise GaitError(
-                    f"footsteps {k - 1} and {k} are both '{step.side}': sides must alternate"
-                )
-            placement = Placement(ground_point(step.position), step.yaw, float(step.position[2]))
-            queue.append((step.side, placement))
-        self._queue[:] = queue
+        self._command.footsteps[:] = parse_footsteps(footsteps, self.gait_state)
 
     def halt(self) -> None:
-        """Stop walking soon: the steps that the plan of now counts on are still made."""
-        self._wanted = Velocity()
-        del self._queue[PREVIEW_STEPS - 1 :]
+        """Stop walking soon: the steps that the present plan counts on are still made."""
+        self._command.velocity = Velocity()
+        del self._command.footsteps[PREVIEW_STEPS - 1 :]
 
     def reset(self, state: State) -> None:
         """Start anew, standing, from a state with both soles on the ground.
@@ -181,108 +190,93 @@ class Walker:
         What is wanted of it stays: the velocity, and footsteps given by `follow`.
 
         Raises:
-            StateError: see `State.checked`.
+            StateError: see `State.validated`.
+        """
+        self.stabilizer.reset()
+        self.resume(state)
+
+    def resume(self, state: State) -> None:
+        """Take over from another controller: `reset`, but for what the stabilizer has learned.
+
+        Raises:
+            StateError: see `State.validated`.
         """
         self._kin.update(state)
         feet = foot_placements(self._kin)
-        self.state_machine = GaitStateMachine(self.gait, feet, self._queue)
-        self._ground = 0.5 * (feet.left.height + feet.right.height)
+        self.state_machine = GaitStateMachine(self.gait, feet, self.planner)
+        ground = 0.5 * (feet.left.height + feet.right.height)
+        self._height.reset(ground, float(self._kin.p_com[2]))
         self._heading = feet.left.yaw + 0.5 * wrap_angle(feet.right.yaw - feet.left.yaw)
-        self._height_now = float(self._kin.p_com[2]) - self._ground
-        self._dcm = self._zmp = ground_point(self._kin.p_com)
-        self._reference = DcmReference(self._dcm, 0j, self._zmp)
+        at_rest = DcmReference(ground_point(self._kin.p_com), 0j, ground_point(self._kin.p_com))
+        landing = self.gait_state.landing
+        self._balance = StabilizerOutput(at_rest.dcm, at_rest, at_rest.zmp, 0j, landing)
         self.posture.target = state.q[7:].copy()
 
     def step(self, estimate: Estimate) -> Command:
         """One tick.
 
         Args:
-            estimate: state and contacts; without foot sensors contact goes by time.
+            estimate: state, contacts and foot wrenches; without foot sensors, contact goes by
+                time.
 
         Raises:
-            StateError: see `State.checked`.
+            StateError: see `State.validated`.
         """
-        kin = self._kin
+        kin, dt = self._kin, self.dt
         kin.update(estimate.state)
         feet = foot_placements(kin)
-        state_machine = self.state_machine
+        machine, stabilizer = self.state_machine, self.stabilizer
+        state = machine.state
         if self.reference_offset is not None:
-            state_machine.weight_shift = self.reference_offset.weight_shift
-        state_machine.update(self.dt, feet, self._wanted, sides_in_contact(self.robot, estimate))
-        self._balance(kin, feet)
-        self._keep_upright(feet)
-        self._contact_manager.update(state_machine)
+            state.weight_shift = self.reference_offset.weight_shift
+        cop = centre_of_pressure(self.robot, feet, estimate.foot_wrenches)
+        com, com_velocity = ground_point(kin.p_com), ground_point(kin.v_com)
+        stabilizer.observe(state, com, com_velocity, cop, self._heading, dt)
+        machine.update(dt, feet, self._command, sides_in_contact(self.robot, estimate))
+        balance = self._balance = stabilizer.update(state, self._reference)
+        machine.move_swing(dt, balance.landing)
+        self._set_com_reference(state)
+        self._set_heading(state)
+        self._contact_manager.update(state)
         return self.controller.solve(kin)
 
-    def _balance(self, kin: Kinematics, feet: Feet) -> None:
-        gait, gains, state_machine = self.gait, self.gains, self.state_machine
-        omega = gait.omega
-        c, v = kin.p_com, kin.v_com
-        com = ground_point(c)
-        self._dcm = com + ground_point(v) / omega
-        if self.reference_offset is not None:
-            # The QP goes on with the CoM as estimated: so it puts the ZMP where it is wanted.
-            self._dcm -= self.reference_offset.com_bias * planar_rotation(self._heading)
-        self._reference = self._plan(feet)
-        if self.reference_offset is not None:
-            standing = state_machine.phase is Phase.STAND or state_machine.lifted is not None
-            self._reference = self.reference_offset.apply(
-                self._reference, omega, self._heading, feet, standing
-            )
-        zmp = zmp_from_dcm_error(self._dcm, self._reference, omega, gait.dcm_gain)
-        self._zmp = self._support.clamped(zmp, state_machine, feet, gains.zmp_margin)
-        push = omega * omega * (com - self._zmp)
-        self.com.acceleration[0], self.com.acceleration[1] = push.real, push.imag
-        ground = self._support.height(state_machine, feet)
-        blend = min(self.dt / gains.ground_time, 1.0)
-        self._ground += blend * (ground - self._ground)
-        height = min(gait.com_height, self._reach.com_height(self._step_length()))
-        self._height_now += 0.25 * blend * (height - self._height_now)
-        assert self.com.target is not None
-        self.com.target[2] = self._ground + self._height_now
-        if self.reference_offset is not None:
-            self.com.target[2] += self.reference_offset.com[2]
-            self.com.velocity[2] = self.reference_offset.com_velocity[2]
-            self.com.acceleration[2] = self.reference_offset.com_acceleration[2]
-
-    def _plan(self, feet: Feet) -> DcmReference:
-        """The DCM's plan; its landing place moves when the ankles alone cannot catch the DCM."""
-        state_machine, omega = self.state_machine, self.gait.omega
-        if state_machine.swing is None or state_machine.swing.target_frozen:
-            return state_machine.reference()
-        planned = state_machine.planned_reference()
-        error = (self._dcm - planned.dcm) * planar_rotation(-feet.of(state_machine.support).yaw)
-        reach = self._support.reach(state_machine, self.gains.ankle_share)
-        state_machine.landing.adjustment = footstep_adjustment(
-            error, omega, state_machine.remaining, reach
+    def _reference(self, landing: Placement | None) -> DcmReference:
+        """The planner's reference for a landing place, with the offset that a motion adds."""
+        reference = self.planner.reference(self.gait_state, landing)
+        offset = self.reference_offset
+        return (
+            reference if offset is None else offset.apply(reference, self.gait_state, self._heading)
         )
-        return state_machine.reference() if state_machine.landing.adjustment else planned
 
-    def _step_length(self) -> float:
-        """Length of the steps of now, m: how far a foot is left behind."""
-        if self.state_machine.phase is Phase.STAND:
-            return 0.0
-        velocity = self.state_machine.velocity
-        return math.hypot(velocity.forward, velocity.left) * self.gait.step_duration
+    def _set_com_reference(self, state: GaitState) -> None:
+        com, acceleration = self.com, self._balance.com_acceleration
+        com.acceleration[0], com.acceleration[1] = acceleration.real, acceleration.imag
+        assert com.target is not None
+        com.target[2] = self._height.update(state, self.state_machine.step_length, self.dt)
+        offset = self.reference_offset
+        if offset is not None:
+            com.target[2] += offset.com[2]
+            com.velocity[2] = offset.com_velocity[2]
+            com.acceleration[2] = offset.com_acceleration[2]
 
-    def _keep_upright(self, feet: Feet) -> None:
-        state_machine = self.state_machine
-        left, right = feet.left.yaw, feet.right.yaw
-        rate = 0.0
-        if state_machine.swing is not None:
-            rate = 0.5 * state_machine.swing.yaw_rate
-            if state_machine.swing_side == "left":
-                left = state_machine.swing.yaw
+    def _set_heading(self, state: GaitState) -> None:
+        """Face the mean heading of both feet, the swing foot's as planned."""
+        left, right = state.feet.left.yaw, state.feet.right.yaw
+        yaw_rate, swing = 0.0, state.swing
+        if swing is not None:
+            yaw_rate = 0.5 * swing.yaw_rate
+            if state.support == "right":
+                left = swing.yaw
             else:
-                right = state_machine.swing.yaw
+                right = swing.yaw
         self._heading = left + 0.5 * wrap_angle(right - left)
-        self._trunk.update(self._heading, rate, self.reference_offset)
+        self._trunk.update(self._heading, yaw_rate, self.reference_offset)
 
     @property
     def telemetry(self) -> Telemetry:
         """What the walker sees and intends after the last tick, for observers."""
-        state_machine, z = self.state_machine, self._ground
-        dcm, reference, zmp = self._dcm, self._reference.dcm, self._zmp
+        state, balance, z = self.gait_state, self._balance, self._height.ground
+        dcm, reference, zmp = balance.dcm, balance.reference.dcm, balance.zmp
         rows = np.array(
             (
                 (dcm.real, dcm.imag, z),
@@ -291,7 +285,6 @@ class Walker:
                 self.velocity,
             )
         )
-        swings = state_machine.phase is Phase.SWING
         return Telemetry(
             self._kin.p_com.copy(),
             rows[0],
@@ -300,21 +293,20 @@ class Walker:
             rows[3],
             self._heading,
             abs(dcm - reference),
-            state_machine.support if swings else state_machine.phase.value,
-            state_machine.steps,
+            state.support if state.phase is Phase.SWING else state.phase.value,
+            state.steps,
         )
 
     @property
     def contact_plan(self) -> ContactPlan:
         """Where the robot stands and will step; computed anew at each call."""
-        state_machine = self.state_machine
-        support = self._support.polygon(state_machine, foot_placements(self._kin))
-        swing = state_machine.swing
+        state, ground = self.gait_state, self._height.ground
+        swing, corners = state.swing, self.stabilizer.support.corners(state)
         return ContactPlan(
-            support=np.array([[p.real, p.imag, self._ground] for p in support]),
+            support=np.array([[p.real, p.imag, ground] for p in corners]),
             footsteps=tuple(
                 Footstep(side, np.array([p.point.real, p.point.imag, p.height]), p.yaw)
-                for side, p in state_machine.preview()
+                for side, p in self.planner.footsteps(state)
             ),
             swing_path=np.array(swing.path()) if swing is not None else np.empty((0, 3)),
         )
@@ -325,6 +317,11 @@ class Walker:
         return self._kin
 
     @property
+    def gait_state(self) -> GaitState:
+        """Phase, feet and times of the gait."""
+        return self.state_machine.state
+
+    @property
     def heading(self) -> float:
         """Mean heading of the soles, rad."""
         return self._heading
@@ -332,29 +329,28 @@ class Walker:
     @property
     def feet(self) -> Feet:
         """Both soles as they were at the last tick."""
-        return foot_placements(self._kin)
+        return self.gait_state.feet
 
     @property
     def standing_frame(self) -> pin.SE3:
         """`T_world_standing`: on the ground midway between the soles, x along their heading."""
-        feet = foot_placements(self._kin)
+        feet = self.feet
         middle = feet.middle
         height = 0.5 * (feet.left.height + feet.right.height)
-        return pin.SE3(
-            rotation_about_z(self._heading), np.array([middle.real, middle.imag, height])
-        )
+        origin = np.array([middle.real, middle.imag, height])
+        return pin.SE3(rotation_about_z(self._heading), origin)
 
     @property
     def height(self) -> float:
-        """Of the CoM over the ground as the gait wants it now, m."""
-        return self._height_now
+        """Wanted height of the CoM over the ground at this tick, m."""
+        return self._height.above_ground
 
     @property
     def steps(self) -> int:
         """Touchdowns since the reset."""
-        return self.state_machine.steps
+        return self.gait_state.steps
 
     @property
     def dcm_error(self) -> float:
         """Distance of the DCM from its reference after the last tick, m."""
-        return abs(self._dcm - self._reference.dcm)
+        return abs(self._balance.dcm - self._balance.reference.dcm)

@@ -15,7 +15,6 @@ from wbc.ik.objective import PostureSolution
 from wbc.ik.posture_checks import MAX_PELVIS_TILT
 from wbc.limits.per_joint import default_braking
 from wbc.motions.engine.clock import Script, ScriptClock
-from wbc.motions.engine.com_bias_observer import ComBiasObserver
 from wbc.motions.engine.com_reference import ComReference
 from wbc.motions.engine.feet import FootReferences
 from wbc.motions.engine.hands import HandReferences
@@ -87,7 +86,6 @@ class MotionContext:
         self._not_legs = np.ones(robot.na, dtype=bool)
         self._not_legs[[index - 6 for leg in robot.legs for index in leg]] = False
         self._offset = ReferenceOffset()
-        self._com_bias = ComBiasObserver(walker)
         self._estimate: Estimate | None = None
         self.notes: list[str] = []
         self.pushes: list[np.ndarray] = []
@@ -111,7 +109,6 @@ class MotionContext:
             reference.reset()
         self.feet.reset()
         self.hands.reset()
-        self._com_bias.reset()
         self._offset = ReferenceOffset()
         self.walker.reference_offset = self._offset
         self.walker.velocity = (0.0, 0.0, 0.0)
@@ -275,7 +272,7 @@ class MotionContext:
         """
         assert self.state is not None
         self.override = None
-        self.walker.reset(self.state)
+        self.walker.resume(self.state)
         for reference in self._upper_body_references():
             reference.reset()
         self.feet.reset()
@@ -352,9 +349,4 @@ class MotionContext:
     def end_tick(self, command: Command) -> None:
         """Take the tick's command, after the controller."""
         self.last_torque = command.tau
-        at_rest = self.override is None and self.stance.at_rest
-        wrenches = {} if self._estimate is None else self._estimate.foot_wrenches
-        shift = float(self.stance.weight_shift.acceleration[0])
-        self._com_bias.update(at_rest, wrenches, self.com.acceleration, shift)
-        self._offset.com_bias = self._com_bias.offset
         self.feet.observe()

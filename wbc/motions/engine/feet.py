@@ -191,7 +191,7 @@ class FootReferences:
 
     def put_down(self, duration: float = 1.0) -> Script:
         """Lower the lifted foot until it feels the ground, and stand on both feet again."""
-        foot = self._walker.state_machine.lifted
+        foot = self._walker.gait_state.lifted
         if foot is None:
             return
         above = self._foot.value * np.array([1.0, 1.0, 0.0, 1.0])
@@ -231,10 +231,10 @@ class FootReferences:
 
     def apply(self) -> None:
         """Hand the references of load and lifted foot to the gait."""
-        state_machine = self._walker.state_machine
+        state = self._walker.gait_state
         load = float(self._load.value[0])
-        state_machine.swing_load = load if load < 1.0 else math.inf
-        foot = state_machine.lifted
+        state.other_foot_load = load if load < 1.0 else math.inf
+        foot = state.lifted
         if foot is not None:
             foot.offset, foot.offset_velocity = self._foot.value, self._foot.velocity
             foot.offset_acceleration = self._foot.acceleration

@@ -32,15 +32,15 @@ class Stance:
     @property
     def standing(self) -> bool:
         """Whether both feet are on the ground and the robot is not about to walk."""
-        return self._walker.state_machine.phase is Phase.STAND
+        return self._walker.gait_state.phase is Phase.STAND
 
     @property
     def lifted(self) -> Side | None:
         """The side of the foot that a motion holds up; None for neither."""
-        state_machine = self._walker.state_machine
-        if state_machine.lifted is None:
+        state = self._walker.gait_state
+        if state.lifted is None:
             return None
-        return "left" if state_machine.swing_side == "left" else "right"
+        return "left" if state.swing_side == "left" else "right"
 
     @property
     def at_rest(self) -> bool:

@@ -9,12 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from wbc.geometry.planar import ground_point
+from wbc.geometry.planar import ground_point, rotation_about_z
 from wbc.kinematics import Kinematics
 from wbc.motions.jumping.plan import JumpPlan
 from wbc.motions.jumping.profile import HeightState, MinimumJerk
 from wbc.tasks import FrameTask
-from wbc.walking.contact_manager import rotation_about_z
 
 
 class SoleFlightReference:

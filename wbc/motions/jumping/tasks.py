@@ -10,12 +10,12 @@ import pinocchio as pin
 from wbc.command import Command
 from wbc.contacts import SurfaceContact
 from wbc.controller import WholeBodyController
+from wbc.geometry.planar import rotation_about_z
 from wbc.kinematics import Kinematics
 from wbc.limits import JointPositionLimit, JointVelocityLimit, TorqueLimit
 from wbc.motions.jumping.gains import JumpGains
 from wbc.qp import Solver
 from wbc.tasks import AngularMomentumTask, ComTask, FrameTask, OrientationTask, PostureTask
-from wbc.walking.contact_manager import rotation_about_z
 
 
 class JumpTasks:

@@ -2,6 +2,15 @@
 
 from wbc.walking.stabilizer.com_bias import ComBiasEstimator
 from wbc.walking.stabilizer.dcm_feedback import zmp_from_dcm_error
+from wbc.walking.stabilizer.stabilizer import Stabilizer, StabilizerOutput
 from wbc.walking.stabilizer.step_adjustment import footstep_adjustment
+from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
-__all__ = ["ComBiasEstimator", "footstep_adjustment", "zmp_from_dcm_error"]
+__all__ = [
+    "ComBiasEstimator",
+    "Stabilizer",
+    "StabilizerOutput",
+    "SupportPolygon",
+    "footstep_adjustment",
+    "zmp_from_dcm_error",
+]

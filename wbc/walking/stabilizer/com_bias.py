@@ -1,49 +1,76 @@
-"""How far the estimated centre of mass is off, found from what the soles feel."""
+"""Bias of the estimated centre of mass, observed from the measured centre of pressure."""
 
 from __future__ import annotations
 
-_TIME = 1.5  # s over which is averaged
-_FIRST = 0.5  # s of readings that count for nothing against those before
-_MOST = 0.03  # m
+from wbc.geometry.planar import planar_rotation
+
+_TIME_AT_REST = 1.5  # s, time constant of the bias
+_TIME_STEPPING = 20.0  # s
+_FIRST = 0.5  # s of readings that the first ones are averaged with
+_SMOOTHING = 0.05  # s, time constant of the DCM's rate
+_MAX_BIAS = 0.03  # m
 
 
 class ComBiasEstimator:
     """Constant error of the estimated CoM over the soles, on the ground, m.
 
-    An accelerometer that is off by b tilts the estimate by b/g, and the CoM with it. At rest the
-    centre of pressure is under the true CoM, and for the pendulum always at `c − c̈ / ω²`; so what
-    is left of
+    An accelerometer that is off by b tilts the estimate by b/g, and the CoM with it. The linear
+    inverted pendulum moves by `ξ̇ = ω (ξ − p)` with the true DCM ξ and centre of pressure p, so
 
-        ĉ − c̈ / ω² − cop
+        ξ̂ − ξ̂˙ / ω − p
 
-    over a long while is the error of ĉ. The mean over the first readings goes over into a
-    low-pass of 1.5 s (what the integral term of Caron et al., Stair climbing stabilization of
-    the HRP-4 humanoid robot, ICRA 2019, removes by the way of the DCM).
-
-    Args:
-        omega: natural frequency ω, 1/s.
-
-    Attributes:
-        value: x + iy, m, in the axes of what `update` is given.
+    is the error of the estimated DCM ξ̂, which is that of the CoM. Both ξ̂ and p pass the same
+    low-pass of 0.05 s, so that the rate of ξ̂ is the difference to its low-pass; pushes and
+    model errors of single steps average out in a second low-pass (the integral term of Caron
+    et al., Stair climbing stabilization of the HRP-4 humanoid robot, ICRA 2019, removes the
+    same bias by way of the DCM error).
     """
 
-    def __init__(self, omega: float) -> None:
-        self._omega = omega
-        self.value = 0j
-        self._since = 0.0
+    def __init__(self) -> None:
+        self.reset()
 
-    def update(self, dt: float, com: complex, acceleration: complex, cop: complex) -> None:
-        """Take in one reading.
+    def reset(self) -> None:
+        """Start anew, without a known bias."""
+        self._bias = 0j  # heading axes, m
+        self._elapsed = 0.0
+        self._dcm: complex | None = None  # low-passed, world axes
+        self._offset = 0j  # low-passed ξ̂ − p, world axes
+
+    def update(
+        self,
+        dt: float,
+        dcm: complex,
+        cop: complex | None,
+        omega: float,
+        heading: float,
+        at_rest: bool,
+    ) -> complex:
+        """Take in one reading; returns the bias in world axes, m.
 
         Args:
-            dt: since the last, s.
-            com: as estimated, m.
-            acceleration: of the CoM, as it is on average, m/s²: that of its reference.
-            cop: measured, m.
+            dt: time since the last reading, s.
+            dcm: estimated ξ̂, ground point in world axes, m.
+            cop: measured p, ground point in world axes, m; None when nothing is measured.
+            omega: natural frequency ω, 1/s.
+            heading: axes in which the bias is constant, rad.
+            at_rest: the robot stands; while it steps, model errors of single steps count
+                for less.
         """
-        self._since += dt
-        now = com - acceleration / (self._omega * self._omega) - cop
-        if abs(now) > _MOST:  # a push, not a bias
-            now *= _MOST / abs(now)
-        share = dt / min(_TIME, _FIRST + self._since)
-        self.value += share * (now - self.value)
+        to_world = planar_rotation(heading)
+        if cop is None:
+            self._dcm = None
+            return self._bias * to_world
+        if self._dcm is None:
+            self._dcm, self._offset = dcm, dcm - cop
+        share = min(dt / _SMOOTHING, 1.0)
+        self._dcm += share * (dcm - self._dcm)
+        self._offset += share * (dcm - cop - self._offset)
+        error = self._offset - (dcm - self._dcm) / (_SMOOTHING * omega)
+        size = abs(error)
+        if size > _MAX_BIAS:  # a push, not a bias
+            error *= _MAX_BIAS / size
+        self._elapsed += dt
+        time = min(_TIME_AT_REST, _FIRST + self._elapsed) if at_rest else _TIME_STEPPING
+        share = dt / time
+        self._bias += share * (error * to_world.conjugate() - self._bias)
+        return self._bias * to_world

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wbc.gait.dcm import DcmReference
+from wbc.gait.planners.dcm import DcmReference
 
 
 def zmp_from_dcm_error(dcm: complex, reference: DcmReference, omega: float, gain: float) -> complex:

@@ -1,4 +1,4 @@
-"""Divergent-component-of-motion plan over piecewise-linear ZMP, solved backward.
+"""Divergent component of motion over a piecewise-linear ZMP, solved backward in time.
 
 With the linear inverted pendulum c̈ = ω² (c − p) and ξ = c + ċ/ω, ξ̇ = ω (ξ − p). While
 the ZMP p moves linearly for a time T from p₀ to p₁ with speed ṗ,
@@ -39,22 +39,36 @@ class DcmReference(NamedTuple):
     zmp: complex
 
 
+def dcm_before(
+    start: complex, end: complex, duration: float, final: complex, omega: float
+) -> complex:
+    """ξ(0) for which the DCM is ξ(T) after one segment; see the equation above.
+
+    Args:
+        start: ZMP at the beginning p₀, ground point, m.
+        end: ZMP at the end p₁, ground point, m.
+        duration: T, s; not positive: the segment is skipped.
+        final: ξ(T), ground point, m.
+        omega: natural frequency ω, 1/s.
+    """
+    if duration <= 0.0:
+        return final
+    lead = (end - start) / (duration * omega)
+    return start + lead + (final - end - lead) * math.exp(-omega * duration)
+
+
 def solve_dcm(
     segments: Sequence[ZmpSegment], omega: float, final: complex | None = None
 ) -> DcmReference:
-    """The DCM that, from now, is where it should be after the last segment.
+    """DCM at the beginning of the first segment that leads to the wanted end of the last one.
 
     Args:
-        segments: from now on, the first one already cut to what remains of it.
-        omega: 1/s.
-        final: DCM after the last one; when left out, at rest on its end.
+        segments: ZMP from now on, the first one already cut to what remains of it.
+        omega: natural frequency ω, 1/s.
+        final: DCM after the last one; at rest on its end when left out.
     """
     dcm = segments[-1].end if final is None else final
-    for segment in reversed(segments):
-        T = segment.duration
-        if T <= 0.0:
-            continue
-        lead = (segment.end - segment.start) / (T * omega)
-        dcm = segment.start + lead + (dcm - segment.end - lead) * math.exp(-omega * T)
+    for start, end, duration in reversed(segments):
+        dcm = dcm_before(start, end, duration, dcm, omega)
     zmp = segments[0].start
     return DcmReference(dcm, omega * (dcm - zmp), zmp)

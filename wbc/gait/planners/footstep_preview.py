@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wbc.gait.dcm import ZmpSegment, solve_dcm
 from wbc.gait.footsteps import Velocity, are_square, clamp_footstep, next_footstep, other_side
 from wbc.gait.parameters import GaitParameters
+from wbc.gait.planners.dcm import ZmpSegment, solve_dcm
+from wbc.gait.state import PlannedFootstep
 from wbc.geometry.planar import Placement
 
 _ORIGIN = Placement(0j, 0.0)
@@ -16,45 +17,46 @@ class FootstepPreview:
     """What comes after a foot has taken the weight: further steps, then rest.
 
     Steps that follow a velocity are always the same seen from that foot, so the DCM that they
-    ask for is found once, in the foot's axes. Given footsteps are fixed in the world instead.
+    ask for is computed once, in the foot's axes. Given footsteps are fixed in the world instead.
 
     Args:
-        gait: timing and reach of the steps.
-        queue: given footsteps, the next first; they go before the velocity.
+        gait: timing of the steps and workspace of the feet.
+        given: given footsteps, the next first; they take precedence over the velocity.
     """
 
-    def __init__(self, gait: GaitParameters, queue: list[tuple[str, Placement]]) -> None:
-        self._gait = gait
-        self._queue = queue
-        self._known_for: tuple[str, Velocity, int] | None = None
-        self._known = 0j
+    def __init__(self, gait: GaitParameters, given: Sequence[PlannedFootstep]) -> None:
+        self.gait = gait
+        self.given = given
+        self._cached_for: tuple[str, int] | None = None
+        self._cached_velocity: Velocity | None = None
+        self._cached = 0j
 
     def next(self, stance: Placement, side: str, velocity: Velocity, before: int = 0) -> Placement:
         """Where the foot of a side lands beside `stance` when `before` steps come before it."""
-        if before < len(self._queue):
-            wanted = self._queue[before][1]
+        if before < len(self.given):
+            wanted = self.given[before].placement
         else:
-            wanted = next_footstep(stance, side, velocity, self._gait)
-        return clamp_footstep(stance, side, wanted, self._gait)
+            wanted = next_footstep(stance, side, velocity, self.gait)
+        return clamp_footstep(stance, side, wanted, self.gait)
 
     def ends(
         self, stance: Placement, side: str, step: Placement, velocity: Velocity, before: int = 0
     ) -> bool:
-        """Nothing more is wanted after a step, and it closes the feet."""
-        if before < len(self._queue) or not velocity.is_zero:
+        """Whether nothing more is wanted after a step, and it puts the feet side by side."""
+        if before < len(self.given) or not velocity.is_zero:
             return False
         left, right = (step, stance) if side == "left" else (stance, step)
-        return are_square(left, right, self._gait)
+        return are_square(left, right, self.gait)
 
     def steps(
         self, foot: Placement, side: str, velocity: Velocity, most: int
-    ) -> list[tuple[str, Placement]]:
+    ) -> list[PlannedFootstep]:
         """The footsteps after the weight is on the foot of a side: one, and up to `most`."""
-        steps: list[tuple[str, Placement]] = []
+        steps: list[PlannedFootstep] = []
         while len(steps) < most:
             side = other_side(side)
             step = self.next(foot, side, velocity, len(steps))
-            steps.append((side, step))
+            steps.append(PlannedFootstep(side, step))
             if self.ends(foot, side, step, velocity, len(steps)):
                 break
             foot = step
@@ -67,19 +69,18 @@ class FootstepPreview:
             foot: where it stands.
             side: of it.
             velocity: of the steps that follow.
-            most: how many of them count.
+            most: number of steps that are looked ahead.
         """
-        if self._queue:
+        if self.given:
             return self._arrival_dcm(foot, side, velocity, most)
-        asked = (side, velocity, most)
-        if asked != self._known_for:
-            self._known = self._arrival_dcm(_ORIGIN, side, velocity, most)
-            self._known_for = asked
-        return foot.to_world(self._known)
+        if velocity is not self._cached_velocity or (side, most) != self._cached_for:
+            self._cached = self._arrival_dcm(_ORIGIN, side, velocity, most)
+            self._cached_for, self._cached_velocity = (side, most), velocity
+        return foot.to_world(self._cached)
 
     def _arrival_dcm(self, foot: Placement, side: str, velocity: Velocity, most: int) -> complex:
-        places = [step.point for _, step in self.steps(foot, side, velocity, most)]
-        return solve_dcm(zmp_over(foot.point, places, self._gait), self._gait.omega).dcm
+        places = [step.placement.point for step in self.steps(foot, side, velocity, most)]
+        return solve_dcm(zmp_over(foot.point, places, self.gait), self.gait.omega).dcm
 
 
 def zmp_over(foot: complex, steps: Sequence[complex], gait: GaitParameters) -> list[ZmpSegment]:

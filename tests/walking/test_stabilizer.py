@@ -1,0 +1,111 @@
+"""Stabilizer: step adjustment, bias of the CoM, and the order of a tick."""
+
+from __future__ import annotations
+
+import copy
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import wbc
+from wbc.gait import (
+    DcmPlanner,
+    Feet,
+    GaitCommand,
+    GaitParameters,
+    GaitState,
+    GaitStateMachine,
+    Placement,
+    Velocity,
+)
+from wbc.sim import Mujoco, SensorNoise
+from wbc.walking.stabilizer import ComBiasEstimator, Stabilizer, footstep_adjustment
+
+OMEGA, REACH = 3.4, (0.07, 0.04)
+errors = st.floats(-0.15, 0.15)
+times = st.floats(0.0, 0.6)
+
+
+@given(errors, errors, times)
+def test_shift_makes_up_for_what_the_ankles_cannot(x: float, y: float, remaining: float) -> None:
+    shift = footstep_adjustment(complex(x, y), OMEGA, remaining, REACH)
+    for error, reach, moved in ((x, REACH[0], shift.real), (y, REACH[1], shift.imag)):
+        # The pendulum's error under the strongest push-back of the ankle, e' = ω (e − m).
+        growth = math.exp(OMEGA * remaining)
+        left = abs(error) * growth - reach * (growth - 1.0)
+        assert abs(moved) == pytest.approx(max(left, 0.0), abs=1e-12)
+        assert moved * error >= 0.0
+
+
+@given(st.floats(0.05, 0.6))
+def test_errors_that_the_ankles_catch_leave_the_footstep_alone(remaining: float) -> None:
+    caught = 0.99 * REACH[1] * (1.0 - math.exp(-OMEGA * remaining))
+    assert footstep_adjustment(complex(0.0, caught), OMEGA, remaining, REACH) == 0j
+
+
+def test_bias_of_the_com_is_found_from_the_centre_of_pressure() -> None:
+    random, bias, omega, dt = np.random.default_rng(2), ComBiasEstimator(), 3.3, 0.002
+    sway = 2.0 * np.pi * 0.5
+    for k in range(4000):
+        com = 0.03 * np.exp(1j * sway * dt * k)
+        dcm = com * (1.0 + 1j * sway / omega)
+        cop = com * (1.0 + sway**2 / omega**2) + 0.005 * random.standard_normal()
+        found = bias.update(dt, dcm + (0.004 - 0.006j), cop, omega, 0.0, True)
+    assert found == pytest.approx(0.004 - 0.006j, abs=7e-4)
+
+
+def test_without_foot_sensors_no_bias_is_taken_off() -> None:
+    bias = ComBiasEstimator()
+    assert all(bias.update(0.002, 0.1 + 0.1j, None, 3.3, 0.3, False) == 0j for _ in range(10))
+
+
+def test_landing_place_moves_in_the_tick_that_decides_it() -> None:
+    robot = wbc.load("talos")
+    gait, dt = GaitParameters.for_robot(robot), 0.002
+    half = 0.5 * gait.step_width
+    feet = Feet(Placement(complex(0.0, half), 0.0), Placement(complex(0.0, -half), 0.0))
+    planner, stabilizer = DcmPlanner(), Stabilizer(robot, wbc.WalkerGains())
+    machine, command = GaitStateMachine(gait, feet, planner), GaitCommand(Velocity(0.3))
+
+    def tick(machine: GaitStateMachine, planner: DcmPlanner, push: complex) -> GaitState:
+        state = machine.state
+        machine.update(dt, feet, command, None)
+        dcm = planner.reference(state).dcm + push
+        stabilizer.observe(state, dcm, 0j, None, 0.0, dt)
+        decided = stabilizer.update(state, lambda at: planner.reference(state, at))
+        machine.move_swing(dt, decided.landing)
+        return state
+
+    while machine.state.swing is None or machine.state.swing.time < 0.3 * gait.single_support:
+        tick(machine, planner, 0j)
+    undisturbed = tick(*copy.deepcopy((machine, planner)), 0j)
+    pushed = tick(machine, planner, 0.08 + 0j)
+    moved = (pushed.landing.point - undisturbed.landing.point).real
+    assert moved > 0.02
+    assert pushed.swing.target == pushed.landing
+    # The quintic towards the moved place: s''' = 60 Δ / T³ at its beginning.
+    faster = pushed.swing.acceleration[0] - undisturbed.swing.acceleration[0]
+    assert faster == pytest.approx(60.0 * moved * dt / pushed.remaining**3, rel=0.05)
+
+
+@pytest.mark.parametrize("name", ["talos", "g1"])
+def test_bias_of_an_accelerometer_does_not_move_the_com_of_a_standing_robot(name: str) -> None:
+    robot = wbc.load(name)
+    walker = wbc.Walker(robot)
+    noise = replace(SensorNoise.none(), accelerometer_bias=0.1)
+    errors = []
+    with Mujoco(robot, seed=2, noise=noise) as plant:
+
+        def record(time: float) -> None:
+            if time > 4.0:
+                kin = wbc.Kinematics(robot, plant.ground_truth())
+                soles = [kin.frame(sole.name).translation for sole in robot.soles]
+                errors.append((kin.p_com - 0.5 * (soles[0] + soles[1]))[:2])
+
+        report = wbc.run(walker, plant, 5.0, before_tick=record)
+    assert report.survived
+    assert np.linalg.norm(np.mean(errors, axis=0)) < 0.003

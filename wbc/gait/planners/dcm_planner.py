@@ -1,0 +1,174 @@
+"""Analytic DCM planner: footsteps at a velocity, and the DCM that leads over them to rest."""
+
+from __future__ import annotations
+
+from wbc.gait.footsteps import Velocity, first_swing_side
+from wbc.gait.planners.dcm import DcmReference, dcm_before
+from wbc.gait.planners.footstep_preview import FootstepPreview
+from wbc.gait.planners.planner import StepPlan
+from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
+from wbc.gait.velocity_filter import VelocityFilter
+from wbc.geometry.planar import Placement
+
+PREVIEW_STEPS = 3  # later steps change the present DCM by less than e^(-3ωT) < 0.1 %
+
+
+class DcmPlanner:
+    """Plans with the linear inverted pendulum, in closed form, anew at every tick.
+
+    The ZMP rests on the support foot during a swing, moves on to the next foot during double
+    support, and comes to rest between the feet after the last previewed step; the DCM is
+    solved backward from there (see `wbc.gait.planners.dcm`). Another velocity takes effect
+    within the step; the landing place is fixed relative to the support foot as estimated.
+
+    Attributes:
+        velocity: with which the present step is planned.
+    """
+
+    _preview: FootstepPreview
+
+    def __init__(self) -> None:
+        self.velocity = Velocity()
+        self._filter = VelocityFilter()
+        self._plan = StepPlan()
+        self._relative_landing = Placement(0j, 0.0)  # in the support sole's axes
+        self._follows_given = False  # the present swing goes to a given footstep
+        self._dcm_drift = 0j  # m/s, of the planned DCM while the velocity changes
+
+    def reset(self, state: GaitState) -> None:
+        """See `Planner.reset`."""
+        self.velocity = Velocity()
+        self._filter.reset()
+        self._follows_given = False
+        self._dcm_drift = 0j
+        self._preview = FootstepPreview(state.gait, [])
+
+    def next_swing(self, state: GaitState, command: GaitCommand) -> str | None:
+        """See `Planner.next_swing`."""
+        given, wanted = command.footsteps, command.velocity
+        preview = self._current_preview(state, given)
+        if state.phase is Phase.STAND:
+            if not given and wanted.is_zero:
+                return None
+            self.velocity = wanted
+            return given[0].side if given else first_swing_side(state.feet, wanted)
+        # A step that was planned as the last one is: the DCM is on its way to rest, and a
+        # wish to go on that came too late for it waits until the robot stands.
+        stance = state.feet.of(state.support)
+        last = preview.ends(stance, state.swing_side, state.landing, self.velocity)
+        ended = not given and wanted.is_zero and self.velocity.is_zero
+        self.velocity = wanted
+        self._filter.reset()
+        self._follows_given = False
+        return None if last or ended else state.support
+
+    def update(self, state: GaitState, command: GaitCommand, dt: float) -> StepPlan:
+        """See `Planner.update`."""
+        self._dcm_drift = 0j
+        plan, given = self._plan, command.footsteps
+        preview = self._current_preview(state, given)
+        plan.landing = None
+        if state.phase is Phase.STAND or state.lifted is not None:
+            plan.step_length = 0.0
+            return plan
+        stance = state.feet.of(state.support)
+        if state.phase is Phase.SWING and state.time == 0.0:
+            landing = preview.next(stance, state.swing_side, self.velocity)
+            self._relative_landing = landing.relative_to(stance)
+            self._follows_given = bool(given)
+            if given:
+                given.pop(0)
+        elif state.time > 0.0 and not state.stopping:
+            self._follow(state, command.velocity, dt)
+        velocity = self.velocity
+        plan.step_length = abs(complex(velocity.forward, velocity.left)) * state.gait.step_duration
+        if state.phase is Phase.SWING:
+            plan.landing = stance.compose(self._relative_landing)
+        return plan
+
+    def reference(self, state: GaitState, landing: Placement | None = None) -> DcmReference:
+        """See `Planner.reference`."""
+        omega = state.gait.omega
+        if state.phase is Phase.STAND or state.lifted is not None:
+            zmp = dcm = state.standing_point
+        elif state.phase is Phase.SWING:
+            zmp = state.feet.of(state.support).point
+            if landing is None:
+                landing = state.feet.of(state.support).compose(self._relative_landing)
+            dcm = self._swing_dcm(state, landing)
+        else:
+            zmp, dcm = self._transfer_zmp_and_dcm(state)
+        return DcmReference(dcm, omega * (dcm - zmp) + self._dcm_drift, zmp)
+
+    def footsteps(self, state: GaitState) -> list[PlannedFootstep]:
+        """See `Planner.footsteps`."""
+        if state.phase is Phase.STAND or state.stopping or state.lifted is not None:
+            return []
+        preview = self._preview
+        stance = state.feet.of(state.support)
+        if state.phase is Phase.TRANSFER:
+            return preview.steps(stance, state.support, self.velocity, PREVIEW_STEPS)
+        first = PlannedFootstep(state.swing_side, state.landing)
+        if preview.ends(stance, first.side, first.placement, self.velocity):
+            return [first]
+        further = preview.steps(first.placement, first.side, self.velocity, PREVIEW_STEPS - 1)
+        return [first, *further]
+
+    def _current_preview(self, state: GaitState, given: list[PlannedFootstep]) -> FootstepPreview:
+        preview = self._preview
+        if preview.gait is not state.gait or preview.given is not given:
+            preview = self._preview = FootstepPreview(state.gait, given)
+        return preview
+
+    def _follow(self, state: GaitState, wanted: Velocity, dt: float) -> None:
+        """Go over to another velocity within the step; landing place and DCM move along.
+
+        Slower the less time is left until the foot lands, for the sole's own ZMP has to move the
+        DCM. Not in the last step, which is planned to come to rest; and none becomes the last
+        one: that is for the next.
+        """
+        preview = self._preview
+        if self.velocity is wanted or self.velocity == wanted or self.velocity.is_zero:
+            return
+        if preview.given or self._follows_given:
+            return
+        share = state.remaining / state.duration if state.phase is Phase.SWING else 1.0
+        velocity = self._filter.update(self.velocity, wanted, share, dt, state.gait)
+        if velocity.is_zero or velocity == self.velocity:
+            return
+        before = self.reference(state).dcm
+        self.velocity = velocity
+        if state.swing is not None and not state.swing.target_frozen:
+            stance = state.feet.of(state.support)
+            landing = preview.next(stance, state.swing_side, velocity)
+            self._relative_landing = landing.relative_to(stance)
+        self._dcm_drift = (self.reference(state).dcm - before) / dt
+
+    def _swing_dcm(self, state: GaitState, landing: Placement) -> complex:
+        """DCM now: the ZMP stays on the support foot, then moves to where the swing foot lands."""
+        gait, preview, side = state.gait, self._preview, state.swing_side
+        stance = state.feet.of(state.support)
+        support, omega = stance.point, gait.omega
+        if preview.ends(stance, side, landing, self.velocity):
+            rest = 0.5 * (support + landing.point)
+            final = dcm_before(support, rest, gait.first_transfer, rest, omega)
+        else:
+            arrival = preview.arrival_dcm(landing, side, self.velocity, PREVIEW_STEPS - 1)
+            final = dcm_before(support, landing.point, gait.double_support, arrival, omega)
+        return dcm_before(support, support, state.remaining, final, omega)
+
+    def _transfer_zmp_and_dcm(self, state: GaitState) -> tuple[complex, complex]:
+        """ZMP and DCM now: the ZMP moves to the support foot, or to the middle to rest."""
+        preview, omega, feet = self._preview, state.gait.omega, state.feet
+        stance = feet.of(state.support)
+        support = stance.point
+        if state.stopping:
+            middle = feet.middle
+            zmp = support + (middle - support) * state.progress
+            return zmp, dcm_before(zmp, middle, state.remaining, middle, omega)
+        origin = feet.middle if state.starting else feet.of(state.swing_side).point
+        zmp = origin + (support - origin) * state.progress
+        hold = max(state.hold - state.time, 0.0)
+        arrival = preview.arrival_dcm(stance, state.support, self.velocity, PREVIEW_STEPS)
+        dcm = dcm_before(zmp, support, state.remaining - hold, arrival, omega)
+        return zmp, dcm_before(zmp, zmp, hold, dcm, omega)

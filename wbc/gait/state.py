@@ -1,0 +1,120 @@
+"""State of the gait: phase, feet and times, as planners and stabilizer read them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import NamedTuple
+
+from wbc.gait.footsteps import Velocity, other_side
+from wbc.gait.lifted_foot import LiftedFoot
+from wbc.gait.parameters import GaitParameters
+from wbc.gait.swing_foot import SwingFoot
+from wbc.geometry.planar import Feet, Placement
+
+_ORIGIN = Placement(0j, 0.0)
+
+
+class Phase(Enum):
+    """Part of the gait cycle."""
+
+    STAND = "stand"  #: both feet, at rest
+    TRANSFER = "double"  #: both feet, the weight moves to the support foot
+    SWING = "single"  #: the support foot alone
+
+
+class PlannedFootstep(NamedTuple):
+    """A foot and the place where it is to stand."""
+
+    side: str
+    placement: Placement
+
+
+@dataclass(slots=True)
+class GaitCommand:
+    """What the gait is asked for.
+
+    Attributes:
+        velocity: of walking.
+        footsteps: given ones, the next first; they take precedence over the velocity. A
+            planner removes a footstep when its swing begins.
+    """
+
+    velocity: Velocity = field(default_factory=Velocity)
+    footsteps: list[PlannedFootstep] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class GaitState:
+    """Phase and feet of the gait at this tick.
+
+    The gait state machine writes it; planners, contact manager and stabilizer read it. Ground
+    points are complex numbers x + iy in world axes.
+
+    Attributes:
+        gait: parameters of the gait.
+        feet: soles as estimated.
+        com: ground point below the estimated centre of mass, m.
+        dcm: estimated divergent component of motion without the bias of the CoM, m.
+        phase: part of the gait cycle.
+        support: side of the foot that carries, or that the weight moves to.
+        time: since the phase began, s; 0 in the tick in which it begins.
+        duration: of the phase, s.
+        hold: time at the beginning of a transfer in which the weight does not move yet, s.
+        starting: the transfer begins from standing on both feet.
+        stopping: the transfer ends in standing on both feet.
+        weight_shift: where the weight is while standing or on one leg: 0 over the right
+            sole, 1 over the left. Walking starts from the middle.
+        other_foot_load: largest share of the weight that the foot which does not support
+            may carry while standing; infinity leaves it to the controller.
+        swing: reference of the foot in the air; None when both stand.
+        landing: where the swing foot lands, the stabilizer's adjustment included.
+        steps: number of touchdowns so far.
+    """
+
+    gait: GaitParameters
+    feet: Feet
+    com: complex = 0j
+    dcm: complex = 0j
+    phase: Phase = Phase.STAND
+    support: str = "left"
+    time: float = 0.0
+    duration: float = 0.0
+    hold: float = 0.0
+    starting: bool = True
+    stopping: bool = False
+    weight_shift: float = 0.5
+    other_foot_load: float = math.inf
+    swing: SwingFoot | LiftedFoot | None = None
+    landing: Placement = _ORIGIN
+    steps: int = 0
+
+    @property
+    def swing_side(self) -> str:
+        """Side of the foot that does not support."""
+        return other_side(self.support)
+
+    @property
+    def lifted(self) -> LiftedFoot | None:
+        """The foot that is held up while the robot stands on the other one."""
+        return self.swing if isinstance(self.swing, LiftedFoot) else None
+
+    @property
+    def progress(self) -> float:
+        """Completed share of the swing or of the weight's transfer, 0 to 1."""
+        whole = self.duration - self.hold
+        return min(max(self.time - self.hold, 0.0) / whole, 1.0) if whole > 0.0 else 1.0
+
+    @property
+    def remaining(self) -> float:
+        """Time to the planned end of the phase, s; 0 when overdue."""
+        return max(self.duration - self.time, 0.0)
+
+    @property
+    def standing_point(self) -> complex:
+        """Ground point between the soles at which the ZMP rests while standing, m."""
+        if self.weight_shift == 0.5:
+            return self.feet.middle
+        left, right = self.feet.left.point, self.feet.right.point
+        return right + self.weight_shift * (left - right)

@@ -1,0 +1,98 @@
+"""Checks of what a walker is asked for: a velocity, or a list of footsteps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from wbc.errors import GaitError
+from wbc.gait import GaitParameters, GaitState, Phase, Placement, PlannedFootstep, Velocity
+from wbc.gait.footsteps import SIDES, clamp_footstep, other_side
+from wbc.geometry.planar import ground_point, wrap_angle
+from wbc.telemetry import Footstep
+
+_TOLERANCE = 0.02  # m, rad: a foot stands this far from where it was to land
+
+
+def parse_velocity(value: Sequence[float]) -> Velocity:
+    """A velocity from three numbers: forward, left (m/s), turn left (rad/s).
+
+    Raises:
+        GaitError: it is not three finite numbers.
+    """
+    try:
+        forward, left, turn = (float(x) for x in value)
+    except (TypeError, ValueError) as error:
+        raise GaitError(
+            f"velocity {value!r} needs three numbers: (forward m/s, left m/s, turn left rad/s)"
+        ) from error
+    velocity = Velocity(forward, left, turn)
+    velocity.must_be_finite()
+    return velocity
+
+
+def parse_footsteps(footsteps: Sequence[Footstep], state: GaitState) -> list[PlannedFootstep]:
+    """Footsteps that the robot can walk over from where it stands.
+
+    Args:
+        footsteps: sides alternate.
+        state: feet as estimated; during a swing, the present step is completed first.
+
+    Raises:
+        GaitError: an unknown side, two steps of the same side in a row, a number that is not
+            finite, or a step beyond the reach of the step before it.
+    """
+    _sides_must_alternate(footsteps)
+    planned: list[PlannedFootstep] = []
+    for k, step in enumerate(footsteps):
+        x, y, z = (float(value) for value in step.position)
+        if not all(map(math.isfinite, (x, y, z, step.yaw))):
+            raise GaitError(
+                f"footstep {k}: position {step.position} m and yaw {step.yaw} rad must be finite"
+            )
+        placement = Placement(ground_point(step.position), float(step.yaw), z)
+        if k:
+            stance, name = planned[-1].placement, f"footstep {k - 1}"
+        else:
+            stance, name = _stance_of_first(step.side, state), f"the {other_side(step.side)} foot"
+        _must_be_within_reach(k, step.side, placement, stance, name, state.gait)
+        planned.append(PlannedFootstep(step.side, placement))
+    return planned
+
+
+def _sides_must_alternate(footsteps: Sequence[Footstep]) -> None:
+    for k, step in enumerate(footsteps):
+        if step.side not in SIDES:
+            raise GaitError(f"footstep {k}: side {step.side!r} is neither 'left' nor 'right'")
+        if k and step.side == footsteps[k - 1].side:
+            raise GaitError(
+                f"footsteps {k - 1} and {k} are both '{step.side}': sides must alternate"
+            )
+
+
+def _stance_of_first(side: str, state: GaitState) -> Placement:
+    """Where the other foot stands when the first footstep is made."""
+    stance = other_side(side)
+    if state.phase is Phase.SWING and state.lifted is None and stance == state.swing_side:
+        return state.landing
+    return state.feet.of(stance)
+
+
+def _must_be_within_reach(
+    k: int, side: str, placement: Placement, stance: Placement, name: str, gait: GaitParameters
+) -> None:
+    nearest = clamp_footstep(stance, side, placement, gait)
+    distance = abs(nearest.point - placement.point)
+    turned = wrap_angle(placement.yaw - nearest.yaw)
+    if distance <= _TOLERANCE and abs(turned) <= _TOLERANCE:
+        return
+    local = placement.relative_to(stance)
+    ahead = local.point.real + 0.0  # no minus zero
+    apart = local.point.imag if side == "left" else -local.point.imag
+    raise GaitError(
+        f"footstep {k}: the {side} foot would stand {ahead:.2f} m ahead of {name}, "
+        f"{apart:.2f} m beside it and turned by {local.yaw:.2f} rad; it reaches "
+        f"±{gait.max_step:.2f} m ahead, {gait.least_width:.2f} to "
+        f"{gait.step_width + gait.max_side_step:.2f} m beside and ±{gait.max_turn:.2f} rad: "
+        "give it a nearer place, or more footsteps"
+    )

@@ -1,0 +1,57 @@
+"""Height of the CoM: over the ground under the weight, and lower for long steps."""
+
+from __future__ import annotations
+
+from wbc.gait import GaitState, Phase
+from wbc.gait.leg_workspace import LegWorkspace
+
+_SLOWER = 0.25  # the height over the ground changes slower than the ground by this factor
+
+
+class HeightReference:
+    """Low-passed height of the ground and of the CoM over it.
+
+    The ground is that below the weight: it goes from foot to foot with it. The height over the
+    ground is that of the gait, or what the legs allow at the present length of the steps.
+
+    Args:
+        workspace: of the legs.
+        time_constant: of the ground's height, s.
+
+    Attributes:
+        ground: height of the ground below the weight, world, m.
+        above_ground: wanted height of the CoM above the ground, m.
+    """
+
+    def __init__(self, workspace: LegWorkspace, time_constant: float) -> None:
+        self._workspace = workspace
+        self._time_constant = time_constant
+        self._step_length = 0.0
+        self._reachable = workspace.com_height(0.0)
+        self.ground = self.above_ground = 0.0
+
+    def reset(self, ground: float, com: float) -> None:
+        """Start anew with the heights of ground and CoM in the world, m."""
+        self.ground, self.above_ground = ground, com - ground
+
+    def update(self, state: GaitState, step_length: float, dt: float) -> float:
+        """Move on by dt; returns the wanted height of the CoM in the world, m.
+
+        Args:
+            state: phase and feet.
+            step_length: of the present steps, m.
+            dt: time since the last tick, s.
+        """
+        ground = state.feet.of(state.support).height
+        if state.phase is not Phase.SWING:
+            other = state.feet.of(state.swing_side).height
+            share = state.progress if state.phase is Phase.TRANSFER else 0.5
+            ground = other + (ground - other) * share
+        blend = min(dt / self._time_constant, 1.0)
+        self.ground += blend * (ground - self.ground)
+        if step_length != self._step_length:
+            self._step_length = step_length
+            self._reachable = self._workspace.com_height(step_length)
+        height = min(state.gait.com_height, self._reachable)
+        self.above_ground += _SLOWER * blend * (height - self.above_ground)
+        return self.ground + self.above_ground

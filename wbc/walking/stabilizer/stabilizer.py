@@ -1,0 +1,131 @@
+"""Stabilizer: turns the measured DCM into a ZMP, a CoM acceleration and a landing place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from wbc.gait import DcmReference, GaitState, Phase, Placement, SwingFoot
+from wbc.gait.footsteps import clamp_footstep
+from wbc.geometry.planar import planar_rotation
+from wbc.robot import Robot
+from wbc.walking.gains import WalkerGains
+from wbc.walking.stabilizer.com_bias import ComBiasEstimator
+from wbc.walking.stabilizer.dcm_feedback import zmp_from_dcm_error
+from wbc.walking.stabilizer.step_adjustment import footstep_adjustment
+from wbc.walking.stabilizer.support_polygon import SupportPolygon
+
+
+@dataclass(slots=True)
+class StabilizerOutput:
+    """What the stabilizer decided at this tick; ground points in world axes.
+
+    Attributes:
+        dcm: estimated DCM without the bias of the CoM, m.
+        reference: DCM and ZMP that the planner wants, for the landing place below.
+        zmp: commanded ZMP, clamped to the support, m.
+        com_acceleration: horizontal acceleration of the CoM that realises it, m/s².
+        landing: where the swing foot is to land.
+    """
+
+    dcm: complex
+    reference: DcmReference
+    zmp: complex
+    com_acceleration: complex
+    landing: Placement
+
+
+class Stabilizer:
+    """Keeps the divergent component of motion on its reference.
+
+    At every tick:
+
+    1. the bias of the estimated CoM is taken off the DCM (`ComBiasEstimator`);
+    2. the landing place moves by what the ankles cannot catch (`footstep_adjustment`);
+    3. the DCM error becomes a ZMP (`zmp_from_dcm_error`), clamped to the support
+       (`SupportPolygon`) and realised by the CoM acceleration `c̈ = ω² (c − p)` of the linear
+       inverted pendulum.
+
+    Args:
+        robot: the robot.
+        gains: margins of the ZMP and share of the sole that the ankles use.
+
+    Attributes:
+        com_bias: estimates the bias of the CoM.
+        support: the support polygon.
+    """
+
+    def __init__(self, robot: Robot, gains: WalkerGains) -> None:
+        self._gains = gains
+        self.com_bias = ComBiasEstimator()
+        self.support = SupportPolygon(robot)
+
+    def reset(self) -> None:
+        """Start anew, at rest and without a known bias."""
+        self.com_bias.reset()
+
+    def observe(
+        self,
+        state: GaitState,
+        com: complex,
+        com_velocity: complex,
+        cop: complex | None,
+        heading: float,
+        dt: float,
+    ) -> None:
+        """Write CoM and DCM of this tick into the gait's state, the DCM without bias.
+
+        Args:
+            state: of the gait.
+            com: ground point below the estimated centre of mass, m.
+            com_velocity: of the estimated centre of mass, m/s.
+            cop: measured centre of pressure, ground point, m; None when nothing is measured.
+            heading: of the robot, rad.
+            dt: time since the last tick, s.
+        """
+        omega = state.gait.omega
+        dcm = com + com_velocity / omega
+        state.com = com
+        at_rest = state.phase is Phase.STAND or state.lifted is not None
+        state.dcm = dcm - self.com_bias.update(dt, dcm, cop, omega, heading, at_rest)
+
+    def update(
+        self, state: GaitState, reference: Callable[[Placement | None], DcmReference]
+    ) -> StabilizerOutput:
+        """Decide on ZMP, CoM acceleration and landing place of this tick.
+
+        Args:
+            state: phase, feet, planned landing place, CoM and DCM.
+            reference: the wanted DCM for a landing place of the swing foot, or, given None,
+                for the planned one.
+        """
+        gait = state.gait
+        omega, dcm = gait.omega, state.dcm
+        wanted, landing = self._adjust_landing(state, reference)
+        zmp = zmp_from_dcm_error(dcm, wanted, omega, gait.dcm_gain)
+        zmp = self.support.clamp(zmp, state, self._gains.zmp_margin)
+        # The CoM as estimated, with its bias: the QP uses the same, so the ZMP is as commanded.
+        acceleration = omega * omega * (state.com - zmp)
+        return StabilizerOutput(dcm, wanted, zmp, acceleration, landing)
+
+    def _adjust_landing(
+        self, state: GaitState, reference: Callable[[Placement | None], DcmReference]
+    ) -> tuple[DcmReference, Placement]:
+        """Wanted DCM and landing place, moved when the ankles alone cannot catch the DCM."""
+        swing = state.swing
+        if state.phase is not Phase.SWING or not isinstance(swing, SwingFoot):
+            return reference(None), state.landing
+        if swing.target_frozen:
+            return reference(swing.target), swing.target
+        planned = reference(None)
+        stance = state.feet.of(state.support)
+        forward = planar_rotation(stance.yaw)
+        error = (state.dcm - planned.dcm) * forward.conjugate()
+        zmp_range = self.support.zmp_range(state.support, self._gains.ankle_share)
+        shift = footstep_adjustment(error, state.gait.omega, state.remaining, zmp_range)
+        if shift == 0j:
+            return planned, state.landing
+        landing = state.landing
+        moved = Placement(landing.point + shift * forward, landing.yaw, landing.height)
+        moved = clamp_footstep(stance, state.swing_side, moved, state.gait)
+        return reference(moved), moved

@@ -1,0 +1,50 @@
+"""Support polygon: the ground that the standing soles span, and where the ZMP may be on it."""
+
+from __future__ import annotations
+
+from wbc.gait import GaitState, Phase
+from wbc.geometry.polygon import clamp_to_polygon, convex_hull, is_near_segment, sole_corners
+from wbc.robot import Robot, Sole
+
+
+class SupportPolygon:
+    """Convex hull of the soles that stand.
+
+    Args:
+        robot: the robot with these soles.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._soles: dict[str, Sole] = {s.side: s for s in robot.soles}
+        self._radius = min(min(s.half_length, s.half_width) for s in robot.soles)
+
+    def corners(self, state: GaitState) -> list[complex]:
+        """Corners of the support polygon, counter-clockwise, ground points, m."""
+        if state.phase is Phase.SWING:
+            return self._sole_corners(state, state.support)
+        return convex_hull(self._sole_corners(state, "left") + self._sole_corners(state, "right"))
+
+    def _sole_corners(self, state: GaitState, side: str) -> list[complex]:
+        sole = self._soles[side]
+        return sole_corners(state.feet.of(side), sole.half_length, sole.half_width)
+
+    def clamp(self, zmp: complex, state: GaitState, margin: float) -> complex:
+        """The ground point nearest to a ZMP that is off the polygon by `margin` (m) at most."""
+        a = b = state.feet.of(state.support).point
+        if state.phase is not Phase.SWING:
+            b = state.feet.of(state.swing_side).point
+        # The polygon holds everything that is closer to the line between the soles' centres
+        # than their sides are: most ZMPs need no polygon.
+        if is_near_segment(zmp, a, b, self._radius + margin):
+            return zmp
+        return clamp_to_polygon(zmp, self.corners(state), margin)
+
+    def zmp_range(self, side: str, share: float) -> tuple[float, float]:
+        """How far the ZMP gets from a sole's centre along and across it, m.
+
+        Args:
+            side: of the sole.
+            share: share of the sole that is used.
+        """
+        sole = self._soles[side]
+        return share * sole.half_length, share * sole.half_width
