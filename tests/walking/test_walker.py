@@ -245,11 +245,12 @@ def test_telemetry_shows_the_step_in_the_making() -> None:
             telemetry = walker.telemetry
             seen.add(telemetry.phase)
             if telemetry.phase in ("left", "right"):
-                assert len(telemetry.footsteps) >= 2
-                assert telemetry.footsteps[0].side != telemetry.phase
-                landing = telemetry.footsteps[0].position
-                assert telemetry.swing_path[-1][:2] == pytest.approx(landing[:2], abs=0.02)
-                assert telemetry.support.shape == (4, 3)
+                plan = walker.contact_plan
+                assert len(plan.footsteps) >= 2
+                assert plan.footsteps[0].side != telemetry.phase
+                landing = plan.footsteps[0].position
+                assert plan.swing_path[-1][:2] == pytest.approx(landing[:2], abs=0.02)
+                assert plan.support.shape == (4, 3)
     assert {"double", "left"} <= seen
 
 
