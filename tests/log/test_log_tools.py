@@ -324,3 +324,18 @@ def test_a_replayed_log_becomes_a_page(walk, tmp_path, capsys):
     assert main(["replay", str(run.log.path), "--html", str(path)]) == 0
     assert str(path) in capsys.readouterr().out
     assert '"time":1.498' in path.read_text("utf-8")
+
+
+def test_wbc_plot_draws_any_quantity_by_its_name(walk, tmp_path, capsys):
+    run, _ = walk
+    path = str(run.log.path)
+    assert main(["plot", path, "--out", str(tmp_path), "--signal", "foot_wrench/left_sole"]) == 0
+    assert capsys.readouterr().out.strip().endswith("_foot_wrench_left_sole.png")
+    assert main(["plot", path, "--signal", "joint_positon"]) != 0
+    assert "did you mean 'joint_position'" in capsys.readouterr().err
+
+
+def test_a_negative_tolerance_is_refused(walk):
+    run, _ = walk
+    with pytest.raises(LogError, match="tolerance = -1"):
+        compare(run, run, -1.0)

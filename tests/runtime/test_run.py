@@ -12,6 +12,7 @@ import pytest
 import wbc
 from wbc.errors import WbcError
 from wbc.runtime.loop import StopRun
+from wbc.runtime.statistics import _distance_and_speeds
 from wbc.runtime.tick import Tick
 from wbc.sim import Mujoco, SensorNoise
 
@@ -208,3 +209,26 @@ def test_garbage_collection_is_as_it_was_after_a_run(robot: wbc.Robot) -> None:
 def test_duration_must_be_positive(robot: wbc.Robot) -> None:
     with pytest.raises(WbcError, match="duration = 0"):
         wbc.run(HoldPosture(robot), FrozenPlant(robot), 0.0)
+
+
+def test_the_cruise_speed_of_a_short_walk_is_that_of_its_fastest_part() -> None:
+    time = np.arange(0.0, 4.0, 0.1)
+    x = 0.3 * np.clip(time - 1.0, 0.0, 2.0)  # 2 s at 0.3 m/s between two rests
+    sway = 0.02 * np.sin(2.0 * np.pi * time / 1.6)
+    _, mean, cruise = _distance_and_speeds(np.column_stack((x, sway)))
+    assert cruise == pytest.approx(0.3, rel=0.1)
+    assert mean < cruise
+
+
+def test_a_robot_that_stands_travels_no_distance() -> None:
+    rng = np.random.default_rng(0)
+    distance, mean, cruise = _distance_and_speeds(1e-3 * rng.normal(size=(3000, 2)))
+    assert distance < 0.01
+    assert (mean, cruise) == (0.0, 0.0)
+
+
+def test_a_report_shows_its_result() -> None:
+    text = repr(
+        wbc.run(HoldPosture(robot_ := wbc.load("simple_humanoid")), FrozenPlant(robot_), 0.1)
+    )
+    assert text.startswith("Report(simple_humanoid: survived 0.1 s; 0.00 m, 0 steps")
