@@ -232,3 +232,21 @@ def test_a_report_shows_its_result() -> None:
         wbc.run(HoldPosture(robot_ := wbc.load("simple_humanoid")), FrozenPlant(robot_), 0.1)
     )
     assert text.startswith("Report(simple_humanoid: survived 0.1 s; 0.00 m, 0 steps")
+
+
+def test_physics_that_diverges_is_reported_as_such_with_the_figures_of_before(
+    robot: wbc.Robot,
+) -> None:
+    with Mujoco(robot, noise=SensorNoise.none()) as plant:
+
+        def disturb(now: float) -> None:
+            if now > 0.1:
+                plant.data.qvel[8] = 1e7
+
+        report = wbc.run(HoldPosture(robot), plant, 1.0, before_tick=disturb)
+    assert report.diverged
+    assert not report.survived
+    assert report.fell_at_s is None
+    assert report.distance_m < 0.05
+    assert report.duration_s == pytest.approx(0.1)
+    assert "NO RESULT: the physics diverged at 0.104 s" in report.table()

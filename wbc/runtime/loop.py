@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wbc.errors import WbcError
+from wbc.errors import PhysicsDiverged, WbcError
 from wbc.estimation import Estimator
 from wbc.runtime.clock import Clock
 from wbc.runtime.fall import fall_reason
@@ -83,6 +83,7 @@ def run(
     Raises:
         WbcError: the duration is not positive, the control periods of controller, estimator and
             plant differ, or the run was stopped before its first tick.
+        PhysicsDiverged: in the first tick; later, the report says so.
     """
     if not duration > 0.0:
         raise WbcError(f"duration = {duration} s must be positive")
@@ -149,6 +150,10 @@ def run(
                     statistics.fell(plant.time, reason)
                     break
                 index += 1
+        except PhysicsDiverged as error:
+            if statistics.empty:
+                raise
+            statistics.diverged(str(error))
         except StopRun as stop:
             if statistics.empty:
                 raise WbcError(f"the run was stopped before its first tick: {stop}") from stop

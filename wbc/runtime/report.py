@@ -52,7 +52,8 @@ class Report:
         robot: its name.
         survived: it did not fall, and nothing ended the run early.
         fell_at_s: when it fell, s; None when it did not.
-        fell_why: the reason, or an empty text.
+        fell_why: the reason why it fell, or why the run ended early; or an empty text.
+        diverged: the simulated physics diverged; all figures are of the ticks before.
         duration_s: simulated time, s.
         steps: touchdowns.
         distance_m: length of the path over the ground while moving, the sway of the gait averaged
@@ -111,6 +112,7 @@ class Report:
     overruns: int
     lateness_p99_us: float
     loop_conditions: str = ""
+    diverged: bool = False
     com_error_rms_mm: float | None = None
     foot_slip_mm: float | None = None
     targets: int = 0
@@ -140,6 +142,8 @@ class Report:
             return f"survived {self.duration_s:.1f} s" + (aborted if self.aborted_motions else "")
         if self.fell_at_s is not None:
             return f"FELL at {self.fell_at_s:.2f} s: {self.fell_why}"
+        if self.diverged:
+            return f"NO RESULT: {self.fell_why}; the figures are of the time before"
         return f"ended early at {self.duration_s:.2f} s: {self.fell_why}"
 
     def table(self) -> str:

@@ -64,6 +64,7 @@ class RunStatistics:
         self._effort = np.zeros(robot.na)
         self._lowest, self._highest = np.full(robot.na, np.inf), np.full(robot.na, -np.inf)
         self._fell_at: float | None = None
+        self._diverged = False
         self._early = ""
         self._truth = start
         self._heading = self._yaw = heading(robot, start)
@@ -130,6 +131,10 @@ class RunStatistics:
         """
         self._fell_at, self._early = at, why
 
+    def diverged(self, why: str) -> None:
+        """Record that the simulated physics diverged in the tick that follows the last recorded."""
+        self._diverged, self._early = True, why
+
     def stopped(self, why: str) -> None:
         """Record why the run ended before its time."""
         self._early = why
@@ -165,6 +170,7 @@ class RunStatistics:
             survived=not self._early,
             fell_at_s=self._fell_at,
             fell_why=self._early,
+            diverged=self._diverged,
             duration_s=self._time,
             steps=self._steps,
             distance_m=distance,

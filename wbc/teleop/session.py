@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from wbc.errors import PlantError
+from wbc.errors import PhysicsDiverged
 from wbc.runtime import loop
 from wbc.runtime.mode import Mode
 from wbc.runtime.protocols import Observer, StateEstimator, StreamObserver
@@ -60,8 +60,9 @@ def run(
         message: called with a line of text when the robot falls or is reset.
 
     Returns:
-        The report of the last run between two resets; None when the physics diverged in it. If the
-        robot lies there without anybody to reset it (no clients), the run ends with its fall.
+        The report of the last run between two resets; None when the physics diverged in its first
+        tick. If the robot lies there without anybody to reset it (no clients), the run ends with
+        its fall.
     """
 
     def on_progress(now: Progress) -> None:
@@ -100,15 +101,17 @@ def run(
                     before_tick=on_tick,
                     progress=on_progress,
                 )
-                reason = report.fell_why if report.fell_at_s is not None else ""
-            except PlantError as error:
+                reason = f"fell: {report.fell_why}" if report.fell_at_s is not None else ""
+                if report.diverged:
+                    reason = report.fell_why
+            except PhysicsDiverged as error:  # in the first tick, before there is a report
                 reason = str(error)
             left -= handler.plant.time
             if not handler.reset_wanted:
                 if not reason or not clients:
                     return report
                 hints = " or ".join(client.reset_hint for client in clients)
-                message(f"fell: {reason}; to reset it: {hints}")
+                message(f"{reason}; to reset it: {hints}")
                 left -= _wait_for_reset(handler, left, stop)
             if stop() or left <= handler.plant.dt:
                 return report
