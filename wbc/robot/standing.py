@@ -14,7 +14,7 @@ _NEAR_WEIGHT = 1e-6  # of the given posture
 _MAX_STEP = 0.2  # rad
 _MAX_ITERATIONS = 80
 _TOLERANCE = 1e-10  # rad, m
-# Kept free of each joint's range at its ends, rad: nobody should stand in a stop.
+# Margin of postures at the ends of each joint's range, rad: no posture rests on a stop.
 _MARGIN = 0.02
 _WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 

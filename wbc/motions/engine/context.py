@@ -31,7 +31,7 @@ _HANDOVER_TIME = 1.5  # s, for the posture after an override
 
 
 class MotionContext:
-    """References of the whole body, each of which goes smoothly where it is told.
+    """References of the whole body, each of which moves smoothly to its targets.
 
     Positions are in the *standing frame*: origin on the ground midway between the soles, x
     forward, y left, z up. Motions set targets; once per tick the player advances the references

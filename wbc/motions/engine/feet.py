@@ -17,7 +17,7 @@ from wbc.robot.upper_body import SIDES, Side
 from wbc.telemetry import Footstep
 from wbc.walking import Walker
 
-_SETTLED = 0.005  # m, DCM error below which the robot counts as settled
+_SETTLED = 0.005  # m, DCM error below which the robot is settled
 _SETTLE_TIME = 0.25  # s for which the error has to stay below
 _SETTLE_TIMEOUT = 4.0  # s
 _BRAKING = 0.3  # share of the sole's half width that brakes a shift of the weight

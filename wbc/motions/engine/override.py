@@ -20,7 +20,7 @@ class ControllerOverride(Protocol):
 
     @property
     def done(self) -> bool:
-        """Whether the robot stands again, so that the walker may take over."""
+        """Whether the robot stands again, so that the walker may resume."""
 
     @property
     def telemetry(self) -> Telemetry:

@@ -90,6 +90,6 @@ class MotionPlanner:
             return PlannedMotion(motion, pack(motion, self._robot), "")
         except WbcError as error:
             return PlannedMotion(motion, b"", str(error))
-        except Exception as error:  # a motion of somebody's own: planning goes on
+        except Exception as error:  # a user's motion may raise anything: planning continues
             logger.exception("planning %s", motion)
             return PlannedMotion(motion, b"", f"{motion.name}: {type(error).__name__}: {error}")

@@ -265,7 +265,7 @@ class MotionPlayer:
 
     @property
     def telemetry(self) -> Telemetry:
-        """What the walker, or the override in its place, tells, with this player's status text."""
+        """Status of the walker, or of the override that replaces it, with this player's text."""
         override, text = self.context.override, self.status_text
         if override is None:
             telemetry = self.walker.telemetry

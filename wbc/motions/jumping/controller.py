@@ -50,7 +50,7 @@ class JumpController:
     there are no contacts: the CoM falls, the angular momentum is constant, and the soles move to
     where they will catch the CoM; trunk and arms follow the path, which has no momentum, and so
     compensate the legs. The foot sensors detect touchdown; from there the landing is planned
-    anew.
+    again.
 
     Args:
         robot: the robot.
