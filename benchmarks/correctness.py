@@ -11,7 +11,7 @@ the cost is more than 1e-8 above the least one, its slope along the active rows 
 is more than 1e-8 of its terms, a solvable problem is called infeasible, or an infeasible one
 solved or not explained. Where the optimum is ill-conditioned (a first-order bound says that
 rounding of H and g in double precision may move it by more than 1e-6) accelerations and wrenches
-are reported, not judged; rows, cost and slope are judged as everywhere.
+are reported but not checked; rows, cost and slope are checked as everywhere.
 
     python benchmarks/correctness.py --problems 5000
     python benchmarks/correctness.py --solver daqp --kind degenerate --keep out/faults
@@ -103,13 +103,13 @@ def table(title: str, tallies: dict[str, Tally]) -> str:
     for tally in tallies.values():
         whole.add(tally)
     lines = [title]
-    head = ("", "ticks", "solvable", "ill-cond.", "infeasible", "told so", "open", "faults")
+    head = ("", "ticks", "solvable", "ill-cond.", "infeasible", "reported", "open", "faults")
     errors = ("v̇ off", "f off", "row off", "cost off", "slope", "ill v̇, f off")
-    lines.append(f"{head[0]:<20}" + "".join(f"{h:>11}" for h in head[1:]))
+    lines.append(f"{head[0]:<24}" + "".join(f"{h:>11}" for h in head[1:]))
     lines[-1] += "".join(f"{e:>14}" for e in errors)
     for kind, t in {**tallies, "all": whole}.items():
         counts = (t.ticks, t.solvable, t.ill_conditioned, t.infeasible, t.recognised, t.undecided)
-        text = f"{kind:<20}" + "".join(f"{c:>11}" for c in (*counts, t.faults))
+        text = f"{kind:<24}" + "".join(f"{c:>11}" for c in (*counts, t.faults))
         worst = [t.worst[name] for name in WORST if name != "torque"]
         lines.append(text + "".join(f"{w:>14.1e}" for w in (*worst, t.ill_off)))
     return "\n".join(lines)
@@ -136,7 +136,7 @@ def run(cases: list[Case], solvers: list[str], formulation: str | None, args: An
 
 
 def main() -> int:
-    """Draw problems, solve, judge, print the table, write the JSON."""
+    """Draw problems, solve, assess, print the table, write the JSON."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -41,8 +41,8 @@ from wbc.sim import Mujoco
 #: What each stage does; "diagnostics" is what the others leave of the tick.
 STAGES = {
     "kinematics": "mass matrix, bias forces and Jacobian by Pinocchio; the state is checked",
-    "references": "what tasks, contacts and limits want; placements of their frames",
-    "assembly": "rows of tasks and contacts, elimination, cost and constraints",
+    "references": "references, gains and bounds of tasks, contacts and limits are copied",
+    "assembly": "frames, rows of tasks and contacts, elimination, cost and constraints",
     "solve": "the quadratic program",
     "recovery": "accelerations, torques, wrenches and targets from the solution",
     "diagnostics": "bookkeeping: choice of the assembly, checks that all is finite, status",

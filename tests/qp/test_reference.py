@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 from randomcases import KINDS, Case, Drive, cases
-from verdicts import Truth, judge, references, verdicts
+from verdicts import Truth, assess, references, verdicts
 
 import wbc
 from wbc.command import Status
@@ -89,21 +89,21 @@ def test_without_contacts_the_robot_falls_whatever_came_before():
     assert falls >= 2
 
 
-def test_the_judge_notices_small_mistakes():
+def test_the_assessment_notices_small_mistakes():
     case = next(c for c in sample("any contacts") if references(c)[0].truth is Truth.SOLVABLE)
     known, drive = references(case)[0], Drive(case)
     command = drive.controller().step(drive.state)
-    assert judge(case, 0, known, command).fault == ""
+    assert assess(case, 0, known, command).fault == ""
     wrong = [replace(command, acceleration=command.acceleration + 1e-5)]
     wrong.append(replace(command, tau=command.tau + 1e-3))
     for name, wrench in command.wrenches.items():
         wrong.append(replace(command, wrenches={**command.wrenches, name: wrench + 1e-2}))
     wrong.append(replace(command, status=Status.INFEASIBLE, explanation="cannot hold"))
     for other in wrong:
-        assert judge(case, 0, known, other).fault
+        assert assess(case, 0, known, other).fault
 
 
-def test_the_judge_wants_a_conflict_to_be_told_and_explained():
+def test_the_assessment_requires_a_conflict_to_be_reported_and_explained():
     case, known = next(
         (c, references(c)[0])
         for c in sample("infeasible")
@@ -111,6 +111,6 @@ def test_the_judge_wants_a_conflict_to_be_told_and_explained():
     )
     drive = Drive(case)
     command = drive.controller().step(drive.state)
-    assert judge(case, 0, known, command).fault == ""
-    assert judge(case, 0, known, replace(command, status=Status.OK)).fault
-    assert judge(case, 0, known, replace(command, explanation="")).fault
+    assert assess(case, 0, known, command).fault == ""
+    assert assess(case, 0, known, replace(command, status=Status.OK)).fault
+    assert assess(case, 0, known, replace(command, explanation="")).fault

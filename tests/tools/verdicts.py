@@ -114,10 +114,10 @@ def driven(
         drive.advance(tick)
         if control.contacts != tuple(drive.setup.contacts):
             control.set_contacts(drive.setup.contacts)
-        yield judge(case, tick, known, control.step(drive.state)), control.problem
+        yield assess(case, tick, known, control.step(drive.state)), control.problem
 
 
-def judge(case: Case, tick: int, known: Reference, command: wbc.Command) -> Verdict:
+def assess(case: Case, tick: int, known: Reference, command: wbc.Command) -> Verdict:
     """A command against the truth."""
     verdict = Verdict(case, tick, known.truth, command.status)
     if known.optimum is None:
