@@ -1,4 +1,4 @@
-"""What motions know of a robot: arms, head, waist, postures, torques, all read off the model."""
+"""Inverse kinematics of postures, holding torques and the size of the support."""
 
 from __future__ import annotations
 
