@@ -90,7 +90,7 @@ def test_a_command_that_makes_no_sense_never_reaches_the_loop(handler, client):
         client.send(VelocityCommand(50.0))
     with pytest.raises(CommandRefused, match="no motion"):
         client.send(MotionCommand(wbc.motions.Wave()))
-    assert handler._channels[0].receive() is None
+    assert handler._inbox._channels[0].receive() is None
 
 
 def test_a_motion_arrives_planned_and_is_acknowledged(handler, client, robot):
@@ -112,7 +112,7 @@ def test_a_motion_arrives_planned_and_is_acknowledged(handler, client, robot):
 def test_a_motion_that_the_robot_cannot_do_is_refused_with_the_reason(handler, client):
     number = client.send(MotionCommand(Fly()))
     assert poll(client, 1) == [(number, Outcome.REFUSED, "fly: it has no wings")]
-    assert handler._channels[0].receive() is None
+    assert handler._inbox._channels[0].receive() is None
 
 
 def test_a_motion_whose_planning_fails_is_refused(client):

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +16,7 @@ from wbc.runtime.clock import Clock
 from wbc.runtime.loop import StopRun
 from wbc.runtime.mode import Mode
 from wbc.runtime.schema import Quantity
-from wbc.teleop.acknowledgement import Acknowledgement, Outcome
+from wbc.teleop.acknowledgement import Outcome
 from wbc.teleop.capabilities import Capabilities
 from wbc.teleop.channel import CommandChannel
 from wbc.teleop.commands import (
@@ -30,30 +28,20 @@ from wbc.teleop.commands import (
     PauseCommand,
     PushCommand,
     ResetCommand,
-    SentCommand,
     StandCommand,
     TeleopCommand,
     TimeScaleCommand,
     VelocityCommand,
 )
+from wbc.teleop.inbox import AcknowledgementObserver, Arrival, CommandInbox
 from wbc.teleop.joint_targets import JointTargets
 from wbc.teleop.parameters import GAINS
 from wbc.teleop.push_counter import PushCounter
-
-#: Called with every command and what became of it, inside a tick: it must return at once.
-AcknowledgementObserver = Callable[[SentCommand, Acknowledgement], None]
 
 _IDLE_PERIOD = 0.005  # s between two looks for commands while nothing moves
 #: Values of the quantity `motion_playing` while no motion plays.
 NO_MOTION, RETURNING = -1, -2
 _FALLEN = "the robot has fallen: reset it first"
-
-
-class _Arrival(NamedTuple):
-    """A command with the channel that it came through; None if a script submitted it."""
-
-    sent: SentCommand
-    channel: CommandChannel | None
 
 
 class CommandHandler(Closeable):
@@ -106,12 +94,9 @@ class CommandHandler(Closeable):
             for gain in GAINS
             if np.max(value := getattr(task, gain)) > 0.0
         }
-        self._channels: list[CommandChannel] = []
-        self._observers: list[AcknowledgementObserver] = []
-        self._submitted: deque[SentCommand] = deque()
-        self._numbers = itertools.count(1)
-        self._motion: _Arrival | None = None  # in progress
-        self._resets: list[_Arrival] = []  # in progress
+        self._inbox = CommandInbox(player.robot, self.capabilities)
+        self._motion: Arrival | None = None  # in progress
+        self._resets: list[Arrival] = []  # in progress
         self._motion_end = ""  # why the motion in progress is to end
         self._velocity_end = np.inf  # s by `time.monotonic`
         self._first_tick = True
@@ -131,9 +116,7 @@ class CommandHandler(Closeable):
 
     def open_channel(self) -> CommandChannel:
         """Return a new channel for commands from another process."""
-        channel = CommandChannel(self.player.robot, self.capabilities)
-        self._channels.append(channel)
-        return channel
+        return self._inbox.open_channel()
 
     def submit(self, command: TeleopCommand, source: str = "script") -> int:
         """Validate a command, to be applied before the next tick; any thread may call this.
@@ -150,20 +133,18 @@ class CommandHandler(Closeable):
         self.capabilities.check(command)
         if isinstance(command, MotionCommand):
             command.motion.prepare(self.player.robot)
-        number = next(self._numbers)
-        self._submitted.append(SentCommand(command, source, number, time.monotonic()))
-        return number
+        return self._inbox.submit(command, source)
 
     def add_observer(self, observer: AcknowledgementObserver) -> None:
         """Have every acknowledged command passed to a function, e.g. for a log."""
-        self._observers.append(observer)
+        self._inbox.add_observer(observer)
 
     # The loop.
 
     def begin(self) -> None:
         """A run begins. If a reset caused it, commands from before it are forgotten."""
         if self._resets:
-            for arrival in self._take_arrivals():
+            for arrival in self._inbox.take():
                 if isinstance(arrival.sent.command, PARAMETER_COMMANDS):
                     self._apply(arrival)
                 else:
@@ -236,9 +217,9 @@ class CommandHandler(Closeable):
         }
 
     def _motion_index(self) -> int:
-        playing = self.player.playing
-        if playing is not None:
-            return self.capabilities.motions.index(type(playing))
+        playing, motions = type(self.player.playing), self.capabilities.motions
+        if playing in motions:
+            return motions.index(playing)
         return NO_MOTION if self.player.idle else RETURNING
 
     @property
@@ -253,21 +234,11 @@ class CommandHandler(Closeable):
 
     # Commands.
 
-    def _take_arrivals(self) -> list[_Arrival]:
-        """Return the commands that have arrived since the last call, sender by sender."""
-        arrivals = []
-        while self._submitted:
-            arrivals.append(_Arrival(self._submitted.popleft(), None))
-        for channel in self._channels:
-            while (sent := channel.receive()) is not None:
-                arrivals.append(_Arrival(sent, channel))
-        return arrivals
-
     def _receive(self) -> None:
-        for arrival in self._take_arrivals():
+        for arrival in self._inbox.take():
             self._apply(arrival)
 
-    def _apply(self, arrival: _Arrival) -> None:
+    def _apply(self, arrival: Arrival) -> None:
         sent, command = arrival.sent, arrival.sent.command
         parameter = isinstance(command, (*PARAMETER_COMMANDS, PauseCommand))
         if self.mode is Mode.FALLEN and not parameter and command != ResetCommand():
@@ -331,16 +302,9 @@ class CommandHandler(Closeable):
             motion, self._motion = self._motion, None
             self._acknowledge(motion, outcome, reason)
 
-    def _acknowledge(self, arrival: _Arrival, outcome: Outcome, reason: str = "") -> None:
-        sent, channel = arrival
-        acknowledgement = Acknowledgement(sent.id, outcome, reason, self.plant.time)
-        if channel is not None:
-            channel.acknowledge(acknowledgement)
-        for observer in self._observers:
-            observer(sent, acknowledgement)
+    def _acknowledge(self, arrival: Arrival, outcome: Outcome, reason: str = "") -> None:
+        self._inbox.acknowledge(arrival, outcome, reason, self.plant.time)
 
     def close(self) -> None:
         """Close the channels."""
-        for channel in self._channels:
-            channel.close()
-        self._channels.clear()
+        self._inbox.close()
