@@ -196,7 +196,7 @@ def test_doctor_diagnoses_the_chapters_robot(wbc_command):
     code, out, err = wbc_command("doctor", str(CHAPTER))
     assert code == 1
     assert err == ""
-    for word in ("right_thigh", "error", "cure:", "nan"):
+    for word in ("right_thigh", "error", "cure:", "singular"):
         assert word in out.lower()
 
 
@@ -236,6 +236,14 @@ def test_ctrl_c_ends_with_the_report_so_far():
     assert process.returncode == 130
     assert "interrupted" in out
     assert "Traceback" not in err
+
+
+def test_an_error_in_the_library_is_no_fall(wbc_command, monkeypatch):
+    monkeypatch.setattr("wbc.cli.robots.available", lambda: 1 / 0)
+    code, _, err = wbc_command("robots")
+    assert code == 70
+    assert "ZeroDivisionError" in err
+    assert err.splitlines()[-1] == "wbc: this is an error in wbc; please report it"
 
 
 def test_without_mujoco_the_cure_is_named(wbc_command, monkeypatch):

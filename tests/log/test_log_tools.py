@@ -171,7 +171,7 @@ def test_the_same_run_twice_is_the_same(walk, folder, capsys):
     assert difference.divergences == ()
     assert difference.ticks == 250
     assert main(["diff", str(run.log.path), str(run.log.path)]) == 0
-    assert "The runs are the same at all 750 common ticks" in capsys.readouterr().out
+    assert "The runs are equal at all 750 common ticks" in capsys.readouterr().out
 
 
 def test_other_gains_part_runs_in_what_is_commanded(walk, folder, capsys):
@@ -188,7 +188,7 @@ def test_other_gains_part_runs_in_what_is_commanded(walk, folder, capsys):
     assert min(p.tick for p in measured) >= 1
     assert main(["diff", str(run.log.path), str(path)]) == 1
     told = capsys.readouterr().out
-    assert "first in what is commanded" in told
+    assert "first in a commanded quantity" in told
     assert "the controllers, their weights or their solvers differ" in " ".join(told.split())
     assert "controller.gains.trunk_kp" in told
     assert "Run 2 ends earlier" in told
@@ -270,7 +270,7 @@ def test_wbc_log_repairs_a_copy_and_leaves_the_log_alone(walk, tmp_path, capsys)
     broken.write_bytes(data[: int(0.9 * len(data))])
     cut = broken.read_bytes()
     assert main(["log", str(broken)]) == 0
-    assert "It was interrupted" in capsys.readouterr().out
+    assert "The log was interrupted" in capsys.readouterr().out
     assert main(["log", str(broken), "--repair", str(tmp_path / "whole.mcap")]) == 0
     assert broken.read_bytes() == cut
     assert LoggedRun.read(tmp_path / "whole.mcap").log.complete

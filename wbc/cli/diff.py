@@ -13,12 +13,11 @@ from wbc.log.diff import STAGES, Difference, Divergence, compare
 from wbc.log.run import LoggedRun
 
 _CAUSES = {
-    "measured": "what was measured differs before anything that was computed: sensors, ground, "
-    "pushes or start are not the same",
-    "estimated": "the measurements are the same until then: the estimators differ",
-    "intended": "measurements and state are the same until then: commands, plans or their "
+    "measured": "the measurements differ first: sensors, ground, pushes or initial states differ",
+    "estimated": "the measurements are equal until then: the estimators differ",
+    "intended": "measurements and state are equal until then: commands, plans or their "
     "parameters differ",
-    "commanded": "measurements, state and plans are the same until then: the controllers, their "
+    "commanded": "measurements, state and plans are equal until then: the controllers, their "
     "weights or their solvers differ",
 }
 
@@ -62,12 +61,13 @@ def _verdict(difference: Difference) -> str:
     first = difference.first
     lines = []
     if first is None:
-        lines.append(f"The runs are the same at all {difference.ticks} common ticks.")
+        lines.append(f"The runs are equal at all {difference.ticks} common ticks.")
     else:
+        gap = f"by {_gap(first)}{first.unit and ' ' + first.unit}"
         lines.append(
-            f"The runs part at {first.time:.3f} s (common tick {first.tick}), first in what is "
-            f"{first.stage}:\n{first.name}, {first.part}: {_value(first.a)} against "
-            f"{_value(first.b)}{first.unit and ' ' + first.unit}, by {_gap(first)}."
+            f"The runs diverge at {first.time:.3f} s (common tick {first.tick}), first in a "
+            f"{first.stage} quantity:\n"
+            f"{first.name}, {first.part}: {_value(first.a)} against {_value(first.b)}, {gap}."
         )
         lines.append(paragraph(f"→ {_CAUSES[first.stage]}", 0, output_width()))
     one, other = difference.ends
@@ -81,18 +81,18 @@ def _verdict(difference: Difference) -> str:
 def _divergences(divergences: tuple[Divergence, ...]) -> str:
     rows = [
         (
-            f"{p.time:.3f}",
-            p.stage,
-            p.name,
-            p.part,
-            _gap(p),
-            f"{p.largest:.3g}",
-            f"{p.largest_time:.3f}",
-            p.unit,
+            f"{d.time:.3f}",
+            d.stage,
+            d.name,
+            d.part,
+            _gap(d),
+            f"{d.largest:.3g}",
+            f"{d.largest_time:.3f}",
+            d.unit,
         )
-        for p in sorted(divergences, key=lambda p: (p.tick, STAGES.index(p.stage)))
+        for d in sorted(divergences, key=lambda d: (d.tick, STAGES.index(d.stage)))
     ]
-    head = ("from, s", "", "quantity", "first in", "then by", "at most by", "at, s", "")
+    head = ("from, s", "", "quantity", "first in", "by", "at most", "at, s", "unit")
     return table(head, rows, right=(0, 4, 5, 6))
 
 

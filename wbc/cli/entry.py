@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import os
 import sys
+import traceback
 from collections.abc import Sequence
 
 import wbc
 from wbc.cli import diff, doctor, live, log, motion, plot, replay, robots, ros2, stand, view, walk
-from wbc.cli.exit_codes import BAD_INPUT, FAILED, INTERRUPTED, OUTPUT_FAILED, SUCCESS
+from wbc.cli.exit_codes import (
+    BAD_INPUT,
+    FAILED,
+    INTERNAL_ERROR,
+    INTERRUPTED,
+    OUTPUT_FAILED,
+    SUCCESS,
+)
 from wbc.cli.output import OutputError, standard_streams
 from wbc.cli.parser import Parser
 from wbc.errors import WbcError
@@ -19,6 +27,7 @@ exit codes:
   1    the robot fell, the model has errors, the logs differ
   2    bad usage or bad input
   3    the report or a file could not be written
+  70   an error in wbc itself
   130  interrupted by Ctrl-C
 
 examples:
@@ -69,6 +78,10 @@ def _dispatch(arguments: Sequence[str] | None) -> int:
         return OUTPUT_FAILED if isinstance(error, OutputError) else BAD_INPUT
     except KeyboardInterrupt:
         return INTERRUPTED
+    except Exception:
+        traceback.print_exc()
+        print("wbc: this is an error in wbc; please report it", file=sys.stderr)
+        return INTERNAL_ERROR
 
 
 def _parser() -> Parser:

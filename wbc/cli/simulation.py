@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import math
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -26,7 +27,7 @@ from wbc.view import Meshcat
 
 _MAX_SPEED = 1.5  # m/s, by which the extent of the tiles is chosen
 _TILE_MARGIN = 2.0  # m
-MAX_TILE_EXTENT = 12.0  #: m
+_MAX_TILE_EXTENT = 12.0  # m
 
 
 def add_terrain_options(parser: argparse.ArgumentParser) -> None:
@@ -44,6 +45,21 @@ def add_terrain_options(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="random seed of sensor noise and tiles (default: 0)",
     )
+
+
+def add_solver_option(parser: argparse.ArgumentParser) -> None:
+    """Add `--solver`."""
+    parser.add_argument(
+        "--solver", metavar="NAME", help="QP solver (default: the solver of the library)"
+    )
+
+
+def make_terrain(options: argparse.Namespace, duration: float = math.inf) -> Terrain:
+    """Return the terrain of `add_terrain_options`, for a run of a duration, s."""
+    if options.terrain == "flat":
+        return Flat()
+    extent = min(_MAX_TILE_EXTENT, _TILE_MARGIN + _MAX_SPEED * duration)
+    return Tiles(seed=options.seed, extent=extent)
 
 
 def add_options(parser: argparse.ArgumentParser, duration: str) -> None:
@@ -67,9 +83,7 @@ def add_options(parser: argparse.ArgumentParser, duration: str) -> None:
         action="store_true",
         help="give the controller the exact state of the simulator instead of an estimate",
     )
-    parser.add_argument(
-        "--solver", metavar="NAME", help="QP solver (default: the solver of the library)"
-    )
+    add_solver_option(parser)
     parser.add_argument("--real-time", action="store_true", help="run no faster than real time")
     parser.add_argument("--no-view", action="store_true", help="do not show the run in the browser")
     parser.add_argument("--json", type=output_file, metavar="FILE", help="write the report as JSON")
@@ -126,7 +140,7 @@ class SimulatedRun:
         """
         options = self._options
         with exit_on_interrupt():
-            terrain = self._terrain(duration)
+            terrain = make_terrain(options, duration)
             plant = self._plant(terrain, duration)
             outputs = RunOutputs(options, self.robot, terrain.boxes())
         with contextlib.ExitStack() as stack:
@@ -174,12 +188,6 @@ class SimulatedRun:
         if interrupted:
             return INTERRUPTED
         return SUCCESS if report.survived and not report.aborted_motions else FAILED
-
-    def _terrain(self, duration: float) -> Terrain:
-        if self._options.terrain == "flat":
-            return Flat()
-        extent = min(MAX_TILE_EXTENT, _TILE_MARGIN + _MAX_SPEED * duration)
-        return Tiles(seed=self._options.seed, extent=extent)
 
     def _plant(self, terrain: Terrain, duration: float) -> Mujoco:
         options = self._options
