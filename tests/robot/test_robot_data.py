@@ -291,3 +291,12 @@ def test_what_is_stated_about_a_joint_that_is_fixed_does_not_matter():
     )
     assert "left_elbow" not in robot.joint_names
     assert robot.na == 18
+
+
+def test_limits_of_the_caller_are_added_to_those_of_the_file(tmp_path):
+    feet = 'left_foot = "left_foot"\nright_foot = "right_foot"\n'
+    limits = "[effort_limits]\nleft_knee = 70.0\nright_knee = 70.0\n"
+    path = write(tmp_path, f'urdf = "r.urdf"\n{feet}{limits}')
+    robot = wbc.robot.load(path, effort_limits={"left_knee": 50.0})
+    knees = [robot.tau_max[robot.joint_index(name)] for name in ("left_knee", "right_knee")]
+    assert knees == [50.0, 70.0]

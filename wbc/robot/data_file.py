@@ -89,6 +89,8 @@ class RobotData:
     def with_arguments(self, **arguments: Any) -> RobotData:
         """Return these data with what the caller of `load` states instead; None states nothing.
 
+        Limits and package folders are added to those of the data file; the rest replaces it.
+
         Raises:
             RobotDescriptionError: an unknown key, or a value of the wrong kind.
         """
@@ -101,6 +103,9 @@ class RobotData:
             changes.setdefault("nominal_posture", {})
         if "fixed_joints" in stated:
             changes["fixed_joints"] = tuple(stated["fixed_joints"])
+        for key in ("effort_limits", "velocity_limits"):
+            if key in stated:
+                changes[key] = {**getattr(self, key), **stated[key]}
         if "package_dirs" in stated:
             changes["package_dirs"] = (*stated["package_dirs"], *self.package_dirs)
         return replace(self, **changes, arguments=self.arguments | set(stated))

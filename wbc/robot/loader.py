@@ -54,7 +54,8 @@ def load(
     """Load a robot.
 
     The keyword arguments state what the description leaves open; they take precedence over the
-    robot's data file, whose keys have the same names (`docs/robots.md`).
+    robot's data file, whose keys have the same names (`docs/robots.md`). Limits and package
+    folders are added to those of the file; every other argument replaces the file's value.
 
     Args:
         name_or_path: a robot with a data file (`available()`), a URDF of
