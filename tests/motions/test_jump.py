@@ -70,7 +70,7 @@ def test_interrupted_crouch_ends_standing_without_a_jump():
     assert report.flights == ()
 
 
-def test_interrupted_flight_is_carried_through():
+def test_an_interrupted_flight_is_finished():
     report = interrupt_in(JumpPhase.FLIGHT)
     assert report.survived
     assert keeps_limits(report)
@@ -100,7 +100,7 @@ def test_pushed_in_the_air_it_puts_its_soles_where_they_catch_it():
     assert flight.landing_error_mm > 4.0, "it landed ahead of where it left"
 
 
-def test_pilot_is_shown_while_it_flies():
+def test_the_override_is_observed_while_it_flies():
     player = MotionPlayer(robot("simple_humanoid"), motions=[])
     context = player.context
     controller = JumpController(context.robot, JUMP.plan(context.robot), context.dt)

@@ -115,7 +115,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize(("script", "why"), FAULTS.values(), ids=FAULTS)
-def test_a_motion_with_a_fault_is_given_up_and_the_robot_stands(robot, script, why, caplog):
+def test_a_motion_with_an_error_is_aborted_and_the_robot_stands(robot, script, why, caplog):
     with caplog.at_level(logging.CRITICAL, "wbc.motions.engine.player"):
         player, report = play(robot, script, 3.5)
     assert player.aborted_motions == ("scripted",)
@@ -126,7 +126,7 @@ def test_a_motion_with_a_fault_is_given_up_and_the_robot_stands(robot, script, w
     assert player.context.at_home
 
 
-def test_a_fault_of_a_script_is_logged_with_its_traceback(robot, caplog):
+def test_an_error_of_a_script_is_logged_with_its_traceback(robot, caplog):
     player = MotionPlayer(robot, motions=[scripted(key_error)])
     estimate = wbc.Estimate(robot.standing())
     for _ in range(200):
@@ -137,7 +137,7 @@ def test_a_fault_of_a_script_is_logged_with_its_traceback(robot, caplog):
 
 
 @pytest.mark.parametrize("place", [(0.07, 0.0, 0.0), (-0.05, 0.05, -0.05), (0.0, 0.1, 0.0)])
-def test_a_hasty_order_within_the_feet_takes_the_time_that_it_needs(robot, place):
+def test_a_fast_command_within_the_support_takes_the_time_that_it_needs(robot, place):
     player, report = play(robot, com_to(*place), 4.0)
     assert player.aborted_motions == ()
     assert report.survived, report.fell_why
@@ -194,7 +194,7 @@ def at_random(seed):
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_orders_at_random_make_nobody_fall(robot, seed):
+def test_random_commands_make_no_robot_fall(robot, seed):
     _, report = play(robot, at_random(seed), 6.0)
     assert report.survived, report.fell_why
     assert report.qp_failures == 0
@@ -208,7 +208,7 @@ def reference(support=lambda: SQUARE):
 
 @given(x=st.floats(-0.085, 0.085), y=st.floats(-0.085, 0.085), duration=st.floats(0.0, 3.0))
 @settings(max_examples=50)
-def test_on_an_accepted_way_the_zmp_stays_on_the_soles(x, y, duration):
+def test_on_an_accepted_path_the_zmp_stays_on_the_soles(x, y, duration):
     com = reference()
     com.move_to([x, y, 0.0], duration)
     while not com.arrived:
@@ -218,7 +218,7 @@ def test_on_an_accepted_way_the_zmp_stays_on_the_soles(x, y, duration):
 
 
 @given(angle=st.floats(0.0, 6.3), distance=st.floats(0.13, 10.0))
-def test_a_place_off_the_soles_is_refused_and_nothing_moves(angle, distance):
+def test_a_position_off_the_soles_is_refused_and_nothing_moves(angle, distance):
     com = reference()
     with pytest.raises(MotionError, match="soles support"):
         com.move_to([distance * np.cos(angle), distance * np.sin(angle), 0.0], 5.0)
@@ -245,7 +245,7 @@ def test_a_path_is_refused_while_there_is_time_to_return(speed):
     assert 0.002 * ticks == pytest.approx(end - 0.4, abs=0.03)
 
 
-def test_on_the_way_from_step_to_step_it_goes_up_and_down_only():
+def test_while_stepping_the_com_reference_moves_up_and_down_only():
     com = reference(support=list)
     com.move_to([0.0, 0.0, -0.05], 1.0)
     with pytest.raises(MotionError, match="while the robot steps"):
@@ -253,7 +253,7 @@ def test_on_the_way_from_step_to_step_it_goes_up_and_down_only():
     assert com.goal.tolist() == [0.0, 0.0, -0.05]
 
 
-def test_a_path_must_not_throw_the_robot_up():
+def test_a_path_with_a_large_vertical_acceleration_is_refused():
     com = reference()
     with pytest.raises(MotionError, match="accelerates by"):
         com.follow(lambda t: np.array([0.0, 0.0, 0.05 * np.sin(15.0 * t)]))

@@ -40,7 +40,7 @@ orders = st.lists(
 
 @many
 @given(orders)
-def test_value_velocity_and_acceleration_never_jump_whatever_is_ordered(script):
+def test_value_velocity_and_acceleration_never_jump_whatever_is_commanded(script):
     x = reference()
     for kind, place, duration, ticks in script:
         if kind == "go":

@@ -74,7 +74,7 @@ def test_motion_tracks_its_com_and_returns_to_standing(name, motion, error):
     assert np.abs(context.walker.kinematics.state.v).max() < 0.3
 
 
-def test_squat_goes_as_deep_as_it_was_told_and_locks_no_knee():
+def test_squat_reaches_its_depth_and_locks_no_knee():
     one, depths, knees = robot("simple_humanoid"), [], []
     knee = one.joint_index("left_knee")
 
@@ -129,7 +129,7 @@ def test_hands_wave_above_the_shoulders_while_it_walks():
     assert sum(a > 0.0 for a in above) * 0.002 > 2.0
 
 
-def test_hands_reach_places_and_what_is_out_of_reach_is_said():
+def test_hands_reach_positions_and_a_note_tells_what_is_out_of_reach():
     report = run_motions(
         robot("simple_humanoid"), [Reach(random=2, place_seed=5, hold=0.4)], seed=2
     )
@@ -236,7 +236,7 @@ def answer(player: MotionPlayer, order: Callable[[], None], estimate: wbc.Estima
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="a tick is tried out in a forked process")
-def test_at_no_tick_of_any_motion_does_an_order_change_a_torque_by_more_than_the_bound():
+def test_at_no_tick_of_any_motion_does_a_command_change_a_torque_by_more_than_the_bound():
     one, random, asked = robot("simple_humanoid"), np.random.default_rng(7), {}
     for motion in OTHERS:
         motion.prepare(one)
@@ -313,7 +313,7 @@ def test_changing_contacts_keeps_forces_and_torques_where_they_are():
     ],
     ids=lambda x: getattr(x, "name", str(x)),
 )
-def test_interrupted_anywhere_it_stands_again_and_goes_on(motion, moment):
+def test_an_interrupted_motion_returns_to_standing_and_the_next_begins(motion, moment):
     def interrupt(time, player, plant):
         if abs(time - moment) < 1e-6:
             player.interrupt(Squat(times=1, frequency=1.0, depth=6.0))
@@ -324,7 +324,7 @@ def test_interrupted_anywhere_it_stands_again_and_goes_on(motion, moment):
     assert report.duration_s < moment + 9.0
 
 
-def test_motions_follow_one_another_and_one_may_take_the_others_place():
+def test_motions_play_in_order_and_one_may_replace_another():
     one, seen = robot("simple_humanoid"), []
 
     def look(time, player, plant):
@@ -340,7 +340,7 @@ def test_motions_follow_one_another_and_one_may_take_the_others_place():
     assert seen == ["sway", "squat"]  # what waited is forgotten
 
 
-def test_the_performer_walks_like_the_walker():
+def test_the_player_walks_like_the_walker():
     one = robot("simple_humanoid")
     player = MotionPlayer(one)
 
@@ -376,7 +376,7 @@ def test_motions_that_a_robot_cannot_do_are_refused_with_the_bound():
         Wave(walk=np.nan).prepare(robot("talos"))
 
 
-def test_orders_at_the_wrong_moment_are_refused():
+def test_commands_at_the_wrong_moment_are_refused():
     context = MotionPlayer(robot("simple_humanoid")).context
     with pytest.raises(MotionError, match="no foot is lifted"):
         next(context.feet.move_foot())
@@ -387,7 +387,7 @@ def test_orders_at_the_wrong_moment_are_refused():
         context.feet.walk((0.2, 0.0, 0.0))
 
 
-def test_the_catalogue_names_every_motion_once_and_the_show_plays_all_of_them():
+def test_the_registry_names_every_motion_once_and_the_demo_plays_all_of_them():
     names = [motion.name for motion in MOTIONS]
     assert len(set(names)) == len(names)
     asked = ("sway", "squat", "wave", "reach", "look", "one-leg", "bow", "step-in-place")
@@ -398,7 +398,7 @@ def test_the_catalogue_names_every_motion_once_and_the_show_plays_all_of_them():
         find_motion("squad")
 
 
-class Boaster(MotionPlayer):
+class OffsetPlayer(MotionPlayer):
     """Promises to lean three centimetres forward, and stands."""
 
     @property
@@ -407,9 +407,9 @@ class Boaster(MotionPlayer):
         return replace(promised, com=promised.com + np.array([0.03, 0.0, 0.0]))
 
 
-def test_the_evaluator_compares_promises_with_the_truth():
+def test_the_evaluator_compares_references_with_the_truth():
     one = robot("simple_humanoid")
-    player, evaluator = Boaster(one), RunEvaluator()
+    player, evaluator = OffsetPlayer(one), RunEvaluator()
     with Mujoco(one, seed=0) as plant:
         report = wbc.run(player, plant, 1.0, observers=[evaluator])
     assert report.com_error_rms_mm is None
