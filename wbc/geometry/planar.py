@@ -37,8 +37,16 @@ def yaw_of(rotation: np.ndarray) -> float:
 
 def rotation_about_z(yaw: float) -> np.ndarray:
     """(3, 3) rotation about the world's z axis by yaw, rad."""
+    rotation = np.eye(3)
+    set_rotation_about_z(rotation, yaw)
+    return rotation
+
+
+def set_rotation_about_z(rotation: np.ndarray, yaw: float) -> None:
+    """Write the rotation by yaw, rad, into a (3, 3) rotation about the world's z axis."""
     c, s = math.cos(yaw), math.sin(yaw)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    rotation[0, 0] = rotation[1, 1] = c
+    rotation[1, 0], rotation[0, 1] = s, -s
 
 
 class Placement(NamedTuple):

@@ -8,7 +8,7 @@ import pinocchio as pin
 from wbc.contacts import SurfaceContact
 from wbc.controller import WholeBodyController
 from wbc.gait import GaitState, Phase
-from wbc.geometry.planar import rotation_about_z
+from wbc.geometry.planar import set_rotation_about_z
 from wbc.robot import Robot
 from wbc.tasks import FrameTask
 from wbc.walking.gains import WalkerGains
@@ -37,6 +37,7 @@ class ContactManager:
         self._contacts: dict[str, SurfaceContact] = {}
         self._swing_tasks: dict[str, FrameTask] = {}
         self._swing_target = pin.SE3.Identity()
+        self._swing_rotation, self._swing_position = np.eye(3), np.zeros(3)
         self._tracking: FrameTask | None = None
         for sole in robot.soles:
             contact = SurfaceContact.from_sole(
@@ -90,8 +91,10 @@ class ContactManager:
             return
         if state.lifted is not None:
             wanted.weight = self._held_weight(float(state.lifted.offset[2]))
-        self._swing_target.rotation = rotation_about_z(swing.yaw)
-        self._swing_target.translation = np.array(swing.position)
+        set_rotation_about_z(self._swing_rotation, swing.yaw)
+        self._swing_target.rotation = self._swing_rotation
+        self._swing_position[:] = swing.position
+        self._swing_target.translation = self._swing_position
         wanted.target = self._swing_target
         wanted.velocity[:3] = swing.velocity
         wanted.velocity[5] = swing.yaw_rate

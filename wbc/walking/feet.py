@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
 from wbc.estimation import Estimate
 from wbc.gait import Feet, Placement
-from wbc.geometry.planar import planar_rotation, yaw_of
+from wbc.geometry.planar import planar_rotation
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 
@@ -23,8 +24,8 @@ def foot_placements(kin: Kinematics) -> Feet:
 
 def _placement(kin: Kinematics, frame_id: int) -> Placement:
     T_world_sole = kin.frame(frame_id)
-    x, y, z = T_world_sole.translation.tolist()
-    return Placement(complex(x, y), yaw_of(T_world_sole.rotation), z)
+    (xx, _, _, x), (yx, _, _, y), (_, _, _, z), _ = T_world_sole.homogeneous.tolist()
+    return Placement(complex(x, y), math.atan2(yx, xx), z)
 
 
 def sides_in_contact(robot: Robot, estimate: Estimate) -> frozenset[str] | None:

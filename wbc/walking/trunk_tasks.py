@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.controller import WholeBodyController
-from wbc.geometry.planar import rotation_about_z
+from wbc.geometry.planar import set_rotation_about_z
 from wbc.kinematics import Kinematics
 from wbc.tasks import OrientationTask
 from wbc.walking.gains import WalkerGains
@@ -32,7 +32,9 @@ class TrunkTasks:
             controller.add(OrientationTask(name, weight=gains.trunk_weight, kp=gains.trunk_kp))
             for name in frames
         )
-        self._upright = [np.array(kin.frame(name).rotation) for name in frames]
+        self._upright = [np.array(kin.frame(name).rotation, order="C") for name in frames]
+        self._heading = np.eye(3)
+        self._targets = [np.empty((3, 3)) for _ in frames]
 
     def update(self, yaw: float, yaw_rate: float, offset: ReferenceOffset | None) -> None:
         """Set the references: upright along a heading, turned by an offset.
@@ -42,9 +44,10 @@ class TrunkTasks:
             yaw_rate: rad/s.
             offset: rotation that a motion adds; None: nothing.
         """
-        heading = rotation_about_z(yaw)
-        for task, upright in zip(self.tasks, self._upright, strict=True):
-            task.target = heading.dot(upright)
+        heading = self._heading
+        set_rotation_about_z(heading, yaw)
+        for task, upright, target in zip(self.tasks, self._upright, self._targets, strict=True):
+            task.target = heading.dot(upright, out=target)
             task.velocity[2] = yaw_rate
         if offset is None:
             return
