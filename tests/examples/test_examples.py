@@ -22,6 +22,7 @@ SAYS = {
     "09_own_robot": "survived",
     "10_motions": "it stands as before: True",
     "11_log": "the runs part at 0.000 s",
+    "17_commands": "survived",
     "18_own_quantity": "largest power: joint_power: ",
     "12_live": "survived",
     "13_own_task": "after 2.0 s the hands are 0.300 m apart",

@@ -127,7 +127,7 @@ def test_conditions_are_told_before_the_first_tick_and_in_the_report(robot):
     conditions, when = told[0]
     assert when == 0.0
     assert report.loop_conditions == conditions.describe()
-    assert len(conditions.granted) + len(conditions.refused) == len(conditions.grants)
+    assert len(conditions.granted) + len(conditions.refused) == len(conditions.requests)
 
 
 def test_conditions_go_to_standard_error_when_nobody_else_is_told(robot, capsys):

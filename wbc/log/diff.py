@@ -1,4 +1,4 @@
-"""Where two runs part: when, in which quantity, and by how much."""
+"""Where two runs diverge: when, in which quantity, and by how much."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Signal:
 
 @dataclass(frozen=True, slots=True)
 class Divergence:
-    """From when on a quantity differs.
+    """From which tick on a quantity differs between two runs.
 
     Attributes:
         name: of the quantity.
@@ -66,7 +66,7 @@ class Divergence:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """What differs between two runs.
+    """The differences between two runs.
 
     Attributes:
         ticks: number of common ticks.
@@ -82,7 +82,7 @@ class Difference:
 
     @property
     def first(self) -> Divergence | None:
-        """Where the runs part: the first, and of those of one tick the cause."""
+        """Where the runs diverge first; of the quantities of one tick, the cause."""
         return self.divergences[0] if self.divergences else None
 
 
@@ -110,7 +110,7 @@ def compare(a: LoggedRun, b: LoggedRun, tolerance: float = 0.0) -> Difference:
         raise LogError(f"{a.log.path} and {b.log.path} have no tick in common")
     found = []
     for signal in _signals(a, b, in_a, in_b):
-        divergence = _parting(signal, 1e-9 * stamps, tolerance)
+        divergence = _divergence(signal, 1e-9 * stamps, tolerance)
         if divergence is not None:
             found.append(divergence)
     found.sort(key=lambda p: (p.tick, STAGES.index(p.stage)))
@@ -122,7 +122,7 @@ def compare(a: LoggedRun, b: LoggedRun, tolerance: float = 0.0) -> Difference:
     )
 
 
-def _parting(signal: Signal, time: np.ndarray, tolerance: float) -> Divergence | None:
+def _divergence(signal: Signal, time: np.ndarray, tolerance: float) -> Divergence | None:
     a, b = signal.a, signal.b
     gap = np.abs(a - b)
     one_unknown = np.isnan(a) != np.isnan(b)
@@ -205,7 +205,7 @@ def _or_unknown(run: LoggedRun, values: np.ndarray | None, columns: int) -> np.n
 
 
 def _parameters(a: LoggedRun, b: LoggedRun) -> dict[str, tuple[str | None, str | None]]:
-    """What differs in the tables, but for what cannot be the same."""
+    """Return the parameters that differ, except those that differ in all runs."""
     flat = []
     for run in (a, b):
         flat.append(

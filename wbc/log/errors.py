@@ -1,4 +1,4 @@
-"""What can be wrong with a log."""
+"""Errors of logs."""
 
 from __future__ import annotations
 

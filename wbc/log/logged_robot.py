@@ -1,4 +1,4 @@
-"""The robot of a log, loaded anew: for whoever wants to draw it."""
+"""Loads the robot of a log, e.g. to draw it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def logged_robot(info: RobotInfo, name_or_path: str | Path | None = None) -> Robot:
-    """The robot that a log is of.
+    """Load the robot of a log.
 
     Args:
         info: from the log.
@@ -54,7 +54,7 @@ def _known_name(info: RobotInfo) -> str | None:
 
 
 def _stated(info: RobotInfo) -> dict[str, Any]:
-    """What `load` has to be told about a URDF of one's own."""
+    """Return the arguments of `load` for a URDF that is not in the catalogue."""
     left, right = info.feet
     joints = [j.name for j in read_urdf(Path(info.urdf)).joints if j.type != "fixed"]
     fixed = [name for name in joints if name not in info.joints]

@@ -1,4 +1,4 @@
-"""Parameters and versions in words, for whoever looks at a log later."""
+"""Parameters and versions as text, for the metadata of a log."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _SMALL = 64  # numbers: larger arrays are data, not parameters
 
 @dataclass(frozen=True)
 class Metadata:
-    """What is written down once, besides messages.
+    """What a log holds once, beside its messages.
 
     Attributes:
         tables: name -> names and values; MCAP's metadata.
@@ -38,7 +38,7 @@ class Metadata:
 
 
 def versions() -> dict[str, str]:
-    """Of this library, of Python and of what both stand on."""
+    """Return the versions of this library, of Python and of the packages that it uses."""
     found = {
         "wbc": wbc.__version__,
         "python": platform.python_version(),
@@ -53,7 +53,7 @@ def versions() -> dict[str, str]:
 
 
 def run_metadata(controller: Any, plant: Any) -> Metadata:
-    """What a run is made with: controller, plant and command line.
+    """Return what a run is made with: controller, plant and command line.
 
     Every public attribute that is a number, a text or a dataclass of such is taken for a
     parameter, of whatever make the controller is.
@@ -80,7 +80,7 @@ def _program(path: str) -> str:
 
 
 def _parameters(thing: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Names and values, nested dataclasses and controllers dotted."""
+    """Yield names and values; names in nested dataclasses and controllers are dotted."""
     yield f"{prefix}type", type(thing).__name__
     for name, value in _attributes(thing):
         if (text := _plain(value)) is not None:
@@ -122,7 +122,7 @@ def _tasks(controller: Any) -> list[tuple[str, Any]]:
 
 
 def _gains(task: Any) -> str:
-    """Weight and gains of a task; one number where all rows have the same."""
+    """Return weight and gains of a task; one number where all rows have the same."""
     words = [type(task).__name__]
     for name in ("weight", "kp", "kd"):
         values = np.unique(getattr(task, name, ()))

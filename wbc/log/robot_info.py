@@ -1,4 +1,4 @@
-"""What one has to know of a robot to make sense of its log."""
+"""The properties of a robot that the analysis of a log needs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class RobotInfo:
-    """What one has to know of a robot to make sense of its log, without its model.
+    """The properties of a robot that the analysis of its log needs, without its model.
 
     Attributes:
         name: of the robot.
@@ -26,6 +26,7 @@ class RobotInfo:
         tau_max: (na,) N·m or N.
         base: name of the root link.
         mass: kg.
+        weight: N.
         feet: link of each sole, left and right.
         soles: half length and half width of each sole, left and right, m.
     """
@@ -39,12 +40,13 @@ class RobotInfo:
     tau_max: np.ndarray
     base: str
     mass: float
+    weight: float
     feet: tuple[str, str]
     soles: tuple[tuple[float, float], tuple[float, float]]
 
     @staticmethod
     def of(robot: Robot) -> RobotInfo:
-        """The info of a robot."""
+        """Return the properties of a robot."""
         left, right = robot.soles
         return RobotInfo(
             name=robot.name,
@@ -56,12 +58,13 @@ class RobotInfo:
             tau_max=robot.tau_max,
             base=robot.base,
             mass=robot.mass,
+            weight=robot.weight,
             feet=(left.link, right.link),
             soles=((left.half_length, left.half_width), (right.half_length, right.half_width)),
         )
 
     def to_json(self) -> str:
-        """As text. Infinite limits are null."""
+        """Return JSON; infinite limits are null."""
         table = {
             name: [x if np.isfinite(x) else None for x in value.tolist()]
             if isinstance(value, np.ndarray)
@@ -72,7 +75,7 @@ class RobotInfo:
 
     @staticmethod
     def from_json(text: str) -> RobotInfo:
-        """From such a text."""
+        """Return the properties in a text of `to_json`."""
         table = json.loads(text)
         limits = {
             name: np.array([sign * np.inf if x is None else x for x in table[name]], float)
@@ -86,6 +89,7 @@ class RobotInfo:
             **limits,
             base=str(table["base"]),
             mass=float(table["mass"]),
+            weight=float(table["weight"]),
             feet=(str(table["feet"][0]), str(table["feet"][1])),
             soles=(left, right),
         )

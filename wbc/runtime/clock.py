@@ -1,4 +1,4 @@
-"""A fixed-rate clock: waits for the next period and notes how late each one began."""
+"""A fixed-rate clock: it waits for the next period and records how late each one began."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import time
 import numpy as np
 
 # How long before the next period the clock wakes up, to spin from there on: a little longer than
-# sleepers have lately been woken up late, within these bounds, s.
-_LEAST, _MOST = 50e-6, 300e-6
-_MORE = 1.25
-_FORGET = 0.999  # per period: half of a surprise is forgotten after 700
+# the latest wake-ups were late, within these bounds, s.
+_MIN_MARGIN, _MAX_MARGIN = 50e-6, 300e-6
+_FACTOR = 1.25  # of the lateness of a wake-up
+_DECAY = 0.999  # per period: a margin has halved after 700
 
 
 class Clock:
@@ -28,7 +28,7 @@ class Clock:
         self._dt = dt
         self._late = np.zeros(max(periods, 1))
         self._count = 0
-        self._margin = _MOST
+        self._margin = _MAX_MARGIN
         self._next = time.perf_counter()
 
     def wait(self) -> None:
@@ -37,8 +37,8 @@ class Clock:
         left = wake - time.perf_counter()
         if left > 0.0:
             time.sleep(left)
-            overslept = _MORE * (time.perf_counter() - wake)
-            self._margin = max(_FORGET * self._margin, min(overslept, _MOST), _LEAST)
+            overslept = _FACTOR * (time.perf_counter() - wake)
+            self._margin = max(_DECAY * self._margin, min(overslept, _MAX_MARGIN), _MIN_MARGIN)
         while (now := time.perf_counter()) < self._next:
             pass
         late = now - self._next
@@ -49,10 +49,10 @@ class Clock:
 
     @property
     def lateness(self) -> np.ndarray:
-        """(periods so far,) how late each one began, s."""
+        """How late each period so far began, s, shape (periods,)."""
         return self._late[: self._count]
 
     @property
     def overruns(self) -> int:
-        """Periods that began later than the next one was due."""
+        """Number of periods that began later than the next one was due."""
         return int((self.lateness > self._dt).sum())

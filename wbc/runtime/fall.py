@@ -13,7 +13,7 @@ _LEAST_HEIGHT = 0.6  # share of the base's height when standing
 
 
 def fall_reason(robot: Robot, state: State, ground: float = 0.0) -> str:
-    """Why the robot counts as fallen, or an empty text.
+    """Return why the robot counts as fallen; an empty text if it stands.
 
     It has fallen when its base tilts by more than 50° or is lower than 60 % of its height
     when standing.

@@ -1,4 +1,4 @@
-"""Under which conditions a real-time loop runs: what it asked for, and what it got."""
+"""What a real-time loop requested from the system, and what it was granted."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class SystemRequest:
-    """One thing that was asked of the system.
+    """One request to the system.
 
     Attributes:
         what: e.g. `"memory locked"`.
-        granted: whether it is so.
-        why: for a refusal, the reason or the cure; may be empty.
+        granted: whether the system granted it.
+        why: the reason of a refusal, or the cure; may be empty.
     """
 
     what: str
@@ -22,28 +22,28 @@ class SystemRequest:
 
 @dataclass(frozen=True, slots=True)
 class LoopConditions:
-    """What a real-time loop got of all that keeps its ticks punctual, told before the first.
+    """What a real-time loop was granted to keep its ticks on time, known before the first tick.
 
     Attributes:
-        grants: in the order in which they were asked for.
+        requests: in the order in which they were made.
     """
 
-    grants: tuple[SystemRequest, ...]
+    requests: tuple[SystemRequest, ...]
 
     @property
     def granted(self) -> tuple[str, ...]:
-        """What is so."""
-        return tuple(g.what for g in self.grants if g.granted)
+        """The requests that were granted."""
+        return tuple(r.what for r in self.requests if r.granted)
 
     @property
     def refused(self) -> tuple[str, ...]:
-        """What is not."""
-        return tuple(g.what for g in self.grants if not g.granted)
+        """The requests that were refused."""
+        return tuple(r.what for r in self.requests if not r.granted)
 
     def describe(self) -> str:
-        """All of it in one line; refusals with their cure."""
+        """Return all requests in one line, refusals with their cure."""
         text = "real-time loop: " + (", ".join(self.granted) or "nothing granted")
         refusals = [
-            f"{g.what} ({g.why})" if g.why else g.what for g in self.grants if not g.granted
+            f"{r.what} ({r.why})" if r.why else r.what for r in self.requests if not r.granted
         ]
         return text + ("; refused: " + ", ".join(refusals) if refusals else "")

@@ -1,4 +1,4 @@
-"""Asks the system for punctual ticks, and gives everything back.
+"""Requests from the system what keeps ticks on time, and restores everything afterwards.
 
 Each request was kept because it measurably helps. Talos walking at 500 Hz on two processors under
 a load of 7, overruns of 12 000 ticks: nothing asked 9 700, nice −20 with a timer slack of 1 ns
@@ -31,17 +31,17 @@ _LIMITS = "/etc/security/limits.conf"
 
 @dataclass(frozen=True, slots=True)
 class RealTime:
-    """What a real-time loop asks the system for; what is refused, it does without.
+    """What a real-time loop requests from the system; it goes on without what is refused.
 
     Attributes:
         priority: of the thread under SCHED_FIFO, 1 to 99; 0 asks for no priority at all. The
             kernel's interrupt threads have 50: below that the loop cannot keep the network or
             the disk from working.
-        lock_memory: pages that are in memory stay there.
+        lock_memory: keep the pages in memory that are there.
         switch_interval: after which another Python thread has to give way, s.
 
     Raises:
-        WbcError: a value that makes no sense.
+        WbcError: a value is out of its range.
     """
 
     priority: int = 40
@@ -57,23 +57,23 @@ class RealTime:
 
 @contextlib.contextmanager
 def real_time_thread(wanted: RealTime) -> Iterator[LoopConditions]:
-    """Ask for punctual ticks in this thread; afterwards everything is as it was before.
+    """Request what keeps the ticks of this thread on time; restore everything at the end.
 
     Yields:
         What was granted.
     """
     with ExitStack() as undo:
-        grants = []
+        requests = []
         if wanted.lock_memory:
-            grants.append(_lock_memory(undo))
-        grants += _priority(wanted.priority, undo)
-        grants.append(_switch_interval(wanted.switch_interval, undo))
-        yield LoopConditions(tuple(grants))
+            requests.append(_lock_memory(undo))
+        requests += _priority(wanted.priority, undo)
+        requests.append(_switch_interval(wanted.switch_interval, undo))
+        yield LoopConditions(tuple(requests))
 
 
 @contextlib.contextmanager
 def garbage_collection_paused() -> Iterator[None]:
-    """No garbage collection: a full one takes 100 ms, and nothing in a tick makes cycles."""
+    """Pause garbage collection: a full one takes 100 ms, and no tick creates reference cycles."""
     with ExitStack() as undo:
         if gc.isenabled():
             undo.callback(gc.enable)
@@ -86,13 +86,13 @@ def garbage_collection_paused() -> Iterator[None]:
 
 
 def _priority(priority: int, undo: ExitStack) -> list[SystemRequest]:
-    grants = []
+    requests = []
     if priority:
         fifo = _fifo(priority, undo)
         if fifo.granted:  # it has no use for the rest
             return [fifo]
-        grants = [fifo, _nice(undo)]
-    return [*grants, _timer_slack(undo)]
+        requests = [fifo, _nice(undo)]
+    return [*requests, _timer_slack(undo)]
 
 
 def _fifo(priority: int, undo: ExitStack) -> SystemRequest:

@@ -1,4 +1,4 @@
-"""What came out of a run, in numbers."""
+"""The result of a run in numbers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import textwrap
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
-_WIDTH = 100  # letters of the table
+_WIDTH = 100  # characters of a line of the table
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,7 +196,7 @@ class Report:
 
     @staticmethod
     def keys() -> tuple[str, ...]:
-        """Names of the fields, in the order of the JSON."""
+        """Return the names of the fields, in the order of the JSON."""
         return tuple(f.name for f in fields(Report))
 
 
@@ -205,7 +205,7 @@ def _rms(name: str, error: float | None, what: str) -> list[tuple[str, str]]:
 
 
 def _row(name: str, value: str, width: int) -> str:
-    """A line of the table; a long text goes on below itself."""
+    """Return a line of the table; a long text is wrapped below itself."""
     blank = " " * (width + 2)
     return textwrap.fill(
         value, _WIDTH, initial_indent=f"{name:<{width}}  ", subsequent_indent=blank

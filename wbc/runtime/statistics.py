@@ -24,7 +24,7 @@ _CRUISE = 0.8  # share of the fastest speed that counts as cruise
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """What a progress line shows.
+    """The values of a progress line.
 
     Attributes:
         time: plant time, s.

@@ -1,4 +1,4 @@
-"""Observers for the eyes: a live page in the browser, and recordings that play offline.
+"""Shows robots: a live page in the browser, recordings that play offline, replays and videos.
 
 Neither loads meshcat, a web server or a mesh into the loop's process.
 """

@@ -1,4 +1,4 @@
-"""What is in a file, for its end: the summary by which readers find their way."""
+"""The contents of an MCAP file, and the summary at its end that indexes them."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class RecordLocation:
 
 @dataclass
 class Contents:
-    """What is in a file.
+    """The contents of a file.
 
     Attributes:
         schemas: by number, contents of their records.

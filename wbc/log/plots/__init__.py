@@ -1,4 +1,4 @@
-"""The standard pictures of a log."""
+"""The plots of a log."""
 
 from wbc.log.plots.standard import KINDS, plot
 

@@ -71,7 +71,7 @@ def draw_dcm_error(axes: Any, run: LoggedRun) -> None:
 
 def _draw_soles(axes: Any, run: LoggedRun, coordinate: int) -> None:
     """A band where each loaded sole lies."""
-    least = 0.05 * 9.81 * run.robot_info.mass
+    least = 0.05 * run.robot_info.weight
     for index, (side, colour) in enumerate((("left", LEFT), ("right", RIGHT))):
         name = f"{side}_sole"
         wrench = run.foot_wrenches.get(name, run.commanded_wrenches.get(name))

@@ -1,4 +1,4 @@
-"""How the pictures look: one face for all of them."""
+"""The style that all plots share."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _STYLE: dict[str, Any] = {
 
 @contextmanager
 def style() -> Iterator[Any]:
-    """Matplotlib in this face, without a window; yields its `Figure`."""
+    """Apply this style to Matplotlib, without a window; yields its `Figure`."""
     import matplotlib
     from matplotlib.figure import Figure
 
@@ -56,11 +56,11 @@ def mark_failures(axes: Any, time: np.ndarray, status: np.ndarray) -> None:
 
 
 def spans(chosen: np.ndarray) -> list[tuple[int, int]]:
-    """(start, stop) of the runs of true values."""
+    """Return (start, stop) of each run of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], chosen, [False]))))
     return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
 
 
 def thin(count: int, most: int = 6000) -> slice:
-    """Every n-th of so many points, so that a picture of an hour is no larger than its pixels."""
+    """Return a slice that thins `count` points to `most` at most, for a plot of a long run."""
     return slice(None, None, max(1, -(-count // most)))

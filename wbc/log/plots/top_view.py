@@ -47,8 +47,7 @@ def draw_top_view(axes: Any, run: LoggedRun) -> None:
 
 def footprints(run: LoggedRun) -> Iterator[tuple[str, np.ndarray]]:
     """(side, (4, 2) corners in the world, m) of every place where a sole stood."""
-    gravity = 9.81
-    least = _LOADED * run.robot_info.mass * gravity
+    least = _LOADED * run.robot_info.weight
     dt = float(np.median(np.diff(run.time))) if len(run) > 1 else 0.0
     for index, side in enumerate(("left", "right")):
         name = f"{side}_sole"

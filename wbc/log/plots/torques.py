@@ -53,6 +53,6 @@ def draw_torque_peaks(axes: Any, run: LoggedRun) -> None:
 
 
 def shares(run: LoggedRun) -> np.ndarray:
-    """(n, na) |torque| in percent of its limit."""
+    """Return |torque| in percent of its limit, shape (n, na)."""
     found: np.ndarray = 100.0 * np.abs(np.nan_to_num(run.tau)) / run.robot_info.tau_max
     return found
