@@ -1,7 +1,9 @@
 """Ticks cross between processes by the names of their quantities: whole, cheap, and counted."""
 
+import gc
 import logging
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -230,3 +232,12 @@ def test_a_snapshot_comes_back_unchanged(humanoid):
     assert_same_plan(back.contact_plan, snapshot.contact_plan)
     for name, wrench in snapshot.wrenches.items():
         np.testing.assert_array_equal(back.wrenches[name], wrench)
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="no /proc here")
+def test_a_stream_that_nobody_holds_leaves_no_descriptor(humanoid):
+    before = len(list(Path("/proc/self/fd").iterdir()))
+    for _ in range(3):
+        TickStream(humanoid, capacity=4).write(full_tick(humanoid))
+    gc.collect()
+    assert len(list(Path("/proc/self/fd").iterdir())) == before

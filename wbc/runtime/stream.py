@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import queue
 import struct
+import weakref
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
@@ -83,6 +84,8 @@ class TickStream:
         declared = (*QUANTITIES, *quantities)
         self.schema = schema_of(robot, declared)
         self._ring = SharedRing(self.schema.size, capacity, _NAMES * _NAME_SIZE)
+        # The descriptor is closed with the stream, whose end no observer has to tell.
+        self._finalizer = weakref.finalize(self, self._ring.close)
         self._source = _TickSource(robot, expanded(robot, declared))
         self._numbers = struct.Struct(f"={self.schema.numbers}d")
         row = 8 * self.schema.size
@@ -195,10 +198,6 @@ class TickStream:
         self._ring.rows[row] = record
         self._ring.publish()
         self._last = row
-
-    def close(self) -> None:
-        """Close the descriptor. The memory goes with the last process that reads."""
-        self._ring.close()
 
     def _add_contacts(self, arrays: list[np.ndarray], wrenches: Mapping[str, np.ndarray]) -> None:
         room = CONTACTS
