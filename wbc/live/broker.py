@@ -83,7 +83,7 @@ class RequestBroker:
         self._tell_planning(page)
 
     def advance(self) -> None:
-        """Read what the loop tells, and tell the pages."""
+        """Read acknowledgements and ticks, and send the news to the pages."""
         for acknowledgement in self._client.poll():
             self._forward(acknowledgement)
         self._tell_planning(None)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-_TIME_TO_FALL = 3.0  # s of plant time: who stands so long after a push has survived it
+_TIME_TO_FALL = 3.0  # s of plant time without a fall, after which a push counts as survived
 
 
 class PushCounter:

@@ -16,21 +16,21 @@ _RATE = 100.0  # Hz of the wall clock
 
 
 class PlantClock:
-    """Tells the plant's time to nodes whose `use_sim_time` is true.
+    """Publishes the plant's time on `/clock`, and stamps messages with it if `use_sim_time` is set.
 
-    Such nodes take their time from `/clock`, so what they are sent has to be stamped with it, too:
-    that is what this node's own `use_sim_time` says; where it is false, stamps are the system's
-    time. Either way `/clock` is published, which nobody minds who does not use it. The time goes
-    on over resets, since time that jumps back empties the buffers of `tf2`.
+    Nodes whose `use_sim_time` is true take their time from `/clock`, and expect messages with stamps
+    of that time. The parameter `use_sim_time` of this node selects it; otherwise stamps are the
+    system's time. The time is continuous over resets, because a time that jumps back empties the
+    buffers of `tf2`.
 
     Args:
-        node: of a simulated robot.
-        use: the parameter's first value.
+        node: node of a simulated robot.
+        use: initial value of the parameter.
     """
 
     def __init__(self, node: Node, use: bool) -> None:
         self._use = node.declare_parameter(
-            "use_sim_time", use, "stamp messages with the plant's time, as /clock tells it"
+            "use_sim_time", use, "stamp messages with the plant's time, published on /clock"
         )
         self._publisher = node.create_publisher(_CLOCK.type_name, "/clock", CLOCK)
         # Ticks may come no more often than that, and not to the instant.

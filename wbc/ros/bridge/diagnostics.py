@@ -23,7 +23,7 @@ _OK, _WARN, _ERROR = 0, 1, 2
 
 
 class Diagnostics:
-    """Gathers ticks, and tells now and then how they went: once a second at first.
+    """Publishes statistics of the ticks, by default once per second.
 
     An overrun is a tick that came more than a period late.
     """
