@@ -18,7 +18,7 @@ _RATE = 100.0  # Hz of the wall clock
 class PlantClock:
     """Publishes the plant's time on `/clock`, and stamps messages with it if `use_sim_time` is set.
 
-    Nodes whose `use_sim_time` is true take their time from `/clock`, and expect messages with stamps
+    Nodes whose `use_sim_time` is true take their time from `/clock`, and expect stamps
     of that time. The parameter `use_sim_time` of this node selects it; otherwise stamps are the
     system's time. The time is continuous over resets, because a time that jumps back empties the
     buffers of `tf2`.
