@@ -30,8 +30,8 @@ from wbc.qp import (
     Solver,
     explain,
     load_qp_kernels,
-    make_solver,
     non_finite_rows,
+    resolve_solver,
 )
 from wbc.robot import Robot
 from wbc.state import State
@@ -100,7 +100,7 @@ class WholeBodyController:
             raise WbcError(f"dt = {dt} must be positive: it is the control period in seconds")
         self.robot = robot
         self.dt = dt
-        self.solver = _solver(solver)
+        self.solver = resolve_solver(solver)
         if limits is None:
             limits = (TorqueLimit(robot), JointPositionLimit(robot), JointVelocityLimit(robot))
         self.set_limits(limits)
@@ -306,14 +306,3 @@ class WholeBodyController:
         q, v = kin.state.q[7:], kin.state.v[6:]
         still = np.zeros(self.robot.nv)
         return Command(tau, still, wrenches, q + self.dt * v, v.copy(), status, reason)
-
-
-def _solver(solver: str | Solver | None) -> Solver:
-    if solver is None or isinstance(solver, str):
-        return make_solver(solver)
-    if isinstance(solver, type) or not isinstance(solver, Solver):
-        raise WbcError(
-            f"solver = {short_repr(solver)} is neither a name nor an object with a method "
-            "solve(problem) -> Solution; see wbc.qp.Solver"
-        )
-    return solver

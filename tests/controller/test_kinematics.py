@@ -183,3 +183,16 @@ def test_a_rotated_and_moved_scene_moves_the_kinematics():
     np.testing.assert_allclose(far.J_com, move.rotation @ here.J_com, atol=1e-11)
     np.testing.assert_allclose(far.mass_matrix, here.mass_matrix, atol=1e-8)
     np.testing.assert_allclose(far.bias_forces, here.bias_forces, atol=1e-8)
+
+
+@pytest.mark.parametrize("name", ["talos", "simple_humanoid"])
+def test_joint_placements_are_pinocchios_and_follow_the_state(name):
+    bot = robot(name)
+    kin = wbc.Kinematics(bot, bot.standing())
+    placements = kin.joint_placements
+    for seed in range(2):
+        kin.update(random_state(bot, seed))
+        for joint in range(bot.model.njoints):
+            expected = kin.data.oMi[joint]
+            np.testing.assert_array_equal(placements[joint, :9].reshape(3, 3).T, expected.rotation)
+            np.testing.assert_array_equal(placements[joint, 9:], expected.translation)

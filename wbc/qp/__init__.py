@@ -6,7 +6,7 @@ from wbc.qp.explanation import explain
 from wbc.qp.kernel_loading import load_qp_kernels
 from wbc.qp.problem import Outcome, Problem, Solution
 from wbc.qp.row_errors import non_finite_rows
-from wbc.qp.solvers import Solver, make_solver
+from wbc.qp.solvers import Solver, make_solver, resolve_solver
 
 __all__ = [
     "Assembly",
@@ -20,4 +20,5 @@ __all__ = [
     "load_qp_kernels",
     "make_solver",
     "non_finite_rows",
+    "resolve_solver",
 ]

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, TypeVar, get_type_hints
 
 import numpy as np
@@ -48,6 +49,7 @@ def integers(*axes: str | int) -> ArrayField:
     return ArrayField(np.int64, axes)
 
 
+@cache
 def fields_of(group: type) -> tuple[ArrayField, ...]:
     """Return the fields of a group in their order."""
     hints: dict[str, Any] = get_type_hints(group, include_extras=True)

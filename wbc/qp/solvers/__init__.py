@@ -1,11 +1,11 @@
 """QP solvers by name, one adapter per file."""
 
-from wbc.errors import SolverNotFound
+from wbc.errors import SolverNotFound, WbcError, short_repr
 from wbc.qp.kernel_loading import load_qp_kernels
 from wbc.qp.solvers.daqp import DaqpSolver
 from wbc.qp.solvers.solver import NamedSolver, Solver
 
-__all__ = ["DaqpSolver", "NamedSolver", "Solver", "make_solver"]
+__all__ = ["DaqpSolver", "NamedSolver", "Solver", "make_solver", "resolve_solver"]
 
 
 def make_solver(name: str | None = None, **options: object) -> NamedSolver:
@@ -39,3 +39,20 @@ def make_solver(name: str | None = None, **options: object) -> NamedSolver:
     from wbc.qp.solvers.qpsolvers import QpsolversSolver
 
     return QpsolversSolver(name, **options)
+
+
+def resolve_solver(solver: str | Solver | None) -> Solver:
+    """Return the solver of a name (see `make_solver`) or the object itself.
+
+    Raises:
+        SolverNotFound: see `make_solver`.
+        WbcError: the object has no method `solve`.
+    """
+    if solver is None or isinstance(solver, str):
+        return make_solver(solver)
+    if isinstance(solver, type) or not isinstance(solver, Solver):
+        raise WbcError(
+            f"solver = {short_repr(solver)} is neither a name nor an object with a method "
+            "solve(problem) -> Solution; see wbc.qp.Solver"
+        )
+    return solver
