@@ -1,16 +1,18 @@
-"""Everything about the gait that one may want to change, in one place."""
+"""Gait parameters: timing, geometry and feedback gain."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
+import pinocchio as pin
+
 from wbc.errors import GaitError
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 
-GRAVITY = 9.81
+_GRAVITY = float(-pin.Model.gravity981[2])  # m/s², that of every Pinocchio model
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +32,7 @@ class GaitParameters:
         max_turn: largest heading change of a step, rad.
         com_height: of the CoM above the soles while walking, m.
         dcm_gain: k of the DCM feedback, 1/s.
+        gravity: gravitational acceleration, m/s².
     """
 
     single_support: float
@@ -44,6 +47,7 @@ class GaitParameters:
     max_turn: float
     com_height: float
     dcm_gain: float = 4.0
+    gravity: float = _GRAVITY
 
     def __post_init__(self) -> None:
         for field in self.__dataclass_fields__:
@@ -56,7 +60,7 @@ class GaitParameters:
     @property
     def omega(self) -> float:
         """Natural frequency √(g / com_height), 1/s."""
-        return math.sqrt(GRAVITY / self.com_height)
+        return math.sqrt(self.gravity / self.com_height)
 
     @property
     def step_duration(self) -> float:
@@ -79,7 +83,7 @@ class GaitParameters:
 
         Args:
             robot: the robot.
-            reach: of its legs, where it is known already.
+            reach: workspace of its legs; computed when left out.
         """
         left, right = robot.soles
         kin = Kinematics(robot, robot.standing())
@@ -87,7 +91,7 @@ class GaitParameters:
         width = float(abs(T_left_right.translation[1]))
         foot_width = left.half_width + right.half_width
         height = robot.com_height
-        natural = math.sqrt(height / GRAVITY)
+        natural = math.sqrt(height / robot.gravity)
         leg = robot.leg_length
         reach = reach or LegWorkspace(robot)
         return cls(
@@ -102,4 +106,5 @@ class GaitParameters:
             max_side_step=min(0.35 * leg, reach.max_spread),
             max_turn=0.55,
             com_height=height,
+            gravity=robot.gravity,
         )

@@ -1,4 +1,4 @@
-"""The swing foot's way: re-targetable quintics, ended by contact."""
+"""Reference of the swing foot: re-targetable quintics, ended by contact."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class SwingFoot:
 
     @property
     def target_frozen(self) -> bool:
-        """The landing place no longer follows the wish."""
+        """Whether the landing place no longer moves."""
         return self.duration - self.time <= _FREEZE * self.duration
 
     @property

@@ -1,40 +1,40 @@
-"""A walking velocity that goes over to another one smoothly."""
+"""Low-pass filter of the walking velocity, with bounded acceleration."""
 
 from __future__ import annotations
 
 from wbc.gait.footsteps import Velocity
 from wbc.gait.parameters import GaitParameters
 
-_TIME = 0.1  # s in which the last of the way is gone
-_LAG = 0.025  # s in which the acceleration follows; a quarter of the above: no overshoot
-_THERE = 1e-3  # of the greatest velocity
+_TIME = 0.1  # s, time constant of the velocity
+_LAG = 0.025  # s, of the acceleration; a quarter of the above: critically damped
+_TOLERANCE = 1e-3  # share of the largest velocity below which the difference is dropped
 
 
 class VelocityFilter:
-    """Goes from one velocity to another, fast from rest to the greatest in the time of a step.
+    """Filters a velocity command that may jump from tick to tick.
 
-    Each component is a critically damped second-order low-pass of what is wanted, its
-    acceleration bounded: a wish that jumps about from tick to tick does not shake the robot.
+    Each component is a critically damped second-order low-pass of the command. Its
+    acceleration is bounded to the largest velocity over the duration of a step.
     """
 
     def __init__(self) -> None:
         self._acceleration = (0.0, 0.0, 0.0)
 
     def reset(self) -> None:
-        """Begin anew, from a velocity that does not change."""
+        """Start anew, with zero acceleration."""
         self._acceleration = (0.0, 0.0, 0.0)
 
     def update(
         self, velocity: Velocity, wanted: Velocity, share: float, dt: float, gait: GaitParameters
     ) -> Velocity:
-        """The velocity after dt.
+        """Return the velocity after dt.
 
         Args:
-            velocity: now.
-            wanted: where to.
-            share: of the bound of the acceleration that may be used.
-            dt: s.
-            gait: its greatest velocities and duration of a step.
+            velocity: present velocity.
+            wanted: commanded velocity.
+            share: usable share of the acceleration bound, 0 to 1.
+            dt: time since the last tick, s.
+            gait: largest velocities and duration of a step.
         """
         now = (velocity.forward, velocity.left, velocity.turn)
         goal = (wanted.forward, wanted.left, wanted.turn)
@@ -44,7 +44,7 @@ class VelocityFilter:
             bound = share * most / gait.step_duration
             a += lag * (max(-bound, min(bound, (w - v) / _TIME)) - a)
             v += a * dt
-            if abs(w - v) < _THERE * most and abs(a) * _TIME < _THERE * most:
+            if abs(w - v) < _TOLERANCE * most and abs(a) * _TIME < _TOLERANCE * most:
                 v, a = w, 0.0
             accelerations.append(a)
             reached.append(v)

@@ -1,4 +1,4 @@
-"""Which feet the ground holds, how hard, and where the free one goes."""
+"""Contact manager: the controller's contacts and swing task for the phase of the gait."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from wbc.robot import Robot
 from wbc.tasks import FrameTask
 from wbc.walking.gains import WalkerGains
 
-_HIGH = 0.03  # m
-_LOOSE = 0.1  # of a weight's square root
+_HIGH = 0.03  # m, height above which a lifted foot need not be flat
+_LOOSE = 0.1  # square root of the share of the weight that its flatness keeps
 
 
 class ContactManager:
@@ -26,7 +26,7 @@ class ContactManager:
 
     Args:
         robot: the robot.
-        controller: whose contacts and swing task are kept.
+        controller: gets the contacts and the swing task.
         gains: the walker's.
     """
 
@@ -55,7 +55,7 @@ class ContactManager:
         return tuple(self._swing_tasks.values())
 
     def update(self, state: GaitState) -> None:
-        """Set contacts and swing task for the phase of now."""
+        """Set contacts and swing task for the present phase."""
         support = self._contacts[state.support]
         other = self._contacts[state.swing_side]
         support.motion_weight = None
@@ -102,9 +102,9 @@ class ContactManager:
         wanted.acceleration[5] = swing.yaw_acceleration
 
     def _held_weight(self, height: float) -> np.ndarray:
-        """(6,) of a foot that is held up, m: high above the ground it need not be flat.
+        """Return the (6,) task weight of a foot that is held up at a height, m.
 
-        An ankle at its end would make the CoM pay for it.
+        High above the ground it need not be flat: an ankle at its limit would move the CoM.
         """
         flat = max(1.0 - height / _HIGH, _LOOSE)
         weight = np.full(6, self._gains.swing_weight)

@@ -53,7 +53,7 @@ class DcmPlanner:
             self.velocity = wanted
             return given[0].side if given else first_swing_side(state.feet, wanted)
         # A step that was planned as the last one is: the DCM is on its way to rest, and a
-        # wish to go on that came too late for it waits until the robot stands.
+        # command to go on that came too late for it waits until the robot stands.
         stance = state.feet.of(state.support)
         last = preview.ends(stance, state.swing_side, state.landing, self.velocity)
         ended = not given and wanted.is_zero and self.velocity.is_zero

@@ -8,7 +8,7 @@ from wbc.gait.planners.dcm import DcmReference
 def zmp_from_dcm_error(dcm: complex, reference: DcmReference, omega: float, gain: float) -> complex:
     """The ZMP for which the DCM error decays as e^(−k t), a ground point in m.
 
-    From ξ̇ = ω (ξ − p) and the wish ξ̇ = ξ̇_ref − k (ξ − ξ_ref):
+    From ξ̇ = ω (ξ − p) and the wanted ξ̇ = ξ̇_ref − k (ξ − ξ_ref):
     `p = ξ − ξ̇_ref / ω + (k / ω) (ξ − ξ_ref)` (Englsberger et al., T-RO 2015).
 
     Args:
