@@ -21,7 +21,7 @@ class ContactTrigger:
     Attributes:
         on: load above which a sole in the air counts as standing.
         off: load below which a standing sole counts as lifted.
-        full: load from which on a sole is trusted fully; below, its assumed wandering grows
+        full: load from which on a sole is trusted fully; below, its assumed drift grows
             as full / load, because a lightly loaded sole rolls and slips.
 
     Raises:
@@ -51,7 +51,7 @@ class ContactTrigger:
         return load > (self.off if before else self.on)
 
     def slip_factor(self, load: float) -> float:
-        """Return the factor on the wandering of a sole with this load, a share of the weight."""
+        """Return the factor on the drift of a sole with this load, a share of the weight."""
         return max(1.0, self.full / max(load, _MIN_LOAD))
 
 

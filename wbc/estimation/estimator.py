@@ -165,7 +165,7 @@ class Estimator:
         q, v, gyro, accelerometer = self._readings(measurement)
         detector, joints, legs = self._detector, self._joints, self._legs
         loads = detector.loads(measurement.foot_wrenches)
-        told = None if contacts is None else self._told(contacts)
+        given = None if contacts is None else self._validated_contacts(contacts)
         before = detector.stands
         due = False
         if self._last_gyro is not None:
@@ -175,8 +175,8 @@ class Estimator:
         self._last_gyro = gyro
         joints.update(q, v, None if acceleration is None else acceleration[6:])
         legs.update(joints.position, joints.velocity)
-        if told is not None:
-            detector.decide(told)
+        if given is not None:
+            detector.decide(given)
         elif loads is not None:
             detector.update(loads)
         else:
@@ -223,14 +223,14 @@ class Estimator:
                 )
 
     def _set_slip(self, loads: Mapping[str, float] | None) -> None:
-        """Set per sole the factor on its wandering; 0 in the air, equal loads without sensors."""
+        """Set per sole the factor on its drift; 0 in the air, equal loads without sensors."""
         detector, slip = self._detector, self._slip
         equal = 1.0 / len(detector.names)
         for i, stands in enumerate(detector.stands):
             load = equal if loads is None else loads[detector.names[i]]
             slip[i] = detector.trigger.slip_factor(load) if stands else 0.0
 
-    def _told(self, contacts: Collection[str]) -> list[bool]:
+    def _validated_contacts(self, contacts: Collection[str]) -> list[bool]:
         names = self._detector.names
         unknown = [c for c in contacts if c not in names]
         if unknown:

@@ -58,13 +58,13 @@ class InvariantFilter:
         record["dt"], record["every"], record["gravity"] = dt, every, gravity
         record["slip_gate"] = noise.slip_gate
         record["leg_noise"] = covariances
-        # What a period adds to the covariance: by the gyro, by a sole that wanders, by the rest.
+        # What a period adds to the covariance: by the gyro, by the drift of a sole, by the rest.
         record["gyro_step"] = (noise.gyro * dt) ** 2
         rotation = dt * np.square([noise.rock, noise.rock, noise.twist])
         for foot in range(layout.FEET):
-            place, turn = layout.PLACE + 3 * foot, layout.TURN + 3 * foot
-            record["wandering"][0, place : place + 3, foot] = noise.slip**2 * dt
-            record["wandering"][0, turn : turn + 3, foot] = rotation
+            place, turn = layout.FOOT_POSITION + 3 * foot, layout.FOOT_ROTATION + 3 * foot
+            record["foot_drift"][0, place : place + 3, foot] = noise.slip**2 * dt
+            record["foot_drift"][0, turn : turn + 3, foot] = rotation
         process = record["process"][0]
         process[layout.VELOCITY : layout.POSITION] = (noise.accelerometer * dt) ** 2
         process[layout.GYRO_BIAS : layout.ACCELEROMETER_BIAS] = noise.gyro_walk**2 * dt
@@ -80,7 +80,7 @@ class InvariantFilter:
         """
         record, noise = self.record, self._noise
         record["R"], record["F"] = R, np.eye(3)
-        for name in ("vectors", "gyro_bias", "accelerometer_bias", "wander"):
+        for name in ("vectors", "gyro_bias", "accelerometer_bias", "drift_factor"):
             record[name] = 0.0
         record["vectors"][0, 0] = v
         record["pending"] = record["corrections"] = 0
@@ -147,7 +147,7 @@ class InvariantFilter:
         Args:
             gyro: (3,) mean over the period, IMU axes, rad/s.
             accelerometer: (3,) mean specific force over the period, IMU axes, m/s².
-            slip: (2,) per sole, a factor on its wandering; 0 for one in the air.
+            slip: (2,) per sole, a factor on its drift; 0 for one in the air.
         """
         return bool(kernels.propagate(self.record, gyro, accelerometer, slip))
 

@@ -26,10 +26,10 @@ class EstimatorNoise:
         accelerometer_bias: of the unknown bias at a reset, m/s².
         encoder: joint position, rad.
         joint_velocity: rad/s.
-        slip: wandering of a fully loaded sole, m per √s.
+        slip: random walk of a fully loaded sole, m per √s.
         twist: turning of a fully loaded sole about the vertical, rad per √s.
         rock: tilting of a fully loaded sole, rad per √s: large for uneven ground, where a
-            sole rolls over edges; a tilt that is believed fixed would bend the velocity.
+            sole rolls over edges; a tilt that is assumed fixed would bias the velocity.
         slip_gate: χ² of a sole's six readings from which on it has slipped; noise alone
             gets there once in 3000 corrections; infinity: a slip is never detected.
         tilt: of the state given at a reset, rad.

@@ -1,4 +1,4 @@
-"""The motors: torque limits, and the delay of commands on their way."""
+"""The motors: torque limits and command latency."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from wbc.robot import Robot
 
 
 class Motors:
-    """Torque commands on their way to the joints.
+    """Limits and delays torque commands.
 
     Args:
         robot: its torque limits.

@@ -7,7 +7,7 @@ import numpy as np
 FEET = 2
 #: Size of the error `[ξ_R, ξ_v, ξ_p, ξ_d…, ξ_F…, b_g, b_a]`, and where its parts begin.
 SIZE = 15 + 6 * FEET
-VELOCITY, POSITION, PLACE, TURN = 3, 6, 9, 9 + 3 * FEET
+VELOCITY, POSITION, FOOT_POSITION, FOOT_ROTATION = 3, 6, 9, 9 + 3 * FEET
 GYRO_BIAS, ACCELEROMETER_BIAS = SIZE - 6, SIZE - 3
 #: Rows that a gyro error moves: rotation and vectors.
 MOVED = 9 + 3 * FEET
@@ -22,7 +22,11 @@ FILTER = np.dtype(
         ("gyro_bias", float, (3,)),
         ("accelerometer_bias", float, (3,)),
         ("P", float, (SIZE, SIZE)),
-        ("wander", float, (FEET,)),  # sum of squared slip factors since the last covariance step
+        (
+            "drift_factor",
+            float,
+            (FEET,),
+        ),  # sum of squared slip factors since the last covariance step
         ("pending", np.int64),  # periods since then
         ("corrections", np.int64),
         # Constants.
@@ -31,7 +35,7 @@ FILTER = np.dtype(
         ("gravity", float, (3,)),  # m/s²
         ("gyro_step", float),  # variance that a period's gyro noise adds, rad²
         ("process", float, (SIZE,)),  # diagonal that a period adds
-        ("wandering", float, (SIZE, FEET)),  # the same by a sole that stands
+        ("foot_drift", float, (SIZE, FEET)),  # the same by a sole that stands
         ("leg_noise", float, (FEET, 6, 6)),  # of a sole's pose as the encoders see it, IMU axes
         ("slip_gate", float),  # χ² of six readings
         # Workspace.

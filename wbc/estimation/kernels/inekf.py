@@ -8,12 +8,12 @@ from wbc.estimation.kernels.filter_record import (
     ACCELEROMETER_BIAS,
     FEET,
     FILTER,
+    FOOT_POSITION,
+    FOOT_ROTATION,
     GYRO_BIAS,
     MOVED,
-    PLACE,
     POSITION,
     SIZE,
-    TURN,
     VELOCITY,
 )
 from wbc.estimation.kernels.matrix import (
@@ -62,7 +62,7 @@ def _set_transition(f: np.ndarray, time: float) -> None:
 
 
 @subkernel
-def _catch_up(f: np.ndarray) -> None:
+def _propagate_covariance(f: np.ndarray) -> None:
     """Propagate the covariance over the periods since it was last."""
     count = f["pending"]
     if count == 0:
@@ -75,17 +75,17 @@ def _catch_up(f: np.ndarray) -> None:
     np.dot(product, Phi.T, P)
     gyro = count * f["gyro_step"]
     add_gram(P, gyro, lever)
-    process, wandering, wander = f["process"], f["wandering"], f["wander"]
+    process, foot_drift, drift_factor = f["process"], f["foot_drift"], f["drift_factor"]
     for i in range(SIZE):
         P[i, i] += count * process[i]
         for foot in range(FEET):
-            P[i, i] += wandering[i, foot] * wander[foot]
+            P[i, i] += foot_drift[i, foot] * drift_factor[foot]
     for foot in range(FEET):
-        wander[foot] = 0.0
+        drift_factor[foot] = 0.0
 
 
 @subkernel
-def _turn_noise(f: np.ndarray, foot: int) -> None:
+def _leg_noise_in_world(f: np.ndarray, foot: int) -> None:
     """The legs' noise of a sole's pose in world axes: N = R C Rᵀ block by block."""
     R, C, N, work = f["R"], f["leg_noise"][foot], f["noise"], f["A"]
     for i in range(0, 6, 3):
@@ -95,14 +95,14 @@ def _turn_noise(f: np.ndarray, foot: int) -> None:
 
 @subkernel
 def _land(f: np.ndarray, foot: int, h: np.ndarray, F: np.ndarray) -> None:
-    _catch_up(f)
+    _propagate_covariance(f)
     P, R, vectors, place = f["P"], f["R"], f["vectors"], f["a"]
     rotate(R, h, place)
     for i in range(3):
         vectors[2 + foot, i] = vectors[1, i] + place[i]
     multiply(R, F, f["F"][foot])
     for part in range(2):
-        own = (PLACE if part == 0 else TURN) + 3 * foot
+        own = (FOOT_POSITION if part == 0 else FOOT_ROTATION) + 3 * foot
         source = POSITION if part == 0 else 0
         for i in range(3):
             for j in range(SIZE):
@@ -110,11 +110,11 @@ def _land(f: np.ndarray, foot: int, h: np.ndarray, F: np.ndarray) -> None:
         for i in range(3):
             for j in range(SIZE):
                 P[j, own + i] = P[j, source + i]
-    _turn_noise(f, foot)
+    _leg_noise_in_world(f, foot)
     for i in range(6):
         for j in range(6):
-            row = PLACE + 3 * foot + i if i < 3 else TURN + 3 * foot + i - 3
-            column = PLACE + 3 * foot + j if j < 3 else TURN + 3 * foot + j - 3
+            row = FOOT_POSITION + 3 * foot + i if i < 3 else FOOT_ROTATION + 3 * foot + i - 3
+            column = FOOT_POSITION + 3 * foot + j if j < 3 else FOOT_ROTATION + 3 * foot + j - 3
             P[row, column] += f["noise"][i, j]
 
 
@@ -123,8 +123,8 @@ def _innovate(f: np.ndarray, foot: int, row: int, h: np.ndarray, F: np.ndarray) 
     """Six rows of H P and of the residual: where a sole is off, and how it is turned."""
     P, HP, residual, R, vectors = f["P"], f["HP"], f["residual"], f["R"], f["vectors"]
     seen, off, place = f["A"], f["B"], f["a"]
-    difference(P, POSITION, PLACE + 3 * foot, HP[row : row + 3])
-    difference(P, 0, TURN + 3 * foot, HP[row + 3 : row + 6])
+    difference(P, POSITION, FOOT_POSITION + 3 * foot, HP[row : row + 3])
+    difference(P, 0, FOOT_ROTATION + 3 * foot, HP[row + 3 : row + 6])
     rotate(R, h, place)
     for i in range(3):
         residual[row + i] = vectors[1, i] + place[i] - vectors[2 + foot, i]
@@ -144,19 +144,19 @@ def _innovate(f: np.ndarray, foot: int, row: int, h: np.ndarray, F: np.ndarray) 
 @subkernel
 def _retract(f: np.ndarray) -> None:
     # Γ₀ and Γ₁ of the group of double direct isometries: exp(a) and ∫₀¹ exp(s a) ds.
-    xi, turn, smear, turned, a, b = f["xi"], f["A"], f["B"], f["C"], f["a"], f["b"]
+    xi, turn, left, turned, a, b = f["xi"], f["A"], f["B"], f["C"], f["a"], f["b"]
     exponential(xi[:3], turn)
-    left_jacobian(xi[:3], smear)
+    left_jacobian(xi[:3], left)
     multiply(turn, f["R"], turned)
     copy(turned, f["R"])
     for n in range(2 + FEET):
         x = f["vectors"][n]
         rotate(turn, x, a)
-        rotate(smear, xi[3 + 3 * n : 6 + 3 * n], b)
+        rotate(left, xi[3 + 3 * n : 6 + 3 * n], b)
         for i in range(3):
             x[i] = a[i] + b[i]
     for foot in range(FEET):
-        exponential(xi[TURN + 3 * foot : TURN + 3 * foot + 3], turn)
+        exponential(xi[FOOT_ROTATION + 3 * foot : FOOT_ROTATION + 3 * foot + 3], turn)
         multiply(turn, f["F"][foot], turned)
         copy(turned, f["F"][foot])
     for i in range(3):
@@ -199,7 +199,7 @@ def propagate(
         filter_: (1,) the filter.
         gyro: (3,) mean over the period, IMU axes, rad/s.
         accelerometer: (3,) mean specific force over the period, IMU axes, m/s².
-        slip: per foot, a factor on its wandering; 0 for a foot in the air.
+        slip: per foot, a factor on its drift; 0 for a foot in the air.
     """
     f = filter_[0]
     dt, R, vectors = f["dt"], f["R"], f["vectors"]
@@ -217,10 +217,10 @@ def propagate(
     multiply(middle, half, R)
     f["pending"] += 1
     for i in range(FEET):
-        f["wander"][i] += slip[i] * slip[i]
+        f["drift_factor"][i] += slip[i] * slip[i]
     if f["pending"] < f["every"]:
         return False
-    _catch_up(f)
+    _propagate_covariance(f)
     return True
 
 
@@ -265,9 +265,9 @@ def correct(filter_: np.ndarray, held: np.ndarray, h: np.ndarray, F: np.ndarray)
     k = 0
     for foot in range(FEET):
         if held[foot]:
-            _turn_noise(f, foot)
-            difference_of_columns(HP, POSITION, PLACE + 3 * foot, S[:, k : k + 3])
-            difference_of_columns(HP, 0, TURN + 3 * foot, S[:, k + 3 : k + 6])
+            _leg_noise_in_world(f, foot)
+            difference_of_columns(HP, POSITION, FOOT_POSITION + 3 * foot, S[:, k : k + 3])
+            difference_of_columns(HP, 0, FOOT_ROTATION + 3 * foot, S[:, k + 3 : k + 6])
             add(S[k : k + 6, k : k + 6], f["noise"])
             k += 6
     invert_factor(S, f["inverse"], m)

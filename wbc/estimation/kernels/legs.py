@@ -53,7 +53,7 @@ _VECTOR = np.zeros(3)
 
 
 @subkernel
-def _follow(
+def _move_along(
     link: np.ndarray, q: np.ndarray, R: np.ndarray, p: np.ndarray, work: np.ndarray
 ) -> None:
     """Move a frame (R, p) over one link; `work` is a (4, 3, 3) workspace."""
@@ -105,7 +105,7 @@ def find_poses(
     linear, angular = out["linear"], out["angular"]
     p = vector
     # The IMU in base axes. Its velocity: every joint adds ω = a q̇ about its own origin; what
-    # lies behind is moved on by what the joints before have summed up.
+    # follows moves with the sum of the joints before it.
     for i in range(3):
         p[i] = linear[i] = angular[i] = 0.0
         for j in range(3):
@@ -113,7 +113,7 @@ def find_poses(
     for n in range(ends[0]):
         link = links[n]
         x, y, z = p[0], p[1], p[2]
-        _follow(link, q, R, p, work)
+        _move_along(link, q, R, p, work)
         x, y, z = p[0] - x, p[1] - y, p[2] - z
         linear[0] += angular[1] * z - angular[2] * y
         linear[1] += angular[2] * x - angular[0] * z
@@ -146,7 +146,7 @@ def find_poses(
             for j in range(3):
                 R[i, j] = base_R[i, j]
         for n in range(ends[foot], ends[foot + 1]):
-            _follow(links[n], q, R, p, work)
+            _move_along(links[n], q, R, p, work)
 
 
 @kernel(
