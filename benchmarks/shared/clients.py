@@ -115,14 +115,14 @@ def ros(domain: int, arrivals: Arrivals) -> None:
     from wbc.ros.qos import HIGH_RATE, TF
 
     with Node("benchmark_client", network=Network(domain)) as node:
-        subscriptions = [
+        for kind, topic, qos in (
+            ("sensor_msgs/msg/JointState", "/joint_states", HIGH_RATE),
+            ("tf2_msgs/msg/TFMessage", "/tf", TF),
+        ):
             node.create_subscription(kind, topic, lambda *_, topic=topic: arrivals.note(topic), qos)
-            for kind, topic, qos in (
-                ("sensor_msgs/msg/JointState", "/joint_states", HIGH_RATE),
-                ("tf2_msgs/msg/TFMessage", "/tf", TF),
-            )
-        ]
-        node.spin_until(lambda: all(one.get_publisher_count() for one in subscriptions))
+        # The topics of the tick appear when the loop begins, this one with the node itself.
+        if not node.spin_until(lambda: bool(node.count_subscribers("/cmd_vel")), 60.0):
+            raise SystemExit("no robot's node is there")
         print("ready", flush=True)
         node.spin_until(lambda: bool(select.select([sys.stdin], [], [], 0.0)[0]))
 
