@@ -9,7 +9,7 @@ from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
 
 import wbc
-from wbc.qp import Outcome, Problem, Solution
+from wbc.qp import CommandOutcome, Problem, Solution
 
 
 class NonNegativeLeastSquares:
@@ -29,10 +29,12 @@ class NonNegativeLeastSquares:
         E, f = np.vstack((R.T, d)), np.eye(n + 1)[n]
         u, distance = nnls(E, f, maxiter=10 * len(b))
         if distance < 1e-9:
-            return Solution(np.zeros(n), Outcome.INFEASIBLE, detail="no point holds all rows")
+            return Solution(
+                np.zeros(n), CommandOutcome.INFEASIBLE, detail="no point holds all rows"
+            )
         r = E @ u - f
         y = -r[:n] / r[n]
-        return Solution(solve_triangular(L.T, y - w, lower=False), Outcome.SOLVED)
+        return Solution(solve_triangular(L.T, y - w, lower=False), CommandOutcome.SOLVED)
 
 
 robot = wbc.load("simple_humanoid")

@@ -86,8 +86,8 @@ async def receive_frames(address: str, arrivals: Arrivals, controls: bool) -> No
         drain = asyncio.ensure_future(_drain(controls_socket, arrivals))
     scene = await websocket_connect(base + "socket", max_message_size=1 << 28)
     while (message := await scene.read_message()) is not None:
-        if isinstance(message, str) and ("paths" in message or "words" in message):
-            if "words" in message:
+        if isinstance(message, str) and ("paths" in message or "caption" in message):
+            if "caption" in message:
                 arrivals.note("frames")
             else:
                 print("ready", flush=True)

@@ -81,7 +81,7 @@ def test_the_observers_benchmark_measures_ticks_calls_and_rates(tmp_path):
     assert nothing["ticks"] == everyone["ticks"] > 100
     assert all(nothing[f"{kind} p99 ratio"] == 1.0 for kind in ("command", "whole", "CPU"))
     undisturbed = told["undisturbed"]
-    assert len(undisturbed["calls"]) == 4
+    assert len(undisturbed["calls"]) == 5
     assert all(call["per tick"] > 0.0 for call in undisturbed["calls"].values())
     for rate in ("viewer: frames at a page", "ROS 2: /tf at a node", "log: MB per minute"):
         assert any(name.startswith(rate) for name in undisturbed["figures"]), rate

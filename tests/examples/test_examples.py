@@ -29,7 +29,7 @@ SAYS = {
     "14_own_limit": "asked for 150 mm below the table, the hand stayed 0.0 mm above it",
     "15_own_contact": "with 22 rows: ok",
     "16_own_solver": "own solver: ok",
-    "18_own_planner": "survived",
+    "19_own_planner": "survived",
 }
 
 

@@ -13,11 +13,11 @@ from wbc.process import BlobQueue
 from wbc.teleop import (
     CommandClient,
     CommandHandler,
+    CommandOutcome,
     CommandRefused,
     GainCommand,
     JointCommand,
     MotionCommand,
-    Outcome,
     PushCommand,
     ResetCommand,
     StandCommand,
@@ -82,7 +82,7 @@ def test_commands_arrive_whole_and_in_order_and_are_acknowledged(handler, client
     assert [sent.id for sent in received] == numbers
     assert {sent.source for sent in received} == {"test"}
     assert all(before <= sent.stamp <= time.monotonic() for sent in received)
-    assert poll(client, 5) == [(number, Outcome.ACCEPTED, "") for number in numbers]
+    assert poll(client, 5) == [(number, CommandOutcome.ACCEPTED, "") for number in numbers]
 
 
 def test_a_command_that_makes_no_sense_never_reaches_the_loop(handler, client):
@@ -99,26 +99,26 @@ def test_a_motion_arrives_planned_and_is_acknowledged(handler, client, robot):
         assert client.poll() == []
     handler.before_tick(0.0)
     assert handler.playing == Shrug(0.2) or handler.waiting == Shrug(0.2)
-    assert poll(client, 1) == [(number, Outcome.ACCEPTED, "")]
+    assert poll(client, 1) == [(number, CommandOutcome.ACCEPTED, "")]
     client.send(StandCommand())
     for _ in range(2500):  # back to standing
         handler.before_tick(0.0)
         handler.player.step(wbc.Estimate(robot.standing()))
     (_, (done, outcome, reason)) = poll(client, 2)
-    assert (done, outcome) == (number, Outcome.SUPERSEDED)
+    assert (done, outcome) == (number, CommandOutcome.SUPERSEDED)
     assert reason == "stand command from test took its place"
 
 
 def test_a_motion_that_the_robot_cannot_do_is_refused_with_the_reason(handler, client):
     number = client.send(MotionCommand(Fly()))
-    assert poll(client, 1) == [(number, Outcome.REFUSED, "fly: it has no wings")]
+    assert poll(client, 1) == [(number, CommandOutcome.REFUSED, "fly: it has no wings")]
     assert handler._inbox._channels[0].receive() is None
 
 
 def test_a_motion_whose_planning_fails_is_refused(client):
     number = client.send(MotionCommand(SlowToPlan(folder="nowhere")))
     ((refused, outcome, reason),) = poll(client, 1)
-    assert (refused, outcome) == (number, Outcome.REFUSED)
+    assert (refused, outcome) == (number, CommandOutcome.REFUSED)
     assert "FileNotFoundError" in reason
 
 
@@ -135,7 +135,7 @@ def test_a_motion_that_is_being_planned_is_superseded(client, tmp_path, command,
     number = client.send(MotionCommand(SlowToPlan(folder=str(tmp_path))))
     client.send(command)
     ((superseded, outcome, text),) = poll(client, 1)
-    assert (superseded, outcome) == (number, Outcome.SUPERSEDED)
+    assert (superseded, outcome) == (number, CommandOutcome.SUPERSEDED)
     assert reason in text
     (tmp_path / "plan").touch()
 
@@ -165,5 +165,5 @@ def test_a_plan_that_is_too_large_is_refused(client, monkeypatch):
     client._commands = BlobQueue(32, 64)
     number = client.send(MotionCommand(Shrug()))
     ((refused, outcome, reason),) = poll(client, 1)
-    assert (refused, outcome) == (number, Outcome.REFUSED)
+    assert (refused, outcome) == (number, CommandOutcome.REFUSED)
     assert "make it shorter" in reason

@@ -16,12 +16,12 @@ from wbc.runtime.loop import StopRun
 from wbc.runtime.mode import Mode
 from wbc.teleop import (
     CommandHandler,
+    CommandOutcome,
     CommandRefused,
     GainCommand,
     GaitParameterCommand,
     JointCommand,
     MotionCommand,
-    Outcome,
     PauseCommand,
     PushCommand,
     ResetCommand,
@@ -31,11 +31,11 @@ from wbc.teleop import (
 )
 
 ACCEPTED, REFUSED, SUPERSEDED, DONE, ABORTED = (
-    Outcome.ACCEPTED,
-    Outcome.REFUSED,
-    Outcome.SUPERSEDED,
-    Outcome.DONE,
-    Outcome.ABORTED,
+    CommandOutcome.ACCEPTED,
+    CommandOutcome.REFUSED,
+    CommandOutcome.SUPERSEDED,
+    CommandOutcome.DONE,
+    CommandOutcome.ABORTED,
 )
 
 

@@ -67,4 +67,4 @@ def _tell_when_slow(done: threading.Event, module: str) -> None:
         if cached
         else "in every process, for no cache folder can be written: set NUMBA_CACHE_DIR to one"
     )
-    print(f"wbc: compiling kernels, {often}: some 15 s", file=sys.stderr, flush=True)
+    print(f"wbc: compiling kernels, {often}: about half a minute", file=sys.stderr, flush=True)

@@ -17,8 +17,8 @@ from wbc.runtime.stream import StreamFollower
 from wbc.teleop import (
     Acknowledgement,
     CommandClient,
+    CommandOutcome,
     CommandRefused,
-    Outcome,
     ResetCommand,
     StandCommand,
 )
@@ -120,10 +120,10 @@ class RequestBroker:
         page = self._senders.get(number)
         if page is None:
             return
-        if outcome is not Outcome.ACCEPTED:  # nothing follows
+        if outcome is not CommandOutcome.ACCEPTED:  # nothing follows
             del self._senders[number]
         _send(page, {"outcome": outcome.value, "reason": acknowledgement.reason, "id": number})
-        if outcome is Outcome.REFUSED:
+        if outcome is CommandOutcome.REFUSED:
             _send(page, {"error": acknowledgement.reason})
 
     def _on_motion_sent(self, motion: Motion) -> None:

@@ -1,6 +1,6 @@
 """Teleoperation: one stream of commands to a running robot, from a page, ROS 2 or a script."""
 
-from wbc.teleop.acknowledgement import Acknowledgement, Outcome
+from wbc.teleop.acknowledgement import Acknowledgement, CommandOutcome
 from wbc.teleop.capabilities import Capabilities
 from wbc.teleop.channel import ChannelConfig, CommandChannel, CommandClient
 from wbc.teleop.command_handler import CommandHandler
@@ -29,12 +29,12 @@ __all__ = [
     "CommandChannel",
     "CommandClient",
     "CommandHandler",
+    "CommandOutcome",
     "CommandRefused",
     "GainCommand",
     "GaitParameterCommand",
     "JointCommand",
     "MotionCommand",
-    "Outcome",
     "PauseCommand",
     "PushCommand",
     "ResetCommand",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 
-class Outcome(Enum):
+class CommandOutcome(Enum):
     """What became of a command.
 
     Every command is accepted or refused. A motion and a reset take time: after `ACCEPTED` follows
@@ -32,6 +32,6 @@ class Acknowledgement:
     """
 
     id: int
-    outcome: Outcome
+    outcome: CommandOutcome
     reason: str = ""
     time: float = float("nan")

@@ -14,7 +14,7 @@ from wbc.motions import Motion, unpack
 from wbc.motions.engine import MotionPlanner, PlannedMotion
 from wbc.process import BlobQueue, BlobQueueFull, BlobTooLarge
 from wbc.robot import Robot
-from wbc.teleop.acknowledgement import Acknowledgement, Outcome
+from wbc.teleop.acknowledgement import Acknowledgement, CommandOutcome
 from wbc.teleop.capabilities import Capabilities
 from wbc.teleop.commands import (
     MotionCommand,
@@ -195,7 +195,7 @@ class CommandClient:
                 break
         while (data := self._received.get()) is not None:
             number, outcome, reason, at = pickle.loads(data)
-            self._own.append(Acknowledgement(number, Outcome(outcome), reason, at))
+            self._own.append(Acknowledgement(number, CommandOutcome(outcome), reason, at))
         found, self._own = self._own, []
         return found
 
@@ -212,14 +212,14 @@ class CommandClient:
                 raise CommandRefused(plan.error)
             self._put(_PackedMotion(plan.packed), source, number)
         except CommandRefused as error:
-            self._own.append(Acknowledgement(number, Outcome.REFUSED, str(error)))
+            self._own.append(Acknowledgement(number, CommandOutcome.REFUSED, str(error)))
             return
         self.on_motion_sent(plan.motion)
 
     def _supersede(self, reason: str) -> None:
         """Forget the motion that is being planned."""
         if self._planning is not None:
-            self._own.append(Acknowledgement(self._planning[0], Outcome.SUPERSEDED, reason))
+            self._own.append(Acknowledgement(self._planning[0], CommandOutcome.SUPERSEDED, reason))
             self._planning = None
             self._planner.request(None)
 

@@ -16,7 +16,7 @@ from wbc.runtime.clock import Clock
 from wbc.runtime.loop import StopRun
 from wbc.runtime.mode import Mode
 from wbc.runtime.schema import Quantity
-from wbc.teleop.acknowledgement import Outcome
+from wbc.teleop.acknowledgement import CommandOutcome
 from wbc.teleop.capabilities import Capabilities
 from wbc.teleop.channel import CommandChannel
 from wbc.teleop.commands import (
@@ -148,8 +148,8 @@ class CommandHandler(Closeable):
                 if isinstance(arrival.sent.command, PARAMETER_COMMANDS):
                     self._apply(arrival)
                 else:
-                    self._acknowledge(arrival, Outcome.SUPERSEDED, "the robot was reset")
-        self._end_motion(Outcome.SUPERSEDED, "the robot was reset")
+                    self._acknowledge(arrival, CommandOutcome.SUPERSEDED, "the robot was reset")
+        self._end_motion(CommandOutcome.SUPERSEDED, "the robot was reset")
         self._manager.reset()
         self._joints.clear()
         self._velocity_end = np.inf
@@ -177,7 +177,7 @@ class CommandHandler(Closeable):
         if self.reset_wanted:
             raise StopRun("reset")
         for arrival in self._resets:  # with no tick yet, the robot stands where it started
-            self._acknowledge(arrival, Outcome.DONE)
+            self._acknowledge(arrival, CommandOutcome.DONE)
         self._resets.clear()
         self.mode = Mode.RUNNING
         self._first_tick = False
@@ -196,7 +196,7 @@ class CommandHandler(Closeable):
         if self.mode is not Mode.FALLEN:
             self.mode = Mode.FALLEN
             self.pushes.on_fall()
-            self._end_motion(Outcome.ABORTED, "the robot fell")
+            self._end_motion(CommandOutcome.ABORTED, "the robot fell")
         self._receive()
         self._idle()
 
@@ -242,9 +242,9 @@ class CommandHandler(Closeable):
         sent, command = arrival.sent, arrival.sent.command
         parameter = isinstance(command, (*PARAMETER_COMMANDS, PauseCommand))
         if self.mode is Mode.FALLEN and not parameter and command != ResetCommand():
-            self._acknowledge(arrival, Outcome.REFUSED, _FALLEN)
+            self._acknowledge(arrival, CommandOutcome.REFUSED, _FALLEN)
             return
-        self._acknowledge(arrival, Outcome.ACCEPTED)
+        self._acknowledge(arrival, CommandOutcome.ACCEPTED)
         match command:
             case VelocityCommand(timeout=timeout):
                 if any(command.velocity):
@@ -257,7 +257,7 @@ class CommandHandler(Closeable):
                     vector = self.player.walker.standing_frame.rotation @ vector
                 self._push(vector, duration)
             case MotionCommand(motion):
-                self._end_motion(Outcome.SUPERSEDED, f"{sent} took its place")
+                self._end_motion(CommandOutcome.SUPERSEDED, f"{sent} took its place")
                 self._motion = arrival
                 self._manager.play(motion)
             case StandCommand():
@@ -291,18 +291,18 @@ class CommandHandler(Closeable):
             return
         match self._manager.status:
             case MotionStatus.DONE:
-                self._end_motion(Outcome.DONE, "")
+                self._end_motion(CommandOutcome.DONE, "")
             case MotionStatus.ABORTED:
-                self._end_motion(Outcome.ABORTED, self.player.context.notes[-1])
+                self._end_motion(CommandOutcome.ABORTED, self.player.context.notes[-1])
             case MotionStatus.CANCELED:
-                self._end_motion(Outcome.SUPERSEDED, self._motion_end)
+                self._end_motion(CommandOutcome.SUPERSEDED, self._motion_end)
 
-    def _end_motion(self, outcome: Outcome, reason: str) -> None:
+    def _end_motion(self, outcome: CommandOutcome, reason: str) -> None:
         if self._motion is not None:
             motion, self._motion = self._motion, None
             self._acknowledge(motion, outcome, reason)
 
-    def _acknowledge(self, arrival: Arrival, outcome: Outcome, reason: str = "") -> None:
+    def _acknowledge(self, arrival: Arrival, outcome: CommandOutcome, reason: str = "") -> None:
         self._inbox.acknowledge(arrival, outcome, reason, self.plant.time)
 
     def close(self) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from wbc.robot import Robot
-from wbc.teleop.acknowledgement import Acknowledgement, Outcome
+from wbc.teleop.acknowledgement import Acknowledgement, CommandOutcome
 from wbc.teleop.capabilities import Capabilities
 from wbc.teleop.channel import CommandChannel
 from wbc.teleop.commands import SentCommand, TeleopCommand
@@ -66,7 +66,9 @@ class CommandInbox:
                 arrivals.append(Arrival(sent, channel))
         return arrivals
 
-    def acknowledge(self, arrival: Arrival, outcome: Outcome, reason: str, at: float) -> None:
+    def acknowledge(
+        self, arrival: Arrival, outcome: CommandOutcome, reason: str, at: float
+    ) -> None:
         """Tell the sender and the observers what became of a command.
 
         Args:

@@ -25,9 +25,9 @@ from wbc.runtime.mode import Mode
 from wbc.teleop import (
     Acknowledgement,
     CommandClient,
+    CommandOutcome,
     CommandRefused,
     MotionCommand,
-    Outcome,
     StandCommand,
 )
 
@@ -100,13 +100,13 @@ class PlayMotion:
             return
         reason = acknowledgement.reason
         match acknowledgement.outcome:
-            case Outcome.DONE:
+            case CommandOutcome.DONE:
                 self._finish(GoalStatus.SUCCEEDED, "")
-            case Outcome.ABORTED:
+            case CommandOutcome.ABORTED:
                 self._finish(GoalStatus.ABORTED, f"the robot gave up the motion: {reason}")
-            case Outcome.SUPERSEDED:
+            case CommandOutcome.SUPERSEDED:
                 self._finish(*(self._ending or (GoalStatus.ABORTED, reason)))
-            case Outcome.REFUSED:
+            case CommandOutcome.REFUSED:
                 self._finish_unsent(GoalStatus.ABORTED, reason)
 
     def abort(self, reason: str) -> None:

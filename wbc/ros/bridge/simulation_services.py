@@ -16,8 +16,8 @@ from wbc.ros.services import ServiceReply
 from wbc.teleop import (
     Acknowledgement,
     CommandClient,
+    CommandOutcome,
     CommandRefused,
-    Outcome,
     PushCommand,
     ResetCommand,
     TeleopCommand,
@@ -51,7 +51,7 @@ class SimulationServices:
             "push_duration", 0.1, "of a push, s", minimum=0.01, maximum=2.0
         )
         # Number of a command -> the reply that waits for its outcome, until when, and its text.
-        self._waiting: dict[int, tuple[ServiceReply, Outcome, float, str]] = {}
+        self._waiting: dict[int, tuple[ServiceReply, CommandOutcome, float, str]] = {}
         node.create_deferred_service(_TYPE, "push", self._push)
         node.create_deferred_service(_TYPE, "reset_robot", self._reset)
         node.create_timer(0.1, self._give_up)
@@ -60,13 +60,13 @@ class SimulationServices:
         x, y, z = (float(part) for part in self._impulse.value)
         duration = float(self._duration.value)
         text = f"({x:g}, {y:g}, {z:g}) N·s over {duration:g} s"
-        self._send(PushCommand((x, y, z), duration, "world"), reply, Outcome.ACCEPTED, text)
+        self._send(PushCommand((x, y, z), duration, "world"), reply, CommandOutcome.ACCEPTED, text)
 
     def _reset(self, _: Any, reply: ServiceReply) -> None:
-        self._send(ResetCommand(), reply, Outcome.DONE, "standing")
+        self._send(ResetCommand(), reply, CommandOutcome.DONE, "standing")
 
     def _send(
-        self, command: TeleopCommand, reply: ServiceReply, outcome: Outcome, text: str
+        self, command: TeleopCommand, reply: ServiceReply, outcome: CommandOutcome, text: str
     ) -> None:
         try:
             number = self._client.send(command)
@@ -82,7 +82,7 @@ class SimulationServices:
         reply, outcome, _, text = self._waiting[acknowledgement.id]
         if acknowledgement.outcome is outcome:
             reply.send(self._response(success=True, message=text))
-        elif acknowledgement.outcome is Outcome.ACCEPTED:
+        elif acknowledgement.outcome is CommandOutcome.ACCEPTED:
             return
         else:
             reply.send(self._response(success=False, message=acknowledgement.reason))
