@@ -66,9 +66,9 @@ class Page(threading.Thread):
             if not isinstance(message, str):
                 continue
             news = json.loads(message)
-            if "words" in news:
-                self.frames.append((time.perf_counter(), news["words"]["time"]))
-            if "words" in news or "paths" in news:
+            if "caption" in news:
+                self.frames.append((time.perf_counter(), news["caption"]["time"]))
+            if "caption" in news or "paths" in news:
                 await scene.write_message("frame")
                 self.ready.set()
 
