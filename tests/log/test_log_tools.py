@@ -312,9 +312,9 @@ def test_the_robot_of_a_log_is_found_by_name_or_path(walk, tmp_path):
     info = LoggedRun.read(tmp_path / "mine.mcap").robot_info
     assert logged_robot(info).joint_names == mine.joint_names
     os.remove(own)
-    with pytest.raises(LogError, match="say where it is with --robot"):
+    with pytest.raises(LogError, match="give its name or URDF with --robot"):
         logged_robot(info)
-    with pytest.raises(LogError, match=f"other joints than the robot of the log .'{welded}'"):
+    with pytest.raises(LogError, match=f"differ from those of the robot in the log .'{welded}'"):
         logged_robot(info, "simple_humanoid")
 
 

@@ -1,4 +1,4 @@
-"""The configuration of the log's process."""
+"""The configuration of the log writer's process."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from wbc.robot import Robot
 
 @dataclass(frozen=True, eq=False)
 class LogConfig:
-    """Configuration of the log's process; it is pickled.
+    """The configuration of the log writer's process. It is sent there as a pickle.
 
     Attributes:
-        robot: the robot that is logged.
-        path: of the file.
-        status: file descriptor of the shared `LogStatus`.
-        parent: process id of the parent, with which this process ends.
+        robot: Robot whose run is logged.
+        path: Path of the log file.
+        status: File descriptor of the shared `LogStatus`.
+        parent: Process id of the parent. The log writer ends when the parent ends.
     """
 
     robot: Robot

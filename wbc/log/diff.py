@@ -1,4 +1,4 @@
-"""Where two runs diverge: when, in which quantity, and by how much."""
+"""Compares two runs: when they diverge, in which quantity, and by how much."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from wbc.log.errors import LogError
 from wbc.log.run import LoggedRun
 
-#: In the order of cause and effect within a tick.
+#: Stages of a tick, in order of cause and effect.
 STAGES = ("measured", "estimated", "intended", "commanded")
 
 
@@ -19,12 +19,12 @@ class Signal:
     """A quantity of both runs at their common ticks.
 
     Attributes:
-        name: what it is.
-        stage: one of `STAGES`.
-        unit: of its numbers.
-        parts: name of each column.
-        a: (n, k) of the first run.
-        b: (n, k) of the second run.
+        name: Name of the quantity.
+        stage: One of `STAGES`.
+        unit: Unit of the values.
+        parts: Name of each column.
+        a: Values of the first run, shape (n, k).
+        b: Values of the second run, shape (n, k).
     """
 
     name: str
@@ -37,19 +37,19 @@ class Signal:
 
 @dataclass(frozen=True, slots=True)
 class Divergence:
-    """From which tick on a quantity differs between two runs.
+    """The first tick at which a quantity differs between two runs, and the largest difference.
 
     Attributes:
-        name: of the quantity.
-        stage: one of `STAGES`.
-        unit: of the numbers.
-        part: which of its numbers differs first; the one that differs most, if several do.
-        tick: number of the first common tick at which it differs.
-        time: of that tick, s.
-        a: its value then in the first run.
-        b: its value then in the second run.
-        largest: largest difference of any of its numbers from then on.
-        largest_time: when that is, s.
+        name: Name of the quantity.
+        stage: One of `STAGES`.
+        unit: Unit of the values.
+        part: Component that differs first; of several, the one that differs most.
+        tick: Number of the first common tick at which the quantity differs.
+        time: Time of that tick, s.
+        a: Value in the first run at that tick.
+        b: Value in the second run at that tick.
+        largest: Largest difference of any component from that tick on.
+        largest_time: Time of the largest difference, s.
     """
 
     name: str
@@ -69,10 +69,10 @@ class Difference:
     """The differences between two runs.
 
     Attributes:
-        ticks: number of common ticks.
-        ends: time of the last tick of each run, s.
-        divergences: of the quantities that differ, the first one first.
-        parameters: "table.name" -> values in both runs, None where there is none.
+        ticks: Number of common ticks.
+        ends: Time of the last tick of each run, s.
+        divergences: One entry per quantity that differs, in order of time.
+        parameters: Maps "table.name" to the values in both runs; None where a run has no value.
     """
 
     ticks: int
@@ -82,27 +82,27 @@ class Difference:
 
     @property
     def first(self) -> Divergence | None:
-        """Where the runs diverge first; of the quantities of one tick, the cause."""
+        """The first divergence; among quantities of the same tick, the earliest stage."""
         return self.divergences[0] if self.divergences else None
 
 
 def compare(a: LoggedRun, b: LoggedRun, tolerance: float = 0.0) -> Difference:
-    """Compare two runs of one robot, tick by tick; times of computation do not count.
+    """Compare two runs of one robot tick by tick. Computation times are not compared.
 
     Args:
-        a: the first run.
-        b: the second run.
-        tolerance: by how much numbers may differ, absolute, in SI units.
+        a: First run.
+        b: Second run.
+        tolerance: Largest absolute difference that counts as equal, in SI units.
 
     Raises:
-        LogError: the tolerance is negative, or the runs are of robots with different joints or
-            have no tick in common.
+        LogError: The tolerance is negative, the robots have different joints, or the runs have no
+            tick in common.
     """
     if not tolerance >= 0.0:
         raise LogError(f"tolerance = {tolerance} must be 0 or positive")
     if a.robot_info.joints != b.robot_info.joints:
         raise LogError(
-            f"{a.log.path} is of '{a.robot_info.name}' and {b.log.path} of '{b.robot_info.name}': "
+            f"{a.log.path} logs '{a.robot_info.name}' and {b.log.path} logs '{b.robot_info.name}': "
             "robots with different joints cannot be compared"
         )
     stamps, in_a, in_b = np.intersect1d(a.stamps, b.stamps, return_indices=True)
@@ -205,7 +205,7 @@ def _or_unknown(run: LoggedRun, values: np.ndarray | None, columns: int) -> np.n
 
 
 def _parameters(a: LoggedRun, b: LoggedRun) -> dict[str, tuple[str | None, str | None]]:
-    """Return the parameters that differ, except those that differ in all runs."""
+    """Return the parameters that differ, except those that differ between any two runs."""
     flat = []
     for run in (a, b):
         flat.append(

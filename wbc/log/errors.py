@@ -1,4 +1,4 @@
-"""Errors of logs."""
+"""The error class of logs."""
 
 from __future__ import annotations
 
@@ -6,4 +6,4 @@ from wbc.errors import WbcError
 
 
 class LogError(WbcError):
-    """A log cannot be written, read or understood; the text names the file and the cure."""
+    """A log cannot be written, read or parsed; the message names the file and the remedy."""

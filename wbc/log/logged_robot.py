@@ -1,4 +1,4 @@
-"""Loads the robot of a log, e.g. to draw it."""
+"""Loads the robot of a log, for example to draw it."""
 
 from __future__ import annotations
 
@@ -20,33 +20,33 @@ def logged_robot(info: RobotInfo, name_or_path: str | Path | None = None) -> Rob
     """Load the robot of a log.
 
     Args:
-        info: from the log.
-        name_or_path: as `load` takes it; when left out, the robot of the same name, or the
-            URDF where it was when it was logged.
+        info: Robot properties from the log.
+        name_or_path: Robot name or URDF path, as for `load`. By default the robot of the same
+            name, or the URDF at the path that the log states.
 
     Raises:
-        LogError: that robot is not there, or has other joints than the log.
+        LogError: The robot cannot be loaded, or its joints differ from those of the log.
     """
     source = name_or_path if name_or_path is not None else _known_name(info)
     try:
         robot = load(source) if source is not None else load(info.urdf, **_stated(info))
     except WbcError as error:
         raise LogError(
-            f"the log is of '{info.name}', which cannot be loaded: {error}; "
-            "say where it is with --robot"
+            f"the log is of robot '{info.name}', which cannot be loaded: {error}; "
+            "give its name or URDF with --robot"
         ) from error
     if robot.joint_names != info.joints:
         odd = sorted(set(robot.joint_names) ^ set(info.joints))
         what = f"'{odd[0]}' and {len(odd) - 1} more" if odd else "their order"
         raise LogError(
-            f"'{robot.name}' has other joints than the robot of the log ({what}); "
-            "say which robot it is with --robot"
+            f"the joints of '{robot.name}' differ from those of the robot in the log ({what}); "
+            "give the right robot with --robot"
         )
     return robot
 
 
 def _known_name(info: RobotInfo) -> str | None:
-    """The name by which `load` finds the robot, or None: its URDF has to be read where it was."""
+    """Return the robot's catalogue name, or None if its URDF must be read from the logged path."""
     if info.name in available() and find_robot(info.name).urdf.name == Path(info.urdf).name:
         return info.name
     stem = Path(info.urdf).stem

@@ -1,14 +1,14 @@
-"""The MCAP file that a log is written to. Only the log's process uses this.
+"""Writes a log as an MCAP file. Only the log writer's process uses this.
 
 The package `mcap` writes the same messages into a file of the same size, in 4.5 µs of CPU per
-message instead of 1.9, 3.6 % of a core instead of 1.5 (`benchmarks/log.py`). The time is not why
-it is not used: it can end a chunk by its size alone, and it cannot complete a file in place, when
-its writer was killed or the disk is full (`wbc.log.recovery`). For that the records are needed
-here in any case, and with them a writer is the 100 lines below.
+message instead of 1.9, 3.6 % of a core instead of 1.5 (`benchmarks/log.py`). CPU time is not the
+main reason to avoid it: it ends chunks by size only, and it cannot complete a file in place after
+its writer was killed or the disk was full (`wbc.log.recovery`). Recovery needs the record encoding
+in any case, and with that a writer takes only the 100 lines below.
 
-Of 70 MB per minute (Talos at 500 Hz, same source) 23 are `/joint_states`, whose numbers are kept
-bit by bit, 22 are sensors, targets and accelerations in single precision, and 8 are the indices of
-messages. Those are random bits to a compressor: its highest levels save 2 % at ten times the time.
+Of 70 MB per minute (Talos at 500 Hz, same source) 23 are `/joint_states`, whose numbers are
+stored exactly, 22 are sensors, targets and accelerations in single precision, and 8 are message
+indices. These hardly compress: the highest levels of zstd save 2 % and take ten times as long.
 
 Source: MCAP format specification, version 0; profile and channel metadata as rosbag2 writes
 them (`rosbag2_storage_mcap`).
@@ -48,7 +48,7 @@ from wbc.log.output import Output
 from wbc.messages import schema_text, type_hash
 from wbc.topics import MessageTopic, TickBatch
 
-_LEVEL = 3  # of zstandard
+_LEVEL = 3  # zstandard compression level
 _QOS = (
     "- history: 1\n  depth: {depth}\n  reliability: 1\n  durability: {durability}\n"
     "  deadline:\n    sec: 2147483647\n    nsec: 4294967295\n"
@@ -60,13 +60,13 @@ _QOS = (
 
 
 class McapFile:
-    """A log being written: in chunks, each whole with its indices before the next begins.
+    """An MCAP file that is written chunk by chunk, each followed by its message indices.
 
     Args:
-        path: of the file.
+        path: Path of the file.
 
     Raises:
-        OSError: it cannot be opened or written.
+        OSError: The file cannot be opened or written.
     """
 
     def __init__(self, path: Path) -> None:
@@ -87,7 +87,7 @@ class McapFile:
         self._places: dict[int, list[int]] = {}
 
     def add(self, metadata: Metadata) -> None:
-        """Write metadata."""
+        """Write metadata and attachments."""
         for name, values in metadata.tables.items():
             data = metadata_record(name, values)
             self._contents.metadata.append(
@@ -104,7 +104,7 @@ class McapFile:
             self._output.write(data)
 
     def write(self, batch: TickBatch, topics: Sequence[MessageTopic]) -> None:
-        """Take the messages of a batch, in the order of time, into the chunk."""
+        """Append the messages of a batch to the current chunk, in order of time."""
         ticks: list[list[tuple[int, bytes]]] = [[] for _ in range(len(batch))]
         for topic in topics:
             found = topic.messages(batch)
@@ -124,10 +124,10 @@ class McapFile:
         self._size = at
 
     def commit(self) -> None:
-        """End the chunk and bring it to the disk.
+        """End the chunk and write it to the disk.
 
         Raises:
-            OSError: it did not go; the file ends with the chunk before.
+            OSError: Writing failed; the file ends with the previous chunk.
         """
         places = {number: found for number, found in self._places.items() if found}
         if places:
@@ -161,10 +161,10 @@ class McapFile:
         self._contents.chunks.append(info)
 
     def finish(self) -> None:
-        """Write the end of the file.
+        """Write the summary section and the footer.
 
         Raises:
-            OSError: it did not go; the file ends with the last chunk.
+            OSError: Writing failed; the file ends with the last chunk.
         """
         self._output.write(self._contents.ending(self._output.tell()))
         self._output.commit()
@@ -200,6 +200,6 @@ class McapFile:
         return number
 
     def _put(self, data: bytes) -> None:
-        """Put a record that is no message into the chunk."""
+        """Append a record other than a message to the chunk."""
         self._parts.append(data)
         self._size += len(data)

@@ -1,4 +1,4 @@
-"""Parameters and versions as text, for the metadata of a log."""
+"""Collects parameters and versions as text for the metadata of a log."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ _SMALL = 64  # numbers: larger arrays are data, not parameters
 
 @dataclass(frozen=True)
 class Metadata:
-    """What a log holds once, beside its messages.
+    """Data that a log holds once, beside its messages.
 
     Attributes:
-        tables: name -> names and values; MCAP's metadata.
-        files: name -> text; MCAP's attachments.
+        tables: Maps each table name to its names and values; stored as MCAP metadata.
+        files: Maps each file name to its text; stored as MCAP attachments.
     """
 
     tables: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
@@ -53,10 +53,10 @@ def versions() -> dict[str, str]:
 
 
 def run_metadata(controller: Any, plant: Any) -> Metadata:
-    """Return what a run is made with: controller, plant and command line.
+    """Return the parameters of a run: controller, plant and command line.
 
-    Every public attribute that is a number, a text or a dataclass of such is taken for a
-    parameter, of whatever make the controller is.
+    Every public attribute that is a number, a string or a dataclass of these counts as a
+    parameter, for any class of controller.
     """
     run = {
         "began": datetime.now(timezone.utc).isoformat(timespec="seconds"),
@@ -80,7 +80,7 @@ def _program(path: str) -> str:
 
 
 def _parameters(thing: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Yield names and values; names in nested dataclasses and controllers are dotted."""
+    """Yield names and values; nested dataclasses and controllers give dotted names."""
     yield f"{prefix}type", type(thing).__name__
     for name, value in _attributes(thing):
         if (text := _plain(value)) is not None:
@@ -122,7 +122,7 @@ def _tasks(controller: Any) -> list[tuple[str, Any]]:
 
 
 def _gains(task: Any) -> str:
-    """Return weight and gains of a task; one number where all rows have the same."""
+    """Return weight and gains of a task; a single number where all rows are equal."""
     words = [type(task).__name__]
     for name in ("weight", "kp", "kd"):
         values = np.unique(getattr(task, name, ()))

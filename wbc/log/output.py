@@ -1,4 +1,4 @@
-"""A file that is written in whole pieces, and cut back to the last whole one when it fails."""
+"""A file that is written in whole blocks, and truncated to the last whole one after a failure."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from pathlib import Path
 
 
 class Output:
-    """What MCAP's writer writes to. Nothing reaches the file before `commit`.
+    """A buffered file with commits. Nothing reaches the file before `commit`.
 
     Args:
-        path: of the file; one that is there is emptied.
+        path: Path of the file. An existing file is emptied.
 
     Raises:
-        OSError: it cannot be opened.
+        OSError: The file cannot be opened.
     """
 
     def __init__(self, path: Path) -> None:
@@ -22,25 +22,25 @@ class Output:
         flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_CLOEXEC", 0)
         self._file = os.open(path, flags, 0o644)
         self._buffer = bytearray()
-        self._whole = 0  # bytes of the file that belong to whole pieces
+        self._whole = 0  # bytes committed so far
 
     def write(self, data: bytes) -> int:
-        """Take bytes."""
+        """Append bytes to the buffer; return their number."""
         self._buffer += data
         return len(data)
 
     def tell(self) -> int:
-        """Bytes taken so far."""
+        """Return the number of bytes appended so far."""
         return self._whole + len(self._buffer)
 
     def flush(self) -> None:
-        """Nothing: MCAP's writer flushes in the middle of a piece."""
+        """Do nothing; only `commit` writes to the file."""
 
     def commit(self) -> None:
-        """What was taken is a whole piece: bring it into the file, and the file to the disk.
+        """Write the buffer to the file and synchronise the file with the disk.
 
         Raises:
-            OSError: it did not go; the file then ends with the piece before.
+            OSError: Writing failed; the file then ends with the previous commit.
         """
         left = memoryview(self._buffer)
         try:
@@ -57,5 +57,5 @@ class Output:
         self._buffer.clear()
 
     def close(self) -> None:
-        """Close the file. What was not committed is lost."""
+        """Close the file and discard what was not committed."""
         os.close(self._file)

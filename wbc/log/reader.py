@@ -1,4 +1,4 @@
-"""Reads logs: whole ones, and what is there of interrupted ones."""
+"""Reads logs, interrupted ones included."""
 
 from __future__ import annotations
 
@@ -38,19 +38,19 @@ _U32 = struct.Struct("<I")
 
 
 class Log:
-    """Everything in a log, by topic.
+    """The content of a log, by topic.
 
     Args:
-        path: of the file.
+        path: Path of the file.
 
     Attributes:
-        path: of the file.
-        complete: it was finished properly; otherwise it ends with its last whole chunk.
-        tables: parameters and versions: name -> names and values.
-        files: attached texts, e.g. "robot.json".
+        path: Path of the file.
+        complete: Whether the log was finished; otherwise it ends with its last whole chunk.
+        tables: Parameters and versions; maps each table name to its names and values.
+        files: Attached texts by file name, for example "robot.json".
 
     Raises:
-        LogError: there is no such file, or it is no MCAP file of ROS 2 messages.
+        LogError: The file does not exist, or is not an MCAP file of ROS 2 messages.
         MissingExtra: `zstandard` is not installed.
     """
 
@@ -76,22 +76,22 @@ class Log:
                         self.complete = file.read(len(MAGIC)) == MAGIC
                         break
         except DamagedChunk:
-            pass  # what came before it is there
+            pass  # everything before it has been read
         except OSError as error:
             raise LogError(f"cannot read {self.path}: {error.strerror}") from error
         self._topics = {table.topic: table for table in self._channels.values() if len(table)}
 
     @property
     def topics(self) -> dict[str, str]:
-        """Name -> type of the topics that have messages, sorted."""
+        """The type of each topic that has messages, sorted by topic name."""
         return {name: self._topics[name].type_name for name in sorted(self._topics)}
 
     def __contains__(self, topic: str) -> bool:
-        """Whether there are messages of a topic."""
+        """Return whether the log has messages of a topic."""
         return topic in self._topics
 
     def stamps(self, topic: str) -> np.ndarray:
-        """(n,) when the messages of a topic were logged, ns.
+        """Return the log times of a topic's messages, ns, shape (n,).
 
         Raises:
             LogError: there are no messages of that topic.
@@ -99,19 +99,21 @@ class Log:
         return self._table(topic).stamps()
 
     def numbers(self, topic: str, field: str) -> np.ndarray:
-        """(n, k) numbers of a field in all messages of a topic.
+        """Return the values of a field in all messages of a topic, shape (n, k).
 
         Args:
-            topic: e.g. "/joint_states".
-            field: e.g. "position", "pose.pose.position", "transforms[0].transform".
+            topic: Topic name, for example "/joint_states".
+            field: Field path, for example "position", "pose.pose.position" or
+                "transforms[0].transform".
 
         Raises:
-            LogError: there are no messages of that topic, or they have no numbers of that name.
+            LogError: The log has no messages of the topic, or they have no numeric field of that
+                name.
         """
         return self._table(topic).numbers(field)
 
     def messages(self, topic: str) -> list[Message]:
-        """The messages of a topic of which the log keeps whole messages (see `Table`).
+        """Return the messages of a topic whose messages are kept whole (see `Table`).
 
         Raises:
             LogError: there are no messages of that topic.
@@ -119,7 +121,7 @@ class Log:
         return self._table(topic).messages()
 
     def first(self, topic: str) -> Message:
-        """The first message of a topic.
+        """Return the first message of a topic.
 
         Raises:
             LogError: there are no messages of that topic.
@@ -127,25 +129,25 @@ class Log:
         return self._table(topic).first
 
     def robot_info(self) -> RobotInfo:
-        """What has to be known of the robot.
+        """Return the properties of the robot.
 
         Raises:
-            LogError: the log does not say.
+            LogError: The log does not state them.
         """
         try:
             return RobotInfo.from_json(self.files["robot.json"])
         except (KeyError, ValueError, TypeError) as error:
             raise LogError(
-                f"{self.path} does not describe its robot: it is no log of this library's"
+                f"{self.path} does not describe its robot: wbc did not write it"
             ) from error
 
     def boxes(self) -> np.ndarray:
-        """(n, 6) terrain as it was told: centre and half sizes of upright boxes, m."""
+        """Return the terrain as upright boxes: centre and half sizes, m, shape (n, 6)."""
         try:
             boxes = json.loads(self.files.get("terrain.json", "{}")).get("boxes", [])
             return np.array(boxes, float).reshape(-1, 6)
         except (ValueError, AttributeError) as error:
-            raise LogError(f"{self.path}: its terrain cannot be understood: {error}") from error
+            raise LogError(f"{self.path}: the terrain cannot be parsed: {error}") from error
 
     def _table(self, topic: str) -> Table:
         table = self._topics.get(topic)

@@ -28,32 +28,33 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-_CHECK_PERIOD = 0.5  # s, between two checks whether the process still writes
-_GRACE = 20.0  # s, for it to write what is there and end
+_CHECK_PERIOD = 0.5  # s, between two checks that the process still writes
+_GRACE = 20.0  # s, for the process to write the remaining ticks and end
 
 
 class FlightRecorder(Closeable):
-    """Keeps every tick of a run in an MCAP file of ROS 2 messages.
+    """Records every tick of a run in an MCAP file of ROS 2 messages.
 
-    Another process reads the ticks from shared memory, makes messages of them and writes them, in
-    chunks that end twice a second: whichever process is killed, the file can be read up to the
-    last second. When the disk is full, the log ends and the run goes on.
+    Another process reads the ticks from shared memory, encodes them as messages and writes them in
+    chunks, two per second: if a process is killed, at most the last second of the log is lost.
+    When the disk is full, the log ends and the run continues.
 
     Example:
         >>> with FlightRecorder("walk.mcap", robot) as log:
         ...     wbc.run(walker, plant, 10.0, observers=[log])
 
     Args:
-        path: of the file; one that is there is overwritten.
-        robot: the robot.
+        path: Path of the file. An existing file is overwritten.
+        robot: Robot of the run.
 
     Attributes:
-        path: of the file.
-        stream: from which the ticks are read, see `wbc.runtime.protocols.StreamObserver`.
+        path: Path of the file.
+        stream: Stream that the ticks are read from, see
+            `wbc.runtime.protocols.StreamObserver`.
 
     Raises:
         MissingExtra: `zstandard` is not installed.
-        LogError: the file cannot be written, or the process does not start.
+        LogError: The file cannot be written, or the process does not start.
     """
 
     def __init__(self, path: str | Path, robot: Robot) -> None:
@@ -79,34 +80,34 @@ class FlightRecorder(Closeable):
 
     @property
     def alive(self) -> bool:
-        """Whether the log goes on."""
+        """Whether ticks are still being logged."""
         return not self._status.stopped and self._process.alive
 
     @property
     def pid(self) -> int:
-        """Process id of the process that writes."""
+        """Process id of the log writer."""
         return self._process.pid
 
     @property
     def ticks(self) -> int:
-        """Ticks so far that are in the log, or will be."""
+        """Number of ticks so far that are in the log or still to be written."""
         return self._observed - self.dropped
 
     @property
     def dropped(self) -> int:
-        """Ticks so far that are not in the log, because the writing process was too slow."""
+        """Number of ticks so far that the log lacks because the log writer was too slow."""
         return self._status.lost
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """None beside the library's own; see `wbc.runtime.protocols.StreamObserver`."""
+        """No additional quantities; see `wbc.runtime.protocols.StreamObserver`."""
         return ()
 
     def attach(self, stream: TickStream) -> None:
-        """Read from a stream from now on; see `wbc.runtime.protocols.StreamObserver`.
+        """Read a stream from now on; see `wbc.runtime.protocols.StreamObserver`.
 
         Raises:
-            LogError: it is the stream of another robot.
+            LogError: The stream is of another robot.
         """
         if stream.robot.joint_names != self._robot.joint_names:
             raise LogError(
@@ -121,7 +122,7 @@ class FlightRecorder(Closeable):
         self._process.send(run_metadata(controller, plant))
 
     def observe(self, tick: Tick) -> None:
-        """Count the tick; the writing process gets it from the stream."""
+        """Count the tick; the log writer reads it from the stream."""
         self._observed += not (self._warned or self._closed)
         now = time.perf_counter()
         if now >= self._next_check:
@@ -129,7 +130,7 @@ class FlightRecorder(Closeable):
             self._warn_if_ended()
 
     def _warn_if_ended(self) -> None:
-        """Warn, once, when the log has ended early."""
+        """Warn once when the log has ended early."""
         code = self._process.exit_code
         if self._warned or (code in (None, 0) and not self._status.stopped):
             return
@@ -143,7 +144,7 @@ class FlightRecorder(Closeable):
         self._process.send(Metadata({"report": fields}))
 
     def close(self) -> None:
-        """Finish the file, and warn if ticks are missing in it."""
+        """Finish the file, and warn if it lacks ticks."""
         if self._closed:
             return
         self._closed = True
@@ -153,7 +154,7 @@ class FlightRecorder(Closeable):
         self._status.close()
 
     def _finish(self) -> None:
-        """Do what the writing process could not, and warn of what is missing."""
+        """Repair the file if the log writer did not finish it, and warn of missing ticks."""
         self._warn_if_ended()
         if self._process.exit_code != 0 and not self._status.stopped:
             logger.warning("the log %s now ends at %.2f s", self.path, repair(self.path))

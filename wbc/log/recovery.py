@@ -1,7 +1,7 @@
-"""Completes a log that was interrupted: everything up to its last whole chunk, and an end.
+"""Completes an interrupted log: keeps the whole chunks and appends a summary.
 
-A log that just stops has lost nothing of what its chunks hold, but most readers want the
-summary at its end. It is made of what the chunks say.
+A truncated log still holds all of its whole chunks, but most readers need the summary section
+at the end of the file. It is rebuilt from the chunks.
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ from wbc.log.format.index_scan import IndexScan
 
 
 def repair(path: Path) -> float:
-    """Complete a log in place; a log that is whole stays as it is.
+    """Complete a log in place; a complete log stays unchanged.
 
-    What follows the last whole chunk is cut off. If the disk has no room for the summary,
-    chunks at the end make room for it.
+    Everything after the last whole chunk is removed. If the disk has no room for the summary,
+    the last chunks are removed to make room.
 
     Returns:
-        Time of its last message, s.
+        Time of the last message, s.
 
     Raises:
-        LogError: the file is no MCAP file, or cannot be written.
+        LogError: The file is not an MCAP file, or cannot be written.
     """
     try:
         with path.open("rb") as file:

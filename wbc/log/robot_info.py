@@ -17,18 +17,18 @@ class RobotInfo:
     """The properties of a robot that the analysis of its log needs, without its model.
 
     Attributes:
-        name: of the robot.
-        urdf: path of its description, where it was logged.
-        joints: (na,) names.
-        q_min: (na,) rad or m.
-        q_max: (na,) rad or m.
-        v_max: (na,) rad/s or m/s.
-        tau_max: (na,) N·m or N.
-        base: name of the root link.
-        mass: kg.
-        weight: N.
-        feet: link of each sole, left and right.
-        soles: half length and half width of each sole, left and right, m.
+        name: Name of the robot.
+        urdf: Path of the URDF on the machine that wrote the log.
+        joints: Joint names, length na.
+        q_min: Lower position limits, rad or m, shape (na,).
+        q_max: Upper position limits, rad or m, shape (na,).
+        v_max: Velocity limits, rad/s or m/s, shape (na,).
+        tau_max: Torque limits, N·m or N, shape (na,).
+        base: Name of the root link.
+        mass: Total mass, kg.
+        weight: Weight, N.
+        feet: Links of the left and right sole.
+        soles: Half length and half width of the left and right sole, m.
     """
 
     name: str
@@ -75,7 +75,7 @@ class RobotInfo:
 
     @staticmethod
     def from_json(text: str) -> RobotInfo:
-        """Return the properties in a text of `to_json`."""
+        """Return the properties from the output of `to_json`."""
         table = json.loads(text)
         limits = {
             name: np.array([sign * np.inf if x is None else x for x in table[name]], float)

@@ -20,24 +20,24 @@ from wbc.telemetry import PHASES, ContactPlan, Footstep, Telemetry
 from wbc.topics.catalogue import COMPOSITE_FIELDS, column_topic
 
 _STATE = "/controller_state"
-_LATE = 1.5  # s: a plan that is older than this is not shown any more
+_LATE = 1.5  # s; older plans are not shown
 _SIDES = ("left", "right")
 
 
 class LoggedRun:
-    """A run as its log has it. Arrays have a row per tick; what is not known is NaN.
+    """A logged run as arrays with one row per tick; unknown values are NaN.
 
     Args:
-        log: the log.
+        log: Log of the run.
 
     Attributes:
-        log: the log.
-        info: what has to be known of the robot.
-        stamps: (n,) time, ns.
-        time: (n,) time, s.
+        log: Log of the run.
+        robot_info: Properties of the robot.
+        stamps: Times of the ticks, ns, shape (n,).
+        time: Times of the ticks, s, shape (n,).
 
     Raises:
-        LogError: the log is no log of a run, or holds no tick.
+        LogError: The log does not describe a run, or holds no tick.
     """
 
     def __init__(self, log: Log) -> None:
@@ -50,64 +50,64 @@ class LoggedRun:
 
     @staticmethod
     def read(path: str | Path) -> LoggedRun:
-        """The run in a file.
+        """Read the run in a file.
 
         Raises:
-            LogError: see `Log` and `LoggedRun`.
+            LogError: See `Log` and `LoggedRun`.
             MissingExtra: `zstandard` is not installed.
         """
         return LoggedRun(Log(path))
 
     def __len__(self) -> int:
-        """Number of ticks."""
+        """Return the number of ticks."""
         return len(self.stamps)
 
     @property
     def title(self) -> str:
-        """Robot and, if there is a report, what became of the run."""
+        """Robot, duration and outcome of the run."""
         report = self.log.tables.get("report")
         if report is None:
-            return f"{self.robot_info.name}, {self.time[-1]:.1f} s, without an end"
+            return f"{self.robot_info.name}, {self.time[-1]:.1f} s, interrupted"
         if report.get("survived") == "True":
             return f"{self.robot_info.name}, {self.time[-1]:.1f} s"
         return f"{self.robot_info.name}, {self.time[-1]:.1f} s: {report.get('fell_why', 'fell')}"
 
     @cached_property
     def q(self) -> np.ndarray:
-        """(n, nq) estimated configuration; m, unit quaternion, rad."""
+        """Estimated configurations; m, unit quaternion, rad; shape (n, nq)."""
         return np.hstack(
             [self.at_ticks("/odom", "pose.pose"), self.at_ticks("/joint_states", "position")]
         )
 
     @cached_property
     def v(self) -> np.ndarray:
-        """(n, nv) estimated velocity, base twist in the base frame; m/s, rad/s."""
+        """Estimated velocities, base twist in the base frame; m/s, rad/s; shape (n, nv)."""
         return np.hstack(
             [self.at_ticks("/odom", "twist.twist"), self.at_ticks("/joint_states", "velocity")]
         )
 
     @cached_property
     def tau(self) -> np.ndarray:
-        """(n, na) commanded torques, N·m or N."""
+        """Commanded torques, N·m or N, shape (n, na)."""
         return self.at_ticks("/joint_states", "effort")
 
     def point(self, name: str) -> np.ndarray:
-        """(n, 3) "com", "dcm", "dcm_reference", "zmp" or "cop", m, world axes."""
+        """Return "com", "dcm", "dcm_reference", "zmp" or "cop", m, world frame, shape (n, 3)."""
         topic = f"/balance/{name}"
         if topic not in self.log:
             return np.full((len(self), 3), np.nan)
         return self.at_ticks(topic, "point")
 
     def state(self, field: str) -> np.ndarray:
-        """(n,) a number of `wbc_msgs/ControllerState`, e.g. "controller_time"."""
+        """Return a field of `wbc_msgs/ControllerState`, e.g. "controller_time", shape (n,)."""
         numbers: np.ndarray = self.log.numbers(_STATE, field)[:, 0]
         return numbers
 
     def at_ticks(self, topic: str, field: str) -> np.ndarray:
-        """(n, k) numbers of a topic at the ticks that have a message of it, NaN at the others.
+        """Return a field of a topic at every tick, shape (n, k); NaN at ticks without a message.
 
         Raises:
-            LogError: there is no such topic, or no such field.
+            LogError: The log has no such topic, or its messages no such field.
         """
         numbers = self.log.numbers(topic, field)
         stamps = self.log.stamps(topic)
@@ -121,17 +121,17 @@ class LoggedRun:
 
     @cached_property
     def foot_wrenches(self) -> Mapping[str, np.ndarray]:
-        """Sole name -> (n, 6) measured wrench in sole axes, N and N·m."""
+        """Measured wrench of each sole by name, sole axes, N and N·m, shape (n, 6)."""
         return self._wrenches("/sensors/wrench/")
 
     @cached_property
     def commanded_wrenches(self) -> Mapping[str, np.ndarray]:
-        """Contact name -> (n, 6) wrench that the controller wanted, in its axes, N and N·m."""
+        """Commanded wrench of each contact by name, contact axes, N and N·m, shape (n, 6)."""
         return self._wrenches("/command/wrench/")
 
     @cached_property
     def soles(self) -> Mapping[str, np.ndarray]:
-        """Sole name -> (n, 7) pose, the latest known: position (m), quaternion x y z w."""
+        """Latest known pose of each sole by name: position, m, quaternion x y z w, shape (n, 7)."""
         prefix = "/sole_pose/"
         found = {}
         for topic in self.log.topics:
@@ -142,10 +142,10 @@ class LoggedRun:
 
     @property
     def quantities(self) -> Mapping[str, Column]:
-        """Name -> description of all quantities of a tick that the log has.
+        """Description of each quantity of the tick that the log has, by name.
 
         Raises:
-            LogError: the log does not tell.
+            LogError: The log does not describe its quantities.
         """
         try:
             columns = columns_from_json(self.log.files["quantities.json"])
@@ -155,10 +155,10 @@ class LoggedRun:
         return dict(sorted(there.items()))
 
     def quantity(self, name: str) -> tuple[Column, np.ndarray]:
-        """Return the description of a quantity and its numbers, (n, k); NaN where unknown.
+        """Return the description of a quantity and its values, shape (n, k), NaN where unknown.
 
         Raises:
-            LogError: the log has no quantity of that name.
+            LogError: The log has no quantity of that name.
         """
         column = self.quantities.get(name)
         if column is None:
@@ -168,7 +168,7 @@ class LoggedRun:
         return column, np.hstack(parts)
 
     def _fields_of(self, column: Column) -> list[tuple[str, str]]:
-        """Topics and fields with the numbers of a column; none if the log does not have them."""
+        """Return the topics and fields that carry a column; empty if the log lacks them."""
         own = {"point": "point", "wrench": "wrench", "numbers": "data", "composite": ""}
         single = ((column_topic(column), own[column.message]),)
         found = [(f"/{topic}", field) for topic, field in COMPOSITE_FIELDS.get(column.name, single)]
@@ -192,13 +192,13 @@ class LoggedRun:
 
     @cached_property
     def plan_stamps(self) -> np.ndarray:
-        """(m,) times of the plans, ns."""
+        """Times of the plans, ns, shape (m,)."""
         if "/footsteps" not in self.log:
             return np.empty(0, np.int64)
         return self.log.stamps("/footsteps")
 
     def snapshot(self, tick: int) -> Snapshot:
-        """What a viewer shows of a tick."""
+        """Return the snapshot of a tick for a viewer."""
         plan = ContactPlan()
         if len(self.plan_stamps):
             index = int(np.searchsorted(self.plan_stamps, self.stamps[tick], "right")) - 1
@@ -235,11 +235,11 @@ class LoggedRun:
         return float(self.time[-1])
 
     def at(self, time: float) -> Snapshot:
-        """What a viewer shows at a time, s."""
+        """Return the snapshot at a time (s) for a viewer."""
         return self.snapshot(self.tick_at(time))
 
     def tick_at(self, time: float) -> int:
-        """The last tick that is not after a time, s; the first one for earlier times."""
+        """Return the last tick at or before a time (s), or the first tick for earlier times."""
         return max(int(np.searchsorted(self.time, time + 1e-9, "right")) - 1, 0)
 
     @cached_property
@@ -262,7 +262,7 @@ class LoggedRun:
         }
 
     def _latest(self, stamps: np.ndarray) -> np.ndarray:
-        """(n,) index of the last of some stamps that is not after each tick's."""
+        """Return for each tick the index of the last stamp at or before it, shape (n,)."""
         return np.maximum(np.searchsorted(stamps, self.stamps, "right") - 1, 0)
 
 

@@ -1,4 +1,4 @@
-"""What the log's process lets the loop's process know."""
+"""The status that the log writer reports to the process of the control loop."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ _HEAD = 16  # bytes
 
 
 class LogStatus:
-    """Two counters and a text in shared memory, which only the log's process writes.
+    """A counter, a flag and a text in shared memory that only the log writer modifies.
 
     Args:
-        descriptor: file descriptor of memory made in another process; None makes new memory.
+        descriptor: File descriptor of memory created by another process; None creates new
+            memory.
     """
 
     def __init__(self, descriptor: int | None = None) -> None:
@@ -23,12 +24,12 @@ class LogStatus:
 
     @property
     def descriptor(self) -> int:
-        """File descriptor for the log's process."""
+        """File descriptor to pass to the log writer."""
         return self._memory.descriptor
 
     @property
     def lost(self) -> int:
-        """Ticks that were overwritten before they were written to the file."""
+        """Number of ticks that were overwritten in the stream before they reached the file."""
         return int(self._counters[_LOST])
 
     @lost.setter
@@ -36,19 +37,19 @@ class LogStatus:
         self._counters[_LOST] = count
 
     def stop(self, reason: str) -> None:
-        """Tell that nothing is written any more, and why."""
+        """Report that logging has stopped, and why."""
         text = reason.encode("utf-8", "replace")[:_TEXT]
         self._text[: len(text)] = text
         self._counters[_STOPPED] = 1 + len(text)
 
     @property
     def stopped(self) -> bool:
-        """Whether nothing is written any more."""
+        """Whether logging has stopped."""
         return self._counters[_STOPPED] != 0
 
     @property
     def reason(self) -> str:
-        """Why nothing is written any more; empty while something is."""
+        """Why logging has stopped; empty while it continues."""
         size = max(int(self._counters[_STOPPED]) - 1, 0)
         return bytes(self._text[:size]).decode("utf-8", "ignore")
 

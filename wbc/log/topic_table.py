@@ -13,14 +13,14 @@ from wbc.messages.definition import Multiplicity
 
 
 class Table:
-    """Messages of one topic, as numbers where that is possible.
+    """The messages of one topic, stored as numbers where possible.
 
-    Where every message has the same structure, only the numbers are kept: a joint state is
-    three quarters names. Types with arrays of messages are kept whole.
+    If every message has the same structure, only the numbers are kept: three quarters of a joint
+    state are names. Messages whose type contains arrays of messages are kept whole.
 
     Args:
-        topic: name of the topic.
-        type_name: of its messages.
+        topic: Name of the topic.
+        type_name: Type of its messages.
     """
 
     def __init__(self, topic: str, type_name: str) -> None:
@@ -33,19 +33,19 @@ class Table:
         self._places: list[FieldLocation] = []
         try:
             self._keeps_whole = _has_arrays_of_messages(type_name)
-        except MessageError:  # a type of somebody else's
+        except MessageError:  # a type that the library does not define
             self._keeps_whole = True
 
     def __len__(self) -> int:
-        """Number of messages."""
+        """Return the number of messages."""
         return sum(len(stamps) for stamps in self._stamps)
 
     def add(self, stamps: Sequence[int], messages: Sequence[bytes]) -> None:
         """Add messages.
 
         Args:
-            stamps: when they were logged, ns.
-            messages: their bytes.
+            stamps: Log times, ns.
+            messages: Serialized messages.
         """
         if not self._stamps:
             self._first = messages[0]
@@ -57,29 +57,31 @@ class Table:
 
     @property
     def first(self) -> Message:
-        """The first message."""
+        """Return the first message."""
         return message_type(self.type_name).decode(self._first)
 
     def stamps(self) -> np.ndarray:
-        """(n,) when they were logged, ns."""
+        """Return the log times of the messages, ns, shape (n,)."""
         return np.concatenate(self._stamps)
 
     def messages(self) -> list[Message]:
-        """The messages, of a topic that keeps them whole.
+        """Return the messages of a topic whose messages are kept whole.
 
         Raises:
-            LogError: only their numbers are kept.
+            LogError: Only the numbers of the messages are kept.
         """
         if not self._keeps_whole:
-            raise LogError(f"of '{self.topic}' only the numbers are kept: ask for those")
+            raise LogError(
+                f"only the numbers of '{self.topic}' are kept: read its fields with numbers()"
+            )
         kind = message_type(self.type_name)
         return [kind.decode(data) for data in self._whole]
 
     def numbers(self, field: str) -> np.ndarray:
-        """(n, k) numbers of a field.
+        """Return the values of a field, shape (n, k).
 
         Raises:
-            LogError: the messages have no numbers of that name.
+            LogError: The messages have no numeric field of that name.
         """
         if self._whole and not self._numbers:
             self._numbers = [self._rows(self._whole)]
@@ -91,13 +93,13 @@ class Table:
             start += place.count
         if not chosen:
             raise LogError(
-                f"'{self.topic}' ({self.type_name}) has no numbers '{field}'; there are: "
+                f"'{self.topic}' ({self.type_name}) has no numeric field '{field}'; it has: "
                 + ", ".join(place.path for place in self._places[:12])
             )
         return np.asarray(np.concatenate(self._numbers)[:, chosen])
 
     def _rows(self, messages: Sequence[bytes]) -> np.ndarray:
-        """(n, m) all numbers of messages, in the order of `_places`."""
+        """Return all numbers of the messages in the order of `_places`, shape (n, m)."""
         if not self._places:
             self._places = Template(self.first).locations
         size = len(self._first)
@@ -116,7 +118,7 @@ class Table:
         return rows
 
     def _row(self, data: bytes) -> np.ndarray:
-        """The same numbers of a message of another size, say with a longer text."""
+        """Return the numbers of a message of another size, for example with a longer string."""
         template = Template(message_type(self.type_name).decode(data))
         there = {place.path: place.count for place in template.locations}
         parts = [

@@ -1,4 +1,4 @@
-"""The log's own process: reads ticks from shared memory, writes messages into the file.
+"""The log writer's process: reads ticks from shared memory and writes messages to the file.
 
 `FlightRecorder` starts it as `python -m wbc.log.writer`; see `wbc.process.child`. It finishes the
 file when the parent has closed its end or has died.
@@ -25,24 +25,24 @@ from wbc.runtime.schema import columns_to_json
 from wbc.runtime.stream import StreamFollower
 from wbc.topics import BatchMaker, CommandedWrench, MessageTopic, tick_topics
 
-_PAUSE = 0.1  # s, between two looks for ticks
+_PAUSE = 0.1  # s, between two polls for new ticks
 _CHUNK = 0.4  # s, between the ends of two chunks
-_BATCH = 256  # ticks at most at once
-_NICENESS = 5  # the loop comes first
+_BATCH = 256  # largest number of ticks per batch
+_NICENESS = 5  # lower priority than the control loop
 _DISK_ERROR = 3  # exit code
 
 
 class LogWriter:
-    """Turns ticks into a file.
+    """Writes ticks to a log file.
 
     Args:
-        config: what to log, and where.
+        config: Configuration of the log.
 
     Attributes:
-        follower: of the stream of ticks.
+        follower: Reader of the stream of ticks.
 
     Raises:
-        OSError: the file cannot be opened or written.
+        OSError: The file cannot be opened or written.
     """
 
     def __init__(self, config: LogConfig) -> None:
@@ -55,14 +55,14 @@ class LogWriter:
         self._batches = BatchMaker(robot)
         self._topics: list[MessageTopic] = []
         self._contacts = self._ticks = 0
-        self._lost_before = 0  # on the streams that were read before
+        self._lost_before = 0  # on earlier streams
         self._due = self._longest = 0.0
 
     def advance(self) -> bool:
-        """Write some of the ticks that are there; returns False when there is none.
+        """Write a batch of the ticks available; return False if there are none.
 
         Raises:
-            OSError: the disk does not take them.
+            OSError: The file cannot be written.
         """
         reader, ended = self.follower.reader, self.follower.pending
         records = None if reader is None else reader.take(_BATCH)
@@ -87,7 +87,7 @@ class LogWriter:
         return count > 0
 
     def _follow(self) -> None:
-        """Go over to the next stream; the one before has been read to its end."""
+        """Switch to the next stream; the previous one has been read to its end."""
         reader = self.follower.reader
         if reader is not None:
             self._lost_before += reader.lost
@@ -103,10 +103,10 @@ class LogWriter:
         self._file.add(metadata)
 
     def finish(self) -> None:
-        """Write what is left, and the end of the file.
+        """Write the remaining ticks and the end of the file.
 
         Raises:
-            OSError: the disk does not take it.
+            OSError: The file cannot be written.
         """
         while self.advance():
             pass
@@ -122,14 +122,14 @@ class LogWriter:
         self._file.close()
 
     def give_up(self, reason: str) -> None:
-        """Tell the loop that the disk takes no more, and leave a file that can be read."""
+        """Report that the file cannot be written any more, and leave a readable file."""
         self._status.stop(reason)
         with contextlib.suppress(OSError):
             self._file.close()
 
 
 def serve(config: LogConfig) -> int:
-    """Write until the parent is gone; returns the exit code."""
+    """Write until the parent has ended; return the exit code."""
     try:
         writer = LogWriter(config)
     except OSError as error:
@@ -154,7 +154,7 @@ def serve(config: LogConfig) -> int:
             write_metadata()
             if not writer.advance():
                 parent_monitor.wait(_PAUSE)
-        parent_monitor.wait(_PAUSE)  # the parent's last message may still be on its way
+        parent_monitor.wait(_PAUSE)  # the parent's last message may still be in transit
         write_metadata()
         writer.finish()
     except OSError as error:
@@ -166,7 +166,7 @@ def serve(config: LogConfig) -> int:
 
 
 def main() -> int:
-    """Write the log that the configuration asks for."""
+    """Write the log that the parent's configuration describes."""
     with contextlib.suppress(OSError):
         os.nice(_NICENESS)
     return serve(parent.receive_config())

@@ -1,7 +1,6 @@
-"""The MCAP file format: its records, its chunks and its end.
+"""The MCAP file format: records, chunks and the summary section.
 
-Written here, not with the `mcap` package, for two reasons: a log has 8000 messages per second,
-of which that package's writer made two thirds of the log's cost; and a file that just stops
-must be read and completed. Tests read every log with that package and with readers of two other
-makes.
+The `mcap` package is not used, for two reasons: at 8000 messages per second its writer took two
+thirds of the log's CPU time, and it cannot read and complete a truncated file. Tests read every
+log with that package and with two other independent readers.
 """

@@ -27,19 +27,19 @@ from wbc.log.format.records import (
 
 @dataclass
 class ChunkInfo:
-    """A chunk and the indices behind it.
+    """A chunk and the message indices that follow it.
 
     Attributes:
-        offset: where it begins in the file.
-        length: bytes of its record.
-        start: time of its first message, ns.
-        end: time of its last message, ns.
-        compression: of its records.
-        packed: bytes of its records, compressed.
-        size: bytes of its records.
-        counts: channel -> number of its messages.
-        indices: channel -> where its index is in the file.
-        indices_length: bytes of all indices.
+        offset: Offset of the chunk in the file, bytes.
+        length: Size of the chunk record, bytes.
+        start: Time of the first message, ns.
+        end: Time of the last message, ns.
+        compression: Compression of the records.
+        packed: Compressed size of the records, bytes.
+        size: Uncompressed size of the records, bytes.
+        counts: Maps each channel to its number of messages.
+        indices: Maps each channel to the offset of its message index in the file, bytes.
+        indices_length: Size of all message indices, bytes.
     """
 
     offset: int
@@ -55,11 +55,11 @@ class ChunkInfo:
 
     @property
     def after(self) -> int:
-        """Where it ends with its indices."""
+        """Offset of the end of the chunk and its message indices, bytes."""
         return self.offset + self.length + self.indices_length
 
     def drop_indices(self) -> None:
-        """Leave the indices out: a chunk is read with all or with none."""
+        """Drop the message indices: a chunk has either all of them or none."""
         self.indices.clear()
         self.indices_length = 0
 
@@ -69,9 +69,9 @@ class RecordLocation:
     """A metadata or attachment record.
 
     Attributes:
-        offset: where it begins in the file.
-        length: bytes of the record.
-        about: what its index tells besides.
+        offset: Offset of the record in the file, bytes.
+        length: Size of the record, bytes.
+        about: Further content of its index record.
     """
 
     offset: int
@@ -81,14 +81,14 @@ class RecordLocation:
 
 @dataclass
 class Contents:
-    """The contents of a file.
+    """The contents of an MCAP file.
 
     Attributes:
-        schemas: by number, contents of their records.
-        channels: likewise.
-        chunks: in their order.
-        metadata: where they are.
-        attachments: where they are.
+        schemas: Maps each schema id to the content of its record.
+        channels: Maps each channel id to the content of its record.
+        chunks: The chunks in file order.
+        metadata: Locations of the metadata records.
+        attachments: Locations of the attachment records.
     """
 
     schemas: dict[int, bytes] = field(default_factory=dict)
@@ -103,14 +103,14 @@ class Contents:
         return max((chunk.end for chunk in self.chunks), default=0)
 
     def drop_last_chunk(self) -> int:
-        """Leave out the last chunk and what follows it; where it began."""
+        """Drop the last chunk and everything after it; return the chunk's offset, bytes."""
         offset = self.chunks.pop().offset
         self.metadata = [place for place in self.metadata if place.offset < offset]
         self.attachments = [place for place in self.attachments if place.offset < offset]
         return offset
 
     def ending(self, start: int) -> bytes:
-        """Everything after the data, from `start` to the end of the file."""
+        """Return the bytes that follow the data section, which ends at offset `start`."""
         data_end = record(DATA_END, struct.pack("<I", 0))
         summary, offsets = b"", b""
         for opcode, group in self._groups():

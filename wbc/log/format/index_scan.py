@@ -1,4 +1,4 @@
-"""Finds out what is in a file by going through it: also in one without an end."""
+"""Scans an MCAP file record by record; works for truncated files, too."""
 
 from __future__ import annotations
 
@@ -31,18 +31,18 @@ from wbc.log.format.records import (
 
 
 class IndexScan:
-    """What a log holds, by its records.
+    """The contents of an MCAP file, found by scanning its records.
 
     Args:
-        file: open for reading.
+        file: File open for reading.
 
     Attributes:
-        contents: what is in it, up to the last whole chunk.
-        size: bytes up to there.
-        complete: the file has its end.
+        contents: Contents up to the last whole chunk.
+        size: Size of the file up to the end of that chunk, bytes.
+        complete: Whether the file ends with a summary and footer.
 
     Raises:
-        LogError: the file is no MCAP file.
+        LogError: The file is not an MCAP file.
     """
 
     def __init__(self, file: IO[bytes]) -> None:
@@ -69,7 +69,7 @@ class IndexScan:
                     RecordLocation(offset, length, attachment_index(content))
                 )
             elif opcode != HEADER:
-                continue  # of an end that was not finished
+                continue  # belongs to an unfinished summary
             self.size = offset + length
         if contents.chunks and set(contents.chunks[-1].indices) != set(contents.chunks[-1].counts):
             contents.chunks[-1].drop_indices()
@@ -108,7 +108,7 @@ class IndexScan:
 
 
 def attachment_index(content: bytes) -> bytes:
-    """What an attachment's index tells about it."""
+    """Return the fields of an attachment record that its index repeats."""
     times = content[:16]
     name, at = string_at(content, 16)
     media_type, at = string_at(content, at)

@@ -1,4 +1,4 @@
-"""The records of an MCAP file, as far as they are whole: also of one that just stops.
+"""Reads the whole records of an MCAP file; works for truncated files, too.
 
 Source: MCAP format specification 0.
 """
@@ -21,19 +21,19 @@ _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log and publish time
 
 
 class DamagedChunk(LogError):
-    """A chunk's bytes are not what was written."""
+    """A chunk's bytes are corrupted."""
 
 
 def file_records(file: IO[bytes]) -> Iterator[tuple[int, int, bytes]]:
-    """(offset, opcode, content) of the whole records of a file, until it ends or makes no sense.
+    """Yield (offset, opcode, content) of each record up to the first incomplete or invalid one.
 
     Raises:
-        LogError: the file is no MCAP file.
+        LogError: The file is not an MCAP file.
     """
     size = file.seek(0, os.SEEK_END)
     file.seek(0)
     if file.read(len(MAGIC)) != MAGIC:
-        raise LogError(f"{Path(file.name)} is no MCAP file")
+        raise LogError(f"{Path(file.name)} is not an MCAP file")
     while True:
         offset = file.tell()
         head = file.read(HEAD.size)
@@ -46,11 +46,11 @@ def file_records(file: IO[bytes]) -> Iterator[tuple[int, int, bytes]]:
 
 
 def chunk_data(content: bytes) -> bytes:
-    """The records inside a chunk.
+    """Return the decompressed records of a chunk.
 
     Raises:
-        DamagedChunk: they do not decompress, or their checksum is another.
-        LogError: they are compressed in a way that is not known here.
+        DamagedChunk: The records do not decompress, or their checksum does not match.
+        LogError: The compression is not supported.
     """
     _, _, size, checksum = _CHUNK.unpack_from(content)
     at = _CHUNK.size
@@ -65,16 +65,16 @@ def chunk_data(content: bytes) -> bytes:
         try:
             data = zstandard.decompress(packed, size)
         except zstandard.ZstdError as error:
-            raise DamagedChunk(f"a chunk does not decompress: {error}") from error
+            raise DamagedChunk(f"a chunk cannot be decompressed: {error}") from error
     else:
-        raise LogError(f"a chunk is compressed with '{compression}'; only zstd is known here")
+        raise LogError(f"a chunk is compressed with '{compression}'; only zstd is supported")
     if checksum and zlib.crc32(data) != checksum:
-        raise DamagedChunk("the checksum of a chunk is another than when it was written")
+        raise DamagedChunk("the checksum of a chunk does not match its content")
     return data
 
 
 def inner_records(data: bytes) -> Iterator[tuple[int, int, int]]:
-    """(opcode, start, stop) of the contents of the records inside a chunk."""
+    """Yield (opcode, start, stop) of the content of each record inside a chunk."""
     at, end, unpack, head = 0, len(data), HEAD.unpack_from, HEAD.size
     while at < end:
         opcode, length = unpack(data, at)
@@ -84,12 +84,12 @@ def inner_records(data: bytes) -> Iterator[tuple[int, int, int]]:
 
 
 def string_at(data: bytes, at: int) -> tuple[str, int]:
-    """A string, and where it ends."""
+    """Return the string at an offset, and the offset of its end."""
     (size,) = _LENGTH.unpack_from(data, at)
     return data[at + 4 : at + 4 + size].decode("utf-8", "replace"), at + 4 + size
 
 
 def message_at(data: bytes, start: int, stop: int) -> tuple[int, int, bytes]:
-    """(channel, log time in ns, bytes) of a message record inside a chunk."""
+    """Return (channel, log time in ns, data) of a message record inside a chunk."""
     channel, _, time, _ = _MESSAGE.unpack_from(data, start)
     return channel, time, data[start + _MESSAGE.size : stop]

@@ -1,4 +1,4 @@
-"""Balance over time: DCM and ZMP, forward and sideways, and the DCM's error."""
+"""Plots of balance over time: DCM and ZMP in x and y, and the DCM error."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from wbc.log.run import LoggedRun
 
 
 def draw_coordinate(axes: Any, run: LoggedRun, coordinate: int) -> None:
-    """Draw x or y of CoM, DCM, ZMP and the feet that stand over time.
+    """Draw x or y of CoM, DCM, ZMP and the stance soles over time.
 
     Args:
-        axes: to draw into.
-        run: the run.
+        axes: Matplotlib axes to draw into.
+        run: Logged run.
         coordinate: 0 for x, 1 for y.
     """
     every = thin(len(run))
@@ -46,12 +46,12 @@ def draw_coordinate(axes: Any, run: LoggedRun, coordinate: int) -> None:
             axes.plot(time, points[:, coordinate], color=colour, linewidth=width, label=label)
     mark_failures(axes, run.time, run.state("status"))
     axes.set(ylabel="xy"[coordinate] + ", m")
-    axes.set_title("xy"[coordinate] + " of CoM, DCM and ZMP; bands: soles that stand")
+    axes.set_title("xy"[coordinate] + " of CoM, DCM and ZMP; bands: stance soles")
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
 def draw_dcm_error(axes: Any, run: LoggedRun) -> None:
-    """Draw the distance of the DCM from its reference over time, by phase."""
+    """Draw the distance of the DCM from its reference over time, with the phases shaded."""
     every = thin(len(run))
     error = 1e3 * run.state("dcm_error")
     shade_phases(axes, run.time, run.state("phase"))
@@ -66,11 +66,11 @@ def draw_dcm_error(axes: Any, run: LoggedRun) -> None:
             1.005, rms, f"rms {rms:.1f} mm", transform=axes.get_yaxis_transform(), va="center"
         )
     axes.set(ylabel="mm")
-    axes.set_title("DCM error; tinted: left foot carries, right foot carries")
+    axes.set_title("DCM error; shaded: left stance, right stance")
 
 
 def _draw_soles(axes: Any, run: LoggedRun, coordinate: int) -> None:
-    """A band where each loaded sole lies."""
+    """Draw a band for the extent of each stance sole."""
     least = 0.05 * run.robot_info.weight
     for index, (side, colour) in enumerate((("left", LEFT), ("right", RIGHT))):
         name = f"{side}_sole"

@@ -1,4 +1,4 @@
-"""Any quantity of a tick over time."""
+"""Plots any quantity of the tick over time."""
 
 from __future__ import annotations
 
@@ -9,19 +9,19 @@ import numpy as np
 from wbc.log.plots.style import mark_failures, thin
 from wbc.log.run import LoggedRun
 
-_LEGEND = 12  # numbers at most that are named one by one
+_LEGEND = 12  # largest number of components with a legend entry each
 
 
 def draw_quantity(axes: Any, run: LoggedRun, name: str) -> None:
-    """Draw all numbers of a quantity over time.
+    """Draw all components of a quantity over time.
 
     Args:
-        axes: to draw into.
-        run: the run.
-        name: of the quantity.
+        axes: Matplotlib axes to draw into.
+        run: Logged run.
+        name: Name of the quantity.
 
     Raises:
-        LogError: the log has no quantity of that name.
+        LogError: The log has no quantity of that name.
     """
     column, values = run.quantity(name)
     every = thin(len(run))

@@ -1,4 +1,4 @@
-"""All standard plots in one call."""
+"""Draws the standard plots of a run in one call."""
 
 from __future__ import annotations
 
@@ -26,21 +26,21 @@ def plot(
     """Draw the standard plots of a run, or any of its quantities.
 
     The standard plots are `above`: CoM, DCM and ZMP with the footsteps, from above; `balance`: the
-    same over time, with the DCM's error; `torques`: with their limits; `timing`: tick times.
+    same over time, with the DCM error; `torques`: torques and limits; `timing`: tick times.
 
     Args:
-        run: the run.
-        folder: where the plots are written.
-        kind: ".png", ".pdf" or ".svg".
-        quantities: names of quantities, see `LoggedRun.quantities`, to draw instead of the
-            standard plots.
+        run: Logged run.
+        folder: Folder for the plots.
+        kind: File name extension: ".png", ".pdf" or ".svg".
+        quantities: Names of quantities to draw instead of the standard plots, see
+            `LoggedRun.quantities`.
 
     Returns:
         The paths of the plots.
 
     Raises:
         MissingExtra: `matplotlib` is not installed.
-        LogError: a plot cannot be written, or the log has no such quantity.
+        LogError: A plot cannot be written, or the log has no such quantity.
     """
     if importlib.util.find_spec("matplotlib") is None:
         raise MissingExtra("matplotlib", "plots")

@@ -1,4 +1,4 @@
-"""The style that all plots share."""
+"""The common style of all plots."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _STYLE: dict[str, Any] = {
 
 @contextmanager
 def style() -> Iterator[Any]:
-    """Apply this style to Matplotlib, without a window; yields its `Figure`."""
+    """Apply the style to Matplotlib without opening a window; yield the class `Figure`."""
     import matplotlib
     from matplotlib.figure import Figure
 
@@ -43,7 +43,7 @@ def style() -> Iterator[Any]:
 
 
 def shade_phases(axes: Any, time: np.ndarray, phase: np.ndarray) -> None:
-    """Colour the times at which one foot carries, by foot."""
+    """Shade the phases of single support, one colour per stance foot."""
     for number, colour in ((2, LEFT), (3, RIGHT)):
         for start, stop in spans(phase == number):
             axes.axvspan(time[start], time[stop - 1], color=colour, alpha=0.07, linewidth=0)
@@ -56,11 +56,11 @@ def mark_failures(axes: Any, time: np.ndarray, status: np.ndarray) -> None:
 
 
 def spans(chosen: np.ndarray) -> list[tuple[int, int]]:
-    """Return (start, stop) of each run of true values."""
+    """Return (start, stop) of each sequence of true values."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], chosen, [False]))))
     return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
 
 
 def thin(count: int, most: int = 6000) -> slice:
-    """Return a slice that thins `count` points to `most` at most, for a plot of a long run."""
+    """Return a slice that reduces `count` points to at most `most`, for plots of long runs."""
     return slice(None, None, max(1, -(-count // most)))

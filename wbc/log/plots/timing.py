@@ -1,4 +1,4 @@
-"""Tick time: what estimator and controller took."""
+"""Plot of the computation time per tick: estimator and controller."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _CONTROLLER, _ESTIMATOR = "#2f6fb0", "#8fb8de"
 
 
 def draw_tick_time(axes: Any, run: LoggedRun) -> None:
-    """Draw the times of every tick over time, logarithmic, and the control period."""
+    """Draw the computation times of every tick on a logarithmic axis, and the control period."""
     every = thin(len(run), 20_000)
     total = 1e6 * (run.state("estimator_time") + run.state("controller_time"))
     estimator = 1e6 * run.state("estimator_time")

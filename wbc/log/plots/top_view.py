@@ -1,4 +1,4 @@
-"""The walk from above: CoM, DCM and ZMP against the footsteps."""
+"""Plot of a walk from above: CoM, DCM, ZMP and footsteps."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from wbc.geometry.polygon import sole_corners
 from wbc.log.plots.style import COM, COP, DCM, LEFT, RIGHT, ZMP, spans, thin
 from wbc.log.run import LoggedRun
 
-_LOADED = 0.05  # share of the weight that a standing sole bears
-_SHORTEST = 0.05  # s: a contact that is shorter is a bump
+_LOADED = 0.05  # smallest load of a sole in contact, as a share of the weight
+_SHORTEST = 0.05  # s; shorter contacts are not counted as footsteps
 _MARGIN = 0.12  # m
 
 
 def draw_top_view(axes: Any, run: LoggedRun) -> None:
-    """Draw the way over the ground into axes."""
+    """Draw CoM, DCM, ZMP and the footsteps in the horizontal plane."""
     every = thin(len(run))
     for side, corners in footprints(run):
         colour = LEFT if side == "left" else RIGHT
@@ -41,12 +41,12 @@ def draw_top_view(axes: Any, run: LoggedRun) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(_MARGIN)
     axes.set(xlabel="x, m", ylabel="y, m")
-    axes.set_title("CoM, DCM, ZMP and the places where the soles stood, from above")
+    axes.set_title("CoM, DCM, ZMP and footsteps, from above")
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
 def footprints(run: LoggedRun) -> Iterator[tuple[str, np.ndarray]]:
-    """(side, (4, 2) corners in the world, m) of every place where a sole stood."""
+    """Yield the side and the corners, shape (4, 2), m, world axes, of every footstep made."""
     least = _LOADED * run.robot_info.weight
     dt = float(np.median(np.diff(run.time))) if len(run) > 1 else 0.0
     for index, side in enumerate(("left", "right")):

@@ -1,4 +1,4 @@
-"""Torques against their limits."""
+"""Plots of joint torques relative to their limits."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 from wbc.log.plots.style import FAINT, LIMIT, thin
 from wbc.log.run import LoggedRun
 
-_SHOWN = 6  # joints over time
-_LISTED = 34  # joints in the list
+_SHOWN = 6  # joints drawn over time
+_LISTED = 34  # joints listed
 
 
 def draw_torques(axes: Any, run: LoggedRun) -> None:
-    """Draw the share of their limits of the joints that use most of it, over time."""
+    """Draw the torques closest to their limits over time, as percentages of the limits."""
     share = shares(run)
     order = np.argsort(-share.max(axis=0, initial=0.0))[:_SHOWN]
     every = thin(len(run))
@@ -29,12 +29,14 @@ def draw_torques(axes: Any, run: LoggedRun) -> None:
     axes.axhline(100.0, color=LIMIT, linewidth=1.0)
     axes.set_ylim(0.0, max(108.0, 1.05 * float(share.max(initial=0.0))))
     axes.set(ylabel="% of the limit")
-    axes.set_title("Torques of the six joints nearest to their limits (N·m; N if they slide)")
+    axes.set_title(
+        "Torques of the six joints closest to their limits (N·m; N for prismatic joints)"
+    )
     axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
 def draw_torque_peaks(axes: Any, run: LoggedRun) -> None:
-    """Draw median and peak share of the limit of every joint."""
+    """Draw the median and peak torque of every joint, in percent of its limit."""
     share = shares(run)
     order = np.argsort(-share.max(axis=0, initial=0.0))[:_LISTED][::-1]
     peak, middle = share.max(axis=0), np.median(share, axis=0)
