@@ -9,7 +9,7 @@ from scipy.linalg import solve_triangular
 from scipy.optimize import nnls
 
 import wbc
-from wbc.qp import CommandOutcome, Problem, Solution
+from wbc.qp import Outcome, Problem, Solution
 
 
 class NonNegativeLeastSquares:
@@ -30,11 +30,11 @@ class NonNegativeLeastSquares:
         u, distance = nnls(E, f, maxiter=10 * len(b))
         if distance < 1e-9:
             return Solution(
-                np.zeros(n), CommandOutcome.INFEASIBLE, detail="no point holds all rows"
+                np.zeros(n), Outcome.INFEASIBLE, detail="no point holds all rows"
             )
         r = E @ u - f
         y = -r[:n] / r[n]
-        return Solution(solve_triangular(L.T, y - w, lower=False), CommandOutcome.SOLVED)
+        return Solution(solve_triangular(L.T, y - w, lower=False), Outcome.SOLVED)
 
 
 robot = wbc.load("simple_humanoid")

@@ -111,7 +111,7 @@ def served(timeline, tmp_path):
     """A replay in a process of its own; its address."""
     code = """
 import sys
-sys.path.insert(0, sys.argv[1])
+sys.path[:0] = sys.argv[1:]
 import wbc
 from test_replay import Glide
 from wbc.view import Replay, TimeSeries
@@ -121,7 +121,7 @@ series = TimeSeries("lean, mm", np.array([2.0, 7.0, 12.0]), np.array([0.0, 3.0, 
 Replay(timeline.robot, timeline, port=0, series=[series]).serve(lambda url: print(url, flush=True))
 """
     process = subprocess.Popen(
-        [sys.executable, "-c", code, str(Path(__file__).parent)],
+        [sys.executable, "-c", code, str(Path(__file__).parent), str(ROOT / "tests" / "tools")],
         stdout=subprocess.PIPE,
         text=True,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
