@@ -29,9 +29,7 @@ class NonNegativeLeastSquares:
         E, f = np.vstack((R.T, d)), np.eye(n + 1)[n]
         u, distance = nnls(E, f, maxiter=10 * len(b))
         if distance < 1e-9:
-            return Solution(
-                np.zeros(n), Outcome.INFEASIBLE, detail="no point holds all rows"
-            )
+            return Solution(np.zeros(n), Outcome.INFEASIBLE, detail="no point holds all rows")
         r = E @ u - f
         y = -r[:n] / r[n]
         return Solution(solve_triangular(L.T, y - w, lower=False), Outcome.SOLVED)
