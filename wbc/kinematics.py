@@ -98,6 +98,9 @@ class Kinematics:
         self.mass = float(pin.computeTotalMass(robot.model))
         self._nq, self._nv = robot.nq, robot.nv
         self._zero_acceleration = np.zeros(robot.nv)
+        # Views of Pinocchio's memory, which the passes of `update` fill.
+        self._com: np.ndarray = self.data.oYcrb[1].lever
+        self._base_rotation: np.ndarray = self.data.oMi[1].rotation
         self._gravity = np.concatenate((robot.model.gravity.linear, np.zeros(3)))
         self._world: dict[int, FrameKinematics] = {}
         self._local: dict[int, FrameKinematics] = {}
@@ -172,7 +175,7 @@ class Kinematics:
     def p_com(self) -> np.ndarray:
         """Centre of mass (3,) in the world, m."""
         if self._p_com is None:
-            self._p_com = self.data.oYcrb[1].lever.copy()
+            self._p_com = self._com.copy()
         return self._p_com
 
     def motion(self, frame: str | int) -> FrameKinematics:
@@ -226,7 +229,7 @@ class Kinematics:
             return self._centroid.velocity[:3]
         # The base's momentum in base axes, turned into the world and over the mass.
         momentum = self.mass_matrix[:3].dot(self.state.v)
-        return np.asarray(self.data.oMi[1].rotation.dot(momentum) / self.mass)
+        return np.asarray(self._base_rotation.dot(momentum) / self.mass)
 
     @property
     def bias_com(self) -> np.ndarray:

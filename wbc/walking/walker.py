@@ -26,7 +26,7 @@ from wbc.gait import (
 )
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.planners import PREVIEW_STEPS
-from wbc.geometry.planar import ground_point, rotation_about_z, wrap_angle
+from wbc.geometry.planar import rotation_about_z, wrap_angle
 from wbc.kinematics import Kinematics
 from wbc.qp import Solver
 from wbc.robot import Robot
@@ -35,8 +35,9 @@ from wbc.tasks import AngularMomentumTask, ComTask, PostureTask, Task
 from wbc.telemetry import ContactPlan, Footstep, Telemetry
 from wbc.walking.command_checks import parse_footsteps, parse_velocity
 from wbc.walking.contact_manager import ContactManager
-from wbc.walking.feet import centre_of_pressure, foot_placements, sides_in_contact
+from wbc.walking.feet import centre_of_pressure, sides_in_contact
 from wbc.walking.gains import WalkerGains
+from wbc.walking.ground_kinematics import GroundKinematics
 from wbc.walking.height_reference import HeightReference
 from wbc.walking.reference_offset import ReferenceOffset
 from wbc.walking.stabilizer import Stabilizer, StabilizerOutput
@@ -96,6 +97,7 @@ class Walker:
             )
         )
         self._kin = Kinematics(robot, robot.standing())
+        self._ground = GroundKinematics(self._kin)
         self._trunk = TrunkTasks(controller, self._kin, gains)
         weights = np.full(robot.na, gains.posture_weight)
         for leg in robot.legs:
@@ -202,12 +204,12 @@ class Walker:
             StateError: see `State.validated`.
         """
         self._kin.update(state)
-        feet = foot_placements(self._kin)
+        feet, com, _ = self._ground.read()
         self.state_machine = GaitStateMachine(self.gait, feet, self.planner)
         ground = 0.5 * (feet.left.height + feet.right.height)
         self._height.reset(ground, float(self._kin.p_com[2]))
         self._heading = feet.left.yaw + 0.5 * wrap_angle(feet.right.yaw - feet.left.yaw)
-        at_rest = DcmReference(ground_point(self._kin.p_com), 0j, ground_point(self._kin.p_com))
+        at_rest = DcmReference(com, 0j, com)
         landing = self.gait_state.landing
         self._balance = StabilizerOutput(at_rest.dcm, at_rest, at_rest.zmp, 0j, landing)
         self.posture.target = state.q[7:].copy()
@@ -224,13 +226,12 @@ class Walker:
         """
         kin, dt = self._kin, self.dt
         kin.update(estimate.state)
-        feet = foot_placements(kin)
+        feet, com, com_velocity = self._ground.read()
         machine, stabilizer = self.state_machine, self.stabilizer
         state = machine.state
         if self.reference_offset is not None:
             state.weight_shift = self.reference_offset.weight_shift
         cop = centre_of_pressure(self.robot, feet, estimate.foot_wrenches)
-        com, com_velocity = ground_point(kin.p_com), ground_point(kin.v_com)
         stabilizer.observe(state, com, com_velocity, cop, self._heading, dt)
         machine.update(dt, feet, self._command, sides_in_contact(self.robot, estimate))
         balance = self._balance = stabilizer.update(state, self._reference)
