@@ -22,7 +22,7 @@ def ground_point(position: np.ndarray) -> complex:
 
 def planar_rotation(yaw: float) -> complex:
     """exp(i yaw), the factor that turns a point by yaw, rad."""
-    return cmath.exp(1j * yaw)
+    return cmath.rect(1.0, yaw)
 
 
 def wrap_angle(angle: float) -> float:

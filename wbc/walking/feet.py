@@ -32,8 +32,13 @@ def sides_in_contact(robot: Robot, estimate: Estimate) -> frozenset[str] | None:
     """Sides whose soles stand on the ground; None without foot sensors."""
     if estimate.loads is None:
         return None
-    contacts = estimate.contacts
-    return frozenset([sole.side for sole in robot.soles if sole.name in contacts])
+    left, right = robot.soles
+    sides = []
+    if left.name in estimate.contacts:
+        sides.append(left.side)
+    if right.name in estimate.contacts:
+        sides.append(right.side)
+    return frozenset(sides)
 
 
 def centre_of_pressure(

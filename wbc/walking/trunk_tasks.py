@@ -34,7 +34,8 @@ class TrunkTasks:
         )
         self._upright = [np.array(kin.frame(name).rotation, order="C") for name in frames]
         self._heading = np.eye(3)
-        self._targets = [np.empty((3, 3)) for _ in frames]
+        targets = [np.empty((3, 3)) for _ in frames]
+        self._references = tuple(zip(self.tasks, self._upright, targets, strict=True))
 
     def update(self, yaw: float, yaw_rate: float, offset: ReferenceOffset | None) -> None:
         """Set the references: upright along a heading, turned by an offset.
@@ -46,7 +47,7 @@ class TrunkTasks:
         """
         heading = self._heading
         set_rotation_about_z(heading, yaw)
-        for task, upright, target in zip(self.tasks, self._upright, self._targets, strict=True):
+        for task, upright, target in self._references:
             task.target = heading.dot(upright, out=target)
             task.velocity[2] = yaw_rate
         if offset is None:

@@ -26,8 +26,10 @@ def footstep_adjustment(
         reach: m, how far the ZMP may move from its plan along the sole and across it, m.
     """
     growth = math.exp(omega * remaining)
-
-    def axis(e: float, m: float) -> float:
-        return math.copysign(max(0.0, abs(e) * growth - m * (growth - 1.0)), e)
-
-    return complex(axis(error.real, reach[0]), axis(error.imag, reach[1]))
+    along = abs(error.real) * growth - reach[0] * (growth - 1.0)
+    across = abs(error.imag) * growth - reach[1] * (growth - 1.0)
+    if along <= 0.0 and across <= 0.0:
+        return 0j
+    return complex(
+        math.copysign(max(0.0, along), error.real), math.copysign(max(0.0, across), error.imag)
+    )

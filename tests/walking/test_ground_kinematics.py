@@ -1,0 +1,40 @@
+"""What gait and stabilizer read by one call equals what the kinematics say one by one."""
+
+import copy
+
+import numpy as np
+import pinocchio as pin
+
+import wbc
+from wbc.kinematics import Kinematics
+from wbc.walking.feet import foot_placements
+from wbc.walking.ground_kinematics import GroundKinematics
+
+
+def _random_state(robot: wbc.Robot, seed: int) -> wbc.State:
+    rng = np.random.default_rng(seed)
+    standing = robot.standing()
+    q = pin.integrate(robot.model, standing.q, 0.3 * rng.standard_normal(robot.nv))
+    return wbc.State(q, rng.standard_normal(robot.nv))
+
+
+def test_soles_and_com_are_those_of_the_kinematics(humanoid: wbc.Robot) -> None:
+    kin = Kinematics(humanoid, humanoid.standing())
+    ground = GroundKinematics(kin)
+    for seed in range(5):
+        kin.update(_random_state(humanoid, seed))
+        feet, com, velocity = ground.read()
+        expected = foot_placements(kin)
+        for side in ("left", "right"):
+            np.testing.assert_allclose(feet.of(side), expected.of(side), atol=1e-13)
+        np.testing.assert_allclose((com.real, com.imag), kin.p_com[:2], atol=1e-13)
+        np.testing.assert_allclose((velocity.real, velocity.imag), kin.v_com[:2], atol=1e-13)
+        np.testing.assert_allclose(kin.v_com, kin.J_com @ kin.state.v, atol=1e-12)
+
+
+def test_a_copy_follows_its_own_kinematics(humanoid: wbc.Robot) -> None:
+    kin = Kinematics(humanoid, humanoid.standing())
+    other_kin, other = copy.deepcopy((kin, GroundKinematics(kin)))
+    other_kin.update(_random_state(humanoid, 1))
+    feet, _, _ = other.read()
+    np.testing.assert_allclose(feet.left, foot_placements(other_kin).left, atol=1e-13)
