@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -24,6 +25,7 @@ settings.load_profile("calm")
 def kernels() -> None:
     """Compiled before the first test: in no test's time or output, nor in a process's it starts."""
     load_qp_kernels()
+    importlib.import_module("wbc.walking.kernels")
 
 
 @pytest.fixture(scope="module")

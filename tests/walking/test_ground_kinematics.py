@@ -4,11 +4,17 @@ import copy
 
 import numpy as np
 import pinocchio as pin
+import pytest
 
 import wbc
 from wbc.kinematics import Kinematics
 from wbc.walking.feet import foot_placements
 from wbc.walking.ground_kinematics import GroundKinematics
+
+
+@pytest.fixture(scope="module", params=["talos", "g1"])
+def robot(request: pytest.FixtureRequest) -> wbc.Robot:
+    return wbc.load(request.param)
 
 
 def _random_state(robot: wbc.Robot, seed: int) -> wbc.State:
@@ -18,11 +24,11 @@ def _random_state(robot: wbc.Robot, seed: int) -> wbc.State:
     return wbc.State(q, rng.standard_normal(robot.nv))
 
 
-def test_soles_and_com_are_those_of_the_kinematics(humanoid: wbc.Robot) -> None:
-    kin = Kinematics(humanoid, humanoid.standing())
+def test_soles_and_com_are_those_of_the_kinematics(robot: wbc.Robot) -> None:
+    kin = Kinematics(robot, robot.standing())
     ground = GroundKinematics(kin)
     for seed in range(5):
-        kin.update(_random_state(humanoid, seed))
+        kin.update(_random_state(robot, seed))
         feet, com, velocity = ground.read()
         expected = foot_placements(kin)
         for side in ("left", "right"):
@@ -32,9 +38,9 @@ def test_soles_and_com_are_those_of_the_kinematics(humanoid: wbc.Robot) -> None:
         np.testing.assert_allclose(kin.v_com, kin.J_com @ kin.state.v, atol=1e-12)
 
 
-def test_a_copy_follows_its_own_kinematics(humanoid: wbc.Robot) -> None:
-    kin = Kinematics(humanoid, humanoid.standing())
+def test_a_copy_follows_its_own_kinematics(robot: wbc.Robot) -> None:
+    kin = Kinematics(robot, robot.standing())
     other_kin, other = copy.deepcopy((kin, GroundKinematics(kin)))
-    other_kin.update(_random_state(humanoid, 1))
+    other_kin.update(_random_state(robot, 1))
     feet, _, _ = other.read()
     np.testing.assert_allclose(feet.left, foot_placements(other_kin).left, atol=1e-13)
