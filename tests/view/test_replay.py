@@ -73,7 +73,7 @@ def test_a_page_gets_what_changed(timeline):
     moved = replay_scene.frame(5.1)
     assert 0 < len(moved["nodes"]) < len(first["nodes"])
     assert len(moved["poses"]) == 10 * len(moved["nodes"])
-    with pytest.raises(ViewerError, match="is no time"):
+    with pytest.raises(ViewerError, match="must be finite"):
         replay_scene.frame(float("nan"))
 
 
@@ -256,7 +256,7 @@ def test_a_video_that_fails_leaves_no_file(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         fill(interrupt=True)
     assert not video.path.exists()
-    with pytest.raises(ViewerError, match="cannot be made"):
+    with pytest.raises(ViewerError, match="cannot be encoded"):
         fill(interrupt=False)
     assert not video.path.exists()
 

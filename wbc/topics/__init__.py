@@ -1,4 +1,4 @@
-"""Ticks as ROS 2 messages: which topics there are, and how each gets its bytes.
+"""Topics: the ROS 2 messages that the ticks of a run are published and logged as.
 
 The log and the ROS 2 node publish the same topics, from the same declarations: those of
 `wbc.runtime.quantities` and the composite messages of `wbc.topics.catalogue`.

@@ -1,4 +1,4 @@
-"""Some ticks in a row, with what follows from their configurations."""
+"""Batches of consecutive ticks with their kinematics."""
 
 from __future__ import annotations
 
@@ -17,15 +17,17 @@ _MIN_FORCE = 1e-3  # share of the weight below which a foot has no centre of pre
 
 @dataclass(frozen=True, eq=False)
 class TickBatch:
-    """Records of ticks in the order of time.
+    """Records of ticks in order of time.
 
     Attributes:
-        records: (n,) structured array; its fields are the columns of the schema.
-        contact_names: by the numbers in the records.
-        stamps: (n,) times of the messages, ns.
-        soles: sole name -> (n, 7) pose in `odom`: position, m, and quaternion x y z w.
-        com: (n, 3) centre of mass, m, `odom`.
-        cop: (n, 3) measured centre of pressure under both feet, m, `odom`; NaN in the air.
+        records: Structured array, shape (n,), whose fields are the columns of the schema.
+        contact_names: Names of the contacts, indexed by the contact numbers in the records.
+        stamps: Times of the messages, ns, shape (n,).
+        soles: Pose of each sole by name, frame `odom`: position, m, and quaternion x y z w,
+            shape (n, 7).
+        com: Centre of mass, m, frame `odom`, shape (n, 3).
+        cop: Measured centre of pressure of both feet, m, frame `odom`, shape (n, 3); NaN in
+            flight.
     """
 
     records: np.ndarray
@@ -36,15 +38,15 @@ class TickBatch:
     cop: np.ndarray
 
     def __len__(self) -> int:
-        """Number of ticks."""
+        """Return the number of ticks."""
         return len(self.records)
 
 
 class BatchMaker:
-    """Makes batches of records, and keeps the time that goes on over resets.
+    """Makes batches of records, with stamps that stay continuous over resets.
 
     Args:
-        robot: the robot of the ticks.
+        robot: Robot of the ticks.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -62,9 +64,9 @@ class BatchMaker:
         """Return records with their kinematics.
 
         Args:
-            records: (n,) structured array.
-            names: of contacts.
-            stamps: (n,) times of the messages, ns; plant time that goes on when left out.
+            records: Structured array of records, shape (n,).
+            names: Names of the contacts.
+            stamps: Times of the messages, ns, shape (n,); continuous plant time by default.
         """
         n = len(records)
         soles = {name: np.empty((n, 7)) for name, _ in self._soles}
@@ -91,7 +93,7 @@ class BatchMaker:
         return TickBatch(records, names, stamps, soles, com, cop)
 
     def _plant_stamps(self, times: np.ndarray) -> np.ndarray:
-        """Plant time, ns; after a reset it goes on."""
+        """Return the plant time, ns, made continuous over resets."""
         stamps = np.empty(len(times), np.int64)
         for k, time in enumerate(times.tolist()):
             if not math.isfinite(time):  # a plant that has diverged

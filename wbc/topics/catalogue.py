@@ -1,4 +1,4 @@
-"""Which topics the ticks of a robot have, and what their messages hold."""
+"""The catalogue of topics that the ticks of a robot give, and the content of their messages."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from wbc.topics.numeric import Columns, NumericTopic
 _STATE_FIELDS = (
     "tick", "status", "phase", "steps", "estimator_time", "controller_time", "period", "dcm_error",
 )  # fmt: skip
-#: Quantity -> topics and fields that carry its numbers, of those that share messages.
+#: Maps each quantity in a composite message to the topics and fields that carry its values.
 COMPOSITE_FIELDS: dict[str, tuple[tuple[str, str], ...]] = {
     "q": (("odom", "pose.pose"), ("joint_states", "position")),
     "v": (("odom", "twist.twist"), ("joint_states", "velocity")),
@@ -42,7 +42,7 @@ COMPOSITE_FIELDS: dict[str, tuple[tuple[str, str], ...]] = {
     ),
     **{name: (("controller_state", name),) for name in _STATE_FIELDS},
 }
-_EMPTY_STRING = 5  # bytes of CDR
+_EMPTY_STRING = 5  # bytes of the CDR message
 
 Header = message_type("std_msgs/Header")
 JointState = message_type("sensor_msgs/JointState")
@@ -50,17 +50,17 @@ Odometry = message_type("nav_msgs/Odometry")
 
 
 def tick_topics(schema: Schema, robot: Robot, period: float = 0.02) -> list[MessageTopic]:
-    """Return all topics of a robot's ticks but those of contacts, which turn up on the way.
+    """Return all topics of a robot's ticks, except those of contacts, which may appear later.
 
-    State, torques, wrenches and balance are kept bit by bit. What nobody computes with, because
-    it is noise, follows from the state or is there for comparison, keeps the 24 bits of single
-    precision: the others would be three quarters of a log.
+    State, torques, wrenches and balance keep double precision. Sensor values, values that follow
+    from the state and values kept for comparison have single precision: in double precision they
+    would fill three quarters of a log.
 
     Args:
-        schema: of the ticks.
-        robot: whose ticks they are.
-        period: between two messages of transforms, poses of soles and ground truth, s; 0 for
-            every tick.
+        schema: Schema of the ticks.
+        robot: Robot of the ticks.
+        period: Period of the transforms, sole poses and ground truth, s; 0 publishes every
+            tick.
     """
     declared = [_declared(column) for column in schema.columns if column.message != "composite"]
     return [
@@ -79,12 +79,12 @@ def tick_topics(schema: Schema, robot: Robot, period: float = 0.02) -> list[Mess
 
 
 def latched_topics(robot: Robot) -> list[LatchedTopic]:
-    """Return the topics whose one message describes the robot."""
+    """Return the latched topics, whose single message describes the robot."""
     return [FixedLinkTransforms(robot), RobotDescription(robot)]
 
 
 def _composite(schema: Schema, robot: Robot, period: float) -> list[MessageTopic]:
-    """The topics whose messages join several quantities."""
+    """Return the topics whose messages combine several quantities."""
     names, base = list(robot.joint_names), robot.base
 
     def numbers(name: str) -> Columns:
@@ -110,7 +110,7 @@ def _composite(schema: Schema, robot: Robot, period: float) -> list[MessageTopic
 
 
 def _numbers(column: Column) -> Columns:
-    """Return a function that reads a column from a batch, in its precision."""
+    """Return a function that reads a column from a batch in the column's precision."""
     name = column.name
     if column.single:
         return lambda batch: batch.records[name].astype(np.float32)
@@ -118,7 +118,7 @@ def _numbers(column: Column) -> Columns:
 
 
 def _declared(column: Column) -> NumericTopic:
-    """Return the topic of one quantity that travels by itself."""
+    """Return the topic of a quantity that has a topic of its own."""
     if column.name == "com":
         return _point("balance/com", lambda batch: batch.com)
     numbers = _numbers(column)
@@ -140,12 +140,12 @@ def _declared(column: Column) -> NumericTopic:
 
 
 def column_topic(column: Column) -> str:
-    """Return the topic of a quantity that travels by itself."""
+    """Return the topic name of a quantity that has a topic of its own."""
     return topic_name(*column.topic.split("/"))
 
 
 def _known(numbers: Columns) -> Columns:
-    """Return a function that chooses the ticks at which not all numbers are NaN."""
+    """Return a function that selects the ticks at which not all values are NaN."""
 
     def where(batch: TickBatch) -> np.ndarray:
         values = numbers(batch)
@@ -173,7 +173,7 @@ def _joint_states(
 def _odometry(
     topic: str, base: str, q: Columns, v: Columns, where: Columns | None = None
 ) -> NumericTopic:
-    """Pinocchio's base velocity is in base axes, as ROS's odometry has it."""
+    """Return an odometry topic; Pinocchio and ROS both give the base twist in the base frame."""
     message = Odometry(header=Header(frame_id=ODOM), child_frame_id=base)
     columns = {"pose.pose": _part(q, 0, 7), "twist.twist": _part(v, 0, 6)}
     return NumericTopic(topic, message, columns, where)
@@ -200,10 +200,10 @@ def _sole_pose(sole: str, period: float) -> NumericTopic:
 
 
 class _Every:
-    """Chooses ticks at a rate.
+    """Selects ticks at a fixed rate.
 
     Args:
-        period: s; 0 chooses all.
+        period: Period, s; 0 selects all ticks.
     """
 
     def __init__(self, period: float) -> None:
@@ -211,7 +211,7 @@ class _Every:
         self._due = 0
 
     def __call__(self, batch: TickBatch) -> np.ndarray:
-        """Return which ticks of a batch are due, (n,)."""
+        """Return a mask of the ticks of a batch that are due, shape (n,)."""
         if not self._period:
             return np.ones(len(batch), bool)
         chosen = np.zeros(len(batch), bool)
@@ -223,10 +223,10 @@ class _Every:
 
 
 class _KnownTruth:
-    """Chooses ticks whose truth is known, at a rate; the same for all who ask.
+    """Selects ticks with ground truth at a fixed rate; all topics get the same ticks.
 
     Args:
-        period: s; 0 chooses all.
+        period: Period, s; 0 selects all of them.
     """
 
     def __init__(self, period: float) -> None:
@@ -241,7 +241,7 @@ class _KnownTruth:
 
 
 class ControllerStateTopic(NumericTopic):
-    """Timing and status of a tick, with the explanation of a failed solve."""
+    """Publishes timing and status of a tick, with the explanation of a failed solve."""
 
     def __init__(self) -> None:
         columns: dict[str, Callable[[TickBatch], np.ndarray]] = {
@@ -258,7 +258,7 @@ class ControllerStateTopic(NumericTopic):
         if record["status"] == 0.0:
             return data
         text = record["text"][:TEXT].decode("utf-8", "ignore").encode()
-        # The explanation is the last field: a string takes the place of an empty one.
+        # The explanation is the last field, so its string can replace the empty one.
         final: bytes = data[:-_EMPTY_STRING] + (len(text) + 1).to_bytes(4, "little") + text + b"\0"
         return final
 

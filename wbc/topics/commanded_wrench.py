@@ -1,4 +1,4 @@
-"""Commanded contact wrenches: a topic per contact, as contacts turn up."""
+"""Commanded contact wrenches: one topic per contact, added when the contact first appears."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from wbc.topics.numeric import NumericTopic
 
 
 class CommandedWrench(NumericTopic):
-    """The wrench that the controller wants from the ground at one contact.
+    """The commanded wrench from the environment on the robot at one contact.
 
     Args:
-        number: of the contact's name in the records.
-        name: of the contact.
+        number: Number of the contact in the records.
+        name: Name of the contact.
     """
 
     def __init__(self, number: int, name: str) -> None:
@@ -33,7 +33,7 @@ class CommandedWrench(NumericTopic):
         return np.asarray(self._at(batch).any(axis=1))
 
     def _at(self, batch: TickBatch) -> np.ndarray:
-        """(n, CONTACTS) where this contact's wrench stands."""
+        """Return a mask of the entries that hold this contact's wrench, shape (n, CONTACTS)."""
         rows = batch.records["contacts"].reshape(-1, CONTACTS, 7)
         found: np.ndarray = rows[:, :, 0] == self._number
         return found

@@ -1,4 +1,4 @@
-"""The contact plan as messages: support polygon, footsteps and the swing foot's path."""
+"""Topics of the contact plan: support polygon, footsteps and the swing foot's path."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _Pose = message_type("geometry_msgs/Pose")
 
 
 class ContactPlanTopic(MessageTopic):
-    """A topic of the ticks that are the first with a new contact plan, some 30 per second."""
+    """A topic with one message per new contact plan, about 30 per second."""
 
-    _latest = (0.0, 0.0)  # run and tick of the plan in the last message
+    _latest = (0.0, 0.0)  # run and tick of the latest published plan
 
     def messages(self, batch: TickBatch) -> list[TopicMessage]:
         """Return the messages of a batch; see `MessageTopic.messages`."""
@@ -45,7 +45,7 @@ class ContactPlanTopic(MessageTopic):
 
 
 class SupportPolygonTopic(ContactPlanTopic):
-    """The support polygon, counter-clockwise."""
+    """Publishes the support polygon, with counter-clockwise vertices."""
 
     name = "support_polygon"
     type_name = "geometry_msgs/msg/PolygonStamped"
@@ -58,7 +58,7 @@ class SupportPolygonTopic(ContactPlanTopic):
 
 
 class FootstepsTopic(ContactPlanTopic):
-    """The planned footsteps, the next one first."""
+    """Publishes the planned footsteps, the next one first."""
 
     name = "footsteps"
     type_name = "wbc_msgs/msg/FootstepPlan"
@@ -70,7 +70,7 @@ class FootstepsTopic(ContactPlanTopic):
 
 
 class SideFootstepsTopic(ContactPlanTopic):
-    """The planned footsteps of one side, of a type that viewers draw.
+    """Publishes the planned footsteps of one side, as a message type that viewers draw.
 
     Args:
         side: "left" or "right".
@@ -88,7 +88,7 @@ class SideFootstepsTopic(ContactPlanTopic):
 
 
 class SwingPathTopic(ContactPlanTopic):
-    """The remaining path of the swing sole's centre."""
+    """Publishes the remaining path of the swing sole's centre."""
 
     name = "swing_path"
     type_name = "nav_msgs/msg/Path"

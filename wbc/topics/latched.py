@@ -1,4 +1,4 @@
-"""Topics with one message that everybody gets who comes later."""
+"""Latched topics: one message, which late subscribers receive, too."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from wbc.topics.message_topic import MessageTopic, TopicMessage
 
 
 class LatchedTopic(MessageTopic):
-    """A topic with one message that does not depend on ticks."""
+    """A topic with a single message that does not depend on ticks."""
 
     latched = True
     _sent = False
@@ -21,7 +21,7 @@ class LatchedTopic(MessageTopic):
         """Return the message, CDR."""
 
     def messages(self, batch: TickBatch) -> list[TopicMessage]:
-        """Return the one message with the first tick; see `MessageTopic.messages`."""
+        """Return the message with the first tick; see `MessageTopic.messages`."""
         if self._sent or not len(batch):
             return []
         self._sent = True
@@ -32,7 +32,7 @@ class RobotDescription(LatchedTopic):
     """`robot_description`: the robot's URDF.
 
     Args:
-        robot: the robot.
+        robot: Robot to describe.
     """
 
     name = "robot_description"

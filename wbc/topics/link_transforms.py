@@ -1,8 +1,8 @@
-"""`tf` and `tf_static`: where every link is.
+"""`tf` and `tf_static`: the transforms of all links.
 
-The tree is that of the URDF, as `robot_state_publisher` would have it, with the base below
-`odom`, and the soles as frames of their own. A link moves against its parent by one joint, so
-all moving links are computed at once:
+The tree is that of the URDF, as `robot_state_publisher` publishes it, with `odom` as the parent of
+the base, and the soles as additional frames. Each link moves relative to its parent by one joint,
+so the transforms of all moving links are computed at once:
 
     T_parent_link(θ) = A · exp(s θ) · B,   s = (w, v) the joint's axis or direction.
 """
@@ -29,15 +29,15 @@ _YZX, _ZXY = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 @dataclass(frozen=True)
 class Link:
-    """A link and where it hangs.
+    """A link and its parent in the tree.
 
     Attributes:
-        name: of its frame.
-        parent: of its parent's frame.
-        before: T_parent_joint at rest.
+        name: Name of the link's frame.
+        parent: Name of the parent's frame.
+        before: T_parent_joint at joint position zero.
         after: T_joint_link.
-        joint: index into (na,) of the joint between them; None: it does not move.
-        axis: (6,) the joint's twist per unit, linear then angular, joint axes.
+        joint: Index of the joint between them among the actuated ones; None if it is fixed.
+        axis: Twist per unit of joint velocity, linear then angular, joint axes, shape (6,).
     """
 
     name: str
@@ -49,7 +49,7 @@ class Link:
 
 
 def links(robot: Robot) -> list[Link]:
-    """All links but the root, and the soles."""
+    """Return all links except the root, and the soles."""
     model = robot.model
     axes = _axes(model)
     found = []
@@ -71,7 +71,7 @@ def links(robot: Robot) -> list[Link]:
 
 
 def _parent(model: pin.Model, frame: pin.Frame) -> pin.Frame | None:
-    """The link that a frame hangs on."""
+    """Return the frame of a frame's parent link."""
     while frame.parentFrame:
         frame = model.frames[frame.parentFrame]
         if frame.type == pin.BODY:
@@ -80,7 +80,7 @@ def _parent(model: pin.Model, frame: pin.Frame) -> pin.Frame | None:
 
 
 def _axes(model: pin.Model) -> list[np.ndarray]:
-    """Each joint's twist per unit of its coordinate, found by moving all joints by it."""
+    """Return each joint's twist per unit of its coordinate, from one forward kinematics call."""
     data = model.createData()
     q = pin.neutral(model)
     q[7:] = 1.0
@@ -92,10 +92,10 @@ def _axes(model: pin.Model) -> list[np.ndarray]:
 
 
 class MovingLinks:
-    """The transforms of links that move, all at once.
+    """Computes the transforms of all moving links at once.
 
     Args:
-        links: that move.
+        links: Moving links.
     """
 
     def __init__(self, links: list[Link]) -> None:
@@ -109,10 +109,10 @@ class MovingLinks:
         self._after_at = np.array([link.after.translation for link in links])
 
     def at(self, joints: np.ndarray) -> np.ndarray:
-        """(n, 7) translation and quaternion (x y z w) of each link in its parent.
+        """Return translation (m) and quaternion (x y z w) of each link in its parent, shape (n, 7).
 
         Args:
-            joints: (na,) positions.
+            joints: Joint positions, rad or m, shape (na,).
         """
         theta = joints[self._joints][:, None]
         half = 0.5 * theta
@@ -130,7 +130,7 @@ def _quaternions(transforms: list[pin.SE3]) -> np.ndarray:
 
 
 def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Hamilton's product of rows of quaternions, x y z w."""
+    """Return the Hamilton product of quaternions x y z w, row by row."""
     va, wa, vb, wb = a[:, :3], a[:, 3:], b[:, :3], b[:, 3:]
     scalar = wa * wb - (va * vb).sum(axis=1, keepdims=True)
     return np.concatenate((wa * vb + wb * va + _cross(va, vb), scalar), axis=1)
@@ -142,18 +142,18 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _rotate(q: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Rows of vectors, turned by rows of quaternions: x + 2 v × (v × x + w x)."""
+    """Rotate vectors by quaternions, row by row: x + 2 v × (v × x + w x)."""
     v, w = q[:, :3], q[:, 3:]
     turned: np.ndarray = x + 2.0 * _cross(v, _cross(v, x) + w * x)
     return turned
 
 
 class MovingLinkTransforms(MessageTopic):
-    """`/tf`: the base in `odom`, and all links that move against their parents.
+    """`/tf`: the base in `odom`, and all links that move relative to their parents.
 
     Args:
-        robot: the robot.
-        where: which ticks of a batch have a message, (n,).
+        robot: Robot of the ticks.
+        where: Function that returns a mask of the ticks of a batch with a message, shape (n,).
     """
 
     name = "/tf"
@@ -178,10 +178,10 @@ class MovingLinkTransforms(MessageTopic):
 
 
 class FixedLinkTransforms(LatchedTopic):
-    """`/tf_static`: the links that do not move against their parents, and the soles.
+    """`/tf_static`: the links that are fixed to their parents, and the soles.
 
     Args:
-        robot: the robot.
+        robot: Robot of the ticks.
     """
 
     name = "/tf_static"
@@ -199,7 +199,7 @@ class FixedLinkTransforms(LatchedTopic):
 
 
 def _laid_out(names: list[tuple[str, str]]) -> tuple[Template, np.ndarray, np.ndarray]:
-    """A message of transforms, all its 8-byte words, and which of them are the seven of each."""
+    """Return a message template, its 8-byte words, and the indices of each transform's seven."""
     transform = message_type("geometry_msgs/msg/TransformStamped")
     message = message_type(_TYPE)()
     for parent, child in names:

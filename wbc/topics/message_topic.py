@@ -1,4 +1,4 @@
-"""The base of every topic that is made of ticks."""
+"""The base class of topics made from ticks."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ class TopicMessage(NamedTuple):
     """One message of a topic.
 
     Attributes:
-        tick: number of the record in its batch.
-        data: CDR.
+        tick: Index of the record in its batch.
+        data: Message, CDR.
     """
 
     tick: int
@@ -22,12 +22,12 @@ class TopicMessage(NamedTuple):
 
 
 class MessageTopic(ABC):
-    """Makes messages of ticks.
+    """A topic that encodes ticks as messages.
 
     Attributes:
-        name: of the topic, without a leading slash.
-        type_name: of its messages.
-        latched: one message at the beginning, for everybody who comes later.
+        name: Name of the topic, without a leading slash.
+        type_name: Type of its messages.
+        latched: Whether late subscribers receive its single message.
     """
 
     name: str
@@ -36,9 +36,9 @@ class MessageTopic(ABC):
 
     @abstractmethod
     def messages(self, batch: TickBatch) -> list[TopicMessage]:
-        """Return the messages of a batch of ticks, in the order of time."""
+        """Return the messages of a batch of ticks, in order of time."""
 
 
 def topic_name(*parts: str) -> str:
-    """Return a topic's name of parts; what ROS does not allow in names becomes an underscore."""
+    """Join parts to a topic name; characters that ROS does not allow become underscores."""
     return "/".join(re.sub(r"[^A-Za-z0-9_]", "_", part).strip("_") or "_" for part in parts)

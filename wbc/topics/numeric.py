@@ -1,4 +1,4 @@
-"""Topics of which only the numbers change from message to message."""
+"""Topics whose messages differ only in their numbers."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ Columns = Callable[[TickBatch], np.ndarray]
 
 
 class NumericTopic(MessageTopic):
-    """A topic whose message is laid out once, and filled column by column for a batch of ticks.
+    """A topic whose message is serialized once and then filled column by column for each batch.
 
     Args:
-        name: of the topic.
-        message: everything but the numbers; every `stamp` in it gets the time.
-        columns: field of the message -> function that returns its numbers, (n, k) or (n,), of a
-            batch. A field may be a message of numbers, such as a pose.
-        where: function that returns which ticks of a batch have a message, (n,); all when left
-            out.
+        name: Name of the topic.
+        message: Message with everything but the numbers; each `stamp` in it is filled in.
+        columns: Maps each field of the message to a function that returns its values for a
+            batch, shape (n, k) or (n,). A field may be a message of numbers, such as a pose.
+        where: Function that returns a mask of the ticks of a batch with a message, shape (n,);
+            all by default.
     """
 
     def __init__(
@@ -69,5 +69,5 @@ class NumericTopic(MessageTopic):
         ]
 
     def _finish(self, batch: TickBatch, index: int, data: bytes) -> bytes:
-        """Return the bytes of a message in their final form."""
+        """Return the final bytes of a message."""
         return data

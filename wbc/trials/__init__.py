@@ -1,4 +1,4 @@
-"""Seeded closed-loop trials in physics."""
+"""Trials: seeded closed-loop runs in simulation, with criteria for success."""
 
 from wbc.trials.evaluator import RunEvaluator
 from wbc.trials.motion_trial import MotionRunner, run_motions

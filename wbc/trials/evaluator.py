@@ -16,12 +16,12 @@ from wbc.runtime.tick import Tick
 from wbc.state import State
 from wbc.trials.flight import FlightDetector
 
-_REACHED = 0.01  # m; a target that was missed by less has been reached
-_LOADED = 0.05  # share of the weight that the command puts on a sole in contact
+_REACHED = 0.01  # m; a target counts as reached within this distance
+_LOADED = 0.05  # smallest commanded load of a sole in contact, as a share of the weight
 
 
 class RunEvaluator:
-    """A recorder that compares a run with the true state; `amend` adds its figures to the report.
+    """An observer that compares a run with the true state; `amend` adds the results to the report.
 
     CoM and targets are compared relative to the true soles and their heading. Horizontal drift of
     the estimate therefore does not count as an error; tilt and height do.

@@ -11,8 +11,8 @@ from wbc.robot import Robot, Sole
 from wbc.runtime.report import Flight
 from wbc.runtime.tick import Tick
 
-_UNLOADED = 0.02  # share of the weight below which the foot sensors measure only noise
-_MIN_CLEARANCE = 2e-3  # m; lower soles have not flown
+_UNLOADED = 0.02  # load, as a share of the weight, below which the foot sensors measure only noise
+_MIN_CLEARANCE = 2e-3  # m; soles below this height count as on the ground
 _LANDING = 0.3  # s after touchdown in which the peak landing load is measured
 
 
@@ -79,7 +79,7 @@ class FlightDetector:
             float(data.vcom[0][2]),
             momentum,
         )
-        # A measurement is as old as the truth of the tick before.
+        # A measurement belongs to the true state of the previous tick.
         clearance = min(corners) - self._ground
         if load < _UNLOADED or (self._take_off is not None and clearance > _MIN_CLEARANCE):
             self._record_flight(self._previous or now, now, clearance)

@@ -12,7 +12,7 @@ from wbc.runtime.report import Report
 from wbc.sim import Mujoco
 from wbc.trials.evaluator import RunEvaluator
 
-_STANDING = 1.0  # s of standing after the last motion, in which the robot may still fall
+_STANDING = 1.0  # s of standing after the last motion, during which a fall still counts
 
 
 class MotionRunner:
@@ -59,7 +59,7 @@ def run_motions(
     time_limit: float = 600.0,
     before_tick: Callable[[float, MotionPlayer, Mujoco], None] | None = None,
 ) -> Report:
-    """Play motions in MuJoCo with noisy sensors and the estimator, and compare with the truth.
+    """Play motions in MuJoCo with noisy sensors and the estimator, and compare with the true state.
 
     Args:
         robot: the robot.

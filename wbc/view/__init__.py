@@ -1,6 +1,6 @@
-"""Shows robots: a live page in the browser, recordings that play offline, replays and videos.
+"""Viewers: a live page in the browser, recordings that play offline, replays and videos.
 
-Neither loads meshcat, a web server or a mesh into the loop's process.
+The process of the control loop loads neither meshcat, nor a web server, nor meshes.
 """
 
 from wbc.runtime.snapshot import Snapshot

@@ -1,4 +1,4 @@
-"""A browser without a window, to take pictures of our own pages with."""
+"""A headless browser that renders the pages of recordings."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from wbc.errors import MissingExtra
 from wbc.view.errors import ViewerError
 
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
-#: Draws in software where there is no graphics card, and reaches nothing but this machine.
+#: Software rendering without a graphics card, and no network access beyond this machine.
 _FLAGS = (
     "--enable-unsafe-swiftshader",
     "--ignore-gpu-blocklist",
@@ -22,16 +22,16 @@ _FLAGS = (
     "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1 , EXCLUDE localhost",
 )
 
-#: Draws in software without looking for a graphics card first, which takes seconds.
+#: Software rendering without a search for a graphics card, which takes seconds.
 SOFTWARE = ("--use-gl=angle", "--use-angle=swiftshader")
 
 
 def check_browser() -> None:
-    """Find out early whether `new_page` can work.
+    """Check that `new_page` will find playwright and a browser.
 
     Raises:
         MissingExtra: `playwright` is not installed.
-        ViewerError: there is no browser.
+        ViewerError: No browser is installed.
     """
     if importlib.util.find_spec("playwright") is None:
         raise MissingExtra("playwright", "video")
@@ -44,14 +44,14 @@ def check_browser() -> None:
 
 @contextlib.contextmanager
 def new_browser(flags: Sequence[str] = ()) -> Iterator[Any]:
-    """A browser; playwright's `Browser`.
+    """Yield a headless browser, playwright's `Browser`.
 
     Args:
-        flags: further ones of its command line.
+        flags: Additional command line flags.
 
     Raises:
         MissingExtra: `playwright` is not installed.
-        ViewerError: there is no browser, or it does not start.
+        ViewerError: No browser is installed, or it does not start.
     """
     check_browser()
     from playwright.sync_api import Error, sync_playwright
@@ -72,11 +72,11 @@ def new_browser(flags: Sequence[str] = ()) -> Iterator[Any]:
 
 @contextlib.contextmanager
 def new_page(width: int, height: int) -> Iterator[Any]:
-    """A page of a size, in pixels, in a browser of its own; playwright's `Page`.
+    """Yield a page of a size in pixels in a new browser, playwright's `Page`.
 
     Raises:
         MissingExtra: `playwright` is not installed.
-        ViewerError: there is no browser, or it does not start.
+        ViewerError: No browser is installed, or it does not start.
     """
     with new_browser() as browser:
         yield browser.new_page(viewport={"width": width, "height": height})
@@ -87,7 +87,7 @@ def _installed() -> str | None:
 
 
 def _own() -> bool:
-    """Whether playwright has brought a browser of its own."""
+    """Return whether playwright has installed its own browser."""
     from pathlib import Path
 
     from playwright.sync_api import sync_playwright

@@ -1,8 +1,8 @@
 """A reader for Collada (.dae) meshes that keeps the colours of their parts.
 
-Pinocchio's mesh loader gives one shape without colours, and meshcat's page takes
-up to 20 s to parse a robot's worth of XML. Lines, textures, animation and skins
-are passed over. As in ROS, the file's `up_axis` does not turn the mesh.
+Pinocchio's mesh loader returns one shape without colours, and meshcat's page takes up to 20 s to
+parse the XML of a whole robot. Lines, textures, animations and skins are ignored. As in ROS, the
+file's `up_axis` does not rotate the mesh.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ class Part:
     """Triangles of one material.
 
     Attributes:
-        vertices: (n, 3) m, axes of the file.
-        faces: (m, 3) indices.
-        colour: red, green, blue, opacity in 0…1; None if the file states none.
+        vertices: Positions, m, axes of the file, shape (n, 3).
+        faces: Vertex indices, shape (m, 3).
+        colour: Red, green, blue and opacity, 0 to 1; None if the file states no colour.
     """
 
     vertices: np.ndarray
@@ -31,11 +31,11 @@ class Part:
 
 
 def read_collada(path: str | Path) -> list[Part]:
-    """The parts of the file's scene, in place.
+    """Return the parts of the file's scene, placed in the scene's frame.
 
     Raises:
-        OSError: the file cannot be read.
-        ValueError: it is no Collada, or holds no triangles.
+        OSError: The file cannot be read.
+        ValueError: The file is not a Collada file, or holds no triangles.
     """
     try:
         root = ET.parse(path).getroot()
@@ -45,7 +45,7 @@ def read_collada(path: str | Path) -> list[Part]:
         element.tag = element.tag.rpartition("}")[2]
     parts = list(_Reader(root).parts())
     if not parts:
-        raise ValueError(f"{path}: no triangles in it")
+        raise ValueError(f"{path} holds no triangles")
     return parts
 
 
@@ -80,7 +80,7 @@ class _Reader:
     def _find(self, url: str) -> ET.Element:
         element = self.byid.get(url.lstrip("#"))
         if element is None:
-            raise ValueError(f"nothing has the id '{url}'")
+            raise ValueError(f"no element has the id '{url}'")
         return element
 
     def _mesh(
@@ -96,7 +96,7 @@ class _Reader:
                 if len(faces) == 0:
                     continue
                 used, index = np.unique(faces, return_inverse=True)
-                # Equal places become one vertex, so that shading can run across.
+                # Vertices at equal positions are merged, so that shading is smooth across faces.
                 corners, same = np.unique(points[used], axis=0, return_inverse=True)
                 placed = corners @ place[:3, :3].T + place[:3, 3]
                 faces = same.ravel()[index.ravel()].reshape(-1, 3)
@@ -131,7 +131,7 @@ def _input(element: ET.Element, semantic: str) -> ET.Element:
 
 
 def _faces(element: ET.Element) -> np.ndarray:
-    """(m, 3) position indices; polygons are cut into fans."""
+    """Return position indices of triangles, shape (m, 3); polygons are split into fans."""
     width = 1 + max(int(e.get("offset", 0)) for e in element.findall("input"))
     offset = int(_input(element, "VERTEX").get("offset", 0))
     lists = [_numbers(p, int).reshape(-1, width)[:, offset] for p in element.findall("p")]

@@ -1,4 +1,4 @@
-"""What each colour means. The page's legend is made from this."""
+"""The colours of the scene and their meaning, from which the page's legend is made."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ STATUS: dict[Status, Colour] = {
     Status.FAILED: rgb("#d1342b"),
 }
 
-#: (kind of mark, colour, meaning): `disc`, `ring`, `line`, `area` or `box`.
+#: (symbol, colour, meaning); the symbol is `disc`, `ring`, `line`, `area` or `box`.
 LEGEND: tuple[tuple[str, Colour, str], ...] = (
     ("line", FORCE, "contact force"),
-    ("disc", COM, "centre of mass, and its trail"),
+    ("disc", COM, "centre of mass and its past path"),
     ("disc", DCM, "DCM (capture point)"),
     ("ring", DCM, "DCM reference"),
     ("disc", ZMP, "ZMP"),
     ("area", SUPPORT, "support polygon"),
-    ("box", LEFT, "left footstep (faint: made)"),
-    ("box", RIGHT, "right footstep (faint: made)"),
+    ("box", LEFT, "left footstep (faint: completed)"),
+    ("box", RIGHT, "right footstep (faint: completed)"),
     ("dots", SWING, "swing path"),
 )
 
 
 def faded(colour: Colour, opacity: float) -> Colour:
-    """The colour, more transparent."""
+    """Return the colour with the given opacity, 0 to 1."""
     return (*colour[:3], opacity)
 
 
 def css(colour: Colour) -> str:
-    """The colour as a page's style sheet writes it."""
+    """Return the colour in CSS notation."""
     red, green, blue, opacity = colour
     return f"rgba({round(255 * red)},{round(255 * green)},{round(255 * blue)},{opacity})"

@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ViewerConfig:
-    """Configuration of the viewer's process; it is pickled.
+    """The configuration of the viewer's process. It is sent there as a pickle.
 
     Attributes:
-        robot: the robot to draw.
-        port: of the page; None for the first free one, 0 for any.
-        rate: frames per second, Hz.
-        boxes: (n, 6) terrain: centre and half sizes, m.
-        parent: process id of the parent, with which this process ends.
+        robot: Robot to draw.
+        port: Port of the page; None for the first free one, 0 for any.
+        rate: Frame rate, Hz.
+        boxes: Terrain as upright boxes: centre and half sizes, m, shape (n, 6).
+        parent: Process id of the parent. The viewer ends when the parent ends.
     """
 
     robot: Robot

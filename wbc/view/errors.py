@@ -1,4 +1,4 @@
-"""What can go wrong before anything is on the screen."""
+"""The error class of viewers."""
 
 from __future__ import annotations
 
@@ -6,4 +6,4 @@ from wbc.errors import WbcError
 
 
 class ViewerError(WbcError):
-    """The viewer cannot be started, or was handed something that it cannot show."""
+    """A viewer cannot start, or cannot show its input."""

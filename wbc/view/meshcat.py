@@ -32,26 +32,26 @@ if TYPE_CHECKING:
 class Meshcat(Closeable):
     """Shows a robot in a browser while a loop runs.
 
-    Another process reads the loop's ticks from shared memory and serves the page; it may be slow,
-    stopped or dead without any harm to the loop.
+    Another process reads the loop's ticks from shared memory and serves the page. A slow,
+    stopped or terminated viewer process does not affect the loop.
 
     Args:
-        robot: the robot.
-        port: of the page on this machine; None takes the first free one from 7000 on, 0 any free
-            one.
-        rate: frames per second, Hz.
-        record: also make a recording, written to this path when the viewer closes.
-        open: open the page in the browser.
-        boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
-        announce: print the page's address.
+        robot: Robot to show.
+        port: Port of the page on this machine; None takes the first free one from 7000 on, 0 any
+            free one.
+        rate: Frame rate, Hz.
+        record: Path of a recording to write when the viewer closes; None records nothing.
+        open: Whether to open the page in the browser.
+        boxes: Terrain as upright boxes: centre, then half sizes, m, shape (n, 6).
+        announce: Whether to print the page's address.
 
     Attributes:
-        url: address of the page; it answers on this machine only.
-        stream: from which the viewer reads, see `wbc.runtime.protocols.StreamObserver`.
+        url: Address of the page, which is served to this machine only.
+        stream: Stream that the viewer reads, see `wbc.runtime.protocols.StreamObserver`.
 
     Raises:
-        ViewerError: the process does not start, the port is taken, or `rate` or `boxes` make no
-            sense.
+        ViewerError: The process does not start, the port is in use, or `rate` or `boxes` is
+            invalid.
     """
 
     def __init__(
@@ -97,14 +97,14 @@ class Meshcat(Closeable):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """None beside the library's own; see `wbc.runtime.protocols.StreamObserver`."""
+        """No additional quantities; see `wbc.runtime.protocols.StreamObserver`."""
         return ()
 
     def attach(self, stream: TickStream) -> None:
-        """Read from a stream from now on; see `wbc.runtime.protocols.StreamObserver`.
+        """Read a stream from now on; see `wbc.runtime.protocols.StreamObserver`.
 
         Raises:
-            ViewerError: it is the stream of a robot with another number of joints.
+            ViewerError: The stream is of a robot with a different number of joints.
         """
         if stream.robot.nq != self._robot.nq:
             raise ViewerError(
@@ -118,7 +118,7 @@ class Meshcat(Closeable):
         """Do nothing; see `wbc.runtime.protocols.Observer`."""
 
     def observe(self, tick: Tick) -> None:
-        """Record the tick, if a recording is made. The page gets it from the stream."""
+        """Record the tick if a recording is made. The viewer's process reads it from the stream."""
         if self._recording is not None:
             self._recording.observe(tick)
         self._process.warn_if_exited(time.perf_counter())
@@ -127,11 +127,11 @@ class Meshcat(Closeable):
         """Do nothing; see `wbc.runtime.protocols.Observer`."""
 
     def show(self, snapshot: Snapshot) -> None:
-        """Show a snapshot, outside a loop. Never waits; whatever happens to the viewer, returns.
+        """Show a snapshot outside a loop, without waiting for the viewer's process.
 
         Raises:
             StateError: `snapshot.q` has the wrong size.
-            ViewerError: another part of it has the wrong shape.
+            ViewerError: Another part of the snapshot has the wrong shape.
         """
         robot = self._robot
         if np.shape(snapshot.q) != (robot.nq,):
@@ -152,7 +152,7 @@ class Meshcat(Closeable):
         self._process.warn_if_exited(time.perf_counter())
 
     def close(self) -> None:
-        """End the viewer's process, and write the recording if there is one."""
+        """End the viewer's process, and write the recording if one was made."""
         self._process.close()
         recording, self._recording = self._recording, None
         if recording is not None and self._record is not None and len(recording):

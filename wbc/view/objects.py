@@ -1,7 +1,7 @@
-"""Drawing commands in meshcat's message form: three.js objects as plain dictionaries.
+"""Drawing commands in meshcat's message format: three.js objects as plain dictionaries.
 
-Meshcat's Python package builds the same dictionaries, but costs half a second to
-import and has no mesh with normals. The form is documented in its viewer's README.
+Meshcat's Python package builds the same dictionaries, but takes half a second to import and has no
+meshes with normals. The format is documented in the README of meshcat's viewer.
 """
 
 from __future__ import annotations
@@ -18,30 +18,30 @@ Colour = tuple[float, float, float, float]
 
 _IDENTITY = np.eye(4)
 _counter = itertools.count(1)
-# three.js draws cylinders and cones along y; robots have theirs along z.
+# three.js draws cylinders and cones along y, URDF along z.
 Y_TO_Z = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
-# MessagePack extension codes that meshcat's page decodes into typed arrays.
+# MessagePack extension codes that meshcat's page decodes to typed arrays.
 _TYPED = {"i2": ("Int16Array", 0x13), "u2": ("Uint16Array", 0x14), "u4": ("Uint32Array", 0x16)}
 _FLOAT32 = ("Float32Array", 0x17)
 
 
 def rgb(text: str, opacity: float = 1.0) -> Colour:
-    """`#rrggbb` as red, green, blue in 0…1, with an opacity."""
+    """Return `#rrggbb` as red, green, blue and opacity, 0 to 1."""
     return (int(text[1:3], 16) / 255, int(text[3:5], 16) / 255, int(text[5:7], 16) / 255, opacity)
 
 
 def matte(colour: Colour) -> Json:
-    """A lit material, for things that have a body."""
+    """Return a lit material, for physical objects."""
     return _material("MeshPhongMaterial", colour, shininess=35, specular=0x333333)
 
 
 def flat(colour: Colour) -> Json:
-    """An unlit material, for marks that mean something by their colour."""
+    """Return an unlit material, for symbols that are identified by their colour."""
     return _material("MeshBasicMaterial", colour)
 
 
 def see_through(colour: Colour, lit: bool = False) -> Json:
-    """A material that is drawn over whatever stands before it."""
+    """Return a material that is drawn over objects in front of it."""
     return {**(matte if lit else flat)(colour), "depthTest": False, "transparent": True}
 
 
@@ -49,7 +49,7 @@ def _material(kind: str, colour: Colour, **more: object) -> Json:
     red, green, blue, opacity = (min(max(c, 0.0), 1.0) for c in colour)
     number = (round(red * 255) << 16) + (round(green * 255) << 8) + round(blue * 255)
     clear = opacity < 1.0
-    # A translucent mark must not hide what is drawn after it.
+    # A translucent symbol must not hide what is drawn after it.
     return {
         "type": kind,
         "color": number,
@@ -62,12 +62,12 @@ def _material(kind: str, colour: Colour, **more: object) -> Json:
 
 
 def box(x: float, y: float, z: float) -> Json:
-    """A box of the given edge lengths in m, centred."""
+    """Return a centred box with the given edge lengths, m."""
     return {"type": "BoxGeometry", "width": x, "height": y, "depth": z}
 
 
 def sphere(radius: float, segments: int = 24) -> Json:
-    """A sphere of a radius in m."""
+    """Return a sphere with the given radius, m."""
     return {
         "type": "SphereGeometry",
         "radius": radius,
@@ -77,7 +77,7 @@ def sphere(radius: float, segments: int = 24) -> Json:
 
 
 def cylinder(radius: float, length: float, top: float | None = None, segments: int = 24) -> Json:
-    """A cylinder along y, centred; `top` is another radius at +y (0 makes a cone)."""
+    """Return a centred cylinder along y, m; `top` is the radius at +y (0 makes a cone)."""
     return {
         "type": "CylinderGeometry",
         "radiusTop": radius if top is None else top,
@@ -88,12 +88,12 @@ def cylinder(radius: float, length: float, top: float | None = None, segments: i
 
 
 def ring(inner: float, outer: float) -> Json:
-    """A flat ring in the x-y plane."""
+    """Return a flat ring in the x-y plane, radii in m."""
     return {"type": "RingGeometry", "innerRadius": inner, "outerRadius": outer, "thetaSegments": 40}
 
 
 def triangles(vertices: np.ndarray, faces: np.ndarray, normals: np.ndarray | None = None) -> Json:
-    """A triangle mesh: (n, 3) vertices in m, (m, 3) indices, (n, 3) unit normals."""
+    """Return a triangle mesh: (n, 3) vertices, m; (m, 3) indices; (n, 3) unit normals."""
     index = np.asarray(faces).astype("<u2" if len(vertices) < 65536 else "<u4")
     attributes = {"position": _array(np.asarray(vertices, dtype="<f4"))}
     if normals is not None:
@@ -115,18 +115,18 @@ def _array(x: np.ndarray, normalized: bool = False) -> Json:
 
 
 def floats(x: np.ndarray) -> Any:
-    """Numbers as a typed array that meshcat's page decodes without a copy."""
+    """Return numbers as a typed array that meshcat's page decodes without a copy."""
     return umsgpack.Ext(_FLOAT32[1], np.ascontiguousarray(x, dtype="<f4").tobytes())
 
 
 def mesh(geometry: Json, material: Json, matrix: np.ndarray = _IDENTITY, order: int = 0) -> Json:
-    """A body to be drawn.
+    """Return a three.js mesh: an object to draw.
 
     Args:
-        geometry: its shape.
-        material: its visuals.
-        matrix: (4, 4) its place in its node.
-        order: bodies of a higher order are drawn after those of a lower.
+        geometry: Its shape.
+        material: Its material.
+        matrix: Its pose in its node, shape (4, 4).
+        order: Objects with a higher order are drawn after those with a lower one.
     """
     name = f"{next(_counter):x}"
     return {
@@ -145,12 +145,12 @@ def mesh(geometry: Json, material: Json, matrix: np.ndarray = _IDENTITY, order: 
 
 
 def set_object(path: str, thing: Json) -> bytes:
-    """The command that puts a body at a path of the scene."""
+    """Return the command that sets the object at a path of the scene."""
     return _packed({"type": "set_object", "path": path, "object": thing})
 
 
 def set_animation(animations: Sequence[Json]) -> bytes:
-    """The command that plays clips, over and over."""
+    """Return the command that plays animation clips in a loop."""
     options = {"play": True, "repetitions": float("inf")}
     return _packed({"type": "set_animation", "animations": list(animations), "options": options})
 

@@ -1,4 +1,4 @@
-"""The page around meshcat's viewer: one text for the live viewer and for recordings."""
+"""The HTML page around meshcat's viewer, for the live viewer and for recordings."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from wbc.view.objects import Colour
 _HERE = Path(__file__).parent / "page"
 _PHASES = {
     "stand": "standing",
-    "double": "on both feet",
-    "left": "on the left foot",
-    "right": "on the right foot",
-    "flight": "in the air",
+    "double": "double support",
+    "left": "left stance",
+    "right": "right stance",
+    "flight": "flight",
 }
 _MARKS = {
     "line": '<rect x="1" y="5" width="18" height="4" rx="2" fill="{0}"/>',
@@ -37,22 +37,22 @@ _MARKS = {
 
 
 def served_page(name: str, sources: Sequence[str]) -> str:
-    """A page that gets its scripts, and then its bodies and frames, from a server.
+    """Return a page that loads its scripts, objects and frames from a server.
 
     Args:
-        name: of the robot.
-        sources: names of the scripts.
+        name: Name of the robot.
+        sources: Names of the scripts.
     """
     return _page(name, "".join(f'<script src="{source}"></script>\n' for source in sources))
 
 
 def recorded_page(name: str, story: dict[str, Any], scene: str) -> str:
-    """A page that needs nothing else.
+    """Return a self-contained page.
 
     Args:
-        name: of the robot.
-        story: scale, paths, first poses and caption of the recording.
-        scene: its commands, gzip and base64.
+        name: Name of the robot.
+        story: Scale, paths, first poses and captions of the recording.
+        scene: Commands of the recording, gzip and base64.
     """
     text = json.dumps(story, separators=(",", ":")).replace("</", "<\\/")
     scripts = [
@@ -81,27 +81,25 @@ def _entry(mark: str, colour: Colour, meaning: str) -> str:
 
 @cache
 def script(name: str) -> str:
-    """A script of the page; `meshcat.js` is that of the meshcat package.
+    """Return a script of the page; `meshcat.js` is that of the meshcat package.
 
     Raises:
-        ViewerError: meshcat is not installed, or not as it is known.
+        ViewerError: meshcat is not installed, or its page is not where it is expected.
     """
     if name != "meshcat.js":
         return (_HERE / name).read_text("utf-8")
-    # Not imported: that would take half a second, and only this file is wanted.
+    # meshcat is not imported: that takes half a second, and only this file is needed.
     found = importlib.util.find_spec("meshcat")
     folders = list(found.submodule_search_locations or ()) if found is not None else []
     for folder in folders:
         path = Path(folder) / "viewer" / "dist" / "main.min.js"
         if path.is_file():
             return path.read_text("utf-8")
-    raise ViewerError(
-        "the page of meshcat is not to be found; run  pip install 'meshcat>=0.3.2,<0.4'"
-    )
+    raise ViewerError("meshcat's page was not found; run  pip install 'meshcat>=0.3.2,<0.4'")
 
 
 def caption(snapshot: Snapshot) -> dict[str, Any]:
-    """What the page writes about a snapshot."""
+    """Return the texts of a snapshot that the page shows."""
     return {
         "time": round(float(snapshot.time), 4),
         "status": snapshot.status.value,

@@ -1,4 +1,4 @@
-"""`Recording`: snapshots of a run, made into one HTML file that plays offline."""
+"""`Recording`: snapshots of a run as one HTML file that plays offline."""
 
 from __future__ import annotations
 
@@ -26,30 +26,30 @@ if TYPE_CHECKING:
     from wbc.runtime.tick import Tick
     from wbc.view.actors import SceneNode
 
-_STILL = 1e-5  # m or 1: a pose that changes by less has not changed
+_STILL = 1e-5  # m or 1; smaller changes of a pose are ignored
 _DISCRETE, _LINEAR = 2300, 2301  # three.js's names of interpolations
-#: Ticks of 2 ms do not add up to 0.1 s exactly.
+#: Tolerance for rounding of times, s.
 _GRACE = 1e-9
 _GZIP = 16 + zlib.MAX_WBITS
 
 
 class Recording(Closeable):
-    """Collects snapshots cheaply; the file is made after the run.
+    """Collects snapshots during a run and writes the file afterwards.
 
-    The file holds meshcat's page, the robot's meshes and an animation: it needs
-    no network and no server. It plays at once, over and over.
+    The file holds meshcat's page, the robot's meshes and an animation, and needs neither network
+    nor server. The animation starts at once and repeats.
 
     Args:
-        robot: the robot.
-        path: where `close` (or leaving the `with` block) saves to.
-        rate: frames per second of the run's own time, Hz.
-        boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
+        robot: Robot to show.
+        path: Path that `close` (or leaving the `with` block) saves to.
+        rate: Frame rate in plant time, Hz.
+        boxes: Terrain as upright boxes: centre, then half sizes, m, shape (n, 6).
 
     Attributes:
-        frames: copies of the snapshots so far.
+        frames: Copies of the snapshots so far.
 
     Raises:
-        ViewerError: the rate is not positive, or the boxes are no boxes.
+        ViewerError: The rate is not positive, or the boxes are invalid.
     """
 
     def __init__(
@@ -72,14 +72,14 @@ class Recording(Closeable):
         self._last = -np.inf
 
     def __len__(self) -> int:
-        """Number of frames."""
+        """Return the number of frames."""
         return len(self.frames)
 
     def begin(self, controller: Controller, plant: Plant) -> None:
         """Do nothing; see `wbc.runtime.protocols.Observer`."""
 
     def observe(self, tick: Tick) -> None:
-        """Keep a copy of the tick, if the next frame is due."""
+        """Copy the tick if the next frame is due."""
         if tick.contact_plan is not None:
             self._contact_plan = tick.contact_plan
         if self._is_due(tick.time):
@@ -89,9 +89,9 @@ class Recording(Closeable):
         """Do nothing; see `wbc.runtime.protocols.Observer`."""
 
     def show(self, snapshot: Snapshot) -> None:
-        """Keep a copy of the snapshot, if the next frame is due.
+        """Copy the snapshot if the next frame is due.
 
-        A time before the previous one begins a new run, and the recording anew.
+        A time before the previous one begins a new run and restarts the recording.
 
         Raises:
             StateError: `snapshot.q` has the wrong size.
@@ -114,7 +114,7 @@ class Recording(Closeable):
         return now >= self._due or now < self._last
 
     def save(self, path: str | Path) -> Path:
-        """Make the file.
+        """Write the file.
 
         Returns:
             The path of the file.
@@ -134,12 +134,12 @@ class Recording(Closeable):
         return path
 
     def close(self) -> None:
-        """Save to the path that was given at the beginning, if one was and there is a frame."""
+        """Save to the constructor's path if there is one and the recording has a frame."""
         if self._path is not None and self.frames:
             self.save(self._path)
 
     def _html(self) -> str:
-        # Drawing is needed only now: a run that records does not wait for its modules.
+        # Imported here so that a recorded run does not wait for the drawing modules.
         from wbc.view.objects import set_animation
         from wbc.view.page_text import caption, recorded_page
         from wbc.view.scene import Scene
@@ -178,7 +178,7 @@ class Recording(Closeable):
 def _clip(
     path: str, node: SceneNode, times: np.ndarray, poses: np.ndarray, duration: float
 ) -> dict[str, Any] | None:
-    """A node's way through the run; None if it stays where it is."""
+    """Return the animation clip of a node; None if the node does not move."""
     from wbc.view.objects import floats
 
     tracks = []
@@ -193,7 +193,7 @@ def _clip(
             continue
         keys = np.concatenate([[True], moved])
         if node.smooth:
-            # Also the end of each rest, or the rest would become a slow way.
+            # The end of each rest is a keyframe, too: otherwise the node would drift.
             keys[:-1] |= moved
         tracks.append(
             {
@@ -206,6 +206,6 @@ def _clip(
         )
     if not tracks:
         return None
-    # All clips have one length, or each would begin anew at a time of its own.
+    # All clips have the same length, so that they repeat at the same time.
     clip = {"fps": 1, "name": "run", "duration": duration, "tracks": tracks}
     return {"path": path, "clip": clip}

@@ -1,4 +1,4 @@
-"""`Replay`: a page in the browser on which one moves through a run that is over."""
+"""`Replay`: a page in the browser with a player for a completed run."""
 
 from __future__ import annotations
 
@@ -18,22 +18,23 @@ if TYPE_CHECKING:
     from wbc.robot import Robot
     from wbc.view.scene import Scene
 
-_MEMORY = 8.0  # s: as far back go the trail and the footprints of a scene
-_STILL = 1e-5  # m or 1: a pose that changed by less has not changed
+_MEMORY = 8.0  # s, duration of the history that the scene shows (CoM path, footprints)
+_STILL = 1e-5  # m or 1; smaller changes of a pose are not sent
 _POINTS = 1200  # of a series
 
 
 class Replay:
-    """Serves a page with a player: play, pause, speed, and a slider through the whole run.
+    """Serves a page with a player: play, pause, speed, and a slider over the whole run.
 
-    Every page plays for itself. A page asks for a time and gets the poses that changed.
+    Every page plays independently: it requests a time and receives the poses that changed.
 
     Args:
-        robot: whom to draw.
-        timeline: the run.
-        port: of the page on this machine; None takes the first free one from 7000 on, 0 any.
-        boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
-        series: quantities drawn along the slider.
+        robot: Robot to draw.
+        timeline: Run to show.
+        port: Port of the page on this machine; None takes the first free one from 7000 on, 0
+            any.
+        boxes: Terrain as upright boxes: centre, then half sizes, m, shape (n, 6).
+        series: Quantities drawn over time above the slider.
     """
 
     def __init__(
@@ -55,7 +56,7 @@ class Replay:
         """Serve until interrupted.
 
         Args:
-            ready: called with the page's address once it answers.
+            ready: Called with the page's address when it is served.
 
         Raises:
             ViewerError: the port is in use.
@@ -73,13 +74,13 @@ class Replay:
         await asyncio.Event().wait()
 
     def new_scene(self) -> ReplayScene:
-        """A scene for one page."""
+        """Return a scene for one page."""
         from wbc.view.scene import Scene
 
         return ReplayScene(Scene(self._robot, self._boxes), self._timeline)
 
     def introduction(self, replay_scene: ReplayScene) -> dict[str, Any]:
-        """What a page is told when its bodies are there."""
+        """Return the first message to a page, which follows the objects of its scene."""
         return {
             "paths": replay_scene.scene.paths,
             "start": self._timeline.start,
@@ -89,11 +90,11 @@ class Replay:
 
 
 class ReplayScene:
-    """What one page shows.
+    """The scene of one page.
 
     Args:
-        scene: its bodies and poses.
-        timeline: the run.
+        scene: Objects and poses.
+        timeline: Run to show.
     """
 
     def __init__(self, scene: Scene, timeline: Timeline) -> None:
@@ -103,15 +104,15 @@ class ReplayScene:
         self._sent: np.ndarray | None = None
 
     def frame(self, time: float) -> dict[str, Any]:
-        """What changes on the page when it goes to a time, s.
+        """Return the changes to the page that show a time, s.
 
         Raises:
-            ViewerError: the time is not a finite number.
+            ViewerError: The time is not a finite number.
         """
         from wbc.view.page_text import caption
 
         if not math.isfinite(time):
-            raise ViewerError(f"{time} is no time")
+            raise ViewerError(f"time = {time} s must be finite")
         snapshot = None
         for snapshot in up_to(self._timeline, time, self._time, _MEMORY):
             self.scene.update(snapshot)
@@ -127,7 +128,7 @@ class ReplayScene:
 
 
 def _page() -> type:
-    """The handler of a page's web socket; tornado is imported only when pages are served."""
+    """Return the class of the page's web socket; imports tornado only when pages are served."""
     import tornado.websocket
 
     class Page(tornado.websocket.WebSocketHandler):
@@ -147,7 +148,7 @@ def _page() -> type:
             try:
                 answer = self.replay_scene.frame(float(json.loads(message)["time"]))
             except (ValueError, KeyError, TypeError, AttributeError, ViewerError) as error:
-                answer = {"error": f'a page asks with {{"time": s}}: {error}'}
+                answer = {"error": f'a request must have the form {{"time": seconds}}: {error}'}
             with contextlib.suppress(tornado.websocket.WebSocketClosedError):
                 self.write_message(json.dumps(answer, separators=(",", ":")))
 
@@ -155,7 +156,7 @@ def _page() -> type:
 
 
 def _peaks(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """The largest of each group: thinning must not hide a peak."""
+    """Return the maximum of each group, so that thinning keeps the peaks."""
     known = np.where(np.isfinite(values), values, -np.inf)
     return np.asarray(np.maximum.reduceat(known, starts)) if len(values) else values
 

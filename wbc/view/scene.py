@@ -1,7 +1,7 @@
-"""The scene: its bodies, made once, and their poses at a snapshot.
+"""The scene: its objects, created once, and their poses at a snapshot.
 
-This is the one place where drawing happens. The live viewer sends the poses that
-changed; a recording turns them into tracks.
+All viewers draw with this class: the live viewer sends the poses that changed, and a recording
+stores them as keyframe tracks.
 """
 
 from __future__ import annotations
@@ -41,17 +41,17 @@ _HIDDEN = np.array([0.0, 0, 0, 0, 0, 0, 1, 0, 0, 0])
 
 
 class Scene:
-    """Everything that is drawn.
+    """The robot, its surroundings and the symbols that show its state.
 
     Args:
-        robot: what to draw; its meshes are read here.
-        boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
+        robot: Robot to draw. The constructor reads its meshes.
+        boxes: Terrain as upright boxes: centre, then half sizes, m, shape (n, 6).
 
     Attributes:
-        nodes: places of the scene's tree, in the order of `poses`.
-        poses: (n, 10) `[position, quaternion x y z w, scale]` of each node.
-        proportions: of the robot.
-        source: what the robot is drawn from when it has no visual shapes.
+        nodes: Nodes of the scene tree, in the order of `poses`.
+        poses: `[position, quaternion x y z w, scale]` of each node, shape (n, 10).
+        proportions: Dimensions of the robot.
+        source: Note on the shapes of a robot without visual shapes; otherwise empty.
     """
 
     def __init__(self, robot: Robot, boxes: np.ndarray | None = None) -> None:
@@ -81,11 +81,11 @@ class Scene:
 
     @property
     def paths(self) -> list[str]:
-        """Full path of each node."""
+        """The full path of each node."""
         return [n.path if n.path.startswith("/") else f"{ROOT}/{n.path}" for n in self.nodes]
 
     def commands(self) -> Iterator[bytes]:
-        """The commands that make every body."""
+        """Yield the commands that create all objects."""
         for path, node in zip(self.paths, self.nodes, strict=True):
             for i, part in enumerate(node.parts):
                 yield set_object(f"{path}/{i}", part)
@@ -94,10 +94,10 @@ class Scene:
             yield set_object(f"{ROOT}/terrain", body)
 
     def update(self, snapshot: Snapshot) -> bool:
-        """Move everything to where it is in the snapshot.
+        """Update all poses to a snapshot.
 
         Returns:
-            False when the configuration is not finite; nothing has moved then.
+            False if the configuration is not finite; the poses are then unchanged.
         """
         if not np.isfinite(snapshot.q).all():
             return False
@@ -112,7 +112,7 @@ class Scene:
             stop = start + len(actor.nodes)
             actor.place(scene_input, self.poses[start:stop])
             start = stop
-        # One wrong number would spoil the whole message, so it costs only its own mark.
+        # A non-finite number would invalidate the whole message, so its node is hidden instead.
         spoilt = ~np.isfinite(self.poses).all(axis=1)
         self.poses[spoilt] = _HIDDEN
         return True

@@ -25,22 +25,22 @@ from wbc.view.page_text import caption
 from wbc.view.scene import Scene
 from wbc.view.web import HOST, listen, page_handlers, protected
 
-#: A pose that changed by less than this, m or 1, has not changed.
+#: Smallest change of a pose that is sent, m or 1.
 _STILL = 1e-5
 
 
 class LiveScene:
-    """The scene as it is now, and the pages that show it.
+    """The current scene, and the pages that show it.
 
     Args:
-        config: what to draw.
+        config: Configuration of the viewer.
 
     Attributes:
-        follower: of the ticks that are shown.
-        scene: bodies and their poses.
-        caption: what the page writes about the latest frame; None before the first.
-        frames: number of frames so far.
-        pages: that are open.
+        follower: Reader of the ticks to show.
+        scene: Objects and their poses.
+        caption: Texts of the latest frame; None before the first.
+        frames: Number of frames so far.
+        pages: Open pages.
     """
 
     def __init__(self, config: ViewerConfig, follower: StreamFollower) -> None:
@@ -53,7 +53,7 @@ class LiveScene:
         self._period, self._due = 1.0 / config.rate, 0.0
 
     def advance(self) -> None:
-        """Draw the latest tick, if a frame is due, and tell the pages."""
+        """Draw the latest tick and send it to the pages, if a frame is due."""
         now = time.monotonic()
         if now >= self._due and (record := self._latest()) is not None:
             self._due = next_due(self._due, now, self._period)
@@ -73,7 +73,7 @@ class LiveScene:
 
 
 class LivePage(tornado.websocket.WebSocketHandler):
-    """One open browser page. At most one frame is on its way to it."""
+    """The web socket of one page, with at most one unacknowledged frame."""
 
     def initialize(self, live_scene: asyncio.Future[LiveScene]) -> None:
         self.live_scene = live_scene
@@ -96,7 +96,7 @@ class LivePage(tornado.websocket.WebSocketHandler):
         self.offer()
 
     def offer(self) -> None:
-        """Send what changed, unless the page is still at work or knows it already."""
+        """Send the poses that changed, unless a frame is unacknowledged or nothing has changed."""
         live_scene = self.live_scene.result()
         if self.busy or live_scene.caption is None or self.frames == live_scene.frames:
             return
@@ -118,7 +118,7 @@ class LivePage(tornado.websocket.WebSocketHandler):
 
 
 async def serve(config: ViewerConfig) -> None:
-    """Serve until the parent is gone."""
+    """Serve until the parent has ended."""
     loop = asyncio.get_running_loop()
     follower = StreamFollower()
     parent_monitor = parent.ParentMonitor(config.parent, follower.on_message)
@@ -132,14 +132,14 @@ async def serve(config: ViewerConfig) -> None:
         return
     parent.reply({"url": f"http://{HOST}:{port}/static/"})
     live_scene.set_result(await loop.run_in_executor(None, LiveScene, config, follower))
-    period = 0.5 / config.rate  # twice as often as frames are due: none waits long
+    period = 0.5 / config.rate  # twice the frame rate, which keeps the delay of a frame small
     while not parent_monitor.gone:
         live_scene.result().advance()
         await asyncio.sleep(period)
 
 
 def main() -> None:
-    """Serve what the configuration says."""
+    """Serve the page that the parent's configuration describes."""
     asyncio.run(serve(parent.receive_config()))
 
 

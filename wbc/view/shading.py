@@ -1,11 +1,11 @@
-"""Normals that leave curved surfaces smooth and edges sharp."""
+"""Vertex normals that render curved surfaces smooth and edges sharp."""
 
 from __future__ import annotations
 
 import numpy as np
 
 CREASE = np.deg2rad(35.0)
-# Beyond this many faces around a vertex it is the tip of a fan: flat shading does.
+# Vertices with more faces than this are the tips of fans, for which flat shading suffices.
 _CROWDED = 48
 
 
@@ -20,7 +20,7 @@ def creased(
     Args:
         vertices: (n, 3) positions, m; each shared by the faces around it.
         faces: (m, 3) vertex indices.
-        crease: rad.
+        crease: Crease angle, rad.
 
     Returns:
         (k, 3) positions, (j, 3) indices and (k, 3) unit normals, faces of no

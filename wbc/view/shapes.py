@@ -1,4 +1,4 @@
-"""Pinocchio's geometry objects as bodies to be drawn."""
+"""Converts Pinocchio's geometry objects to drawable objects."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from wbc.view.shading import creased
 
 logger = logging.getLogger(__name__)
 
-#: Pure black swallows every shade that would tell a shape.
+#: Darkest colour that is drawn: shading is invisible on pure black.
 _DARKEST = 0.25
 
 
 def bodies(thing: pin.GeometryObject) -> list[Json]:
-    """The bodies of a geometry object, placed in the axes of its joint.
+    """Return the objects that draw a geometry object, placed in joint axes.
 
-    Empty for shapes without an extent (planes) or of a kind that is unknown.
+    The list is empty for unbounded shapes (planes) and unsupported types.
     """
     place = thing.placement.homogeneous
     colour = _colour(thing)
@@ -59,7 +59,7 @@ def _primitive(shape: coal.CollisionGeometry) -> tuple[Json, np.ndarray] | None:
 
 
 def capsule(radius: float, length: float, segments: int = 32) -> Json:
-    """A cylinder along z with half balls at its ends; `length` is without them, m."""
+    """Return a cylinder along z with hemispheres at its ends, m; `length` is without them."""
     angles = np.linspace(-0.5 * np.pi, 0.5 * np.pi, segments // 2)
     ends = np.where(angles < 0, -0.5, 0.5) * length
     turn = np.linspace(0.0, 2.0 * np.pi, segments, endpoint=False)
@@ -84,7 +84,7 @@ def _parts(thing: pin.GeometryObject) -> list[Part]:
             scale = np.asarray(thing.meshScale).reshape(3)
             return [Part(p.vertices * scale, p.faces, p.colour) for p in read_collada(path)]
         except (OSError, ValueError) as error:
-            logger.warning("%s is drawn without its own colours: %s", path, error)
+            logger.warning("%s is drawn without the colours of its file: %s", path, error)
     shape = thing.geometry
     return [Part(np.asarray(shape.vertices()), _indices(shape.tri_indices, shape.num_tris), None)]
 

@@ -1,4 +1,4 @@
-"""Uneven ground: upright boxes, drawn as one body."""
+"""Uneven ground: upright boxes, drawn as one mesh."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from wbc.view.errors import ViewerError
 
 
 def checked_boxes(boxes: np.ndarray | None) -> np.ndarray:
-    """(n, 6) centre and half sizes of upright boxes, m; none when left out.
+    """Return centre and half sizes of upright boxes, m, shape (n, 6); n = 0 for None.
 
     Raises:
-        ViewerError: another shape, or numbers that are not finite.
+        ViewerError: The array has another shape, or holds numbers that are not finite.
     """
     if boxes is None:
         return np.empty((0, 6))
@@ -25,7 +25,7 @@ def checked_boxes(boxes: np.ndarray | None) -> np.ndarray:
 
 
 def box_mesh(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All boxes as (24 n, 3) vertices, (12 n, 3) faces and (24 n, 3) normals."""
+    """Return a mesh of all boxes: (24 n, 3) vertices, (12 n, 3) faces and (24 n, 3) normals."""
     corners, normals = [], []
     for axis in range(3):
         for side in (-1.0, 1.0):

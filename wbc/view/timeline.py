@@ -1,4 +1,4 @@
-"""The timeline of a run that is over, to be shown at any of its times."""
+"""The timeline of a completed run, which can be shown at any time."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ import numpy as np
 from wbc.runtime.snapshot import Snapshot
 from wbc.view.recording import Recording
 
-_STEP = 1.0 / 15.0  # s: what has a history is told of it in steps of this
+_STEP = 1.0 / 15.0  # s, period at which the history of a scene is rebuilt
 
 
 class Timeline(Protocol):
     """Snapshots by time.
 
     Attributes:
-        start: time of the first snapshot, s.
-        end: time of the last snapshot, s.
+        start: Time of the first snapshot, s.
+        end: Time of the last snapshot, s.
     """
 
     @property
@@ -31,17 +31,17 @@ class Timeline(Protocol):
         """Time of the last snapshot, s."""
 
     def at(self, time: float) -> Snapshot:
-        """The last snapshot that is not after a time, s; the first one for earlier times."""
+        """Return the last snapshot at or before a time (s), or the first one for earlier times."""
 
 
 @dataclass(frozen=True, eq=False)
 class TimeSeries:
-    """A quantity over the whole time of a run.
+    """A quantity over the duration of a run.
 
     Attributes:
-        label: what it is, with its unit.
-        time: (n,) s.
-        values: (n,) NaN where it is not known.
+        label: Name and unit of the quantity.
+        time: Times, s, shape (n,).
+        values: Values, shape (n,); NaN where unknown.
     """
 
     label: str
@@ -50,20 +50,20 @@ class TimeSeries:
 
 
 def record(timeline: Timeline, recording: Recording) -> None:
-    """Record a whole timeline, at the recording's rate."""
+    """Record a whole timeline at the recording's frame rate."""
     steps = max(round((timeline.end - timeline.start) * recording.rate), 1)
     for time in np.linspace(timeline.start, timeline.end, steps + 1):
         recording.show(timeline.at(float(time)))
 
 
 def up_to(timeline: Timeline, time: float, last: float | None, memory: float) -> Iterator[Snapshot]:
-    """The snapshots that bring a scene to a time, history included.
+    """Yield the snapshots that update a scene to a time, including its history.
 
     Args:
-        timeline: what is shown.
-        time: where to, s.
-        last: time of the snapshot that the scene was shown last, s; None: none.
-        memory: how far the scene's history goes back, s.
+        timeline: Run to show.
+        time: Time to show, s.
+        last: Time of the snapshot that the scene shows, s; None if it shows none.
+        memory: Duration of the scene's history, s.
     """
     time = min(max(time, timeline.start), timeline.end)
     begin = max(time - memory, timeline.start)
@@ -78,7 +78,7 @@ def up_to(timeline: Timeline, time: float, last: float | None, memory: float) ->
 def thinned(
     series: Sequence[TimeSeries], points: int, pick: Callable[..., np.ndarray]
 ) -> list[TimeSeries]:
-    """Strips with at most so many points, each picked from those that it stands for."""
+    """Return the series reduced to `points` points each; `pick` gives the value of each group."""
     thin: list[TimeSeries] = []
     for one in series:
         width = -(-len(one.time) // points)

@@ -1,4 +1,4 @@
-"""`Video`: a recording, rendered frame by frame into a video."""
+"""`Video`: a recording rendered to a video frame by frame."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from wbc.view.errors import ViewerError
 if TYPE_CHECKING:
     from wbc.view.recording import Recording
 
-_PATIENCE = 180_000  # ms, for the page to be complete; software rendering takes its time
-_QUALITY = 92  # of the pictures on their way to the encoder, of 100
-_RATE_FACTOR = 19  # of H.264: 18 is nearly without visible loss
+_PATIENCE = 180_000  # ms, timeout for the page to load, which software rendering makes slow
+_QUALITY = 92  # JPEG quality of the frames sent to the encoder, of 100
+_RATE_FACTOR = 19  # constant rate factor of H.264; at 18 losses are hardly visible
 
 
 class Video:
-    """Renders recordings offline, by the recording's own page in a browser without a window.
+    """Renders recordings offline, with the recording's page in a headless browser.
 
     Args:
-        path: of the video, `.mp4`.
-        width: pixels, even.
-        height: pixels, even.
+        path: Path of the video, `.mp4`.
+        width: Width, pixels, even.
+        height: Height, pixels, even.
 
     Raises:
         MissingExtra: `playwright` or `imageio-ffmpeg` is not installed.
-        ViewerError: there is no browser, or the size is odd or not positive.
+        ViewerError: No browser is installed, or the size is odd or not positive.
     """
 
     def __init__(self, path: str | Path, width: int = 1280, height: int = 720) -> None:
@@ -48,17 +48,17 @@ class Video:
     def render(
         self, recording: Recording, progress: Callable[[int, int], None] | None = None
     ) -> Path:
-        """Make the video; a frame takes a good part of a second without a graphics card.
+        """Render the video; without a graphics card a frame takes up to a second.
 
         Args:
-            recording: what to show, at its own rate.
-            progress: called with the number of frames that are done, and of all.
+            recording: Recording to render, at its frame rate.
+            progress: Called with the number of rendered frames and of all frames.
 
         Returns:
             The path of the video.
 
         Raises:
-            ViewerError: nothing was recorded, or browser or encoder fail.
+            ViewerError: Nothing was recorded, or the browser or encoder fails.
         """
         with tempfile.TemporaryDirectory(prefix="wbc-video") as folder:
             page_path = recording.save(Path(folder) / "recording.html")
@@ -76,7 +76,7 @@ class Video:
 
     @contextlib.contextmanager
     def _encoding(self, rate: float) -> Iterator[IO[bytes]]:
-        """The encoder's input; the file is there when this ends well, and not otherwise."""
+        """Yield the encoder's input; the file exists afterwards only if all succeeded."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
         command = [
             self._encoder,
@@ -92,7 +92,7 @@ class Video:
             yield encoder.stdin
             encoder.stdin.close()
         except BrokenPipeError:
-            pass  # it has ended before its time: below it says why
+            pass  # the encoder has ended early; its output below states why
         except BaseException:
             encoder.kill()
             encoder.wait()
@@ -101,11 +101,11 @@ class Video:
         said = encoder.stderr.read().decode("utf-8", "replace").strip()
         if encoder.wait() != 0:
             self.path.unlink(missing_ok=True)
-            raise ViewerError(f"the video {self.path} cannot be made: {said.splitlines()[-1:]}")
+            raise ViewerError(f"the video {self.path} cannot be encoded: {said.splitlines()[-1:]}")
 
 
 def _encoder() -> str:
-    """Path of ffmpeg: the system's, or that of the package that brings one."""
+    """Return the path of ffmpeg: the system's, or that of the package `imageio-ffmpeg`."""
     found = shutil.which("ffmpeg")
     if found is not None:
         return found

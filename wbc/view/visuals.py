@@ -1,4 +1,4 @@
-"""How a robot visuals: by its visual shapes, or by the best substitute that it brings."""
+"""The shapes that a robot is drawn with: its visual shapes, or the best substitute."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True, eq=False)
 class RobotVisuals:
-    """The bodies of a robot.
+    """The shapes that a robot is drawn with.
 
     Attributes:
-        shapes: bodies per joint index, placed in the joint's axes.
-        source: what they were made from, for the eyes; empty for visual shapes.
-        top: highest point in the nominal posture above the soles, m.
+        shapes: Maps each joint index to its shapes, placed in joint axes.
+        source: Note on the origin of substitutes; empty for visual shapes.
+        top: Height of the highest point above the soles in the nominal posture, m.
     """
 
     shapes: dict[int, list[Json]]
@@ -37,7 +37,7 @@ class RobotVisuals:
 
 
 def visuals_of(robot: Robot) -> RobotVisuals:
-    """Visual shapes; or else, joint by joint, collision shapes or an ellipsoid of inertia."""
+    """Return the visual shapes or, per joint, collision shapes or an inertia ellipsoid."""
     model, data = robot.model, robot.model.createData()
     pin.framesForwardKinematics(model, data, robot.q_nominal)
     heights = [float(frame.translation[2]) for frame in data.oMf]
@@ -72,10 +72,10 @@ def _geometry(robot: Robot, kind: str) -> pin.GeometryModel | None:
 
 
 def ellipsoid(inertia: pin.Inertia) -> list[Json]:
-    """The solid ellipsoid of uniform density with this mass and inertia.
+    """Return the solid ellipsoid of uniform density with the given mass and inertia.
 
-    `a² = 5 (I_yy + I_zz − I_xx) / (2 m)` along each principal axis; an inertia
-    that no body can have is drawn as the nearest one that some body has.
+    Its semi-axes obey `a² = 5 (I_yy + I_zz − I_xx) / (2 m)` along each principal axis; a physically
+    impossible inertia is drawn as the closest possible one.
     """
     mass = float(inertia.mass)
     if not mass > 1e-6:
@@ -90,7 +90,7 @@ def ellipsoid(inertia: pin.Inertia) -> list[Json]:
 
 
 def _bones(model: pin.Model, joint: int) -> list[Json]:
-    """Rods from a joint to the joints that it carries."""
+    """Return rods from a joint to its child joints."""
     rods = []
     for child in model.children[joint]:
         end = model.jointPlacements[child].translation

@@ -1,4 +1,4 @@
-"""What every served page has: its texts, its address on this machine, and a closed door."""
+"""Serves pages to this machine: their files, their port, and a check of the host name."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PORTS = 200
 
 
 class Text(tornado.web.RequestHandler):
-    """A page or a script."""
+    """The handler of a page or a script."""
 
     def initialize(self, text: str, kind: str) -> None:
         self.text, self.kind = text, kind
@@ -32,11 +32,11 @@ class Text(tornado.web.RequestHandler):
 
 
 def page_handlers(name: str, sources: Sequence[str]) -> list[Any]:
-    """The page and its scripts.
+    """Return the handlers of a page and its scripts.
 
     Args:
-        name: of the robot.
-        sources: names of the scripts.
+        name: Name of the robot.
+        sources: Names of the scripts.
     """
     page = {"text": served_page(name, sources), "kind": "text/html"}
     handlers: list[Any] = [(r"/(?:static/)?", Text, page)]
@@ -49,12 +49,12 @@ def page_handlers(name: str, sources: Sequence[str]) -> list[Any]:
 def protected(
     handlers: Sequence[Any], names: str = LOOPBACK, **settings: Any
 ) -> tornado.web.Application:
-    """An application for requests to this machine by its own name: other sites cannot reach in.
+    """Return an application that rejects requests for other host names (DNS rebinding).
 
     Args:
-        handlers: what it serves.
-        names: regular expression of the host names by which it may be asked.
-        settings: of the application.
+        handlers: Request handlers.
+        names: Regular expression of the accepted host names.
+        settings: Settings of the application.
     """
     application = tornado.web.Application(**settings)
     application.add_handlers(names, list(handlers))
@@ -62,15 +62,15 @@ def protected(
 
 
 def listen(application: tornado.web.Application, port: int | None, host: str = HOST) -> int:
-    """Serve an application; returns the port.
+    """Serve an application; return the port.
 
     Args:
-        application: to be served.
-        port: None takes the first free one from 7000 on, 0 any.
-        host: address to listen on.
+        application: Application to serve.
+        port: Port; None takes the first free one from 7000 on, 0 any.
+        host: Address to listen on.
 
     Raises:
-        ViewerError: the port is in use.
+        ViewerError: The port is in use.
     """
     server = tornado.httpserver.HTTPServer(application)
     for candidate in range(FIRST_PORT, FIRST_PORT + _PORTS) if port is None else (port,):

@@ -1,4 +1,4 @@
-"""What is drawn: each actor owns some nodes of the scene and places them."""
+"""Actors: each owns some nodes of the scene and updates their poses."""
 
 from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode
 from wbc.view.actors.balance import BalanceActor

@@ -1,9 +1,8 @@
-"""The base of everything that is drawn, and the arithmetic of poses.
+"""The base class of actors, and helpers that set the poses of nodes.
 
-An actor makes its bodies once and afterwards only moves, stretches and hides
-them: a pose is `[x y z, qx qy qz qw, sx sy sz]`, and a scale of zero hides. That
-is what lets one scene feed a live page (a few kB per frame) and an animation
-(tracks of numbers) alike.
+An actor creates its objects once and afterwards only moves, scales and hides them: a pose is
+`[x y z, qx qy qz qw, sx sy sz]`, and a scale of zero hides a node. The same scene can therefore
+feed a live page (a few kB per frame) and an animation (keyframe tracks).
 """
 
 from __future__ import annotations
@@ -20,13 +19,13 @@ from wbc.view.objects import Json
 
 @dataclass(frozen=True, eq=False)
 class SceneNode:
-    """A place in the scene's tree, with bodies that move together.
+    """A node of the scene tree, with objects that move together.
 
     Attributes:
-        path: `/`-separated.
-        parts: the bodies; none for a node that meshcat's page already has.
-        smooth: an animation may interpolate between two poses. False for bodies
-            that are used again elsewhere and would fly across the scene.
+        path: Path in the tree, separated by `/`.
+        parts: The objects; none for a node that meshcat's page creates.
+        smooth: Whether an animation may interpolate between two poses. False for objects that
+            are reused at another place, to which they must jump.
     """
 
     path: str
@@ -36,12 +35,12 @@ class SceneNode:
 
 @dataclass(frozen=True)
 class Proportions:
-    """Sizes that the marks are drawn in proportion to.
+    """Dimensions of the robot to which drawn symbols are scaled.
 
     Attributes:
-        com_height: of the standing robot's centre of mass above its soles, m.
-        top: of the standing robot above its soles, m.
-        weight: N.
+        com_height: Height of the standing robot's centre of mass above its soles, m.
+        top: Height of the standing robot above its soles, m.
+        weight: Weight of the robot, N.
     """
 
     com_height: float
@@ -50,22 +49,23 @@ class Proportions:
 
     @property
     def unit(self) -> float:
-        """1 for a robot of human size."""
+        """Scale of the drawn symbols; 1 for a robot of human size."""
         return self.com_height / 0.9
 
 
 @dataclass(frozen=True, eq=False)
 class SceneInput:
-    """A snapshot with the kinematics that drawing it needs.
+    """A snapshot with the kinematics needed to draw it.
 
     Attributes:
-        snapshot: what is shown.
-        data: `forwardKinematics` and frame placements of `snapshot.q`.
-        contacts: name -> (placement in the world, (6,) wrench in its axes; N, N·m).
-        soles: name -> placement of every sole in the world.
-        com: (3,) centre of mass, m, world.
-        base: (3,) position of the root joint, m, world.
-        dt: time since the previous scene_input, s; 0 at the first.
+        snapshot: Snapshot to draw.
+        data: Pinocchio data with joint and frame placements at `snapshot.q`.
+        contacts: Maps each contact to its placement in the world and its wrench in contact
+            axes, N and N·m, shape (6,).
+        soles: Maps each sole to its placement in the world.
+        com: Centre of mass, m, world frame, shape (3,).
+        base: Position of the root joint, m, world frame, shape (3,).
+        dt: Time since the previous input, s; 0 for the first.
     """
 
     snapshot: Snapshot
@@ -78,24 +78,24 @@ class SceneInput:
 
 
 class Actor(ABC):
-    """Something drawn.
+    """A part of the scene, such as the robot or the contact forces.
 
     Attributes:
-        nodes: its places in the scene's tree, in the order of `place`'s rows.
+        nodes: Its nodes, in the order of the rows that `place` writes.
     """
 
     nodes: list[SceneNode]
 
     @abstractmethod
     def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
-        """Write the poses, (len(nodes), 10), of this scene_input; they hold the previous ones."""
+        """Write the poses of the nodes, shape (len(nodes), 10), over the previous ones."""
 
     def restart(self) -> None:  # noqa: B027  most actors have no history
-        """Forget history: another run begins."""
+        """Clear the history because a new run begins."""
 
 
 def put(row: np.ndarray, position: np.ndarray, scale: float = 1.0) -> None:
-    """Place a node upright; a position that is not known hides it."""
+    """Place a node upright at a position, m; hide it if the position is NaN."""
     if not np.isfinite(position).all():
         hide(row)
         return
@@ -111,13 +111,13 @@ def put_pose(row: np.ndarray, placement: pin.SE3) -> None:
 
 
 def put_yaw(row: np.ndarray, position: np.ndarray, yaw: float) -> None:
-    """Place a node at a position, turned about the world's z."""
+    """Place a node at a position (m), rotated about the world's z axis by `yaw` (rad)."""
     put(row, position)
     row[5], row[6] = np.sin(0.5 * yaw), np.cos(0.5 * yaw)
 
 
 def stretch(row: np.ndarray, start: np.ndarray, end: np.ndarray, thickness: float = 1.0) -> None:
-    """Stretch a body that is one metre long along y, and centred, between two points."""
+    """Stretch a centred object of one metre length along y between two points, m."""
     way = end - start
     length = float(np.sqrt(way @ way))
     if not length > 1e-6:  # also when it is NaN
@@ -129,7 +129,7 @@ def stretch(row: np.ndarray, start: np.ndarray, end: np.ndarray, thickness: floa
 
 
 def turn_y_to(axis: np.ndarray) -> tuple[float, float, float, float]:
-    """The shortest rotation of y to a unit axis, as a quaternion x y z w."""
+    """Return the smallest rotation of the y axis to a unit axis, as a quaternion x y z w."""
     x, y, z = (float(a) for a in axis)
     if y < -1.0 + 1e-9:
         return (1.0, 0.0, 0.0, 0.0)
@@ -138,5 +138,5 @@ def turn_y_to(axis: np.ndarray) -> tuple[float, float, float, float]:
 
 
 def hide(rows: np.ndarray) -> None:
-    """Hide a node, or several; they keep their place, so that none flies when shown again."""
+    """Hide nodes without moving them, so that an animation does not move them when shown again."""
     rows[..., 7:10] = 0.0

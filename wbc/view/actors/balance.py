@@ -1,4 +1,4 @@
-"""Centre of mass, divergent component of motion, its reference, and the ZMP."""
+"""Centre of mass, divergent component of motion (DCM), DCM reference, and ZMP."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, put
 from wbc.view.colours import COM, DCM, ZMP
 from wbc.view.objects import Y_TO_Z, cylinder, mesh, ring, see_through, sphere
 
-#: Marks lie this far above the ground, m, so that they neither sink into the floor's
-#: unevenness nor flicker with the support polygon.
+#: Height of the symbols above the ground, m, which avoids intersections with uneven ground and
+#: flicker against the support polygon.
 _LIFT = 0.006
 
 
 class BalanceActor(Actor):
-    """A ball at the centre of mass, flat marks on the ground for the rest."""
+    """A sphere at the centre of mass, and flat symbols on the ground for the other points."""
 
     def __init__(self, proportions: Proportions) -> None:
         u = proportions.unit

@@ -1,4 +1,4 @@
-"""The floor and the lights, which stay under the robot, and the camera, which follows it."""
+"""The floor and the lights, which move with the robot, and the camera, which follows it."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, put
 CAMERA = "/Cameras/default"
 STAGE = "stage"
 _TAU = 0.5  # s, time constant of the camera
-_TILE = 1.0  # m, the floor's pattern repeats
+_TILE = 1.0  # m, period of the floor's pattern
 
 
 class FloorActor(Actor):
-    """Moves what the page itself has made: floor with lights, and the camera's target."""
+    """Moves the floor, the lights and the camera's target, which the page creates."""
 
     def __init__(self, proportions: Proportions) -> None:
         self._height = 0.5 * proportions.top
@@ -28,7 +28,7 @@ class FloorActor(Actor):
         if self._target is None or np.linalg.norm(aim - self._target) > 5.0:
             self._target = aim
         self._target = self._target + (1.0 - np.exp(-scene_input.dt / _TAU)) * (aim - self._target)
-        # Whole tiles: the floor seems to lie still.
+        # The floor moves by whole tiles, so that it appears fixed.
         x, y = np.round(aim[:2] / _TILE) * _TILE
         put(poses[0], np.array([x, y, 0.0]))
         put(poses[1], self._target)

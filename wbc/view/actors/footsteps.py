@@ -1,4 +1,4 @@
-"""FootstepsActor: those planned as bright outlines, those made as faint ones."""
+"""Footsteps: planned ones as bright outlines, completed ones as faint outlines."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ from wbc.view.actors.actor import (
 from wbc.view.colours import LEFT, RIGHT, faded
 from wbc.view.objects import Colour, Json, flat, mesh, triangles
 
-_PLANNED = 8  # of each side
+_PLANNED = 8  # per side
 _MADE = 12
 _LIFT_PLANNED = np.array([0.0, 0.0, 0.002])
 _LIFT_MADE = np.array([0.0, 0.0, 0.001])
-#: A sole that bears this part of the weight has landed; below half of it, it has left.
+#: Share of the weight above which a sole has touched down; below half of it, it has lifted off.
 _LANDED = 0.05
-#: A loaded sole this far, m, from its last print has landed unseen.
+#: Distance of a loaded sole from its last footprint, m, that shows a touchdown between frames.
 _MOVED = 0.03
 
 
 class FootstepsActor(Actor):
     """Outlines of the soles on the ground, coloured by side.
 
-    A step counts as made when a sole takes up load; without contact wrenches in
-    the snapshots only planned steps are drawn.
+    A step is completed when the sole is loaded; without contact wrenches in the snapshots only
+    planned steps are drawn.
     """
 
     def __init__(self, soles: Sequence[Sole], proportions: Proportions) -> None:
@@ -87,7 +87,7 @@ class FootstepsActor(Actor):
         placement, history = scene_input.soles[name], self._history[name]
         if load > _LANDED:
             seen = history[-1].translation if history else np.full(3, np.inf)
-            # Frames may be dropped, so that nobody saw the sole in the air.
+            # Frames may be dropped, among them those with the sole in the air.
             moved = np.linalg.norm(placement.translation[:2] - seen[:2]) > _MOVED
             if moved:
                 history.append(placement.copy())
@@ -99,7 +99,7 @@ class FootstepsActor(Actor):
 
 
 def outline(sole: Sole, width: float = 0.006) -> Json:
-    """A frame of the sole's size, with a tip that tells its heading."""
+    """Return an outline of the sole's size, with a tip at the front; `width` in m."""
     x, y = sole.half_length, sole.half_width
     outer = np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
     inner = outer - np.sign(outer) * width
@@ -110,7 +110,7 @@ def outline(sole: Sole, width: float = 0.006) -> Json:
 
 
 def area(sole: Sole) -> Json:
-    """A rectangle of the sole's size."""
+    """Return a rectangle of the sole's size."""
     x, y = sole.half_length, sole.half_width
     corners = np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
     return _level(corners, np.array([[0, 1, 2], [0, 2, 3]]))

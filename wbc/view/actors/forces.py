@@ -12,21 +12,21 @@ from wbc.view.objects import cylinder, mesh, see_through
 
 _RADIUS = 0.012  # m, on a robot of human size
 _HEAD = 0.09  # m
-#: Length of the arrow that carries the robot's weight, in heights of its centre of mass.
+#: Length of the arrow for the robot's weight, as a multiple of the CoM height.
 _LENGTH = 0.6
-#: Forces below this part of the weight are not drawn: more than the noise of a foot in the air.
+#: Smallest force that is drawn, as a share of the weight; above the noise of an unloaded foot.
 _LEAST = 0.02
 
 
 class ForcesActor(Actor):
-    """One arrow per loaded contact; as long as the force is large."""
+    """One arrow per loaded contact, with a length proportional to the force."""
 
     def __init__(self, proportions: Proportions) -> None:
         self._weight = proportions.weight
         self._scale = _LENGTH * proportions.com_height / proportions.weight
         self._head = _HEAD * proportions.unit
         radius = _RADIUS * proportions.unit
-        # Arrows run inside the leg that bears them: they are drawn over the robot.
+        # The arrows lie inside the leg, so they are drawn over the robot.
         material = see_through(FORCE)
         self.nodes = []
         for i in range(CONTACTS):

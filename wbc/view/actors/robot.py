@@ -1,4 +1,4 @@
-"""The robot: one node per joint, under it the bodies that the joint carries."""
+"""The robot: one node per joint, with the shapes of the links that the joint moves."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from wbc.view.objects import Json
 
 
 class RobotActor(Actor):
-    """The robot's bodies, moved joint by joint.
+    """The shapes of the robot, moved with the joints.
 
     Args:
-        model: the robot's model.
-        shapes: bodies per joint index, each placed in its joint's axes.
+        model: Pinocchio model of the robot.
+        shapes: Maps each joint index to its shapes, placed in joint axes.
     """
 
     def __init__(self, model: pin.Model, shapes: dict[int, list[Json]]) -> None:

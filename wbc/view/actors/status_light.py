@@ -1,4 +1,4 @@
-"""A status light above the robot: it shows how the tick's QP ended."""
+"""A status light above the robot that shows the status of the tick's QP."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from wbc.view.objects import flat, mesh, sphere
 
 
 class StatusLightActor(Actor):
-    """One ball per status, of which one is seen."""
+    """One sphere per status, of which one is visible."""
 
     def __init__(self, proportions: Proportions) -> None:
         self._height = proportions.top - proportions.com_height + 0.14 * proportions.unit

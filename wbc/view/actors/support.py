@@ -1,4 +1,4 @@
-"""The support polygon: its edges, and a translucent filling."""
+"""The support polygon: its edges and a translucent area."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _CORNER = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
 
 
 class SupportActor(Actor):
-    """Edges are stretched cylinders; the filling is stretched right-angled triangles."""
+    """The edges are scaled cylinders, the area consists of scaled right-angled triangles."""
 
     def __init__(self, proportions: Proportions) -> None:
         radius = _RADIUS * proportions.unit
@@ -43,14 +43,14 @@ class SupportActor(Actor):
 
 
 def lay_triangle(rows: np.ndarray, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> None:
-    """Cover a level triangle by two right-angled ones: the poses of two unit triangles.
+    """Cover a horizontal triangle by two right-angled ones: the poses of two unit triangles.
 
-    A pose cannot shear, but the height on the longest side cuts any triangle
-    into two with a right angle, and those are a unit triangle stretched.
+    A pose cannot shear, but the altitude on the longest side divides any triangle into two
+    right-angled ones, which are scaled unit triangles.
 
     Args:
-        rows: (2, 10) poses to be written.
-        a: (3,) corner, m; so are `b` and `c`.
+        rows: Poses to write, shape (2, 10).
+        a: First corner, m, shape (3,); likewise `b` and `c`.
     """
     points = np.stack([a, b, c])
     sides = np.linalg.norm(np.roll(points, -1, 0) - np.roll(points, -2, 0), axis=1)

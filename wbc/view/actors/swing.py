@@ -1,4 +1,4 @@
-"""The way that the swing sole has still to go, as a string of beads."""
+"""The remaining path of the swing sole, as a row of small spheres."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _BEADS = 24
 
 
 class SwingActor(Actor):
-    """Beads at equal distances along the swing path."""
+    """Spheres at equal distances along the swing path."""
 
     def __init__(self, proportions: Proportions) -> None:
         self.nodes = []

@@ -1,4 +1,4 @@
-"""Where the centre of mass has been."""
+"""The past path of the centre of mass."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from wbc.view.colours import COM, faded
 from wbc.view.objects import cylinder, flat, mesh
 
 _PIECES = 120
-_STEP = 0.04  # m, length of a piece on a robot of human size
+_STEP = 0.04  # m, length of a segment on a robot of human size
 
 
 class TrailActor(Actor):
-    """A chain of thin rods; the oldest becomes the newest."""
+    """A chain of thin rods, in which the oldest is reused as the newest."""
 
     def __init__(self, proportions: Proportions) -> None:
         self._step = _STEP * proportions.unit
