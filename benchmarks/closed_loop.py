@@ -2,11 +2,11 @@
 
 A robot walks in MuJoCo: physics at 1 kHz, noisy sensors, state estimator, walker and controller
 at 500 Hz, without observers. The factor of real time is simulated time over the CPU time of the
-whole process during `wbc.run`. A second walk has a stopwatch around each part of a control period,
-and its torques are then given to MuJoCo alone, for comparison. From measurement to command is what
-estimator and walker take together, the controller included; its ratio to the controller alone is
-the price of everything around the quadratic program. All rounds are the same walk: of each period,
-and of the CPU times, the smallest counts, since other work on the machine only ever adds.
+whole process during `wbc.run`. In a second walk each part of a control period is timed, and its
+torques are then applied to MuJoCo alone, for comparison. "Measurement to command" is the time of
+estimator and walker, including the controller; its ratio to the controller alone shows the cost of
+everything around the quadratic program. All rounds repeat the same walk; the table uses the minimum
+over the rounds, because other load on the machine can only add time.
 
     python benchmarks/closed_loop.py
     python benchmarks/closed_loop.py --robot talos --rounds 5 --json out/closed_loop.json
@@ -37,7 +37,7 @@ from wbc.sim import Mujoco
 SPEEDS = {"talos": 0.3, "g1": 0.25, "simple_humanoid": 0.3}
 SETTLE = 0.5  # s of standing before the first step
 
-#: What a control period consists of; the last is what `wbc.run` itself takes, statistics included.
+#: The parts of a control period; the last is `wbc.run` itself, including its statistics.
 STAGES = ("plant", "estimator", "gait and balance", "controller", "loop")
 #: Sums of stages, and a comparison.
 TOTALS = ("measurement to command", "period", "mj_step alone")
@@ -45,10 +45,10 @@ _PARTS = ("plant", "estimator", "walker", "controller", "period")
 
 
 class Stopwatch:
-    """Adds up, period by period, what the wrapped methods take.
+    """Accumulates the time of the wrapped methods in each control period.
 
     Attributes:
-        periods: one list of seconds for each of `_PARTS`.
+        periods: One list of times, s, for each of `_PARTS`.
     """
 
     def __init__(self) -> None:
@@ -57,7 +57,7 @@ class Stopwatch:
         self._spent = dict.fromkeys(_PARTS, 0.0)
 
     def around(self, method: Callable[..., Any], part: str) -> Callable[..., Any]:
-        """Return the same method, timed."""
+        """Return the method with its time added to `part`."""
         spent, clock = self._spent, time.perf_counter
 
         def timed(*args: Any, **options: Any) -> Any:
@@ -83,7 +83,7 @@ class Stopwatch:
 
 
 class Timed:
-    """Stands in for a plant, an estimator or a controller, and has some of its methods timed."""
+    """A wrapper of a plant, an estimator or a controller that times some of its methods."""
 
     def __init__(self, inner: Any, watch: Stopwatch, part: str, methods: tuple[str, ...]) -> None:
         self._inner = inner
@@ -106,7 +106,7 @@ def steer(walker: wbc.Walker, speed: float) -> Callable[[float], None]:
 
 
 def cpu_time(robot: wbc.Robot, speed: float, duration: float) -> float:
-    """CPU seconds of the process per simulated second."""
+    """Return the CPU time of the process per simulated time, s/s."""
     walker = wbc.Walker(robot)
     with Mujoco(robot) as plant:
         start = time.process_time()
@@ -118,7 +118,7 @@ def cpu_time(robot: wbc.Robot, speed: float, duration: float) -> float:
 
 
 def stage_times(robot: wbc.Robot, speed: float, duration: float) -> dict[str, np.ndarray]:
-    """Per stage, (periods,) µs."""
+    """Return the time of each stage in each period, µs, shape (periods,)."""
     walker, watch = wbc.Walker(robot), Stopwatch()
     torques: list[np.ndarray] = []
     walker.controller.solve = watch.around(walker.controller.solve, "controller")
@@ -156,7 +156,7 @@ def stage_times(robot: wbc.Robot, speed: float, duration: float) -> dict[str, np
 
 
 def bare_physics(robot: wbc.Robot, torques: list[np.ndarray]) -> np.ndarray:
-    """(periods,) µs of MuJoCo's own steps under recorded torques."""
+    """Return the time of MuJoCo's steps under recorded torques, µs, shape (periods,)."""
     spent = []
     with Mujoco(robot) as plant:
         model, data, substeps = plant.model, plant.data, round(plant.dt / plant.timestep)
@@ -169,7 +169,7 @@ def bare_physics(robot: wbc.Robot, torques: list[np.ndarray]) -> np.ndarray:
 
 
 def measure(name: str, duration: float, rounds: int) -> dict[str, float]:
-    """Per stage median and mean over the periods, and the factor of real time."""
+    """Return median and mean of each stage over the periods, and the real-time factor."""
     robot = wbc.load(name)
     cpu_time(robot, 0.0, 0.1)  # compiles or reads what is needed on first use
     costs, runs = [], []

@@ -1,4 +1,4 @@
-"""How right the controller is: thousands of random problems against proved optima.
+"""Checks the controller's solutions on thousands of random problems with certified optima.
 
 Random robots (those of the catalogue and synthetic ones), states, contacts, tasks, weights and
 limits; single ticks and warm-started sequences. The reference builds the unreduced problem, with
@@ -48,7 +48,7 @@ WORST = ("acceleration", "wrench", "torque", "violation", "excess", "slope")
 
 @dataclass
 class Tally:
-    """What became of the ticks of one kind with one solver."""
+    """The results of the ticks of one kind with one solver."""
 
     ticks: int = 0
     solvable: int = 0
@@ -62,7 +62,7 @@ class Tally:
     ill_off: float = 0.0  #: largest error of the ill-conditioned ones, faults left out
 
     def count(self, verdict: Verdict) -> None:
-        """One more."""
+        """Count a verdict."""
         self.ticks += 1
         self.faults += bool(verdict.fault)
         self.solvable += verdict.truth is Truth.SOLVABLE
@@ -80,7 +80,7 @@ class Tally:
                 self.worst[name] = max(self.worst[name], getattr(verdict, name))
 
     def add(self, other: Tally) -> None:
-        """Take in another's counts."""
+        """Add the counts of another tally."""
         for name in ("ticks", "solvable", "ill_conditioned", "infeasible", "recognised"):
             setattr(self, name, getattr(self, name) + getattr(other, name))
         self.undecided += other.undecided
@@ -98,7 +98,7 @@ def keep(folder: Path, verdict: Verdict, problem: Problem | None) -> None:
 
 
 def table(title: str, tallies: dict[str, Tally]) -> str:
-    """One solver's results."""
+    """Return the table of one solver's results."""
     whole = Tally()
     for tally in tallies.values():
         whole.add(tally)
@@ -116,7 +116,7 @@ def table(title: str, tallies: dict[str, Tally]) -> str:
 
 
 def run(cases: list[Case], solvers: list[str], formulation: str | None, args: Any) -> Any:
-    """Tallies by solver and kind, and the faults."""
+    """Return the tallies by solver and kind, and the faults."""
     chosen = wbc.Formulation(formulation) if formulation else None
     tallies = {s: {kind: Tally() for kind in args.kind or KINDS} for s in solvers}
     faults: list[dict[str, Any]] = []
@@ -136,7 +136,7 @@ def run(cases: list[Case], solvers: list[str], formulation: str | None, args: An
 
 
 def main() -> int:
-    """Draw problems, solve, assess, print the table, write the JSON."""
+    """Generate problems, solve and assess them, print the table and write the JSON file."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

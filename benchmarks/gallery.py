@@ -1,11 +1,11 @@
-"""Pictures of the motions, each at a characteristic moment, from the page that shows a run.
+"""Renders an image of each motion at a characteristic moment.
 
 Every motion is played in MuJoCo with noisy sensors and the estimator and recorded. The page of the
 recording is rendered in a headless browser: the robot, the path of its centre of mass, DCM, ZMP,
 contact forces and the support polygon.
 
     python benchmarks/gallery.py                  # docs/motions/*.png and docs/motions.png
-    python benchmarks/gallery.py --motion jump    # only this one; the overview stays
+    python benchmarks/gallery.py --motion jump    # only this one; keeps the overview
 """
 
 from __future__ import annotations
@@ -59,18 +59,18 @@ Moment = Callable[[float, MotionPlayer], bool]
 
 @dataclass(frozen=True)
 class Scene:
-    """A picture.
+    """The motion, the moment and the camera of an image.
 
     Attributes:
-        name: name of the file.
-        caption: one sentence.
-        command: the command that plays it, without `wbc motion`.
-        robot: name of the robot.
-        motion: the motion to play.
-        moment: whether to take the picture, from the time (s) and the player.
-        turn: angle of the camera about the robot, rad.
-        nearer: distance of the camera relative to the page's default.
-        lower: height of the camera, likewise.
+        name: Name of the file.
+        caption: Caption, one sentence.
+        command: Command that plays the motion, without `wbc motion`.
+        robot: Name of the robot.
+        motion: Motion to play.
+        moment: Returns whether to take the image, given the time (s) and the player.
+        turn: Angle of the camera about the robot, rad.
+        nearer: Distance of the camera relative to the page's default.
+        lower: Height of the camera relative to the page's default.
     """
 
     name: str
@@ -85,12 +85,12 @@ class Scene:
 
 
 def after(seconds: float) -> Moment:
-    """The moment at a time of the run, s."""
+    """Return the moment at a time of the run, s."""
     return lambda time, player: time >= seconds
 
 
 def at_the_top(time: float, player: MotionPlayer) -> bool:
-    """Whether the robot is in flight and has passed the top."""
+    """Return whether the robot is in flight and has passed the apex."""
     context = player.context
     if (
         not isinstance(context.override, JumpController)
@@ -102,12 +102,12 @@ def at_the_top(time: float, player: MotionPlayer) -> bool:
 
 
 def on_one_leg(time: float, player: MotionPlayer) -> bool:
-    """Whether a foot is lifted and a push has been applied."""
+    """Return whether a foot is lifted and a push has been applied."""
     return player.context.stance.lifted is not None and len(player.context.pushes) > 0
 
 
 def stepping(time: float, player: MotionPlayer) -> bool:
-    """Whether the third step is half done."""
+    """Return whether the third step is half completed."""
     swings = player.telemetry.phase in ("left", "right")
     return player.steps == 2 and swings and player.walker.gait_state.progress > 0.5
 
@@ -124,7 +124,7 @@ SCENES = (
     ),
     Scene(
         "squat",
-        "Down by 20 % of the leg length and up again, with the CoM above the soles.",
+        "The hips descend by 20 % of the leg length and rise again, with the CoM above the soles.",
         "squat --robot talos --depth 20",
         "talos",
         Squat(depth=20.0),
@@ -141,7 +141,7 @@ SCENES = (
     ),
     Scene(
         "reach",
-        "Each hand reaches a position of its own; the report lists those out of reach.",
+        "Each hand reaches its own target position; the report lists unreachable targets.",
         "reach --robot talos --left 0.55 0.35 1.35 --right 0.5 -0.25 0.85",
         "talos",
         Reach(left=(0.55, 0.35, 1.35), right=(0.5, -0.25, 0.85)),
@@ -149,7 +149,7 @@ SCENES = (
     ),
     Scene(
         "look",
-        "Head and trunk turn together to follow a point.",
+        "Head and trunk rotate together to follow a point.",
         "look --robot talos --radius 0.9",
         "talos",
         Look(radius=0.9),
@@ -157,7 +157,7 @@ SCENES = (
     ),
     Scene(
         "one-leg",
-        "Five seconds on either leg, with a push in the middle of each.",
+        "The robot stands on each leg for five seconds and receives a push halfway through.",
         "one-leg --robot simple_humanoid --leg left --height 15",
         "simple_humanoid",
         OneLeg(leg="left", height=15.0),
@@ -175,7 +175,7 @@ SCENES = (
     ),
     Scene(
         "step-in-place",
-        "The walker steps onto the places where its feet are.",
+        "The walker steps in place, onto the current positions of its feet.",
         "step-in-place --robot romeo",
         "romeo",
         StepInPlace(),
@@ -183,7 +183,7 @@ SCENES = (
     ),
     Scene(
         "sine",
-        "Fifteen joints follow sines, as a posture task under balance.",
+        "Fifteen joints follow sine waves in a posture task while balance control is active.",
         "sine --robot simple_humanoid --balanced",
         "simple_humanoid",
         Sine(balanced=True),
@@ -191,7 +191,7 @@ SCENES = (
     ),
     Scene(
         "sine-open-loop",
-        "The same sines without balance control: the robot falls, and the report says when.",
+        "Without balance control the same sine waves make the robot fall; the report states when.",
         "sine --robot simple_humanoid",
         "simple_humanoid",
         Sine(),
@@ -200,7 +200,7 @@ SCENES = (
     ),
     Scene(
         "jump",
-        "Planned within the torque and velocity limits; here in flight, without contact forces.",
+        "The jump is planned within the torque and velocity limits; the image shows the flight.",
         "jump --robot g1 --clearance 0.08",
         "g1",
         Jump(clearance=0.08),
@@ -210,7 +210,7 @@ SCENES = (
     ),
     Scene(
         "keyframes",
-        "Postures and hand positions from a file, checked before the robot moves.",
+        "The robot tracks postures and hand positions from a file, which is checked beforehand.",
         "keyframes --robot simple_humanoid --file examples/motions/keyframes/robot_dance.csv",
         "simple_humanoid",
         Keyframes(file=str(ROOT / "examples" / "motions" / "keyframes" / "robot_dance.csv")),
@@ -220,7 +220,7 @@ SCENES = (
 
 
 def render(scene: Scene, path: Path) -> None:
-    """Play a scene up to its moment and render the picture."""
+    """Play a scene up to its moment and render the image."""
     robot = wbc.load(scene.robot)
     player = MotionPlayer(robot, motions=[scene.motion])
     runner, recording = MotionRunner(player), Recording(robot)
@@ -246,7 +246,7 @@ def render(scene: Scene, path: Path) -> None:
 
 
 def write_overview(scenes: Sequence[Scene], folder: Path, path: Path) -> None:
-    """Write one picture with all scenes and their commands."""
+    """Write an overview image of all scenes and their commands."""
     figures = []
     for scene in scenes:
         data = base64.b64encode((folder / f"{scene.name}.png").read_bytes()).decode("ascii")
@@ -275,11 +275,11 @@ def write_page(scenes: Sequence[Scene], path: Path) -> None:
     lines = [
         "# Motions",
         "",
-        "Each in MuJoCo with the robot's torque limits, noisy sensors and the estimator in the",
-        "loop, at a characteristic moment. Pictures and page are made by",
+        "Each image shows a motion in MuJoCo with the robot's torque limits, noisy sensors and the",
+        "estimator in the loop, at a characteristic moment. Images and page are made by",
         "`python benchmarks/gallery.py`. `wbc motion --list` names all motions, `wbc motion NAME",
         "--help` lists its parameters, and `wbc motion demo` plays all motions in a row.",
-        "A motion of your own takes a page of code: `examples/motions/13_own_motion.py`.",
+        "To write your own motion, see `examples/motions/13_own_motion.py`.",
         "",
         "Red arrows are contact forces, black is the path of the centre of mass, violet the DCM,",
         "yellow the ZMP, and green the support polygon.",
@@ -301,10 +301,10 @@ def write_page(scenes: Sequence[Scene], path: Path) -> None:
 
 
 def main() -> None:
-    """Render the pictures, write overview and page."""
+    """Render the images, and write the overview and the page."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     names = [scene.name for scene in SCENES]
-    parser.add_argument("--motion", action="append", choices=names, help="only this picture")
+    parser.add_argument("--motion", action="append", choices=names, help="render only this image")
     parser.add_argument("--docs", type=Path, default=ROOT / "docs", help="folder to write to")
     parser.add_argument("--overview", action="store_true", help="only overview and page")
     options = parser.parse_args()

@@ -1,11 +1,11 @@
-"""From slider to robot motion, and what the live page costs the loop.
+"""Measures the latency from a slider to the robot's motion, and the load of the live page.
 
-A page without a picture moves a slider of a robot that stands in a real-time run, time and again.
-Measured from the message: until the loop begins the tick that takes it, until that tick's command
-is there, and until the first frame of that tick or later reaches a page. That the command is
-another one is checked against the same run without the message: physics repeat.
-Then what the loop pays per tick: looking for commands, and showing itself; and the worst tick
-from the moment on in which each motion is asked for.
+A page without rendering repeatedly moves a slider of a robot that stands in a real-time run. Three
+latencies are measured from the message: to the start of the tick that applies it, to the command of
+that tick, and to the arrival of the first frame of that tick or a later one at a page. A run
+without the message, which is otherwise identical, shows that the command differs. Further figures
+are the CPU time per tick of receiving commands and of publishing ticks, and the slowest tick after
+each motion command.
 """
 
 from __future__ import annotations
@@ -38,21 +38,21 @@ from wbc.teleop import Acknowledgement, CommandClient, CommandHandler, MotionCom
 
 Row = dict[str, float | str]
 _SETTLE = 0.3  # s of standing before the message
-_SAME = 1e-3  # N·m: torques of two runs that differ by less are the same
+_SAME = 1e-3  # N·m; smaller differences between the torques of two runs are ignored
 
 
 class Page(threading.Thread):
-    """A page without a picture: answers each frame at once, and notes when it came."""
+    """A page without rendering: acknowledges each frame at once and records its arrival."""
 
     def __init__(self, url: str) -> None:
         super().__init__(daemon=True)
         self._address = url.replace("http", "ws").replace("static/", "")
-        self.frames: list[tuple[float, float]] = []  # wall clock, plant's time
+        self.frames: list[tuple[float, float]] = []  # wall time, plant time
         self.ready = threading.Event()
         self.start()
 
     def run(self) -> None:
-        """Listen until the server is gone."""
+        """Receive frames until the server closes the connection."""
         asyncio.run(self._listen())
 
     async def _listen(self) -> None:
@@ -76,14 +76,14 @@ class Page(threading.Thread):
         while await self._controls.read_message() is not None:
             pass
 
-    def say(self, control: str, value: float) -> None:
-        """Send a message now."""
+    def send(self, control: str, value: float) -> None:
+        """Send a control message at once."""
         text = json.dumps({"control": control, "value": value})
         self._loop.call_soon_threadsafe(self._controls.write_message, text)
 
 
-class Watch:
-    """Notes when each tick began and when its command was there."""
+class TickRecorder:
+    """Records when each tick began and when its command was available."""
 
     def __init__(self, handler: CommandHandler) -> None:
         self._handler = handler
@@ -99,7 +99,7 @@ class Watch:
         """See `wbc.runtime.protocols.Observer`."""
 
     def before_tick(self, now: float) -> None:
-        """Let the page's commands in."""
+        """Apply the page's commands."""
         self._handler.before_tick(now)
         self.began.append(time.perf_counter())
         self.taken.append(self._taken)
@@ -108,7 +108,7 @@ class Watch:
         self._taken += 1
 
     def observe(self, tick: Tick) -> None:
-        """Note the command."""
+        """Record the command and its time."""
         self.ended.append(time.perf_counter())
         self.tau.append(tick.command.tau)
         self.times.append(tick.time)
@@ -117,9 +117,9 @@ class Watch:
         """See `wbc.runtime.protocols.Observer`."""
 
 
-def stand(live: Live, handler: CommandHandler, seconds: float) -> Watch:
-    """A real-time run from the start."""
-    watch = Watch(handler)
+def stand(live: Live, handler: CommandHandler, seconds: float) -> TickRecorder:
+    """Reset the plant and run in real time; return the recorded ticks."""
+    watch = TickRecorder(handler)
     handler.plant.reset()
     handler.begin()
     both = (watch, live)
@@ -128,12 +128,12 @@ def stand(live: Live, handler: CommandHandler, seconds: float) -> Watch:
 
 
 def slider(robot: wbc.Robot, repeats: int) -> tuple[list[Row], dict[str, list[float]]]:
-    """Latencies from the message on, ms."""
+    """Return the latencies from the message on, ms."""
     rng = np.random.default_rng(0)
     spent: dict[str, list[float]] = {
-        "to the tick that takes it": [],
+        "to the tick that applies it": [],
         "to the command that differs": [],
-        "to a frame of it at a page": [],
+        "to its frame at a page": [],
     }
     player = MotionPlayer(robot)
     plant = Mujoco(robot, dt=player.dt)
@@ -153,9 +153,9 @@ def slider(robot: wbc.Robot, repeats: int) -> tuple[list[Row], dict[str, list[fl
 
             def move(value: float, sent: list[float] = sent) -> None:
                 sent.append(time.perf_counter())
-                page.say("velocity.forward", value)
+                page.send("velocity.forward", value)
 
-            # Just so much that each is another value, and at no particular phase of the ticks.
+            # Each value differs slightly, and the phase relative to the ticks is random.
             wait = _SETTLE + float(rng.uniform(0.0, 0.05))
             timer = threading.Timer(wait, move, [0.1 + 1e-4 * k])
             timer.start()
@@ -166,7 +166,7 @@ def slider(robot: wbc.Robot, repeats: int) -> tuple[list[Row], dict[str, list[fl
                 np.abs(a - b).max() > _SAME for a, b in zip(watch.tau, quiet.tau, strict=True)
             ]
             first = differs.index(True)
-            assert first == took, f"taken at tick {took}, another command at tick {first}"
+            assert first == took, f"applied at tick {took}, but the command differs at tick {first}"
             time.sleep(0.2)
             frame = next(
                 wall
@@ -185,7 +185,7 @@ def slider(robot: wbc.Robot, repeats: int) -> tuple[list[Row], dict[str, list[fl
 
 
 def torques(robot: wbc.Robot, slower: float, faster: float, at: float) -> list[np.ndarray]:
-    """Of a walk whose velocity changes at a time, from there on for a second; not in real time."""
+    """Return the torques, N·m, of the second after a velocity change; not in real time."""
     player = MotionPlayer(robot)
     plant = Mujoco(robot, dt=player.dt)
     found: list[np.ndarray] = []
@@ -210,7 +210,7 @@ def torques(robot: wbc.Robot, slower: float, faster: float, at: float) -> list[n
 
 
 def walking(robot: wbc.Robot, phases: int) -> Row:
-    """From a velocity set while it walks to the command that differs, ms of the robot's time."""
+    """Measure the latency from a velocity change while walking to the command, ms plant time."""
     gait = MotionPlayer(robot).walker.gait
     slower, faster = 0.3 * gait.max_velocity[0], 0.4 * gait.max_velocity[0]
     waits = []
@@ -222,7 +222,7 @@ def walking(robot: wbc.Robot, phases: int) -> Row:
         differs = [bool(np.abs(a - b).max() > _SAME) for a, b in pairs]
         waits.append(2.0 * differs.index(True))
     return {
-        "what": "walking: velocity to other command",
+        "what": "walking: velocity change to command",
         "unit": "ms",
         "p50": float(np.median(waits)),
         "max": max(waits),
@@ -230,7 +230,7 @@ def walking(robot: wbc.Robot, phases: int) -> Row:
 
 
 def cost(robot: wbc.Robot, ticks: int) -> list[Row]:
-    """CPU time per tick of what the page asks of the loop, µs."""
+    """Measure the CPU time per tick that the live page takes from the loop, µs."""
     player = MotionPlayer(robot)
     plant = Mujoco(robot, dt=player.dt)
     looking: list[float] = []
@@ -266,14 +266,14 @@ def cost(robot: wbc.Robot, ticks: int) -> list[Row]:
         player.velocity = (0.1, 0.0, 0.0)
         wbc.run(player, plant, ticks * player.dt, observers=[Timed()], before_tick=before_tick)
     rows: list[Row] = []
-    for what, values in (("looking for commands", looking), ("showing a tick", showing)):
+    for what, values in (("receiving commands", looking), ("publishing a tick", showing)):
         p50, p99, mean = *np.percentile(values, [50, 99]), np.mean(values)
         rows.append({"what": what, "unit": "µs", "p50": p50, "p99": p99, "mean": mean})
     return rows
 
 
 def starts(robot: wbc.Robot, seconds: float) -> list[Row]:
-    """CPU time of the worst tick after each motion command, ms: command handler and controller."""
+    """Measure the slowest tick after each motion command, ms CPU: handler and controller."""
     rows: list[Row] = []
     for kind in MOTIONS:
         player = MotionPlayer(robot)
@@ -281,14 +281,14 @@ def starts(robot: wbc.Robot, seconds: float) -> list[Row]:
         handler = CommandHandler(player, plant, owns_clock=False)
         client = CommandClient(robot, handler.open_channel().config, "benchmark")
         client.start_planning()
-        client.send(MotionCommand(kind()))  # as the page's process does it
+        client.send(MotionCommand(kind()))  # as in the process of the page
         refusals: list[Acknowledgement] = []
         while client.planning is not None:
             refusals += client.poll()
             time.sleep(0.01)
         refusals += client.poll()
         if refusals:
-            print(f"left out: {refusals[0].reason}")
+            print(f"skipped: {refusals[0].reason}")
             continue
         spent: list[float] = []
         asked = player.dt * round(1.0 / player.dt)
@@ -320,7 +320,7 @@ def starts(robot: wbc.Robot, seconds: float) -> list[Row]:
         standing, playing = spent[100:first], spent[first:]
         rows.append(
             {
-                "what": f"{kind.name}: worst of {seconds:g} s",
+                "what": f"{kind.name}: slowest tick within {seconds:g} s",
                 "unit": "ms",
                 "p50": float(np.median(playing)),
                 "p99": float(np.percentile(playing, 99)),
@@ -333,7 +333,7 @@ def starts(robot: wbc.Robot, seconds: float) -> list[Row]:
 
 
 def main() -> None:
-    """Measure and print."""
+    """Run the measurements and print the results."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--robot", default="talos", help="default: talos")
     parser.add_argument("--repeats", type=int, default=30, help="of the slider (default: 30)")
@@ -363,8 +363,8 @@ def main() -> None:
         )
         print(f"{row['what']!s:36}{row['unit']!s:4}{figures}")
     if options.json is not None:
-        told = {"robot": robot.name, "rows": rows, "slider_ms": spent}
-        options.json.write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
+        results = {"robot": robot.name, "rows": rows, "slider_ms": spent}
+        options.json.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

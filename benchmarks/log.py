@@ -1,16 +1,16 @@
-"""What keeping every tick costs the loop, and what it costs the disk.
+"""Measures the load of a log of every tick on the control loop and on the disk.
 
-The loop is `wbc.run(..., real_time=True)` at 500 Hz with the walker's own work in every tick; a
-walk in MuJoCo is recorded once and replayed, so that the physics takes no part. Measured are the
-calls that keep a tick (`TickStream.write` and `FlightRecorder.observe`), with and without a contact
-plan in it (30 per second have one), the walker's work in the same loop with and without a log, and
-what the other process did: its processor time, its longest write, the size of the file. A write
-takes milliseconds; that no call takes as long shows that it happens elsewhere.
+The loop is `wbc.run(..., real_time=True)` at 500 Hz with the walker's computation in every tick; a
+walk in MuJoCo is recorded once and replayed, which excludes the physics. Measured are the
+calls that log a tick (`TickStream.write` and `FlightRecorder.observe`), with and without a contact
+plan in it (30 per second have one), the walker's tick time in the same loop with and without a log,
+and the log writer's CPU time, longest write and file size. A write takes milliseconds; no call in
+the loop takes as long, because the log writer is another process.
 
-Runs with and without a log take turns, so that a machine's other work falls on both.
+Runs with and without a log alternate, so that other load on the machine affects both equally.
 
-Then what fills the file, topic by topic, and what it would cost to write the same messages with the
-package `mcap`, in chunks of the same length and with the same compression.
+The table also lists the size of each topic, and the CPU time of the package `mcap` for writing the
+same messages in chunks of the same duration with the same compression.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ DT = 0.002  # s
 
 
 class Timed:
-    """A flight recorder and its stream; the calls of a tick are timed."""
+    """Times the calls of a flight recorder and its stream in each tick."""
 
     def __init__(self, recorder: FlightRecorder, robot: wbc.Robot) -> None:
         self._recorder, self._stream = recorder, TickStream(robot)
@@ -62,7 +62,7 @@ class Timed:
 def run(
     robot: wbc.Robot, walk: list[wbc.Measurement], speed: float, log: Timed | None
 ) -> tuple[np.ndarray, int]:
-    """One round; the work of every tick, s, and the number of overruns."""
+    """Run one round; return the computation time of every tick, s, and the number of overruns."""
     plant = Replay(robot, DT, walk)
     report = wbc.run(
         walker(robot, DT, speed),
@@ -73,12 +73,12 @@ def run(
         observers=[] if log is None else [log],
     )
     if not report.survived:
-        raise SystemExit(f"{robot.name} does not do what was recorded: {report.fell_why}")
+        raise SystemExit(f"{robot.name} deviates from the recorded walk: {report.fell_why}")
     return plant.commanded_at - plant.measured_at, report.overruns
 
 
 def measure(name: str, seconds: float, rounds: int, speed: float) -> dict[str, Any]:
-    """All figures of a robot."""
+    """Measure all figures of a robot."""
     robot = wbc.load(name)
     walk = record(robot, DT, speed, seconds)
     plain, logged, spent, planned = [], [], [], []
@@ -166,10 +166,10 @@ def show(row: dict[str, Any]) -> None:
     )
     print(f"  overruns             {row['overruns_without']} without, {row['overruns_with']} with")
     print(
-        f"  the other process    {row['writer_cpu_percent']:.1f} % of a core, longest write "
+        f"  log writer's process {row['writer_cpu_percent']:.1f} % of a core, longest write "
         f"{row['longest_write_ms']:.1f} ms, {row['dropped']:.0f} ticks dropped"
     )
-    print(f"  on the disk          {row['megabytes_per_minute']:.1f} MB per minute")
+    print(f"  file size            {row['megabytes_per_minute']:.1f} MB per minute")
     for topic, size in row["topics"].items():
         print(f"    {topic:<34}{size:6.2f}")
     for name in ("here", "package"):
@@ -184,7 +184,7 @@ def show(row: dict[str, Any]) -> None:
 
 
 def main() -> None:
-    """Measure, print, write the JSON."""
+    """Run the measurements, print the results and write the JSON file."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,14 +1,14 @@
-"""How late the ticks of a real-time loop begin, and what helps.
+"""Measures the lateness of the ticks of a real-time loop under different settings.
 
-The loop is `wbc.run(..., real_time=True)`, the work of each tick the walker's own. A walk in
-MuJoCo with sensor noise is recorded once for every rate; then its measurements are replayed, and
-estimator, walker and bookkeeping do all that they did then. The physics is left out, as on a robot,
-where it is not the loop's work. The replaying plant notes when it is asked for each measurement:
-how late that is against a perfect schedule is a tick's lateness, whatever the loop says of itself.
-A tick that begins when the next one is due already, or later, is an overrun. Time stolen is what a
-hypervisor gave to others; what happens to the loop with nothing to do is the machine's own doing.
+The loop is `wbc.run(..., real_time=True)` with the walker's computation in each tick. A walk in
+MuJoCo with sensor noise is recorded once for every rate; then its measurements are replayed through
+estimator, walker and loop. The physics is excluded, as on a real robot. The replaying plant records
+when the loop requests each measurement; the delay behind a perfect schedule is the lateness of the
+tick, independent of the loop's own statistics. A tick that begins when the next one is already due
+is an overrun. Stolen time is the time that the hypervisor gave to other machines; the lateness of
+the idle loop is that of the machine.
 
-Cells are measured in turn, in rounds, so that a machine's other work falls on all of them.
+The settings are measured in turn, in rounds, so that other load on the machine affects all of them.
 
     python benchmarks/loop.py                     # 1 minute for each cell, about 20 minutes
     python benchmarks/loop.py --busy 2            # beside two processes that compute all the time
@@ -46,14 +46,14 @@ LENGTH = 20.0  # s, of the recorded walk
 
 @dataclass(frozen=True)
 class Setting:
-    """What a loop runs with.
+    """The settings of a loop.
 
     Attributes:
-        name: in the table.
-        observers: names in `OBSERVERS`.
-        collector: Python's garbage collection stays on.
-        priority: the loop asks for everything; otherwise for no priority and no lock.
-        walker: the tick is the walker's; otherwise there is nothing to do in it.
+        name: Name in the table.
+        observers: Names in `OBSERVERS`.
+        collector: Whether Python's garbage collection stays enabled.
+        priority: Whether the loop requests real-time priority and locks its memory.
+        walker: Whether each tick runs the walker; otherwise the ticks are idle.
     """
 
     name: str
@@ -64,7 +64,7 @@ class Setting:
 
 
 SETTINGS = (
-    Setting("nothing to do", walker=False),
+    Setting("idle", walker=False),
     Setting("walker"),
     Setting("+ viewer", ("viewer",)),
     Setting("+ log", ("log",)),
@@ -78,7 +78,7 @@ SETTINGS = (
 
 @dataclass
 class Times:
-    """What the rounds of a cell brought, one figure per tick, s."""
+    """The times of one setting, s, one value per tick."""
 
     late: list[np.ndarray] = field(default_factory=list)
     work: list[np.ndarray] = field(default_factory=list)
@@ -86,7 +86,7 @@ class Times:
     stolen: float = 0.0
 
     def add(self, other: Times) -> None:
-        """Take another round in."""
+        """Append the times of another round."""
         self.late += other.late
         self.work += other.work
         self.conditions = other.conditions
@@ -95,7 +95,7 @@ class Times:
 
 @contextlib.contextmanager
 def neighbour() -> Iterator[int]:
-    """The id of another process, at ordinary priority, that computes while the context lasts."""
+    """Yield the id of a process at normal priority that computes while the context lasts."""
     computing = (sys.executable, "-c", "while True: sum(bytearray(200_000))")
     process = subprocess.Popen(computing, stderr=subprocess.DEVNULL)
     try:
@@ -106,7 +106,7 @@ def neighbour() -> Iterator[int]:
 
 
 def stolen() -> float:
-    """Processor time that the hypervisor has given to others since the start, s; NaN if unknown."""
+    """Return the CPU time that the hypervisor has given to others, s; NaN if unknown."""
     try:
         fields = Path("/proc/stat").read_text("ascii").split("\n", 1)[0].split()
         return float(fields[8]) / os.sysconf("SC_CLK_TCK")
@@ -117,7 +117,7 @@ def stolen() -> float:
 def measure(
     setting: Setting, robot: wbc.Robot, dt: float, walk: list[wbc.Measurement], speed: float
 ) -> Times:
-    """One round of a cell."""
+    """Run one round of a setting."""
     plant = Replay(robot, dt, walk)
     idle, ordinary = Idle(robot), wbc.RealTime(0, False, sys.getswitchinterval())
     controller = walker(robot, dt, speed) if setting.walker else idle
@@ -138,13 +138,13 @@ def measure(
             )
             after = stolen()
     if not report.survived:
-        raise SystemExit(f"'{setting.name}' is not what was recorded: {report.fell_why}")
+        raise SystemExit(f"'{setting.name}' deviates from the recorded walk: {report.fell_why}")
     work = plant.commanded_at - plant.measured_at
     return Times([lateness(plant.measured_at, dt)], [work], conditions, after - before)
 
 
 def summary(setting: Setting, rate: float, times: Times) -> dict[str, Any]:
-    """A line of the table; times in µs."""
+    """Return a row of the table, times in µs."""
     late, work = (1e6 * np.concatenate(parts) for parts in (times.late, times.work))
     return {
         "rate_hz": rate,
@@ -177,7 +177,7 @@ def show(lines: list[dict[str, Any]]) -> None:
 
 
 def plot(cells: Mapping[tuple[float, Setting], Times], path: Path) -> None:
-    """How many ticks began later than so many µs, for each cell."""
+    """Plot the share of ticks that began later than a given time, µs, for each setting."""
     try:
         import matplotlib
         from matplotlib import pyplot
@@ -198,7 +198,9 @@ def plot(cells: Mapping[tuple[float, Setting], Times], path: Path) -> None:
             ax.loglog(np.maximum(late, 0.1), later, style, label=setting.name, lw=1.4)
         ax.axvline(1e6 / rate, color="k", lw=0.8, ls=":")
         ax.text(1e6 / rate, 1.0, " overrun", va="bottom", fontsize=8)
-        ax.set(title=f"{rate:g} Hz", xlabel="lateness, µs", ylabel="ticks that began later, share")
+        ax.set(
+            title=f"{rate:g} Hz", xlabel="lateness, µs", ylabel="share of ticks that began later"
+        )
         ax.grid(alpha=0.3, which="both", lw=0.4)
     axes[0][0].legend(fontsize=8, loc="lower left")
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -206,7 +208,7 @@ def plot(cells: Mapping[tuple[float, Setting], Times], path: Path) -> None:
 
 
 def main() -> None:
-    """Record, replay, print the table, write the JSON and the plot."""
+    """Record and replay, print the table, and write the JSON file and the plot."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,4 +1,4 @@
-"""What each robot does besides walking, in physics: the table of motions of the README.
+"""Evaluates the motions of each robot in simulation: the table of motions in the README.
 
 Every run is in MuJoCo with physics at 1 kHz, friction 0.8, the URDF's torque limits, noisy
 sensors and the estimator in the loop. CoM errors, slips, hands and flights are measured on the
@@ -55,17 +55,17 @@ MARKS = ("<!-- motions:begin -->", "<!-- motions:end -->")
 
 @dataclass(frozen=True)
 class Row:
-    """A line of the table.
+    """A row of the table.
 
     Attributes:
         name: the first column.
-        motions: the motions to play, for a robot's name and a seed.
-        figure: the measured figure; NaN without one.
-        unit: unit of the figure.
-        worst: reduces the figures of several seeds to one.
-        within_bound: whether a robot's figure is good enough.
-        complete: whether the report shows that the robot did all of the motion.
-        may_be_refused: whether a robot's limits may rule the motion out.
+        motions: Returns the motions to play for a robot name and a seed.
+        figure: Returns the measured figure; NaN if there is none.
+        unit: Unit of the figure.
+        worst: Reduces the figures of several seeds to the worst one.
+        within_bound: Returns whether a robot's figure is within its bound.
+        complete: Returns whether the report shows that the robot completed the motion.
+        may_be_refused: Whether a robot's limits may rule the motion out.
     """
 
     name: str
@@ -78,7 +78,7 @@ class Row:
     may_be_refused: bool = False
 
     def passed(self, robot: str, report: Report) -> bool:
-        """Whether a run passes."""
+        """Return whether a run passes."""
         slip = math.inf if report.foot_slip_mm is None else report.foot_slip_mm
         return (
             report.survived
@@ -162,7 +162,7 @@ ROWS = (
 
 
 def trial(job: tuple[str, int, int]) -> tuple[str, int, int, Report | str]:
-    """Run one trial; the message of the refusal if the robot cannot do the motion."""
+    """Run one trial; return its report, or the error message if the motion is refused."""
     name, index, seed = job
     robot = wbc.load(name)
     try:
@@ -173,7 +173,7 @@ def trial(job: tuple[str, int, int]) -> tuple[str, int, int, Report | str]:
 
 
 def main() -> int:
-    """Run the trials, print the table, write the JSON."""
+    """Run the trials, print the table and write the JSON file."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
         "--robot",
@@ -185,7 +185,7 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, default=5, help="runs per cell (default: %(default)s)")
     parser.add_argument("--jobs", type=int, default=1, help="processes (default: %(default)s)")
     parser.add_argument("--json", type=Path, help="write all reports here")
-    parser.add_argument("--readme", type=Path, help="renew the table in this file")
+    parser.add_argument("--readme", type=Path, help="update the table in this file")
     args = parser.parse_args()
     robots = args.robot or ROBOTS
     jobs = [

@@ -1,25 +1,24 @@
-"""What observers cost the 500 Hz walking loop: viewer, log, ROS 2, live page, and all of them.
+"""Measures the load of the observers on the 500 Hz walking loop, separately and combined.
 
-The loop is `wbc.run` in real time with the player's own work in every tick; a walk in MuJoCo is
-recorded once and replayed, so that the physics takes no part. Each observer has a client: a
-page that takes every frame, a ROS 2 node that takes joint states and transforms at 50 Hz.
+The loop is `wbc.run` in real time with the motion player's computation in every tick; a walk in
+MuJoCo is recorded once and replayed, which excludes the physics. Each observer has a client: a
+page that receives every frame, or a ROS 2 node that receives joint states and transforms at 50 Hz.
 
-All of them are there from the beginning, and are switched on and off while the loop runs: every
-fifth of a second another cell's turn comes, in random order, all cells once in each block of turns.
-An observer that is off is not called, and its processes and its client's are stopped. So every cell
-is measured in the same process, in the same memory and at the same time: two runs of one and the
-same loop differ by a tenth and more on a shared machine. The first ticks after switching do not
-count. Three figures of each tick, with their ratio to the ticks with nothing and the 95 % interval
-of that ratio (bootstrap over the blocks):
+All observers start with the loop and are switched on and off while it runs: every 0.2 s another
+combination (cell) takes its turn, in random order, each cell once per block. An observer that is
+off is not called, and its processes and its client are stopped. Every cell is therefore measured in
+the same process, memory and time span: on a shared machine two runs of the same loop differ by 10 %
+and more. The first ticks after switching are excluded. Three times are measured per tick, with
+their ratio to the ticks without observers and its 95 % interval (bootstrap over the blocks):
 
-- command: wall time from the measurement to the command, which is what the robot feels.
+- command: wall time from the measurement to the command, the delay of the command on a robot.
 - whole: wall time from one wait for the clock to the next, with bookkeeping and observers.
 - CPU: the same in CPU time of the loop's thread.
 
-"A busy core" is a process that has nothing to do with the loop and only computes. A tick that
-begins when the next one is due already is an overrun. In the end all four watch undisturbed, for
-the display rates and what their processes take; then the cost of ROS 2 messages, and the time from
-a slider on the live page to the robot's motion.
+"A busy core" is an unrelated process that only computes. A tick that begins when the next one is
+already due is an overrun. At the end all four observers run without switching, for their frame
+rates and the CPU time of their processes; then the CPU time of ROS 2 messages and the latency from
+a slider on the live page to the robot's motion are measured.
 
     python benchmarks/observers.py                      # about 8 minutes
     python benchmarks/observers.py --rounds 1 --seconds 20 --only log
@@ -70,7 +69,7 @@ KINDS = ("command", "whole", "CPU")
 
 @dataclass
 class Cell:
-    """What the turns of a cell brought.
+    """The times measured in the turns of a cell.
 
     Attributes:
         times: of each block's turn, (3, ticks) from measurement to command, wall and CPU time, s.
@@ -81,7 +80,7 @@ class Cell:
     late: list[np.ndarray] = field(default_factory=list)
 
     def summary(self, nothing: Cell, rng: np.random.Generator) -> dict[str, Any]:
-        """Times in µs, and as ratios to the loop with nothing."""
+        """Return times, µs, and their ratios to the loop without observers."""
         own, base = np.array(self.times), np.array(nothing.times)
         line: dict[str, Any] = {}
         for i, kind in enumerate(KINDS):
@@ -106,13 +105,13 @@ def _ratio(own: np.ndarray, base: np.ndarray, q: float) -> float:
 
 
 class Case:
-    """One robot's recorded walk, to be replayed before observers.
+    """The recorded walk of a robot, replayed with observers attached.
 
     Args:
-        robot: the robot.
-        seconds: of the walk.
-        speed: of the walk, m/s.
-        domain: of ROS 2.
+        robot: Robot that walks.
+        seconds: Duration of the walk, s.
+        speed: Speed of the walk, m/s.
+        domain: ROS 2 domain.
     """
 
     def __init__(self, robot: wbc.Robot, seconds: float, speed: float, domain: int) -> None:
@@ -132,10 +131,10 @@ class Case:
     def _run(self, loop: ObservedLoop, ticks: int) -> None:
         report, self.conditions = loop.run(ticks * DT, wbc.RealTime())
         if not report.survived:
-            raise SystemExit(f"the walk is not what was recorded: {report.fell_why}")
+            raise SystemExit(f"the replay deviates from the recorded walk: {report.fell_why}")
 
     def measure(self, cells: dict[str, Cell], rng: np.random.Generator) -> None:
-        """One round: the whole walk, with turns of all cells."""
+        """Run one round: the whole walk, with turns of all cells."""
         names = list(cells)
         watch = TickTimer(len(self.walk))
         blocks = (len(self.walk) // TURN - 1) // len(names)
@@ -150,7 +149,7 @@ class Case:
 
             def switch(_: float) -> None:
                 turn, within = divmod(loop.plant.ticks, TURN)
-                if within == 0 and turn > 0:  # in the first turn all are called once
+                if within == 0 and turn > 0:  # in the first turn every observer is called once
                     wanted = CELLS[turns[turn - 1]] if turn <= len(turns) else ()
                     for name, observer in loop.observers.items():
                         observer.switch(name in wanted)
@@ -166,13 +165,13 @@ class Case:
         wall, cpu = watch.times(plant.ticks)
         kinds = np.array([plant.commanded_at - plant.measured_at, wall, cpu])
         for turn, name in enumerate(turns, 1):
-            # The last tick of a turn has the switching in it.
+            # The last tick of a turn includes the switching.
             counted = slice(turn * TURN + SETTLING, (turn + 1) * TURN - 1)
             cells[name].times.append(kinds[:, counted])
             cells[name].late.append(lateness(plant.measured_at[counted], DT))
 
     def undisturbed(self, seconds: float, names: tuple[str, ...]) -> dict[str, Any]:
-        """What the observers tell when they watch all the time, and their calls in µs of CPU."""
+        """Return the observers' figures without switching, and the CPU time of their calls, µs."""
         ticks = min(round(seconds / DT), len(self.walk))
         watch = TickTimer(ticks)
         with self._loop(names) as loop, watch.running():
@@ -207,17 +206,17 @@ def show(lines: dict[str, dict[str, Any]]) -> None:
         print(f"{name:<26}" + "".join(f"{line[head]:>12.6g}" for head in heads))
 
 
-def show_undisturbed(told: dict[str, Any]) -> None:
-    """Print what the observers told."""
-    for what, row in told["calls"].items():
+def show_undisturbed(results: dict[str, Any]) -> None:
+    """Print the observers' CPU times and figures."""
+    for what, row in results["calls"].items():
         texts = [f"{head} {value:.1f}" for head, value in row.items()]
         print(f"  {what:<40}µs of CPU: " + ", ".join(texts))
-    for what, value in told["figures"].items():
+    for what, value in results["figures"].items():
         print(f"  {what:<40}{value:.1f}")
 
 
 def main() -> None:
-    """Measure, print, write the JSON."""
+    """Run the measurements, print the results and write the JSON file."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -243,37 +242,41 @@ def main() -> None:
     for done in range(options.rounds):
         print(f"round {done + 1} of {options.rounds}", file=sys.stderr)
         case.measure(cells, rng)
-    told: dict[str, Any] = {"robot": robot.name, "processors": os.cpu_count()}
-    told |= {"kernel": platform.release(), "load": os.getloadavg(), "stolen s": stolen() - before}
-    print(", ".join(f"{key} {value}" for key, value in told.items()))
+    results: dict[str, Any] = {"robot": robot.name, "processors": os.cpu_count()}
+    results |= {
+        "kernel": platform.release(),
+        "load": os.getloadavg(),
+        "stolen s": stolen() - before,
+    }
+    print(", ".join(f"{key} {value}" for key, value in results.items()))
     print(case.conditions)
-    told["cells"] = {name: cell.summary(cells[NOTHING], rng) for name, cell in cells.items()}
-    show(told["cells"])
-    save(told, options.json)
+    results["cells"] = {name: cell.summary(cells[NOTHING], rng) for name, cell in cells.items()}
+    show(results["cells"])
+    save(results, options.json)
     if options.undisturbed:
         observers = dict.fromkeys(n for cell in cells for n in CELLS[cell] if n != BUSY)
         several = "ROS 2 at 500 Hz" in observers and "ROS 2" in observers
         names = tuple(n for n in observers if not (several and n == "ROS 2 at 500 Hz"))
-        told["undisturbed"] = case.undisturbed(options.undisturbed, names)
+        results["undisturbed"] = case.undisturbed(options.undisturbed, names)
         print(f"\nundisturbed: {', '.join(names)}")
-        show_undisturbed(told["undisturbed"])
-        save(told, options.json)
+        show_undisturbed(results["undisturbed"])
+        save(results, options.json)
     if options.messages:
-        told["messages"] = ros2_benchmark.publishing(options.domain + 2, options.messages)
+        results["messages"] = ros2_benchmark.publishing(options.domain + 2, options.messages)
         title = "publishing from the node's process, µs of CPU per message"
-        ros2_benchmark.show(title, told["messages"])
-        save(told, options.json)
+        ros2_benchmark.show(title, results["messages"])
+        save(results, options.json)
     if options.repeats:
-        told["slider"], _ = live_benchmark.slider(robot, options.repeats)
-        ros2_benchmark.show("live page", told["slider"])
-        save(told, options.json)
+        results["slider"], _ = live_benchmark.slider(robot, options.repeats)
+        ros2_benchmark.show("live page", results["slider"])
+        save(results, options.json)
 
 
-def save(told: dict[str, Any], path: Path | None) -> None:
-    """Write the figures that are there, if they are wanted."""
+def save(results: dict[str, Any], path: Path | None) -> None:
+    """Write the results so far to `path`, if it is given."""
     if path is not None:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(told, indent=1) + "\n")
+        path.write_text(json.dumps(results, indent=1) + "\n")
 
 
 if __name__ == "__main__":

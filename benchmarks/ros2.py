@@ -1,11 +1,11 @@
-"""What ROS 2 costs: a message, the loop, and the way from one process to another.
+"""Measures ROS 2: CPU time per message, load on the loop, and latency between processes.
 
 - publishing: CPU time per message in the thread that publishes and in the whole process (DDS has
   threads of its own), with a subscriber in another process. "Anew" encodes a message object each
-  time, "template" fills numbers into bytes that were laid out once, as the robot's node does.
-- the loop: what a tick pays for its copy into shared memory and for its look for commands, at
+  time, "template" fills numbers into a serialized message, as the robot's node does.
+- the loop: CPU time per tick of the copy into shared memory and of receiving commands, at
   500 Hz, with the robot's node publishing everything.
-- the way: latency from the stamp in one process to the callback in another, and loss, of joint
+- latency: latency from the stamp in one process to the callback in another, and loss, of joint
   states at 500 Hz on the loopback interface.
 """
 
@@ -39,7 +39,7 @@ RATE = 500.0
 
 
 def joint_state() -> Any:
-    """A joint state of 32 joints."""
+    """Return a joint state of 32 joints."""
     zeros = np.zeros(JOINTS)
     names = [f"leg_left_{i}_joint" for i in range(JOINTS)]
     kind = message_type("sensor_msgs/msg/JointState")
@@ -47,7 +47,7 @@ def joint_state() -> Any:
 
 
 def transforms() -> Any:
-    """As many transforms, and one for the base."""
+    """Return the transforms of 32 links and of the base."""
     message = message_type("tf2_msgs/msg/TFMessage")()
     kind = message_type("geometry_msgs/msg/TransformStamped")
     for i in range(JOINTS + 1):
@@ -58,7 +58,7 @@ def transforms() -> Any:
 
 
 def publishing(domain: int, number: int) -> list[Row]:
-    """Cost of publishing, µs of CPU per message."""
+    """Measure the CPU time of publishing, µs per message."""
     cases: list[tuple[str, Any]] = [
         ("JointState, 32 joints", joint_state()),
         ("TFMessage, 33 transforms", transforms()),
@@ -96,7 +96,7 @@ def publishing(domain: int, number: int) -> list[Row]:
 
 
 def each(name: str, action: Callable[[], object], number: int) -> dict[str, float]:
-    """µs of CPU per call, in this thread and in the process; the least of five rounds."""
+    """Return the CPU time per call of thread and process, µs; minimum of five rounds."""
     own, whole = [], []
     for _ in range(5):
         gc.collect()
@@ -110,7 +110,7 @@ def each(name: str, action: Callable[[], object], number: int) -> dict[str, floa
 
 
 def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
-    """What a tick of a 500 Hz loop pays, µs of CPU."""
+    """Measure the CPU time per tick that ROS 2 takes from a 500 Hz loop, µs."""
     robot = wbc.load(name)
     player = MotionPlayer(robot, dt=1.0 / RATE)
     plant = wbc.sim.Mujoco(robot, dt=1.0 / RATE)
@@ -147,7 +147,7 @@ def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
     rows = [
         {"what": what, **spread(1e-3 * values)}
         for what, values in (
-            ("looking for commands", commands),
+            ("receiving commands", commands),
             ("record", records),
             ("both", both),
         )
@@ -157,13 +157,13 @@ def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
 
 
 def spread(values: np.ndarray) -> dict[str, float]:
-    """Median, 99 % and largest of µs."""
+    """Return median, 99th percentile and maximum, µs."""
     p50, p99, most = np.percentile(values, [50, 99, 100])
     return {"p50_us": float(p50), "p99_us": float(p99), "max_us": float(most)}
 
 
 def latency(domain: int, seconds: float) -> Row:
-    """Latency and loss of joint states from another process at 500 Hz."""
+    """Measure latency and loss of joint states from another process at 500 Hz."""
     number = int(RATE * seconds)
     arrived: list[tuple[int, float]] = []
     with Node("subscriber", network=Network(domain)) as node:
@@ -192,12 +192,12 @@ def latency(domain: int, seconds: float) -> Row:
 
 
 def other(kind: str, domain: int, *arguments: str) -> subprocess.Popen[bytes]:
-    """This script as another process."""
+    """Start this script as another process."""
     return subprocess.Popen([sys.executable, __file__, "--as", kind, str(domain), *arguments])
 
 
 def swallow(domain: str, topic: str, type_name: str) -> None:
-    """Receives messages and does nothing with them."""
+    """Receive messages and discard them."""
     dds_name = message_type(type_name).dds_name()
     with Node("swallower", network=Network(int(domain))) as node:
         node.create_raw_subscription(dds_name, topic, lambda _, __: None, QoSProfile(depth=1000))
@@ -205,7 +205,7 @@ def swallow(domain: str, topic: str, type_name: str) -> None:
 
 
 def stream(domain: str, number: str) -> None:
-    """Sends numbered joint states at 500 Hz."""
+    """Publish numbered joint states at 500 Hz."""
     with Node("streamer", network=Network(int(domain))) as node:
         template = Template(joint_state())
         position = template.view("position")
@@ -223,7 +223,7 @@ def stream(domain: str, number: str) -> None:
 
 
 def show(title: str, rows: list[Row]) -> None:
-    """A table."""
+    """Print a table."""
     print(f"\n{title}")
     heads = list(dict.fromkeys(key for row in rows for key in row))
     cells = [[text(row.get(head, "")) for head in heads] for row in rows]
@@ -233,7 +233,7 @@ def show(title: str, rows: list[Row]) -> None:
 
 
 def text(value: float | str) -> str:
-    """A cell."""
+    """Return the text of a cell."""
     return f"{value:.1f}" if isinstance(value, float) else str(value)
 
 
@@ -245,7 +245,9 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0, help="at 500 Hz (default: 10)")
     parser.add_argument("--messages", type=int, default=2000, help="per round (default: 2000)")
     parser.add_argument("--domain", type=int, default=93, help="DDS domain (default: 93)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the figures here")
+    parser.add_argument(
+        "--json", type=Path, metavar="FILE", help="also write the figures to this file"
+    )
     parser.add_argument("--as", dest="role", nargs="+", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.role:

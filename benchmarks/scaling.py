@@ -1,4 +1,4 @@
-"""How the tick grows with the robot, its contacts and its tasks.
+"""Measures how the tick time grows with the numbers of joints, contacts and tasks.
 
 Synthetic humanoids (`shared/synthetic.py`) sway on their feet: the controller's own accelerations,
 integrated, are the plant. The states are recorded, and replayed by a fresh controller several
@@ -76,14 +76,14 @@ class Point:
 
 
 def contacts_of(robot: wbc.Robot, count: int) -> list[wbc.Contact]:
-    """Left sole, right sole, left hand, right hand: the first `count` of them."""
+    """Return the first `count` contacts of: left sole, right sole, left hand, right hand."""
     soles = [wbc.SurfaceContact.from_sole(sole) for sole in robot.soles]
     hands = [wbc.SurfaceContact(f"{side}_hand", 0.015, 0.04) for side in ("left", "right")]
     return [*soles, *hands][:count]
 
 
 def tasks_of(robot: wbc.Robot, count: int) -> list[wbc.Task]:
-    """The first `count` of them; the centre of mass comes first."""
+    """Return the first `count` tasks; the centre of mass comes first."""
     tasks: list[wbc.Task] = [
         wbc.ComTask(weight=1000.0),
         wbc.PostureTask(robot, weight=0.3),
@@ -97,7 +97,7 @@ def tasks_of(robot: wbc.Robot, count: int) -> list[wbc.Task]:
 def controller(
     robot: wbc.Robot, contacts: int, tasks: int, options: dict[str, Any]
 ) -> wbc.WholeBodyController:
-    """A controller of so many contacts and tasks."""
+    """Return a controller with the given contacts and tasks."""
     made = wbc.WholeBodyController(robot, DT, **options)
     for task in tasks_of(robot, tasks):
         made.add(task)
@@ -106,7 +106,7 @@ def controller(
 
 
 def sway(control: wbc.WholeBodyController, start: np.ndarray, tick: int) -> None:
-    """Set the centre of mass's target of a tick."""
+    """Set the CoM reference of a tick."""
     w = 2.0 * np.pi * FREQUENCY
     com = control.tasks[0]
     assert isinstance(com, wbc.ComTask)
@@ -115,7 +115,7 @@ def sway(control: wbc.WholeBodyController, start: np.ndarray, tick: int) -> None
 
 
 def record(make: Make, ticks: int) -> list[wbc.State]:
-    """States of a sway, the accelerations taken at their word."""
+    """Return the states of a sway, integrated from the controller's accelerations."""
     control = make()
     robot = control.robot
     state = robot.standing()
@@ -133,10 +133,10 @@ def record(make: Make, ticks: int) -> list[wbc.State]:
 
 
 def replay(make: Make, states: Sequence[wbc.State]) -> np.ndarray:
-    """(ticks,) µs of CPU time."""
+    """Return the CPU time of each tick, µs, shape (ticks,)."""
     control = make()
     start = wbc.Kinematics(control.robot, states[0]).p_com
-    control.step(states[0])  # makes what is made once
+    control.step(states[0])  # one-time initialisation
     times = np.empty(len(states))
     clock = time.thread_time_ns
     gc.collect()
@@ -151,7 +151,7 @@ def replay(make: Make, states: Sequence[wbc.State]) -> np.ndarray:
 
 
 def measure(make: Make, size: int, ticks: int, repeat: int) -> Point:
-    """Record, replay, and take the least of each tick."""
+    """Record and replay, and use the minimum over the replays of each tick."""
     states = record(make, ticks)
     times = np.min([replay(make, states) for _ in range(repeat)], axis=0)
     control = make()
@@ -164,19 +164,19 @@ def measure(make: Make, size: int, ticks: int, repeat: int) -> Point:
 
 
 def exponent(points: Sequence[Point]) -> float:
-    """Slope of log(median) over log(size)."""
+    """Return the slope of log(median) over log(size)."""
     used = [p for p in points if p.size > 0]
     x, y = (np.log([getattr(p, name) for p in used]) for name in ("size", "p50_us"))
     return float(np.polyfit(x, y, 1)[0])
 
 
 def per_unit(points: Sequence[Point]) -> float:
-    """µs more for each joint, contact or task, by least squares."""
+    """Return the additional time per joint, contact or task, µs, by least squares."""
     return float(np.polyfit([p.size for p in points], [p.p50_us for p in points], 1)[0])
 
 
 def sweeps(ticks: int, repeat: int, options: dict[str, Any]) -> dict[str, list[Point]]:
-    """All three."""
+    """Run the three sweeps; return their points by name."""
     found: dict[str, list[Point]] = {"joints": [], "contacts": [], "tasks": []}
     middle = synthetic.load(MIDDLE)
     for joints in JOINTS:
@@ -193,7 +193,7 @@ def sweeps(ticks: int, repeat: int, options: dict[str, Any]) -> dict[str, list[P
 
 
 def plot(found: dict[str, list[Point]], path: Path) -> None:
-    """Three panels: medians, 99th percentiles and the fits."""
+    """Plot medians, 99th percentiles and fits, one panel per sweep."""
     try:
         import matplotlib
     except ImportError as error:
@@ -230,7 +230,7 @@ def plot(found: dict[str, list[Point]], path: Path) -> None:
 
 
 def main() -> None:
-    """Sweep, print the tables, write JSON and plot."""
+    """Run the sweeps, print the tables, and write the JSON file and the plot."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -239,8 +239,8 @@ def main() -> None:
     parser.add_argument("--solver", help="the default one if left out")
     names = [f.value for f in wbc.Formulation]
     parser.add_argument("--formulation", choices=names, help="the default one if left out")
-    parser.add_argument("--plot", type=Path, help="draw it there (needs matplotlib)")
-    parser.add_argument("--json", type=Path, help="write the tables there")
+    parser.add_argument("--plot", type=Path, help="write the plot to this file (needs matplotlib)")
+    parser.add_argument("--json", type=Path, help="write the tables to this file")
     args = parser.parse_args()
     options: dict[str, Any] = {"solver": args.solver} if args.solver else {}
     if args.formulation:

@@ -74,7 +74,7 @@ MOTIONS = {
 
 @dataclass
 class Found:
-    """What one solver did with one set of problems."""
+    """The results of one solver on one set of problems."""
 
     solver: str
     formulation: str
@@ -89,7 +89,7 @@ class Found:
 
 
 def installed() -> list[str]:
-    """The default solver first, then all others that are there."""
+    """Return the installed solvers, the default one first."""
     import qpsolvers
 
     own = make_solver().name
@@ -98,7 +98,7 @@ def installed() -> list[str]:
 
 
 def solver_of(name: str) -> Solver:
-    """A fresh one.
+    """Return a new instance of a solver.
 
     Raises:
         SolverNotFound: unknown or not installed.
@@ -107,10 +107,10 @@ def solver_of(name: str) -> Solver:
 
 
 def proved(problem: Problem) -> Optimum:
-    """The proved optimum of a QP.
+    """Return the certified optimum of a QP.
 
     Raises:
-        RuntimeError: none was found.
+        RuntimeError: No optimum was found.
     """
     n = problem.g.size
     eigenvalues, V = np.linalg.eigh(problem.H)
@@ -133,11 +133,11 @@ def proved(problem: Problem) -> Optimum:
 
 
 def run(name: str, problems: Sequence[Problem], passes: int) -> Any:
-    """Least times and inside times in µs, and the solutions of the last pass."""
+    """Return the smallest total and inner times, µs, and the solutions of the last pass."""
     best, inner = np.full(len(problems), np.inf), np.full(len(problems), np.inf)
     solutions: list[Solution] = []
     clock = time.process_time_ns
-    # qpsolvers reads the clock on the wall; here it gets the CPU's.
+    # qpsolvers measures wall time; here its clock is replaced by the CPU clock.
     with patch.object(time, "perf_counter", time.process_time):
         for _ in range(passes):
             solver = solver_of(name)
@@ -165,7 +165,7 @@ def judge(
     passes: int,
     optima: Sequence[Optimum],
 ) -> Found:
-    """Time a solver and compare what it finds with the proved optima."""
+    """Time a solver and compare its solutions with the certified optima."""
     times, inner, solutions = run(name, problems, passes)
     row_off = slope = x_off = 0.0
     failed = 0
@@ -186,7 +186,7 @@ def judge(
 
 
 def conclusion(found: Sequence[Found], default: str) -> str:
-    """What the default is, and why, from the figures."""
+    """Return a text that names the default solver and justifies it by the figures."""
     lines = []
     reduced = [f for f in found if f.formulation == "reduced"]
     for states in MOTIONS:
@@ -256,7 +256,7 @@ def plot(found: Sequence[Found], path: Path) -> None:
 
 
 def main() -> None:
-    """Record, solve, judge, print the tables, write JSON and plot."""
+    """Record, solve and assess, print the tables, and write the JSON file and the plot."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

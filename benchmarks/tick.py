@@ -1,9 +1,9 @@
-"""How long one tick of the whole-body controller takes, stage by stage, and against its peers.
+"""Measures the tick of the whole-body controller, by stage and against other libraries.
 
 A short walk in MuJoCo is recorded (states and foot wrenches); then a fresh walker replays
 it, so that every tick solves the problem of real walking, and only the controller's own work is
 timed: from the state to the command. Gait and balance are left out. The walk is replayed several
-times, and of each tick the fastest counts: on a shared machine other work only ever adds time.
+times, and the minimum of each tick is used: other load on a shared machine can only add time.
 
     python benchmarks/tick.py
     python benchmarks/tick.py --breakdown
@@ -38,19 +38,19 @@ from wbc.kinematics import Kinematics
 from wbc.qp.compiled import CompiledAssembly
 from wbc.sim import Mujoco
 
-#: What each stage does; "diagnostics" is what the others leave of the tick.
+#: Description of each stage; "diagnostics" is the remainder of the tick.
 STAGES = {
     "kinematics": "mass matrix, bias forces and Jacobian by Pinocchio; the state is checked",
     "references": "references, gains and bounds of tasks, contacts and limits are copied",
     "assembly": "frames, rows of tasks and contacts, elimination, cost and constraints",
     "solve": "the quadratic program",
     "recovery": "accelerations, torques, wrenches and targets from the solution",
-    "diagnostics": "bookkeeping: choice of the assembly, checks that all is finite, status",
+    "diagnostics": "choice of the assembly, checks for finite values, status",
 }
 
 
 class Recorder:
-    """A walker that keeps what it was given."""
+    """A walker that records the estimates that it receives."""
 
     def __init__(self, walker: wbc.Walker) -> None:
         self.walker = walker
@@ -91,7 +91,7 @@ class Stopwatch:
 
 
 def record(robot: wbc.Robot, speed: float, duration: float) -> Recorder:
-    """Walk in physics from standing, and keep the ticks."""
+    """Walk in simulation from standing, and record the ticks."""
     recorder = Recorder(wbc.Walker(robot))
     recorder.walker.velocity = (speed, 0.0, 0.0)
     with Mujoco(robot, ground_truth=True) as plant:
@@ -104,7 +104,7 @@ def record(robot: wbc.Robot, speed: float, duration: float) -> Recorder:
 def replay(
     robot: wbc.Robot, recorder: Recorder, speed: float, staged: bool
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Per stage (ticks,) µs, and (ticks,) number of contacts."""
+    """Return the time of each stage, µs, and the number of contacts, each of shape (ticks,)."""
     walker = wbc.Walker(robot)
     walker.reset(recorder.start)
     walker.velocity = (speed, 0.0, 0.0)
@@ -135,12 +135,12 @@ def replay(
 
 
 def fastest(runs: list[tuple[dict[str, np.ndarray], np.ndarray]]) -> dict[str, np.ndarray]:
-    """Of each tick and stage the fastest replay."""
+    """Return the minimum over the replays for each tick and stage."""
     return {s: np.min([run[0][s] for run in runs], axis=0) for s in runs[0][0]}
 
 
 def allocations(robot: wbc.Robot, recorder: Recorder, speed: float) -> dict[str, float]:
-    """What one walker step leaves behind, and how much it needs meanwhile."""
+    """Return the objects that a walker step leaves allocated, and its transient memory."""
     walker = wbc.Walker(robot)
     walker.reset(recorder.start)
     walker.velocity = (speed, 0.0, 0.0)
@@ -167,7 +167,7 @@ def allocations(robot: wbc.Robot, recorder: Recorder, speed: float) -> dict[str,
 
 
 def memory(robot: wbc.Robot, recorder: Recorder, speed: float, duration: float) -> None:
-    """Replay the walk until its ticks add up to a duration; print what the process holds."""
+    """Replay the walk until its ticks add up to a duration; print the process's memory."""
     rounds = max(1, round(duration / 0.002 / len(recorder.ticks)))
     walker = wbc.Walker(robot)
     walker.velocity = (speed, 0.0, 0.0)
@@ -186,7 +186,7 @@ def memory(robot: wbc.Robot, recorder: Recorder, speed: float, duration: float) 
 def table_of(
     robot: wbc.Robot, recorder: Recorder, speed: float, repeat: int, supports: tuple[str, ...]
 ) -> dict[str, dict[str, float]]:
-    """Figures by support: the bare tick, and medians of its stages."""
+    """Return the figures by support phase: the whole tick, and medians of its stages."""
     bare = [replay(robot, recorder, speed, False) for _ in range(repeat)]
     staged = fastest([replay(robot, recorder, speed, True) for _ in range(repeat)])
     times, contacts = fastest(bare), bare[0][1]
@@ -204,7 +204,7 @@ def table_of(
 
 
 def print_table(table: dict[str, dict[str, float]], breakdown: bool) -> None:
-    """The table for human eyes."""
+    """Print the table."""
     print("support " + "".join(f"{c:>9}" for c in ("ticks", "p50", "p99", "max")))
     for support, row in table.items():
         print(f"{support:<8}{row['ticks']:>9.0f}", end="")
@@ -218,11 +218,13 @@ def print_table(table: dict[str, dict[str, float]], breakdown: bool) -> None:
             time_us = row[f"{stage}_us"]
             print(f"  {stage:<12}{time_us:>6.1f} µs{100 * time_us / total:>5.0f} %   {text}")
         extra = total - row["p50_us"]
-        print(f"  {'sum':<12}{total:>6.1f} µs, {extra:+.1f} of the bare tick (the stopwatch's own)")
+        print(
+            f"  {'sum':<12}{total:>6.1f} µs, {extra:+.1f} relative to the tick without stage timing"
+        )
 
 
 def main() -> None:
-    """Record, replay, print the table, write the JSON."""
+    """Record and replay, print the table and write the JSON file."""
     if "--peers" in sys.argv:
         from peers.compare import main as compare
 
@@ -233,7 +235,7 @@ def main() -> None:
     parser.add_argument(
         "--peers",
         action="store_true",
-        help="compare with TSID, placo and pink instead; --peers --help tells its own flags",
+        help="compare with TSID, placo and pink instead; see --peers --help for its flags",
     )
     parser.add_argument("--robot", default="talos")
     parser.add_argument("--support", choices=("double", "single", "both"), default="both")
@@ -242,9 +244,12 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=5, help="replays (default: %(default)s)")
     parser.add_argument("--breakdown", action="store_true", help="the stages, and allocations")
     parser.add_argument(
-        "--memory", type=float, metavar="S", help="only see whether S seconds of ticks need memory"
+        "--memory",
+        type=float,
+        metavar="S",
+        help="only check whether memory grows over S seconds of ticks",
     )
-    parser.add_argument("--json", type=Path, help="write the table there")
+    parser.add_argument("--json", type=Path, help="write the table to this file")
     args = parser.parse_args()
     robot = wbc.load(args.robot)
     recorder = record(robot, args.speed, args.duration)
@@ -258,8 +263,8 @@ def main() -> None:
     found = allocations(robot, recorder, args.speed) if args.breakdown else {}
     if found:
         print(
-            f"\nmemory: {found['transient_bytes']:.0f} bytes meanwhile, "
-            f"{found['blocks_grown_per_tick']:.3f} objects left behind per tick"
+            f"\nmemory: {found['transient_bytes']:.0f} bytes transient, "
+            f"{found['blocks_grown_per_tick']:.3f} objects left allocated per tick"
         )
     if args.json:
         content = {"robot": robot.name, **table, **found}

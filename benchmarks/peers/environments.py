@@ -14,11 +14,11 @@ STAMP = "made-from"
 
 
 class EnvironmentFailedError(RuntimeError):
-    """An environment could not be made; the text says why and what to do."""
+    """An environment could not be made; the message states the reason and the remedy."""
 
 
 def default_folder() -> Path:
-    """Where environments are kept when nothing else is said."""
+    """Return the default folder of the environments."""
     cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
     return Path(cache) / "wbc" / "peers"
 

@@ -1,4 +1,4 @@
-"""The comparison as a picture."""
+"""Plots the comparison."""
 
 from __future__ import annotations
 

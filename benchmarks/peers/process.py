@@ -1,4 +1,4 @@
-"""A worker as the comparison sees it."""
+"""Controls a worker process from the process of the comparison."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ PATIENCE = 300.0  # s for one answer
 
 
 class LibraryFailedError(RuntimeError):
-    """A library's process raised or died; the text is its last words."""
+    """A library's process raised an error or died; the message holds its last output."""
 
 
 class Worker:
-    """One process of one library; idle unless it is asked something.
+    """One process of one library, which is idle between requests.
 
     Args:
         adapter: "module:class".

@@ -1,4 +1,4 @@
-"""The comparison as text."""
+"""Prints the comparison."""
 
 from __future__ import annotations
 

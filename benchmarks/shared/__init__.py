@@ -1,1 +1,1 @@
-"""What several benchmarks use: recorded walks, observed loops, clients, synthetic robots."""
+"""Modules shared by several benchmarks: recordings, observed loops, clients, robots."""

@@ -14,8 +14,8 @@ from mcap.writer import CompressionType, Writer
 from wbc.log.mcapfile import McapFile
 from wbc.topics import MessageTopic, TickBatch, TopicMessage
 
-CHUNK = 0.4  # s, as the log's process has it
-BLOCK = 50  # ticks that it takes at once, ten times a second
+CHUNK = 0.4  # s, as in the log writer
+BLOCK = 50  # ticks per batch, as in the log writer, ten batches per second
 
 
 class RecordedTopic(MessageTopic):
@@ -32,12 +32,12 @@ class RecordedTopic(MessageTopic):
 
 @dataclass
 class Messages:
-    """All messages of a log, in the order of time.
+    """All messages of a log in order of time.
 
     Attributes:
-        topics: by channel.
-        schemas: name and text of each channel's type.
-        rows: channel, stamp (ns) and bytes of each message.
+        topics: Topic of each channel.
+        schemas: Name and definition of each channel's type.
+        rows: Channel, stamp (ns) and data of each message.
     """
 
     topics: dict[int, RecordedTopic] = field(default_factory=dict)
@@ -46,7 +46,7 @@ class Messages:
 
     @staticmethod
     def of(path: Path) -> Messages:
-        """Read the messages of a file."""
+        """Read the messages of a log."""
         found = Messages()
         with path.open("rb") as file:
             for schema, channel, message in make_reader(file).iter_messages():
@@ -62,7 +62,7 @@ class Messages:
         return 1e-9 * (self.rows[-1][1] - self.rows[0][1])
 
     def share(self) -> dict[str, float]:
-        """Return MB per minute of each topic alone, compressed in chunks."""
+        """Return the compressed size of each topic, MB per minute."""
         import zstandard
 
         found = {}
@@ -75,7 +75,7 @@ class Messages:
         return dict(sorted(found.items(), key=lambda item: -item[1]))
 
     def written_here(self, path: Path) -> float:
-        """Write them with the library's `McapFile`; return the CPU time, s."""
+        """Write the messages with `McapFile`; return the CPU time, s."""
         blocks = self._blocks()
         start = time.process_time()
         file = McapFile(path)
@@ -110,7 +110,7 @@ class Messages:
         return blocks
 
     def written_by_package(self, path: Path) -> float:
-        """Write them with the package's writer; return the CPU time, s."""
+        """Write the messages with the writer of `mcap`; return the CPU time, s."""
         size = sum(len(data) for _, _, data in self.rows)
         start = time.process_time()
         with path.open("wb") as file:
@@ -129,7 +129,7 @@ class Messages:
 
 
 def compare_writers(path: Path) -> dict[str, float]:
-    """Write a log's messages both ways; return CPU time (µs per message, least of 3) and size."""
+    """Write a log's messages both ways; return CPU time (µs per message, min. of 3) and size."""
     messages = Messages.of(path)
     found: dict[str, float] = {}
     for name, write in (

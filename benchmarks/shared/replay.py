@@ -1,7 +1,7 @@
-"""A walk that is recorded once and replayed: every tick of real walking, without the physics.
+"""Records a walk once and replays its measurements without the physics.
 
-Estimator and walker are deterministic: given the same measurements from the same start, each tick
-does again what it did in the simulation.
+Estimator and walker are deterministic: with the same measurements from the same start, each tick
+repeats the computation of the simulation.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class RecordingPlant:
 
 
 class Replay:
-    """A recorded plant; keeps the times at which it is measured and commanded."""
+    """A plant that replays measurements and records the times of `measure` and `step` calls."""
 
     def __init__(self, robot: wbc.Robot, dt: float, measurements: list[wbc.Measurement]) -> None:
         self.robot, self.dt, self._measurements = robot, dt, measurements
@@ -67,7 +67,7 @@ class Idle:
         self._command = wbc.Command(zero, np.zeros(robot.nv), {}, zero, zero)
 
     def reset(self, state: wbc.State) -> None:
-        """Nothing to do."""
+        """Return the same command every tick."""
 
     def update(self, measurement: wbc.Measurement, *, acceleration: object = None) -> wbc.Estimate:
         return self._estimate
@@ -77,7 +77,7 @@ class Idle:
 
 
 def walker(robot: wbc.Robot, dt: float, speed: float) -> wbc.Walker:
-    """The walker that is recorded and replayed."""
+    """Return the walker that is recorded and replayed."""
     made = wbc.Walker(robot, dt=dt)
     made.velocity = (speed, 0.0, 0.0)
     return made
@@ -90,7 +90,7 @@ def record(
     length: float,
     controller: Walking | None = None,
 ) -> list[wbc.Measurement]:
-    """Measurements of a walk from standing, one per tick; of `walker` when left out."""
+    """Return the measurements of a walk from standing, one per tick; by default of `walker`."""
     controller = controller or walker(robot, dt, speed)
     controller.velocity = (speed, 0.0, 0.0)
     with wbc.sim.Mujoco(robot, dt=dt) as plant:

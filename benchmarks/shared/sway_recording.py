@@ -1,4 +1,4 @@
-"""A robot that sways on its soles: the QPs of its controller, recorded."""
+"""Records the QPs of the controller of a robot that sways on its soles."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def record(
     q = robot.q_nominal.copy()
     middle = 0.5 * (robot.q_min + robot.q_max)
     room = np.maximum(0.5 * (robot.q_max - robot.q_min) - 0.1, 0.0)
-    q[7:] = np.clip(q[7:], middle - room, middle + room)  # nothing stands on its stops
+    q[7:] = np.clip(q[7:], middle - room, middle + room)  # no joint starts at a position limit
     state = wbc.State(q, np.zeros(robot.nv))
     kin = wbc.Kinematics(robot, state)
     start, upright = kin.p_com.copy(), kin.frame(robot.torso).rotation.copy()

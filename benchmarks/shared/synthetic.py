@@ -1,8 +1,8 @@
-"""Humanoids of any number of joints, as URDF text: what scaling is measured on.
+"""Generates URDFs of humanoids with any number of joints, for the scaling benchmark.
 
-Two legs of six joints and two feet always; the other joints are dealt out to spine, neck, arms
-of up to seven joints, and then fingers, five chains on each hand. Links are boxes of homogeneous
-mass, so that inertias are physical and add up to about 60 kg whatever the number of joints.
+Each has two legs of six joints and two feet; the other joints are distributed over spine, neck,
+arms of up to seven joints, and then fingers, five chains on each hand. Links are homogeneous boxes, so
+that inertias are physical; the total mass is about 60 kg for any number of joints.
 
     python benchmarks/shared/synthetic.py 60 > humanoid.urdf
 """
@@ -60,7 +60,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Share:
-    """How many joints each part gets."""
+    """The number of joints of each part."""
 
     spine: int
     neck: int
@@ -69,10 +69,10 @@ class Share:
 
     @classmethod
     def of(cls, joints: int) -> Share:
-        """Deal out `joints`: legs first, then trunk and arms, what is left to the fingers.
+        """Distribute `joints` over legs, then trunk and arms, then fingers.
 
         Raises:
-            ValueError: fewer than two legs and a pair of shoulders need.
+            ValueError: The joints do not suffice for two legs and a pair of shoulders.
         """
         if joints < MIN_JOINTS:
             raise ValueError(f"{joints} joints are too few: give at least {MIN_JOINTS}")
@@ -88,11 +88,12 @@ class Share:
 
 
 def urdf(joints: int, seed: int | None = None) -> str:
-    """A humanoid of that many joints.
+    """Return the URDF of a humanoid.
 
     Args:
-        joints: actuated ones, at least `MIN_JOINTS`.
-        seed: varies lengths, masses and torque limits by up to a quarter; none when left out.
+        joints: Number of actuated joints, at least `MIN_JOINTS`.
+        seed: Seed for varying lengths, masses and torque limits by up to 25 %; None varies
+            nothing.
     """
     rng = np.random.default_rng(seed)
     vary = (lambda: rng.uniform(0.75, 1.25)) if seed is not None else (lambda: 1.0)
@@ -130,7 +131,7 @@ def urdf(joints: int, seed: int | None = None) -> str:
 
 
 def load(joints: int, seed: int | None = None) -> wbc.Robot:
-    """`urdf` as a robot, knees and elbows bent."""
+    """Return the robot of `urdf`, with bent knees and elbows in its nominal posture."""
     text = urdf(joints, seed)
     posture = {
         f"{side}_{joint}": angle
@@ -209,7 +210,7 @@ def _fingers(side: str, joints: tuple[int, ...]) -> Iterator[Body]:
 
 
 def _below(length: float) -> Vector:
-    """The middle of a box of that length that hangs from its joint."""
+    """Return the centre of a box of that length (m) below its joint."""
     return (0.0, 0.0, -0.5 * length)
 
 
@@ -253,7 +254,7 @@ def _text(vector: tuple[float, ...]) -> str:
 
 
 def main() -> None:
-    """Print one."""
+    """Print the URDF of a humanoid."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("joints", type=int, help=f"at least {MIN_JOINTS}")
     parser.add_argument("--seed", type=int, help="vary lengths, masses and torque limits")

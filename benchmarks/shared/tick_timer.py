@@ -1,4 +1,4 @@
-"""Times the ticks of a loop, and in each what its observers take of the loop's thread."""
+"""Times the ticks of a loop, and the calls of its observers in the loop's thread."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class TickTimer:
 
     @contextlib.contextmanager
     def running(self) -> Iterator[None]:
-        """While it lasts, all waiting for a clock is noticed."""
+        """Detect all waits for a clock while the context lasts."""
         wait = Clock.wait
 
         def timed(clock: Clock) -> None:
@@ -52,12 +52,13 @@ class TickTimer:
         self._count += 1
 
     def wrap(self, what: str, call: Callable[..., None], waits: bool) -> Callable[..., None]:
-        """An observer's call, timed.
+        """Return an observer's call with its CPU time recorded.
 
         Args:
-            what: it does.
-            call: it.
-            waits: for the tick's time first, so that the tick begins in it.
+            what: Name of the call.
+            call: Function to call.
+            waits: Whether the call first waits for the tick's time, so that the tick begins in
+                it.
         """
         calls = self.calls[what] = []
 
@@ -71,5 +72,5 @@ class TickTimer:
         return timed
 
     def times(self, ticks: int) -> np.ndarray:
-        """(2, ticks) wall and CPU time, s."""
+        """Return wall and CPU time of the ticks, s, shape (2, ticks)."""
         return np.array([self._wall[:ticks], self._cpu[:ticks]])
