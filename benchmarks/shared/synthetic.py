@@ -1,8 +1,8 @@
 """Generates URDFs of humanoids with any number of joints, for the scaling benchmark.
 
 Each has two legs of six joints and two feet; the other joints are distributed over spine, neck,
-arms of up to seven joints, and then fingers, five chains on each hand. Links are homogeneous boxes, so
-that inertias are physical; the total mass is about 60 kg for any number of joints.
+arms of up to seven joints, and then fingers, five chains on each hand. Links are homogeneous boxes,
+so that inertias are physical; the total mass is about 60 kg for any number of joints.
 
     python benchmarks/shared/synthetic.py 60 > humanoid.urdf
 """

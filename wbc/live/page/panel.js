@@ -1,5 +1,5 @@
-// The control panel, built from what the server offers. A control sends {"control": name,
-// "value": …, "source": "page" or "keyboard"}; values and status come back to every page alike.
+// The control panel, built from the controls that the server announces. A control sends {"control": name,
+// "value": …, "source": "page" or "keyboard"}; the server sends values and status to every page.
 "use strict";
 (() => {
 const {make, text, slider, makeForm, strips} = wbc;
@@ -9,7 +9,7 @@ const SHOWN = [["robot", "robot"], ["forces", "contact forces"], ["balance", "Co
 const sliders = new Map();
 const buttons = new Map();
 let socket = null, offered = null, status = null, source = "page", errorEnds = 0;
-// Read by tests.
+// Tests read this.
 wbc.live = {offered: null, status: null, values: {}, errors: [], outcomes: []};
 
 function send(control, value) {
@@ -32,7 +32,7 @@ function makeSlider(parameter) {
   move.input.dataset.control = parameter.name;
   move.input.oninput = () => {
     const value = move.get();
-    // The middle of a slider that goes both ways is easy to hit.
+    // A slider with negative values snaps to zero near its middle.
     turn(parameter.low < 0 && Math.abs(value) < 0.03 * parameter.high ? 0 : value);
   };
   move.input.onchange = () => { move.set(wbc.live.values[parameter.name]); move.input.blur(); };
@@ -89,7 +89,7 @@ function motionSection() {
   return section("Motions", box);
 }
 
-// The button of a motion, and its parameters, which unfold below.
+// The button of a motion, and the form of its parameters, which opens below.
 function makeMotion(motion) {
   let chosen = () => ({});
   const play = () => {
@@ -124,7 +124,7 @@ function pushSection() {
   pad.setAttribute("viewBox", "-52 -52 104 104");
   const draw = () => {
     output.textContent = text(size.get(), "N·s");
-    // Up is forward, left is the robot's left.
+    // Up is forward; left is the robot's left.
     const reach = 16 + 28 * size.get() / most;
     const x = -Math.sin(angle), y = -Math.cos(angle);
     const at = (r, side) => `${(r * x - side * y).toFixed(1)} ${(r * y + side * x).toFixed(1)}`;
@@ -161,7 +161,7 @@ function timeSection() {
   return section("Time",
     make("div", {className: "buttons"},
       action("pause", "Pause", "key: space", () => send("pause", status?.mode !== "paused")),
-      action("reset", "Reset", "set the robot back to the start, on its feet; key: R", () => send("reset"))),
+      action("reset", "Reset", "return the robot to its initial standing posture; key: R", () => send("reset"))),
     ...inGroup("time").map(makeSlider));
 }
 
@@ -219,7 +219,7 @@ function wireKeys() {
     s: press("stand"), p: press("push"), r: press("reset"), " ": press("pause"),
   };
   addEventListener("keydown", (event) => {
-    // A control that has the focus keeps its own keys.
+    // A focused control handles its own keys.
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.target.matches("input:not([type=range], [type=checkbox]), select")) {
       if (event.key === "Escape") event.target.blur();
@@ -243,7 +243,7 @@ function build(controls) {
   box.append(walkSection(), motionSection(), pushSection(), timeSection(), showSection(),
     folded("Gait", ...inGroup("gait").map(makeSlider), defaultsButton((parameter) => parameter.group === "gait")),
     gainSection());
-  // A clicked control loses the focus, so that the space key pauses whatever the mouse did last.
+  // A clicked control loses the focus, so that the space key always pauses.
   box.addEventListener("click", (event) => {
     const clicked = event.detail && event.target.closest("button, summary, input[type=checkbox]");
     if (clicked) clicked.blur();
@@ -260,7 +260,7 @@ function build(controls) {
   }, 50);
 }
 
-// Left to itself, meshcat's canvas is as high as the window.
+// By default meshcat's canvas is as high as the window.
 function fitScene() {
   const pane = element("meshcat-pane");
   viewer.set_3d_pane_size(pane.clientWidth, pane.clientHeight);

@@ -1,9 +1,9 @@
-// The parameters of a motion: a row for each, by its kind.
+// The parameters of a motion: one row each, according to its kind.
 "use strict";
 (() => {
 const {make} = wbc;
 
-// A form for the parameters of a motion; `chosen` returns those that differ from their defaults.
+// Returns a form for a motion's parameters; `chosen` returns those that differ from the defaults.
 function makeForm(motion, button, play) {
   const fields = motion.parameters.map((parameter) => makeField(motion.name, parameter));
   const form = make("form", {hidden: true}, ...fields.map((field) => field.row),
@@ -21,7 +21,7 @@ function makeForm(motion, button, play) {
   return {form, chosen};
 }
 
-// The server refuses what is not a number, and says so.
+// The server refuses values that are not numbers, with an error message.
 const number = (input) => input.value === "" ? null : +input.value;
 
 function makeField(motion, {name, kind, default: initial, about, choices, names}) {

@@ -14,7 +14,7 @@ function text(value, unit) {
   return `${value.toFixed(Math.min(digits, size < 0.01 && size > 0 ? 6 : 3))} ${unit}`.trim();
 }
 
-// A slider; its own numbers run from 0 to 1, so that it may move by ratios.
+// A slider whose input runs from 0 to 1, so that its scale may be logarithmic.
 function slider(low, high, logarithmic) {
   const input = make("input", {type: "range", min: 0, max: 1, step: 0.002});
   const ratio = Math.log(high / low);

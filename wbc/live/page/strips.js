@@ -1,11 +1,11 @@
-// The strips below the scene: time series of the status in the last seconds.
+// The time plots below the scene: status of the last seconds.
 "use strict";
 (() => {
 const {make} = wbc;
-const SHOWN = 20;  // s of a strip
+const SHOWN = 20;  // s, time span of a plot
 let last = null, behind = Infinity;
 
-// `least` is the smallest value that the full height stands for.
+// `least` is the smallest full-scale value of the plot.
 const STRIPS = [
   {label: "DCM error", colour: "#7a3fc4", least: 20, of: (g) => 1000 * g.dcm_error,
     word: (g) => `${(1000 * g.dcm_error).toFixed(1)} mm`, most: true},
@@ -14,7 +14,7 @@ const STRIPS = [
   {label: "pushes survived", colour: "#1f9d7a", least: 1, of: (g) => g.survived,
     grey: (g) => g.pushes, word: (g) => `${g.survived} of ${g.pushes}`},
 ];
-// The last strip shows whichever quantity of the tick is chosen, as the server sends it.
+// The last plot shows the selected quantity of the tick, as the server sends it.
 const CHOSEN = {least: 0, of: null, most: false,
   word: () => (CHOSEN.value === null ? "unknown" : `${+CHOSEN.value.toPrecision(4)}`)};
 
@@ -60,7 +60,7 @@ function follow(label) {
 
 function add(now) {
   last = now;
-  // By the server's clock: a page that was busy gets several at once.
+  // The server's clock is used: a busy page receives several values at once.
   const stamp = now.stamp;
   behind = Math.min(behind, performance.now() / 1000 - stamp);
   for (const strip of STRIPS) {

@@ -1,4 +1,4 @@
-"""A robot in a running loop as a node of a ROS 2 system, from a process of its own."""
+"""The ROS 2 node of a robot in a running loop, which runs in its own process."""
 
 from wbc.ros.bridge.bridge import Bridge
 from wbc.ros.bridge.node_topics import NodeTopic

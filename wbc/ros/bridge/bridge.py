@@ -1,4 +1,4 @@
-"""`Bridge`: a robot in a running loop, as a node of a ROS 2 system."""
+"""`Bridge`: connects a robot in a running loop to a ROS 2 system."""
 
 from __future__ import annotations
 
@@ -25,31 +25,32 @@ if TYPE_CHECKING:
 
 
 class Bridge(Closeable):
-    """Shows a robot to a ROS 2 system, which sends commands to it.
+    """Publishes a robot's state to a ROS 2 system and receives commands from it.
 
-    All of DDS happens in another process, which reads the loop's ticks from shared memory. The loop
-    never waits, and goes on when the other process has died.
+    DDS runs in another process, which reads the loop's ticks from shared memory. The loop never
+    waits for it, and continues if it dies.
 
     Example:
         >>> with CommandHandler(player, plant) as handler, Bridge(handler) as bridge:
         ...     wbc.teleop.run(handler, 3600.0, clients=[bridge])
 
     Args:
-        handler: takes the node's commands.
-        name: name of the node.
-        namespace: namespace of the node.
-        network: domain and interface; from the environment when left out.
-        update_rate: of the joint states, Hz; a parameter of the node.
-        use_sim_time: stamp messages with the plant's time, not the system's; likewise.
-        topics: topics of your own, beside those of `wbc.ros.bridge.node_topics`.
+        handler: Command handler that applies the node's commands.
+        name: Name of the node.
+        namespace: Namespace of the node.
+        network: Domain and interface; from the environment by default.
+        update_rate: Rate of the joint states, Hz; initial value of the node's parameter.
+        use_sim_time: Whether messages carry plant time instead of system time; initial value of
+            the node's parameter.
+        topics: Additional topics beside those of `wbc.ros.bridge.node_topics`.
 
     Attributes:
-        reset_hint: how a person resets the robot.
-        stream: from which the node reads, see `wbc.runtime.protocols.StreamObserver`.
+        reset_hint: Text that tells a user how to reset the robot.
+        stream: Stream that the node reads, see `wbc.runtime.protocols.StreamObserver`.
 
     Raises:
         MissingExtra: `cyclonedds` is not installed.
-        RosError: the node cannot be made.
+        RosError: The node cannot be created.
     """
 
     reset_hint = "call the service /reset_robot"
@@ -106,11 +107,11 @@ class Bridge(Closeable):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """None beside the library's own; see `wbc.runtime.protocols.StreamObserver`."""
+        """No additional quantities; see `wbc.runtime.protocols.StreamObserver`."""
         return ()
 
     def attach(self, stream: TickStream) -> None:
-        """Read from a stream from now on; see `wbc.runtime.protocols.StreamObserver`."""
+        """Read a stream from now on; see `wbc.runtime.protocols.StreamObserver`."""
         self.stream = stream
         self._process.send(*stream.link())
 
@@ -118,7 +119,7 @@ class Bridge(Closeable):
         """Do nothing; see `wbc.runtime.protocols.Observer`."""
 
     def observe(self, tick: Tick) -> None:
-        """Warn if the node's process has ended. The node gets the tick from the stream."""
+        """Warn if the node's process has ended. The node reads the tick from the stream."""
         self._process.warn_if_exited(time.perf_counter())
 
     def end(self, report: Report) -> None:

@@ -1,4 +1,4 @@
-"""`/clock`: the time of a simulated robot, and whether the messages carry it."""
+"""`/clock`: the plant time of a simulated robot, and its use for message stamps."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class PlantClock:
             "use_sim_time", use, "stamp messages with the plant's time, published on /clock"
         )
         self._publisher = node.create_publisher(_CLOCK.type_name, "/clock", CLOCK)
-        # Ticks may come no more often than that, and not to the instant.
+        # Ticks may arrive at no more than this rate, and with jitter.
         self._due = RateLimiter(_RATE, 0.4 / _RATE)
         self._run = 0
         self._offset = self._latest = 0.0

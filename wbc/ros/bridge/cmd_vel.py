@@ -1,4 +1,4 @@
-"""The topic `cmd_vel`: a velocity that ends when nobody renews it."""
+"""The topic `cmd_vel`: a velocity command that times out unless it is renewed."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class CmdVel:
         self._timeout = node.declare_parameter(
             "cmd_vel_timeout",
             0.5,
-            "after which the robot stops when no cmd_vel comes, s",
+            "time without cmd_vel after which the robot stops, s",
             minimum=0.05,
             maximum=10.0,
         )

@@ -1,4 +1,4 @@
-"""`/diagnostics`: whether the loop keeps its time, and the robot its feet."""
+"""`/diagnostics`: timing of the control loop and state of the robot."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Diagnostics:
         )
         # Its name is that of ROS 2's own `diagnostic_updater`.
         period = node.declare_parameter(
-            "diagnostic_updater.period", 1.0, "of diagnostics, s", minimum=0.05, maximum=60.0
+            "diagnostic_updater.period", 1.0, "period of diagnostics, s", minimum=0.05, maximum=60.0
         )
         self._due = RateLimiter(1.0 / period.value)
         period.on_change = self._change_period

@@ -1,7 +1,7 @@
 """The topics `joint_commands` and `joint_trajectory`: positions of arms, trunk and head.
 
-The legs belong to the gait: their joints are not taken. `joint_commands` has positions for now,
-`joint_trajectory` positions over time.
+Leg joints are refused, because the gait controls them. `joint_commands` holds positions to move to
+at once, `joint_trajectory` positions over time.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class JointTopics:
         self._speed = node.declare_parameter(
             "joint_speed",
             1.0,
-            "of commanded joints at the most, rad/s; half their limit if that is less",
+            "largest velocity of commanded joints, rad/s; at most half their limit",
             minimum=0.01,
             maximum=10.0,
         )
@@ -66,9 +66,9 @@ class JointTopics:
             self._client.capabilities.check_joint_names(names)
             times = np.array([to_seconds(p.time_from_start) for p in message.points])
             if not times.size:
-                raise CommandRefused("it has no points")
+                raise CommandRefused("the trajectory has no points")
             if times[0] < 0.0 or not (np.diff(times) > 0.0).all():
-                raise CommandRefused("its times do not increase")
+                raise CommandRefused("the times of the points do not increase")
             rows = np.array([self._positions(names, p.positions) for p in message.points])
         except CommandRefused as error:
             logger.warning("joint_trajectory: ignored: %s", error)
@@ -79,14 +79,14 @@ class JointTopics:
         self._follow()
 
     def _follow(self) -> None:
-        """Send where the trajectory will be a moment from now."""
+        """Send the trajectory's positions a short time ahead."""
         assert self._trajectory is not None
         start, names, times, rows = self._trajectory
         now = time.monotonic()
         arrival = now + _PERIOD
         at = min(max(arrival - start, times[0]), times[-1])
         positions = np.array([np.interp(at, times, column) for column in rows.T])
-        # The first point may be far off: it is approached until its time.
+        # The first point may be far away: the joints move there until its time.
         try:
             self._send(names, positions, max(arrival, start + times[0]) - now)
         except CommandRefused as error:

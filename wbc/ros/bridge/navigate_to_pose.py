@@ -58,14 +58,22 @@ class NavigateToPose:
     def __init__(self, node: Node, cmd_vel: CmdVel, robot: Robot) -> None:
         self._cmd_vel, self._robot = cmd_vel, robot
         self._speed_share = node.declare_parameter(
-            "walk_speed", 0.6, "of walking to a pose, as a share of the gait's largest velocity",
+            "walk_speed", 0.6, "speed of walking to a pose, as a share of the gait's largest velocity",
             minimum=0.1, maximum=1.0,
         )  # fmt: skip
         self._tolerance = node.declare_parameter(
-            "position_tolerance", 0.1, "of walking to a pose, m", minimum=0.02, maximum=1.0
+            "position_tolerance",
+            0.1,
+            "position tolerance of walking to a pose, m",
+            minimum=0.02,
+            maximum=1.0,
         )
         self._heading_tolerance = node.declare_parameter(
-            "heading_tolerance", 0.15, "of walking to a pose, rad", minimum=0.05, maximum=math.pi
+            "heading_tolerance",
+            0.15,
+            "heading tolerance of walking to a pose, rad",
+            minimum=0.05,
+            maximum=math.pi,
         )
         self._server = ActionServer(
             node,
@@ -107,7 +115,7 @@ class NavigateToPose:
         return self._pose(request.pose, tick) is not None
 
     def _begin(self, goal: ServerGoalHandle) -> None:
-        self.abort("another goal took its place")
+        self.abort("superseded by another goal")
         assert self._tick is not None
         pose = self._pose(goal.request.pose, self._tick)
         assert pose is not None
@@ -153,7 +161,7 @@ class NavigateToPose:
         if self._feedback_due.is_due(tick.stamp):
             self._send_feedback(goal, here, error, tick)
         if self._ending is None and not goal.client_alive:
-            text = "the client of the goal is gone"
+            text = "the client of the goal has disconnected"
             self._end(GoalStatus.ABORTED, self._failure(_UNKNOWN_ERROR, text))
         if self._ending is None:
             self._walk(error, now)
@@ -174,7 +182,10 @@ class NavigateToPose:
         if remaining < self._least_remaining - _MIN_PROGRESS:
             self._least_remaining, self._progress_time = remaining, now
         elif now - self._progress_time > _STUCK_TIMEOUT:
-            self._end(GoalStatus.ABORTED, self._failure(_TIMEOUT, "the robot comes no nearer"))
+            self._end(
+                GoalStatus.ABORTED,
+                self._failure(_TIMEOUT, "the robot makes no progress towards the goal"),
+            )
             return
         self._cmd_vel.walk(controller.velocity(error), _VELOCITY_TIMEOUT)
 

@@ -89,7 +89,7 @@ class PlayMotion:
         elif tick.mode is Mode.FALLEN:
             self.abort("the robot fell")
         elif self._sent and self._ending is None and not goal.client_alive:
-            self._stop_motion(GoalStatus.ABORTED, "the client of the goal is gone")
+            self._stop_motion(GoalStatus.ABORTED, "the client of the goal has disconnected")
         elif self._sent and self._feedback_due.is_due(tick.stamp):
             feedback: Any = self._server.feedback_type(current_time=stamp_from_seconds(tick.stamp))
             goal.publish_feedback(feedback)
@@ -133,7 +133,7 @@ class PlayMotion:
             goal.finish(GoalStatus.ABORTED, self._server.result_type(error=str(error)))
             return
         self._orphaned = self._goal is not None and (self._sent or self._orphaned)
-        self.abort("another goal took its place")
+        self.abort("superseded by another goal")
         self._goal, self._sent, self._ending = goal, False, None
         try:
             self._command = self._client.send(command)
@@ -143,7 +143,7 @@ class PlayMotion:
     def _on_motion_sent(self, motion: Motion) -> None:
         self._sent, self._orphaned = True, False
         if not motion.while_walking:
-            self._navigate.abort("a motion took its place")
+            self._navigate.abort("superseded by a motion")
             self._cmd_vel.stand()
         logger.info("%s: %s", NAME, motion.name)
 

@@ -46,14 +46,14 @@ class RobotNode:
         self._update_rate = node.declare_parameter(
             "update_rate",
             float(config.update_rate),
-            "of joint_states, Hz",
+            "rate of joint_states, Hz",
             minimum=1.0,
             maximum=MAX_RATE,
         )
         self._state_rate = node.declare_parameter(
             "state_rate",
             50.0,
-            "of all other topics of the tick, such as tf, odom and balance/com, Hz",
+            "rate of all other topics of the tick, such as tf, odom and balance/com, Hz",
             minimum=1.0,
             maximum=MAX_RATE,
         )

@@ -43,12 +43,12 @@ class SimulationServices:
         self._impulse = node.declare_parameter(
             "push_impulse",
             (0.0, round(0.1 * robot.mass, 1), 0.0),
-            "of a push on the torso, N·s, axes of odom",
+            "impulse of a push on the torso, N·s, axes of odom",
             minimum=-largest,
             maximum=largest,
         )
         self._duration = node.declare_parameter(
-            "push_duration", 0.1, "of a push, s", minimum=0.01, maximum=2.0
+            "push_duration", 0.1, "duration of a push, s", minimum=0.01, maximum=2.0
         )
         # Number of a command -> the reply that waits for its outcome, until when, and its text.
         self._waiting: dict[int, tuple[ServiceReply, CommandOutcome, float, str]] = {}

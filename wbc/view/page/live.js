@@ -1,6 +1,6 @@
-// The live page: bodies and frames come through a web socket of the viewer's process.
-// Each frame is answered, and the next is sent only then: a slow page drops frames
-// instead of falling behind.
+// The live page: objects and frames arrive through a web socket of the viewer's process.
+// The page acknowledges each frame, and the next is sent only then: a slow page skips
+// frames instead of falling behind.
 "use strict";
 let objects = [];
 

@@ -1,4 +1,4 @@
-// A recording: bodies, an animation for meshcat's own player, and the caption over time.
+// A recording: objects, an animation for meshcat's player, and the captions over time.
 "use strict";
 async function unpack(text) {
   const packed = await (await fetch("data:application/octet-stream;base64," + text)).blob();
@@ -10,7 +10,7 @@ function* messages(bytes) {
   const view = new DataView(bytes.buffer);
   for (let at = 0; at < bytes.length;) {
     const size = view.getUint32(at, true);
-    // A copy: typed arrays inside want to begin at a multiple of their size.
+    // A copy, because typed arrays must be aligned to a multiple of their element size.
     yield bytes.slice(at + 4, at + 4 + size);
     at += 4 + size;
   }
@@ -42,7 +42,7 @@ function wirePlayer(animator, story) {
     if (event.key === " ") { event.preventDefault(); toggle(); }
   });
   element("player").hidden = story.caption.length < 2;
-  // For videos: no player on the page, and frames by their times.
+  // For videos: hides the player and shows frames by time.
   wbc.videoMode = () => {
     document.body.classList.add("video");
     animator.pause();

@@ -1,5 +1,5 @@
-// A run that is over: the page plays it by its own clock, and asks the server for each frame.
-// The next one is asked for when the last has come: a slow page skips, it does not lag.
+// A completed run: the page plays it by its own clock and requests each frame from the server.
+// It requests the next frame when the last has arrived: a slow page skips frames and does not lag.
 "use strict";
 const STRIP = 50;
 let socket = null, objects = [], run = null;
@@ -67,7 +67,7 @@ function go(time) {
 function tick(stamp) {
   requestAnimationFrame(tick);
   element("play").textContent = playing ? "❚❚" : "▶";
-  if (playing && waiting) return;  // the time until the frame comes is played too
+  if (playing && waiting) return;  // playback time continues while waiting for the frame
   const passed = before === null ? 0 : (stamp - before) / 1000;
   before = stamp;
   if (!playing) return;

@@ -1,11 +1,11 @@
-// The stage around meshcat's viewer: floor, lights, camera, and the cards on top.
-// `show` is what both the live page and a recording call with a snapshot's caption.
+// The surroundings of the scene in meshcat's viewer: floor, lights, camera and status cards.
+// The live page and recordings call `show` with a snapshot's caption.
 "use strict";
 const BACKGROUND = 0xe8edf2;
 var viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
 const THREE = MeshCat.THREE;
 const element = (id) => document.getElementById(id);
-// Read by tests, to wait for a complete scene instead of for a time.
+// Tests read this to wait for a complete scene instead of a fixed time.
 var wbc = {bodies: 0, frames: 0, ready: false, time: null};
 
 function makeStage(scale) {
@@ -15,7 +15,7 @@ function makeStage(scale) {
   const rgb = [16, 8, 0].map((shift) => ((BACKGROUND >> shift) & 255) / 255);
   viewer.set_property(["Background"], "bottom_color", rgb);
   viewer.set_property(["Background"], "top_color", rgb);
-  // The floor fades into the background, so that it has no edge to walk off.
+  // The floor fades into the background, so that it has no visible edge.
   viewer.scene.fog = new THREE.Fog(BACKGROUND, 5 * scale, 15 * scale);
 
   const stage = viewer.scene_tree.find(["wbc", "stage"]).object;
@@ -44,17 +44,17 @@ function makeStage(scale) {
   sun.shadow.radius = 3;
   const fill = new THREE.DirectionalLight(0xe6efff, 0.30);
   fill.position.set(-1.5, -3.0, 1.5);
-  // Their targets move with the stage; by default they would stay at the origin.
+  // The targets of the lights move with the stage; by default they stay at the origin.
   stage.add(sun, sun.target, fill, fill.target);
 
   viewer.camera.fov = 32;
   viewer.camera.near = 0.02;
   viewer.camera.far = 60;
-  // Of the camera's parent y is up and z is the robot's right.
+  // In the frame of the camera's parent y points up and z to the robot's right.
   const distance = 1.85 * scale;
   viewer.camera.position.set(0.86 * distance, 0.34 * distance, 1.05 * distance);
-  // Orbit controls count in the axes of the camera's parent, three.js's lookAt in the
-  // world's: a camera that follows would keep looking at the origin.
+  // Orbit controls use the frame of the camera's parent, three.js's lookAt uses the world
+  // frame: without this conversion a following camera would look at the origin.
   const turn = new THREE.Matrix4();
   viewer.camera.lookAt = function (target) {
     this.quaternion.setFromRotationMatrix(turn.lookAt(this.position, target, this.up));
@@ -68,7 +68,7 @@ function addBody(bytes) {
 }
 
 function finishBodies() {
-  // Marks are no things: only the robot and the terrain cast shadows.
+  // Only the robot and the terrain cast shadows, not the symbols.
   const root = viewer.scene_tree.find(["wbc"]);
   for (const [name, child] of Object.entries(root.children)) {
     const solid = name === "robot" || name === "terrain";
