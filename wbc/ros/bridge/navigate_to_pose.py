@@ -58,7 +58,7 @@ class NavigateToPose:
     def __init__(self, node: Node, cmd_vel: CmdVel, robot: Robot) -> None:
         self._cmd_vel, self._robot = cmd_vel, robot
         self._speed_share = node.declare_parameter(
-            "walk_speed", 0.6, "speed of walking to a pose, as a share of the gait's largest velocity",
+            "walk_speed", 0.6, "speed of walking to a pose, share of the gait's largest velocity",
             minimum=0.1, maximum=1.0,
         )  # fmt: skip
         self._tolerance = node.declare_parameter(
