@@ -23,13 +23,13 @@ class GroundKinematics:
             row["joint"] = sole.joint_id
             row["axis"] = sole.placement.rotation[:, 0]
             row["position"] = sole.placement.translation
-        self._out = np.zeros(10)
+        self._out = np.zeros(13)
 
     def read(self) -> tuple[Feet, complex, complex]:
         """Return both soles, the point below the CoM (m) and its velocity (m/s), world axes."""
         kin, out = self._kin, self._out
         read_ground(kin.joint_placements, kin.mass_matrix, kin.state.v, self._soles, kin.mass, out)
-        x, y, z, yaw, right_x, right_y, right_z, right_yaw, v_x, v_y = out.tolist()
+        x, y, z, yaw, right_x, right_y, right_z, right_yaw, v_x, v_y, *_ = out.tolist()
         left = Placement(complex(x, y), yaw, z)
         right = Placement(complex(right_x, right_y), right_yaw, right_z)
         com_x, com_y, _ = kin.p_com.tolist()

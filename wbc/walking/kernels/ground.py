@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from wbc.jit.compile import argument_types, kernel
+from wbc.jit.compile import argument_types, kernel, subkernel_or
 
 #: Where a sole is on the joint that carries it.
 SOLE = np.dtype(
@@ -17,6 +17,20 @@ SOLE = np.dtype(
     ],
     align=True,
 )
+
+
+def _base_momentum(M: np.ndarray, v: np.ndarray, out: np.ndarray) -> None:
+    np.dot(M[:3], v, out=out)
+
+
+@subkernel_or(_base_momentum)
+def base_momentum(M: np.ndarray, v: np.ndarray, out: np.ndarray) -> None:
+    """Write the robot's linear momentum in base axes (3,), kg·m/s: the first rows of M v."""
+    for i in range(3):
+        total = 0.0
+        for j in range(v.size):
+            total += M[i, j] * v[j]
+        out[i] = total
 
 
 @kernel(
@@ -34,7 +48,7 @@ def read_ground(
 ) -> None:
     """Write the placements of both soles and the horizontal velocity of the centre of mass.
 
-    The base rows of M v are the momentum in base axes; see `wbc.kinematics.Kinematics.v_com`.
+    See `wbc.kinematics.Kinematics.v_com`.
 
     Args:
         joint_placements: (njoints, 12), see `wbc.kinematics.Kinematics`.
@@ -42,8 +56,8 @@ def read_ground(
         v: (nv,) generalised velocity.
         soles: (2,) of the type `SOLE`.
         mass: of the robot, kg.
-        out: (10,) per sole x, y, z of its centre (m) and yaw (rad), then the velocity of the
-            centre of mass along x and y (m/s), all in world axes.
+        out: (13,) per sole x, y, z of its centre (m) and yaw (rad), then the velocity of the
+            centre of mass along x and y (m/s), all in world axes; workspace.
     """
     for k in range(2):
         sole = soles[k]
@@ -56,11 +70,8 @@ def read_ground(
         x = T[0] * axis[0] + T[3] * axis[1] + T[6] * axis[2]
         y = T[1] * axis[0] + T[4] * axis[1] + T[7] * axis[2]
         out[4 * k + 3] = math.atan2(y, x)
-    out[8] = out[9] = 0.0
-    base = joint_placements[1]
-    for i in range(3):
-        momentum = 0.0
-        for j in range(v.size):
-            momentum += M[i, j] * v[j]
-        out[8] += base[3 * i] * momentum / mass
-        out[9] += base[3 * i + 1] * momentum / mass
+    base, momentum = joint_placements[1], out[10:13]
+    base_momentum(M, v, momentum)
+    for i in range(2):
+        total = base[i] * momentum[0] + base[3 + i] * momentum[1] + base[6 + i] * momentum[2]
+        out[8 + i] = total / mass
