@@ -7,7 +7,7 @@
 #
 # Needed beforehand: Python 3.10 or newer, pip and make. Everything else goes into .venv.
 #   make PYTHON=python3.12 test     another interpreter
-#   make test ARGS="-k walk"        some tests
+#   make test ARGS="-k walk"        some tests; ARGS="-n 0" runs them one after the other
 
 PYTHON ?= python3
 ARGS ?=
@@ -23,7 +23,7 @@ demo: .venv/run.stamp
 	$(BIN)/wbc walk --tour --real-time --html out/demo.html
 
 test: .venv/dev.stamp
-	$(BIN)/python -m pytest $(ARGS)
+	$(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)
 
 lint: .venv/dev.stamp
 	$(BIN)/ruff check .
