@@ -375,7 +375,7 @@ def test_an_unknown_topic_or_field_is_told_with_what_there_is(made_up):
     _, log = made_up
     with pytest.raises(LogError, match="did you mean '/joint_states'"):
         log.numbers("/joint_state", "position")
-    with pytest.raises(LogError, match="there are: header"):
+    with pytest.raises(LogError, match="it has: header"):
         log.numbers("/joint_states", "force")
 
 

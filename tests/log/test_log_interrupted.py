@@ -203,7 +203,7 @@ def test_a_whole_log_is_not_touched_by_repair(whole, tmp_path):
 def test_what_is_no_log_is_not_repaired(tmp_path):
     path = tmp_path / "notes.txt"
     path.write_bytes(b"dear diary, " * 10)
-    with pytest.raises(LogError, match="no MCAP file"):
+    with pytest.raises(LogError, match="is not an MCAP file"):
         repair(path)
     assert path.read_bytes() == b"dear diary, " * 10
 
