@@ -1,6 +1,6 @@
-"""Load a robot and ask where things are: frames, Jacobians, centre of mass, dynamics.
+"""Load a robot and compute frames, Jacobians, centre of mass and dynamics.
 
-Everything about one state is computed once, when it is first asked for, and shared.
+Each quantity of a state is computed once, on first access, and then cached.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ print("centre of mass at   ", kin.p_com, "m")
 knee = robot.joint_index("leg_left_4_joint")
 print("knee moves the sole ", kin.jacobian("left_sole")[:3, 6 + knee], "m/s per rad/s")
 
-# A body that is let go, with no torque and no ground, falls with g and turns nothing.
+# Without torques and contacts the CoM falls with g and the angular momentum is constant.
 acceleration = np.linalg.solve(kin.mass_matrix, -kin.bias_forces)
-print("let go, it falls at ", kin.J_com @ acceleration + kin.bias_com, "m/s²")
+print("free fall, CoM at   ", kin.J_com @ acceleration + kin.bias_com, "m/s²")
 print("angular momentum    ", kin.centroidal_momentum[3:], "N·m·s")

@@ -1,6 +1,6 @@
-"""Stand and sway with the whole-body controller: tasks say what, contacts say on what.
+"""Stand and sway with the whole-body controller, given tasks and contacts.
 
-The loop is written out: measure, estimate, control, act.
+The control loop is written out: measure, estimate, control, act.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""Walk: a velocity in, torques out. It may change at any tick."""
+"""Walk at a commanded velocity, which may change at any tick."""
 
 import wbc
 
@@ -7,7 +7,7 @@ walker = wbc.Walker(robot, dt=0.002)
 
 
 def steer(time: float) -> None:
-    """Forward, then a curve to the left, then stop."""
+    """Command a straight walk, then a curve to the left, then a stop."""
     if time < 1.0:
         walker.velocity = (0.0, 0.0, 0.0)
     elif time < 3.5:

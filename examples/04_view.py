@@ -1,4 +1,4 @@
-"""Walk in real time, watched in the browser, and keep a recording that opens offline."""
+"""Walk in real time, show the robot in the browser, and save a recording that plays offline."""
 
 import tempfile
 from pathlib import Path
@@ -9,7 +9,7 @@ robot = wbc.load("simple_humanoid")
 walker = wbc.Walker(robot)
 walker.velocity = (0.2, 0.0, 0.2)
 
-# The viewer is a process of its own: however slow the browser is, the loop does not wait.
+# The viewer runs in its own process: the loop does not wait for a slow browser.
 with wbc.sim.Mujoco(robot) as plant, wbc.view.Meshcat(robot) as viewer:  # prints its address
     recording = wbc.view.Recording(robot)
     report = wbc.run(walker, plant, duration=6.0, observers=[viewer, recording], real_time=True)

@@ -1,7 +1,7 @@
-"""A controller of your own in `wbc.run`: anything with `reset(state)` and `step(estimate)`.
+"""Write your own controller for `wbc.run`: a class with `reset(state)` and `step(estimate)`.
 
-This one knows nothing of balance: it holds every joint where it was, with springs and dampers,
-around the torques that carry the weight.
+This one has no balance control: it holds the initial posture by joint stiffness and damping plus
+the torques that support the weight.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ import wbc
 
 
 class HoldPosture:
-    """Joint springs and dampers around the static torques."""
+    """Joint stiffness and damping plus static torques."""
 
     def __init__(self, robot, stiffness=20.0, damping=0.6):
         self.robot = robot
@@ -18,10 +18,10 @@ class HoldPosture:
         self.kd = damping * robot.tau_max  # N·m·s/rad
 
     def reset(self, state):
-        """Take the present posture as the one to hold."""
+        """Hold the current posture from now on."""
         kin = wbc.Kinematics(self.robot, state)
         self.q = state.q[7:].copy()
-        # The smallest foot wrenches that carry the weight at rest, and the torques to them.
+        # The smallest foot wrenches that support the weight at rest, and the corresponding torques.
         J = np.vstack([kin.jacobian(sole.name) for sole in self.robot.soles])
         loads = np.linalg.lstsq(J[:, :6].T, kin.bias_forces[:6], rcond=None)[0]
         self.tau = kin.bias_forces[6:] - J[:, 6:].T @ loads

@@ -1,6 +1,6 @@
-"""A plant of your own under `wbc.run`: here Pinocchio's dynamics on springs, no simulator.
+"""Write your own plant for `wbc.run`: here Pinocchio's dynamics on a spring-damper floor.
 
-A plant has `robot`, `dt`, `time`, `measure()` and `step(command)`; on a real machine they read
+A plant has `robot`, `dt`, `time`, `measure()` and `step(command)`; on a real robot these read
 sensors and send torques.
 """
 
@@ -14,7 +14,7 @@ SUBSTEPS = 10
 
 
 class SpringFloor:
-    """Springs under the soles' corners, integrated with small steps."""
+    """Springs and dampers at the corners of the soles, integrated with small steps."""
 
     def __init__(self, robot, dt=0.002):
         self.robot, self.dt, self.time = robot, dt, 0.0
@@ -24,13 +24,13 @@ class SpringFloor:
         self.wrenches = {sole.name: np.zeros(6) for sole in robot.soles}
 
     def measure(self):
-        """Perfect sensors, and the truth for an estimator that takes just that."""
+        """Return ideal sensor values and the true state, which `GroundTruthEstimator` uses."""
         q, v = self.state.q, self.state.v
-        still = np.zeros(3)  # the accelerometer; nobody reads it here
+        still = np.zeros(3)  # the accelerometer, unused here
         return wbc.Measurement(self.time, q[7:], v[6:], v[3:6], still, self.wrenches, self.state)
 
     def step(self, command):
-        """Hold the torques for one control period."""
+        """Apply constant torques for one control period."""
         tau, h = np.concatenate([np.zeros(6), command.tau]), self.dt / SUBSTEPS
         for _ in range(SUBSTEPS):
             q, v = self.state.q, self.state.v
@@ -44,7 +44,7 @@ class SpringFloor:
         self.time += self.dt
 
     def spring(self, sole):
-        """What the floor exerts on a sole, in sole axes."""
+        """Return the wrench of the floor on a sole, sole axes, N and N·m."""
         T = self.data.oMi[sole.joint_id] * sole.placement
         twist = pin.getFrameVelocity(self.model, self.data, sole.frame_id, pin.LOCAL)
         x, y = sole.half_length, sole.half_width

@@ -1,6 +1,6 @@
-"""Ask for the impossible: the QP says which of its rows cannot hold together.
+"""Set an infeasible task: the controller explains which rows of the QP are in conflict.
 
-The command stays finite and safe all the same.
+The command nevertheless stays finite and safe.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ controller.add(wbc.PostureTask(robot))
 controller.set_contacts([wbc.SurfaceContact.from_sole(sole) for sole in robot.soles])
 print("standing:", controller.step(state).status.value)
 
-# Priority 0 is exact. Nothing presses a foot off the ground and keeps it there.
+# Priority 0 is exact. No contact force can pull the feet towards the ground.
 lift = controller.add(wbc.ComTask(priority=0))
 lift.acceleration = np.array([0.0, 0.0, -20.0])  # m/s², faster than it can fall
 command = controller.step(state)
@@ -23,4 +23,4 @@ print(" ", command.explanation)
 print("torques are finite:", np.isfinite(command.tau).all())
 
 lift.acceleration = np.zeros(3)
-print("let be:", controller.step(state).status.value)
+print("without the task:", controller.step(state).status.value)

@@ -1,4 +1,4 @@
-"""Walk over footsteps from a list, for example stepping stones that a planner has chosen."""
+"""Walk over a given list of footsteps, for example stepping stones chosen by a planner."""
 
 import numpy as np
 

@@ -1,6 +1,6 @@
-"""A URDF of your own: name the feet, look at what was derived, and let it walk.
+"""Load your own URDF: name the feet, inspect the derived properties, and walk.
 
-What is stated here could as well be in a small data file: see `robots/*.toml`.
+The same properties can be given in a small data file: see `robots/*.toml`.
 """
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Keep every tick of a run, draw it, and find out where two runs part."""
+"""Log every tick of two runs, plot one, and find where they diverge."""
 
 import tempfile
 from dataclasses import replace
@@ -12,10 +12,10 @@ robot = wbc.load("g1")
 
 
 def walk(name: str, gains: wbc.WalkerGains) -> LoggedRun:
-    """One second of walking, logged."""
+    """Log one second of walking."""
     walker = wbc.Walker(robot, gains=gains)
     walker.velocity = (0.2, 0.0, 0.0)
-    # The loop only copies into memory; another process writes. A crash leaves a readable file.
+    # The loop only copies to shared memory; another process writes. A crash leaves a readable file.
     with wbc.sim.Mujoco(robot) as plant, FlightRecorder(folder / f"{name}.mcap", robot) as log:
         wbc.run(walker, plant, duration=1.0, observers=[log])
     return LoggedRun.read(folder / f"{name}.mcap")
@@ -30,6 +30,6 @@ print("pictures:", *plot(one, folder), sep="\n  ")
 first = compare(one, other).first
 assert first is not None
 print(
-    f"the runs part at {first.time:.3f} s in {first.name}, {first.part}: "
+    f"the runs diverge at {first.time:.3f} s in {first.name}, {first.part}: "
     f"{first.a:.4f} against {first.b:.4f} {first.unit}"
 )

@@ -1,4 +1,4 @@
-"""A robot driven from the browser."""
+"""Drive a robot from the browser."""
 
 import wbc
 from wbc.motions import MotionPlayer

@@ -1,4 +1,4 @@
-"""A task of your own: rows `A v̇ = b`. This one keeps two hands at a distance from each other."""
+"""Write your own task, rows `A v̇ = b`. This one controls the distance between two hands."""
 
 import numpy as np
 import pinocchio as pin
@@ -7,7 +7,7 @@ import wbc
 
 
 class DistanceTask(wbc.Task):
-    """Brings the distance d of two frames to a target: `d̈ = −kd ḋ + kp (target − d)`.
+    """Controls the distance d of two frames: `d̈ = −kd ḋ + kp (target − d)`, d in m.
 
     With n the unit vector from one frame to the other and v their relative velocity,
     `d̈ = nᵀ (J₁ − J₂) v̇ + nᵀ (J̇₁ − J̇₂) v + (|v|² − ḋ²)/d`.
@@ -21,7 +21,7 @@ class DistanceTask(wbc.Task):
         self.target = target
 
     def write(self, kin, A, b):
-        """Write the row of the present state."""
+        """Write the row of the current state."""
         one, other = (kin.motion(frame) for frame in self.frames)
         apart = one.position - other.position
         distance = np.linalg.norm(apart)

@@ -1,8 +1,8 @@
-"""A limit of your own: rows `lower ≤ A v̇ ≤ upper`. This one is a table that a hand stays above.
+"""Write your own limit, rows `lower ≤ A v̇ ≤ upper`. This one keeps a hand above a table.
 
-A control barrier function: the height h over the table obeys `ḧ + k₁ ḣ + k₂ h ≥ 0`, so that it
-never becomes negative, whatever the tasks want (Ames et al., Control barrier functions: theory and
-applications, ECC 2019).
+It is a control barrier function: the height h above the table obeys `ḧ + k₁ ḣ + k₂ h ≥ 0`, so that
+it never becomes negative, whatever the tasks demand (Ames et al., Control barrier functions: theory
+and applications, ECC 2019).
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ import wbc
 
 
 class TableLimit(wbc.Limit):
-    """Keeps a frame above a height."""
+    """Keeps a frame above a height, m."""
 
     def __init__(self, frame, height, k1=20.0, k2=100.0):
         super().__init__("table", 1, unit="m/s²", labels=(frame,))
@@ -21,7 +21,7 @@ class TableLimit(wbc.Limit):
         self.k1, self.k2 = k1, k2  # 1/s, 1/s²
 
     def write(self, kin, rows):
-        """Write the row of the present state: `J_z v̇ ≥ −J̇_z v − k₁ ḣ − k₂ h`."""
+        """Write the row of the current state: `J_z v̇ ≥ −J̇_z v − k₁ ḣ − k₂ h`."""
         hand = kin.motion(self.frame)
         h, rate = hand.position[2] - self.height, hand.velocity[2]
         rows.A[0] = hand.jacobian[2]
@@ -46,4 +46,4 @@ for _ in range(1000):
     lowest = min(lowest, controller.kinematics.frame("right_hand").translation[2] - table)
     v = state.v + dt * command.acceleration
     state = wbc.State(pin.integrate(robot.model, state.q, dt * v), v)
-print(f"asked for 150 mm below the table, the hand stayed {1e3 * lowest:.1f} mm above it")
+print(f"target 150 mm below the table; the hand stayed {1e3 * lowest:.1f} mm above it")

@@ -1,6 +1,6 @@
-"""A contact of your own: the rows of its force cone. This one is a sole of any convex outline.
+"""Write your own contact: the rows of its force cone. This one is a sole of any convex outline.
 
-Friction is a twelve-sided cone instead of a pyramid. The rows may be as many as you like.
+Friction is a twelve-sided cone instead of a pyramid. Any number of rows is allowed.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ class PolygonContact(wbc.Contact):
     pressure (−τ_y, τ_x)/f_z by `n_x (−τ_y) + n_y τ_x ≤ d f_z`.
     """
 
-    motion_size = 6  # it bears a force and a moment
+    motion_size = 6  # the contact transmits a force and a moment
 
     def __init__(self, frame, corners, **options):
         super().__init__(frame, **options)
@@ -37,7 +37,7 @@ class PolygonContact(wbc.Contact):
 
     @property
     def cone_labels(self):
-        """One text per row, for explanations."""
+        """Return one label per row, for explanations of infeasibility."""
         friction = [f"friction at {30 * k}°" for k in range(12)]
         edges = [f"edge {k}" for k in range(len(self.corners))]
         return (*friction, *edges, "yaw torque +", "yaw torque −")

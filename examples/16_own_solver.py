@@ -1,4 +1,4 @@
-"""A solver of your own: an object with `solve(problem)`.
+"""Write your own solver: a class with `solve(problem)`.
 
 This one solves the QP as a least-distance problem by non-negative least squares (Lawson and Hanson,
 Solving Least Squares Problems, 1974, chapter 23).
@@ -13,10 +13,10 @@ from wbc.qp import Outcome, Problem, Solution
 
 
 class NonNegativeLeastSquares:
-    """With H = L Lᵀ and y = Lᵀ x + L⁻¹ g, the QP asks for the shortest y with `R y ≥ d`."""
+    """With H = L Lᵀ and y = Lᵀ x + L⁻¹ g, the QP minimises |y| subject to `R y ≥ d`."""
 
     def solve(self, problem: Problem) -> Solution:
-        """Solve one QP; its arrays are the controller's, to be read only."""
+        """Solve one QP. Its arrays belong to the controller and must not be modified."""
         n = problem.g.size
         L = np.linalg.cholesky(problem.H)
         w = solve_triangular(L, problem.g, lower=True)
@@ -29,7 +29,7 @@ class NonNegativeLeastSquares:
         E, f = np.vstack((R.T, d)), np.eye(n + 1)[n]
         u, distance = nnls(E, f, maxiter=10 * len(b))
         if distance < 1e-9:
-            return Solution(np.zeros(n), Outcome.INFEASIBLE, detail="no point holds all rows")
+            return Solution(np.zeros(n), Outcome.INFEASIBLE, detail="no point satisfies all rows")
         r = E @ u - f
         y = -r[:n] / r[n]
         return Solution(solve_triangular(L.T, y - w, lower=False), Outcome.SOLVED)

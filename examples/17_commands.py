@@ -1,4 +1,4 @@
-"""A robot in physics driven by commands from Python, like those of the live page and of ROS 2."""
+"""Drive a simulated robot by commands from Python, like those of the live page and ROS 2."""
 
 import wbc
 from wbc.motions import MotionPlayer, Wave
@@ -17,7 +17,7 @@ with (
     wbc.sim.Mujoco(robot) as plant,
     wbc.teleop.CommandHandler(player, plant, owns_clock=False) as handler,
 ):
-    # A command that makes no sense is refused at once, with the reason and the bounds.
+    # An invalid command is refused at once, with the reason and the bounds.
     try:
         handler.submit(VelocityCommand(forward=20.0))
     except wbc.teleop.CommandRefused as error:
@@ -27,7 +27,7 @@ with (
     handler.add_observer(lambda sent, ack: print(f"{ack.time:.3f} s: {sent} {ack.outcome.value}"))
 
     def submit_due(time: float) -> None:
-        """Submit the commands whose time has come; they are applied before this tick."""
+        """Submit the commands that are due; they are applied before this tick."""
         while script and time >= script[0][0]:
             handler.submit(script.pop(0)[1])
 

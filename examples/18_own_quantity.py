@@ -1,4 +1,4 @@
-"""A quantity of your own: log, plots, live page and ROS have it by the name that you declare."""
+"""Declare your own quantity: it appears in log, plots, live page and ROS 2 under its name."""
 
 import tempfile
 from pathlib import Path

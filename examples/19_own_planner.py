@@ -1,6 +1,6 @@
-"""A planner of one's own: it plans ZMP and DCM, and which foot swings; the walker does the rest.
+"""Write your own planner, which gives ZMP, DCM and the swing foot to the walker.
 
-This one shifts the weight from side to side, and never steps.
+This one shifts the weight from side to side and never steps.
 """
 
 import cmath
@@ -14,10 +14,10 @@ AMPLITUDE, PERIOD = 0.03, 2.5  # m, s
 
 
 class SidewaysSway:
-    """The linear inverted pendulum on an ellipse: the ZMP leads, the DCM follows with 45°."""
+    """A lateral sway of the linear inverted pendulum with a sinusoidal CoM."""
 
     def reset(self, state: GaitState) -> None:
-        """Start in the middle."""
+        """Start midway between the feet."""
         self.time = 0.0
         self.middle = state.feet.middle
 
@@ -26,7 +26,7 @@ class SidewaysSway:
         return None
 
     def update(self, state: GaitState, command: GaitCommand, dt: float) -> StepPlan:
-        """Move on; no foot swings, so there is no landing place."""
+        """Advance the time; no foot swings, so there is no footstep."""
         self.time += dt
         return StepPlan()
 
@@ -48,7 +48,7 @@ class SidewaysSway:
         )
 
     def footsteps(self, state: GaitState) -> list[PlannedFootstep]:
-        """None are planned."""
+        """Return no footsteps."""
         return []
 
 

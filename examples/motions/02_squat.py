@@ -1,4 +1,4 @@
-"""Squat: down by a share of the leg's length, and up. Too deep is refused, with the bound."""
+"""Squat by a share of the leg length. A squat that is too deep is refused, with the bound."""
 
 import wbc
 from wbc.errors import MotionError

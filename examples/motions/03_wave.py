@@ -1,4 +1,4 @@
-"""Wave with both arms, standing and then walking: the walker looks after the legs."""
+"""Wave with both arms, standing and then walking: the walker controls the legs."""
 
 import wbc
 from wbc.motions import Wave

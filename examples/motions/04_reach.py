@@ -1,6 +1,6 @@
-"""Reach: hands to places in the standing frame, in balance; what is too far is said.
+"""Reach: move the hands to positions in the stance frame; unreachable targets are reported.
 
-Origin on the ground midway between the soles, x forward, y left, z up.
+The frame has its origin on the ground midway between the soles, x forward, y left, z up.
 """
 
 import wbc

@@ -1,4 +1,4 @@
-"""Stand on one leg, bear a light push on the torso, put the foot down."""
+"""Stand on one leg, withstand a light push on the torso, and put the foot down."""
 
 import wbc
 from wbc.motions import OneLeg

@@ -1,4 +1,4 @@
-"""Step in place: the walker's own steps, onto the places where the feet are."""
+"""Step in place: the walker steps onto the current positions of the feet."""
 
 import wbc
 from wbc.motions import StepInPlace

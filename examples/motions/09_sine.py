@@ -1,4 +1,4 @@
-"""The tutorial's fifteen joints on sines: open loop it falls, under balance it does not."""
+"""Move fifteen joints on sine waves: the robot falls in open loop, but not with balance control."""
 
 import wbc
 from wbc.motions import Sine

@@ -1,7 +1,7 @@
-"""Jump: planned from the robot's limits, flown without contacts, judged by the truth.
+"""Jump: plan within the robot's limits, jump, and measure the flight in the true state.
 
-The plan is one path of configurations without angular momentum: whoever goes up along it
-takes off without spin, and flies and lands along it too. What is too high is refused.
+The plan is a path of configurations without angular momentum: the robot takes off, flies and lands
+along it without rotation. A jump that is too high is refused.
 """
 
 import wbc
@@ -19,7 +19,7 @@ print(f"crouch to {plan.lowest:.3f} m, push off for {plan.push_off.duration:.2f}
 print(f"take off with {plan.speed:.2f} m/s, fly for {plan.flight.duration:.2f} s")
 print(f"{100 * plan.torque_share:.0f} % of the torque of {plan.torque_joint} at most")
 
-report = run_motions(robot, [jump], seed=1)  # noise on every sensor, no ground truth inside
+report = run_motions(robot, [jump], seed=1)  # noisy sensors, no ground truth in the loop
 print(report.table())
 
 flight = report.flights[0]

@@ -1,4 +1,4 @@
-"""Keyframes: postures and places from a file, checked before they start, tracked in balance."""
+"""Keyframes: postures and hand positions from a file, checked first and tracked in balance."""
 
 from pathlib import Path
 
@@ -15,5 +15,5 @@ print(report.table())
 
 try:
     Keyframes(file=str(FOLDER / "robot_dance.csv")).check(wbc.load("g1"))
-except MotionError as refusal:  # says file, line and column
+except MotionError as refusal:  # names file, line and column
     print(f"\n{refusal}")

@@ -1,4 +1,4 @@
-"""Demo: everything that a robot can do, in a row, watched in the browser."""
+"""Demo: all motions of a robot in sequence, shown in the browser."""
 
 import wbc
 from wbc.motions import Demo, MotionPlayer
@@ -8,7 +8,7 @@ robot = wbc.load("talos")
 player = MotionPlayer(robot, motions=[Demo()])
 runner = MotionRunner(
     player
-)  # grants the light push that standing on one leg asks for; ends the run
+)  # applies the push that standing on one leg requests, and ends the run
 
 with wbc.sim.Mujoco(robot) as plant, wbc.view.Meshcat(robot) as viewer:  # prints its address
     report = wbc.run(

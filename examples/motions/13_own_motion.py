@@ -1,4 +1,4 @@
-"""Write a motion of your own: a dataclass whose `play` sets references and waits.
+"""Write your own motion: a dataclass whose `play` sets references and waits.
 
 Each `yield from` lets time pass; meanwhile the references move smoothly to their targets, so that
 no torque jumps. The motion can be interrupted at any tick without further code.

@@ -1,7 +1,7 @@
-"""The chapter's third exercise: print the position of the right knee, as `joint_states` tells it.
+"""Print the position of the right knee from `joint_states`.
 
-Run `wbc ros2 joint-publisher` or `wbc ros2 walk` beside it, or any other robot's node. The joints
-may come in any order; a message without the knee is passed over.
+Run `wbc ros2 joint-publisher`, `wbc ros2 walk` or any other robot's node in another terminal. The
+joints may be in any order; messages without the knee are ignored.
 """
 
 import argparse
@@ -16,7 +16,7 @@ options = parser.parse_args()
 
 
 def position(message, joint):
-    """The joint's position, rad; None if the message does not tell it."""
+    """Return the joint's position, rad, or None if the message lacks it."""
     try:
         return float(message.position[message.name.index(joint)])
     except (ValueError, IndexError):  # no such name, or fewer positions than names
@@ -27,7 +27,7 @@ printed = missing = 0
 
 
 def hear(message, info):
-    """Print the knee's position, or say once that it is missing."""
+    """Print the knee's position, or warn once that it is missing."""
     global printed, missing
     angle = position(message, options.joint)
     if angle is None:

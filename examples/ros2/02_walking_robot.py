@@ -1,6 +1,6 @@
-"""A robot in physics as a node of a ROS 2 system: what `wbc ros2 walk` does, by hand.
+"""Run a simulated robot as a node of a ROS 2 system, like `wbc ros2 walk`.
 
-`/cmd_vel` drives it. Here nobody does, unless you run `03_drive.py` or `04_motion.py` beside it.
+`/cmd_vel` drives it. To drive it, run `03_drive.py` or `04_motion.py` in another terminal.
 """
 
 import argparse

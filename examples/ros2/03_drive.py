@@ -1,6 +1,6 @@
-"""Drive a robot from another process, as a ROS 2 program would: a velocity, then a goal.
+"""Drive a robot from another ROS 2 node: first by a velocity, then by a goal pose.
 
-Run `wbc ros2 walk` beside it.
+Run `wbc ros2 walk` in another terminal.
 """
 
 import argparse
@@ -17,7 +17,7 @@ parser.add_argument("--goal", type=float, default=0.5, help="m ahead of it (defa
 options = parser.parse_args()
 
 with Node("driver") as node:
-    # A velocity lasts half a second: whoever wants the robot to walk must keep saying so.
+    # A velocity times out after half a second, so it must be sent repeatedly.
     velocity = node.create_publisher("geometry_msgs/msg/Twist", "cmd_vel")
     if not node.spin_until(lambda: velocity.get_subscription_count() > 0, timeout_sec=10.0):
         raise SystemExit("no robot listens to /cmd_vel")
@@ -29,10 +29,10 @@ with Node("driver") as node:
 
     walk = ActionClient(node, "nav2_msgs/action/NavigateToPose", "navigate_to_pose")
     ahead = walk.goal_type()
-    ahead.pose.header.frame_id = "base_link"  # seen from where it is now
+    ahead.pose.header.frame_id = "base_link"  # relative to the current pose
     ahead.pose.pose.position.x = options.goal
     goal = walk.send_goal(ahead, lambda f: print(f"{f.distance_remaining:.2f} m to go", flush=True))
     if not goal.accepted:
-        raise SystemExit("it does not want to go there")
+        raise SystemExit("the goal was rejected")
     goal.wait_for_result(60.0)
     print(goal.status.name.lower(), goal.result.error_msg)

@@ -1,6 +1,6 @@
-"""Have a robot play a motion, from another process, as a ROS 2 program would.
+"""Let a robot play a motion from another ROS 2 node.
 
-Run `wbc ros2 walk` beside it.
+Run `wbc ros2 walk` in another terminal.
 """
 
 import argparse
@@ -21,7 +21,7 @@ with Node("director") as node:
         raise SystemExit("no robot plays motions")
     goal = play.send_goal(play.goal_type(motion_name=" ".join(options.motion)))
     if not goal.accepted:
-        raise SystemExit("it cannot play now")
+        raise SystemExit("the goal was rejected")
     if not goal.wait_for_result(options.wait):
         goal.cancel_goal()
         goal.wait_for_result(10.0)
