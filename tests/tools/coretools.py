@@ -1,4 +1,4 @@
-"""What the tests of kinematics, tasks, contacts, limits and QP share."""
+"""Helpers for the tests of kinematics, tasks, contacts, limits and QP."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def random_state(
 
 
 def standing_state(robot: wbc.Robot, seed: int, *, speed: float = 0.1) -> wbc.State:
-    """Close to standing, so that a robot on its soles can do what the tasks want."""
+    """Return a state close to standing, so that the tasks are feasible with both soles in contact."""
     return random_state(robot, seed, spread=0.02, speed=speed, place=0.1, tilt=0.02)
 
 
@@ -79,7 +79,7 @@ def sole_contact(
 
 
 def contact_set(robot: wbc.Robot, name: str) -> list[Contact]:
-    """Contacts by a word; the frames' names differ from robot to robot."""
+    """Return the contacts of a named set; the frame names differ between robots."""
     left, right = "left_sole", "right_sole"
     sets: dict[str, list[Contact]] = {
         "none": [],

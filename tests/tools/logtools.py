@@ -1,4 +1,4 @@
-"""Made-up runs for tests of the log: ticks without physics, every number another."""
+"""Synthetic runs for tests of the log: ticks without physics, with random values."""
 
 from __future__ import annotations
 

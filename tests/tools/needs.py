@@ -1,4 +1,4 @@
-"""What a test needs of the machine: CI must have it, elsewhere the test is skipped."""
+"""Requirements of tests on the machine: CI must meet them, elsewhere the test is skipped."""
 
 from __future__ import annotations
 

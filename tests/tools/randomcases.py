@@ -1,4 +1,4 @@
-"""Random controllers and the sequences of ticks they are driven through."""
+"""Random controllers and the sequences of ticks that they solve."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def _synthetic(which: tuple[int, int]) -> wbc.Robot:
 
 
 class Pinned(AccelerationBound):
-    """Some joints may only accelerate as told: bounds that coincide."""
+    """Prescribed accelerations of some joints: lower and upper bounds coincide."""
 
     name = "pinned joint"
 
@@ -99,7 +99,7 @@ class Pinned(AccelerationBound):
 
 
 class VerticalForce(Limit):
-    """The ground carries at most a share of the robot's weight: a limit on contact forces."""
+    """Limits the vertical contact force to a share of the robot's weight."""
 
     def __init__(self, robot: wbc.Robot, share: float) -> None:
         super().__init__("vertical force", 1, unit="N")

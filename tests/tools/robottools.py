@@ -1,4 +1,4 @@
-"""What the robot tests share: our own robot's URDF as text to break, and a biped of boxes."""
+"""Helpers for the tests of robots: edited copies of the test robot's URDF."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FEET = {"left_foot": "left_foot", "right_foot": "right_foot"}
 
 
 def changed(folder: Path, *replacements: tuple[str, str], name: str = "changed.urdf") -> Path:
-    """A copy of our URDF with replacements, each of which must apply (once)."""
+    """Write a copy of the URDF with replacements, each of which must apply exactly once."""
     text = SIMPLE.read_text()
     for old, new in replacements:
         assert old in text, f"the URDF no longer holds {old!r}"
@@ -24,7 +24,7 @@ def changed(folder: Path, *replacements: tuple[str, str], name: str = "changed.u
 
 
 def element(kind: str, name: str) -> str:
-    """The text of one `<link>` or `<joint>` of our URDF."""
+    """Return the text of one `<link>` or `<joint>` of the URDF."""
     text = SIMPLE.read_text()
     start = text.index(f'  <{kind} name="{name}"')
     end = text.index(f"</{kind}>\n", start) + len(f"</{kind}>\n")

@@ -1,6 +1,6 @@
-"""The other process of the tests of ROS 2: `python rospeer.py KIND DOMAIN ...`.
+"""The peer process of the tests of ROS 2: `python rospeer.py KIND DOMAIN ...`.
 
-Each kind says "ready" when it is, and goes on until it is interrupted or its input ends.
+Each kind prints "ready" when it is, and runs until it is interrupted or its input ends.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ ACTION = "nav2_msgs/action/NavigateToPose"
 
 
 def over() -> bool:
-    """Whether the parent has gone."""
+    """Return whether the parent has ended."""
     return bool(select.select([sys.stdin], [], [], 0.0)[0]) and not sys.stdin.readline()
 
 
@@ -34,9 +34,9 @@ def ready() -> None:
 
 
 def echo(node: Node) -> None:
-    """Decodes messages of every type and sends them back, encoded anew.
+    """Decode messages of every type, encode them again and send them back.
 
-    Latched, because what is to hear them may be known later than what they came from.
+    The replies are latched, because their subscriber may be discovered after the publisher.
     """
     for name in available_types():
         topic = name.replace("/", "_").lower()
@@ -47,7 +47,7 @@ def echo(node: Node) -> None:
 
 
 def serve(node: Node) -> None:
-    """A service, parameters of every kind, and an action without a robot."""
+    """Serve a service, parameters of every kind, and an action without a robot."""
     asked = 0
 
     def answer(request: Any, response: Any) -> Any:
@@ -93,7 +93,7 @@ def serve(node: Node) -> None:
 
 
 def pursue(node: Node, x: str, action: str) -> None:
-    """Sends a goal that is far away, and waits for it."""
+    """Send a goal that is far away, and wait for its result."""
     client = ActionClient(node, ACTION, action)
     request = client.goal_type()
     request.pose.pose.position.x = float(x)
@@ -103,7 +103,7 @@ def pursue(node: Node, x: str, action: str) -> None:
 
 
 def play(node: Node, text: str) -> None:
-    """Has a motion played, and waits for it."""
+    """Request a motion, and wait for its result."""
     client = ActionClient(node, "play_motion2_msgs/action/PlayMotion2", "play_motion2")
     goal = client.send_goal(client.goal_type(motion_name=text), timeout_sec=20.0)
     print("accepted" if goal.accepted else "rejected", flush=True)
@@ -111,7 +111,7 @@ def play(node: Node, text: str) -> None:
 
 
 def count(node: Node, rate: str, number: str, depth: str = "10") -> None:
-    """Publishes numbered joint states of 32 joints at a rate, when somebody listens."""
+    """Publish numbered joint states of 32 joints at a rate, once there is a subscriber."""
     kind = message_type("sensor_msgs/msg/JointState")
     zeros = [0.0] * 32
     names = [f"joint_{i}" for i in range(32)]
@@ -131,13 +131,15 @@ def count(node: Node, rate: str, number: str, depth: str = "10") -> None:
     ready()
     node.spin_until(lambda: publisher.get_subscription_count() > 0 or over())
     publish()
-    publisher.writer.dds.wait_for_acks(PATIENCE)  # the listener may not know us yet
+    publisher.writer.dds.wait_for_acks(
+        PATIENCE
+    )  # the subscriber may not have discovered this publisher yet
     node.create_timer(1.0 / float(rate), publish)
     node.spin_until(over)
 
 
 def rogue(node: Node, dds_type: str) -> None:
-    """Writes whatever bytes it is told: lines of a topic and hexadecimal digits."""
+    """Publish the bytes given by input lines of a topic and hexadecimal digits."""
     writers: dict[str, DdsWriter] = {}
     ready()
     for line in sys.stdin:
@@ -146,12 +148,12 @@ def rogue(node: Node, dds_type: str) -> None:
             kind = raw_dds_type(dds_type)
             writers[topic] = DdsWriter(node.participant, f"rt/{topic}", kind, DEFAULT, "")
             node.spin_until(lambda topic=topic: writers[topic].matched)
-        with contextlib.suppress(RosError):  # DDS looks at what it is given before it sends it
+        with contextlib.suppress(RosError):  # DDS inspects the data before it sends them
             writers[topic].write(bytes.fromhex(digits))
 
 
 def latch(node: Node, *texts: str) -> None:
-    """Publishes texts on a latched topic before anybody listens."""
+    """Publish texts on a latched topic before there are subscribers."""
     kind = message_type("std_msgs/msg/String")
     publisher = node.create_publisher(kind.type_name, "robot_description", LATCHED)
     for text in texts:

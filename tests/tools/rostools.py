@@ -1,4 +1,4 @@
-"""What the tests of ROS 2 share: domains of their own, and peers in other processes."""
+"""Helpers for the tests of ROS 2: unused domains, and peers in other processes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _claims: list[socket.socket] = []
 
 
 def new_domain() -> int:
-    """One where nobody is, other runs of these tests included: it is held by a port of its own."""
+    """Return a domain that no other test run uses; a bound TCP port reserves it."""
     for number in itertools.islice(_domains, 100):
         domain = 1 + number % 100
         claim = socket.socket()  # TCP, where DDS has UDP
@@ -42,7 +42,7 @@ def new_domain() -> int:
 
 
 def environment(domain: int) -> dict[str, str]:
-    """Of a process that looks for others on the loopback interface alone."""
+    """Return the environment of a process that discovers peers on the loopback interface only."""
     kept = {
         key: value
         for key, value in os.environ.items()
@@ -53,12 +53,12 @@ def environment(domain: int) -> dict[str, str]:
 
 
 def hear_interrupts() -> None:
-    """In a child before it begins: tests that run in the background have SIGINT ignored."""
+    """Restore SIGINT in a child process, which background test runs ignore."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 class Peer:
-    """Another process in the same domain, which has said that it is ready."""
+    """Another process in the same domain, which has reported that it is ready."""
 
     def __init__(self, domain: int, *command: str, configuration: str = "") -> None:
         self.process = subprocess.Popen(
@@ -77,17 +77,17 @@ class Peer:
 
     @classmethod
     def of(cls, domain: int, kind: str, *arguments: str, configuration: str = "") -> Peer:
-        """One of the kinds of `rospeer.py`, perhaps with a configuration for Cyclone DDS."""
+        """Start a peer of `rospeer.py`, optionally with a configuration of Cyclone DDS."""
         script = str(ROOT / "tests" / "tools" / "rospeer.py")
         return cls(domain, script, kind, str(domain), *arguments, configuration=configuration)
 
     @classmethod
     def wbc(cls, domain: int, *arguments: str) -> Peer:
-        """The `wbc` command."""
+        """Start the `wbc` command."""
         return cls(domain, "-m", "wbc", *arguments)
 
     def line(self) -> str:
-        """The next that it says; nothing when it has ended, or says nothing for too long."""
+        """Return the next output line; empty if the process has ended or a timeout has passed."""
         assert self.process.stdout is not None
         end = threading.Timer(3 * PATIENCE, self.process.kill)
         end.start()
@@ -132,7 +132,7 @@ def start_example(domain: int, script: str, *arguments: str) -> subprocess.Popen
 
 
 class Hearer:
-    """Messages of one topic, kept."""
+    """Collects the messages of one topic."""
 
     def __init__(self, node: Node, kind: str, topic: str, *args: Any) -> None:
         self.node = node
@@ -159,12 +159,12 @@ class Hearer:
         self.infos.clear()
 
     def wait(self, until: Callable[[Any], bool] = lambda _: True, timeout: float = PATIENCE) -> Any:
-        """The first new message of which something is true."""
+        """Wait for the first new message that satisfies a condition; return it."""
         self.clear()
         return self.find(until, timeout)
 
     def find(self, until: Callable[[Any], bool], timeout: float = PATIENCE) -> Any:
-        """The first of which something is true: of those that are kept, or a new one."""
+        """Return the first message, received or new, that satisfies a condition."""
         found: list[Any] = []
         looked = 0
 
@@ -175,7 +175,7 @@ class Hearer:
             return bool(found)
 
         assert self.node.spin_until(look, timeout), (
-            f"nothing of the kind on {self.subscription.topic_name}"
+            f"no such message on {self.subscription.topic_name}"
         )
         return found[0]
 
@@ -185,18 +185,18 @@ def node(name: str, domain: int) -> Node:
 
 
 def configuration(path: str, value: str) -> str:
-    """One setting of Cyclone DDS, below `Domain`."""
+    """Return a configuration of Cyclone DDS with one setting below `Domain`."""
     for name in reversed(("CycloneDDS", "Domain", *path.split("/"))):
         value = f"<{name}>{value}</{name}>"
     return value
 
 
-#: A participant that is taken for dead when it has been silent for so long.
+#: Lease duration after which a silent participant counts as dead.
 SHORT_LIVED = configuration("Discovery/LeaseDuration", "3 s")
 
 
 def some_message(name: str, seed: int) -> Any:
-    """A message with a value in every field."""
+    """Return a message with a random value in every field."""
     rng = np.random.default_rng(seed)
 
     def value(field: Field) -> Any:
@@ -230,7 +230,7 @@ def some_message(name: str, seed: int) -> Any:
 
 
 def rosbags_store() -> Any:
-    """The types as `rosbags` has them; those that it lacks by our schemas."""
+    """Return the type store of `rosbags`, completed by the library's own schemas."""
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     store = get_typestore(Stores.ROS2_JAZZY)

@@ -1,4 +1,4 @@
-"""What the tests of the plant and of the estimator share."""
+"""Helpers for the tests of the plant and of the estimator."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def command(tau: np.ndarray) -> Command:
 
 
 def moved(state: State, shift: tuple[float, float, float], yaw: float) -> State:
-    """The same posture elsewhere, turned about the vertical."""
+    """Return the same posture with a shifted base, m, rotated about the vertical by `yaw`, rad."""
     q = state.q.copy()
     turn = pin.Quaternion(pin.rpy.rpyToMatrix(0.0, 0.0, yaw))
     q[:3] = turn.toRotationMatrix() @ q[:3] + np.array(shift)
@@ -44,7 +44,7 @@ def random_state(robot: Robot, random: np.random.Generator) -> State:
 
 
 def upright(state: State) -> np.ndarray:
-    """Roll, pitch, yaw, rad."""
+    """Return roll, pitch and yaw, rad."""
     return pin.rpy.matrixToRpy(pin.Quaternion(state.q[3:7]).toRotationMatrix())
 
 

@@ -13,7 +13,7 @@ from wbc.motions import Motion, parameter
 
 @dataclass(frozen=True)
 class Shrug(Motion):
-    """A motion that only takes time."""
+    """A motion that only waits."""
 
     name: ClassVar[str] = "shrug"
     summary: ClassVar[str] = "nothing much"
@@ -25,7 +25,7 @@ class Shrug(Motion):
 
 @dataclass(frozen=True)
 class SlowToPlan(Shrug):
-    """A motion whose planning ends when there is a file in a folder."""
+    """A motion whose planning ends when a folder contains a file."""
 
     name: ClassVar[str] = "slow"
     folder: str = parameter("", "where")
@@ -37,7 +37,7 @@ class SlowToPlan(Shrug):
 
 @dataclass(frozen=True)
 class Trip(Shrug):
-    """A motion that gives up on the way."""
+    """A motion that aborts itself."""
 
     name: ClassVar[str] = "trip"
 
@@ -49,7 +49,7 @@ class Trip(Shrug):
 
 @dataclass(frozen=True)
 class Fly(Motion):
-    """A motion that no robot can do."""
+    """A motion that every robot refuses."""
 
     name: ClassVar[str] = "fly"
     summary: ClassVar[str] = "away"

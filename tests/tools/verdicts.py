@@ -24,7 +24,7 @@ CLEAR = 1e-6  # least violation of unit rows from which on no tolerance hides a 
 
 
 class Truth(Enum):
-    """What is known of a problem."""
+    """What has been proved about a problem."""
 
     SOLVABLE = "solvable"  #: the optimum is proved
     ILL_CONDITIONED = "ill-conditioned"  #: proved, but rounding of H and g may move it by > 1e-6
@@ -118,7 +118,7 @@ def driven(
 
 
 def assess(case: Case, tick: int, known: Reference, command: wbc.Command) -> Verdict:
-    """A command against the truth."""
+    """Compare a command with the reference."""
     verdict = Verdict(case, tick, known.truth, command.status)
     if known.optimum is None:
         if known.truth is Truth.INFEASIBLE:

@@ -1,4 +1,4 @@
-"""A robot driven from the browser: walking, motions, pushes, gait and gains, while it runs."""
+"""Live page: velocity, motions, pushes, gait and gains of a running robot, from the browser."""
 
 from wbc.live.errors import LiveError
 from wbc.live.live import Live

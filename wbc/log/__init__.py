@@ -1,4 +1,4 @@
-"""The flight recorder: every tick of a run in a file, and the tools that read, plot and compare it.
+"""Logs: the flight recorder of every tick, and tools that read, plot and compare runs.
 
 Logs are MCAP files of ROS 2 messages, which Foxglove and PlotJuggler open.
 """

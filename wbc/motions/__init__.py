@@ -1,4 +1,4 @@
-"""Motions: what a humanoid does besides walking, on the walker's balance."""
+"""Motions: what a humanoid does besides walking, with the walker's balance control."""
 
 from wbc.motions.bow import Bow
 from wbc.motions.demo import Demo

@@ -1,4 +1,4 @@
-"""Child processes beside the control loop, and the memory that they share with it."""
+"""Processes: children of the control loop's process, and the memory that they share with it."""
 
 from wbc.process.blobs import BlobQueue, BlobQueueFull, BlobTooLarge
 from wbc.process.child import ChildProcess, ProcessStartError

@@ -1,4 +1,4 @@
-"""The quadratic program: elimination, assembly, solvers, explanation."""
+"""Quadratic program: elimination, assembly, solvers and explanations of infeasibility."""
 
 from wbc.qp.assembly import Assembly, Formulation
 from wbc.qp.cost import Regularisation

@@ -1,1 +1,1 @@
-"""The loop: what takes part in it, its clock and conditions, its ticks and its report."""
+"""Control loop: its protocols, its clock and run conditions, its ticks and its report."""

@@ -1,4 +1,4 @@
-"""Walking: gait, balance and the whole-body controller put together."""
+"""Walking: gait, balance control and the whole-body controller combined."""
 
 from wbc.walking.gains import WalkerGains
 from wbc.walking.reference_offset import ReferenceOffset, RotationOffset
