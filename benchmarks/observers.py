@@ -56,7 +56,7 @@ from wbc.motions import MotionPlayer
 DT = 0.002  # s
 TURN = 100  # ticks of a cell at a time
 SETTLING = 15  # ticks after switching that do not count
-NOTHING, BUSY = "nothing", "a busy core"
+NOTHING, BUSY = "no observers", "a busy core"
 CELLS = {
     NOTHING: (),
     BUSY: (BUSY,),

@@ -54,7 +54,7 @@ def random_state(
 
 
 def standing_state(robot: wbc.Robot, seed: int, *, speed: float = 0.1) -> wbc.State:
-    """Return a state close to standing, so that the tasks are feasible with both soles in contact."""
+    """Return a state close to standing, in which the tasks are feasible."""
     return random_state(robot, seed, spread=0.02, speed=speed, place=0.1, tilt=0.02)
 
 
