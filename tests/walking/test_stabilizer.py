@@ -54,13 +54,16 @@ def test_bias_of_the_com_is_found_from_the_centre_of_pressure() -> None:
         com = 0.03 * np.exp(1j * sway * dt * k)
         dcm = com * (1.0 + 1j * sway / omega)
         cop = com * (1.0 + sway**2 / omega**2) + 0.005 * random.standard_normal()
-        found = bias.update(dt, dcm + (0.004 - 0.006j), cop, omega, 0.0, True)
+        found = bias.update(dt, dcm + (0.004 - 0.006j), cop, omega, 0.0)
     assert found == pytest.approx(0.004 - 0.006j, abs=7e-4)
+    # While the robot steps the bias is kept, in the axes of the robot.
+    turned = bias.update(dt, 0.3 + 0.2j, None, omega, 0.5 * np.pi)
+    assert turned == pytest.approx(1j * found, abs=1e-12)
 
 
 def test_without_foot_sensors_no_bias_is_taken_off() -> None:
     bias = ComBiasEstimator()
-    assert all(bias.update(0.002, 0.1 + 0.1j, None, 3.3, 0.3, False) == 0j for _ in range(10))
+    assert all(bias.update(0.002, 0.1 + 0.1j, None, 3.3, 0.3) == 0j for _ in range(10))
 
 
 def test_landing_place_moves_in_the_tick_that_decides_it() -> None:

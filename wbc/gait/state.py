@@ -96,6 +96,11 @@ class GaitState:
         return other_side(self.support)
 
     @property
+    def at_rest(self) -> bool:
+        """Whether the robot stands, on two feet or on one."""
+        return self.phase is Phase.STAND or self.lifted is not None
+
+    @property
     def lifted(self) -> LiftedFoot | None:
         """The foot that is held up while the robot stands on the other one."""
         return self.swing if isinstance(self.swing, LiftedFoot) else None

@@ -231,7 +231,8 @@ class Walker:
         state = machine.state
         if self.reference_offset is not None:
             state.weight_shift = self.reference_offset.weight_shift
-        cop = centre_of_pressure(self.robot, feet, estimate.foot_wrenches)
+        wrenches = estimate.foot_wrenches
+        cop = centre_of_pressure(self.robot, feet, wrenches) if state.at_rest else None
         stabilizer.observe(state, com, com_velocity, cop, self._heading, dt)
         machine.update(dt, feet, self._command, sides_in_contact(self.robot, estimate))
         balance = self._balance = stabilizer.update(state, self._reference)

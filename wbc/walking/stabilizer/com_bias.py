@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from wbc.geometry.planar import planar_rotation
 
-_TIME_AT_REST = 1.5  # s, time constant of the bias
-_TIME_STEPPING = 20.0  # s
+_TIME = 1.5  # s, time constant of the bias
 _FIRST = 0.5  # s of readings that the first ones are averaged with
 _SMOOTHING = 0.05  # s, time constant of the DCM's rate
 _MAX_BIAS = 0.03  # m
@@ -20,10 +19,12 @@ class ComBiasEstimator:
         ξ̂ − ξ̂˙ / ω − p
 
     is the error of the estimated DCM ξ̂, which is that of the CoM. Both ξ̂ and p pass the same
-    low-pass of 0.05 s, so that the rate of ξ̂ is the difference to its low-pass; pushes and
-    model errors of single steps average out in a second low-pass (the integral term of Caron
-    et al., Stair climbing stabilization of the HRP-4 humanoid robot, ICRA 2019, removes the
-    same bias by way of the DCM error).
+    low-pass of 0.05 s, so that the rate of ξ̂ is the difference to its low-pass; pushes average
+    out in a second low-pass (the integral term of Caron et al., Stair climbing stabilization of
+    the HRP-4 humanoid robot, ICRA 2019, removes the same bias by way of the DCM error).
+
+    The bias is estimated at rest and kept while the robot steps: there the pendulum's own model
+    error, which does not average to zero over a step, would be taken for a bias.
     """
 
     def __init__(self) -> None:
@@ -43,18 +44,16 @@ class ComBiasEstimator:
         cop: complex | None,
         omega: float,
         heading: float,
-        at_rest: bool,
     ) -> complex:
         """Take in one reading; returns the bias in world axes, m.
 
         Args:
             dt: time since the last reading, s.
             dcm: estimated ξ̂, ground point in world axes, m.
-            cop: measured p, ground point in world axes, m; None when nothing is measured.
+            cop: measured p, ground point in world axes, m; None keeps the bias: the robot steps,
+                or nothing is measured.
             omega: natural frequency ω, 1/s.
             heading: axes in which the bias is constant, rad.
-            at_rest: the robot stands; while it steps, model errors of single steps count
-                for less.
         """
         to_world = planar_rotation(heading)
         if cop is None:
@@ -70,7 +69,6 @@ class ComBiasEstimator:
         if size > _MAX_BIAS:  # a push, not a bias
             error *= _MAX_BIAS / size
         self._elapsed += dt
-        time = min(_TIME_AT_REST, _FIRST + self._elapsed) if at_rest else _TIME_STEPPING
-        share = dt / time
+        share = dt / min(_TIME, _FIRST + self._elapsed)
         self._bias += share * (error * to_world.conjugate() - self._bias)
         return self._bias * to_world

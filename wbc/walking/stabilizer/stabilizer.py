@@ -79,15 +79,14 @@ class Stabilizer:
             state: of the gait.
             com: ground point below the estimated centre of mass, m.
             com_velocity: of the estimated centre of mass, m/s.
-            cop: measured centre of pressure, ground point, m; None when nothing is measured.
+            cop: measured centre of pressure of a robot at rest, ground point, m; else None.
             heading: of the robot, rad.
             dt: time since the last tick, s.
         """
         omega = state.gait.omega
         dcm = com + com_velocity / omega
         state.com = com
-        at_rest = state.phase is Phase.STAND or state.lifted is not None
-        state.dcm = dcm - self.com_bias.update(dt, dcm, cop, omega, heading, at_rest)
+        state.dcm = dcm - self.com_bias.update(dt, dcm, cop, omega, heading)
 
     def update(
         self, state: GaitState, reference: Callable[[Placement | None], DcmReference]
