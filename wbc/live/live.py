@@ -3,29 +3,24 @@
 from __future__ import annotations
 
 import os
-import time
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wbc.closeable import Closeable
 from wbc.live.config import LiveServerConfig
 from wbc.live.errors import LiveError
-from wbc.process import ChildProcess, ProcessStartError
+from wbc.process import ChildProcess
+from wbc.runtime.process_observer import ProcessObserver
 from wbc.teleop import CommandHandler
 from wbc.view.terrain import checked_boxes
 
 if TYPE_CHECKING:
-    from wbc.runtime.protocols import Controller, Plant
-    from wbc.runtime.report import Report
     from wbc.runtime.schema import Quantity
-    from wbc.runtime.stream import TickStream
-    from wbc.runtime.tick import Tick
 
 _RATE = 40.0  # Hz of frames and status
 
 
-class Live(Closeable):
+class Live(ProcessObserver):
     """Serves a page that shows a robot and sends commands to it.
 
     The page is served by another process, which reads the loop's ticks from shared memory. The
@@ -64,9 +59,7 @@ class Live(Closeable):
     ) -> None:
         robot = handler.player.robot
         self._handler = handler
-        self.stream: TickStream | None = None
         channel = handler.open_channel().config
-        self._process = ChildProcess("wbc.live.server", channel.descriptors, title="the live page")
         config = LiveServerConfig(
             robot=robot,
             boxes=checked_boxes(boxes),
@@ -76,46 +69,14 @@ class Live(Closeable):
             rate=_RATE,
             parent=os.getpid(),
         )
-        try:
-            self.url = str(self._process.configure(config)["url"])
-        except BaseException as error:
-            self.close()
-            if isinstance(error, ProcessStartError):
-                raise LiveError(f"the live page: {error}") from error
-            raise
+        super().__init__(
+            ChildProcess("wbc.live.server", channel.descriptors, title="the live page")
+        )
+        self.url = str(self._configure(config, LiveError, "the live page: ")["url"])
         if announce:
             print(f"Live: {self.url}", flush=True)
-
-    @property
-    def alive(self) -> bool:
-        """Whether the page's process runs."""
-        return self._process.alive
-
-    @property
-    def pid(self) -> int:
-        """Process id of the page's process."""
-        return self._process.pid
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
         """Those of the command handler; see `wbc.runtime.protocols.StreamObserver`."""
         return self._handler.quantities
-
-    def attach(self, stream: TickStream) -> None:
-        """Read from a stream from now on; see `wbc.runtime.protocols.StreamObserver`."""
-        self.stream = stream
-        self._process.send(*stream.link())
-
-    def begin(self, controller: Controller, plant: Plant) -> None:
-        """Do nothing; see `wbc.runtime.protocols.Observer`."""
-
-    def observe(self, tick: Tick) -> None:
-        """Warn if the page's process has ended. The page gets the tick from the stream."""
-        self._process.warn_if_exited(time.perf_counter())
-
-    def end(self, report: Report) -> None:
-        """Do nothing; see `wbc.runtime.protocols.Observer`."""
-
-    def close(self) -> None:
-        """End the page's process."""
-        self._process.close()

@@ -9,20 +9,19 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wbc.closeable import Closeable
 from wbc.errors import MissingExtra
 from wbc.log.config import LogConfig
 from wbc.log.errors import LogError
 from wbc.log.metadata import Metadata, run_metadata
 from wbc.log.recovery import repair
 from wbc.log.status import LogStatus
-from wbc.process import ChildProcess, ProcessStartError
+from wbc.process import ChildProcess
+from wbc.runtime.process_observer import ProcessObserver
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
     from wbc.runtime.protocols import Controller, Plant
     from wbc.runtime.report import Report
-    from wbc.runtime.schema import Quantity
     from wbc.runtime.stream import TickStream
     from wbc.runtime.tick import Tick
 
@@ -32,7 +31,7 @@ _CHECK_PERIOD = 0.5  # s, between two checks that the process still writes
 _GRACE = 20.0  # s, for the process to write the remaining ticks and end
 
 
-class FlightRecorder(Closeable):
+class FlightRecorder(ProcessObserver):
     """Records every tick of a run in an MCAP file of ROS 2 messages.
 
     Another process reads the ticks from shared memory, encodes them as messages and writes them in
@@ -61,32 +60,20 @@ class FlightRecorder(Closeable):
         if importlib.util.find_spec("zstandard") is None:
             raise MissingExtra("zstandard", "log")
         self.path = Path(path)
-        self.stream: TickStream | None = None
         self._robot = robot
         self._status = LogStatus()
         self._observed = 0
         self._next_check = 0.0
         self._warned = self._closed = self._configured = False
-        self._process = ChildProcess("wbc.log.writer", (self._status.descriptor,), _GRACE)
         config = LogConfig(robot, self.path, self._status.descriptor, os.getpid())
-        try:
-            self._process.configure(config)
-            self._configured = True
-        except BaseException as error:
-            self.close()
-            if isinstance(error, ProcessStartError):
-                raise LogError(f"the log {self.path}: {error}") from error
-            raise
+        super().__init__(ChildProcess("wbc.log.writer", (self._status.descriptor,), _GRACE))
+        self._configure(config, LogError, f"the log {self.path}: ")
+        self._configured = True
 
     @property
     def alive(self) -> bool:
         """Whether ticks are still being logged."""
         return not self._status.stopped and self._process.alive
-
-    @property
-    def pid(self) -> int:
-        """Process id of the log writer."""
-        return self._process.pid
 
     @property
     def ticks(self) -> int:
@@ -97,11 +84,6 @@ class FlightRecorder(Closeable):
     def dropped(self) -> int:
         """Number of ticks so far that the log lacks because the log writer was too slow."""
         return self._status.lost
-
-    @property
-    def quantities(self) -> tuple[Quantity, ...]:
-        """No additional quantities; see `wbc.runtime.protocols.StreamObserver`."""
-        return ()
 
     def attach(self, stream: TickStream) -> None:
         """Read a stream from now on; see `wbc.runtime.protocols.StreamObserver`.
@@ -114,8 +96,7 @@ class FlightRecorder(Closeable):
                 f"the log is of '{self._robot.name}', the loop runs '{stream.robot.name}'; "
                 "make the log with the plant's robot"
             )
-        self.stream = stream
-        self._process.send(*stream.link())
+        super().attach(stream)
 
     def begin(self, controller: Controller, plant: Plant) -> None:
         """Log the parameters of the run; see `wbc.runtime.protocols.Observer`."""

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wbc.closeable import Closeable
 from wbc.errors import StateError
-from wbc.process import ChildProcess, ProcessStartError
+from wbc.process import ChildProcess
+from wbc.runtime.process_observer import ProcessObserver
 from wbc.runtime.schema import SchemaError
 from wbc.runtime.snapshot import Snapshot
 from wbc.runtime.stream import TickStream
@@ -23,13 +23,10 @@ from wbc.view.terrain import checked_boxes
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
-    from wbc.runtime.protocols import Controller, Plant
-    from wbc.runtime.report import Report
-    from wbc.runtime.schema import Quantity
     from wbc.runtime.tick import Tick
 
 
-class Meshcat(Closeable):
+class Meshcat(ProcessObserver):
     """Shows a robot in a browser while a loop runs.
 
     Another process reads the loop's ticks from shared memory and serves the page. A slow,
@@ -67,38 +64,16 @@ class Meshcat(Closeable):
     ) -> None:
         if not rate > 0.0:
             raise ViewerError(f"rate is {rate} Hz; a viewer needs a positive one")
-        self.stream: TickStream | None = None
         self._robot = robot
         self._record = Path(record) if record is not None else None
         self._recording = Recording(robot, boxes=boxes) if record is not None else None
         config = ViewerConfig(robot, port, float(rate), checked_boxes(boxes), os.getpid())
-        self._process = ChildProcess("wbc.view.server", title="the viewer")
-        try:
-            self.url = str(self._process.configure(config)["url"])
-        except BaseException as error:
-            self.close()
-            if isinstance(error, ProcessStartError):
-                raise ViewerError(f"the viewer: {error}") from error
-            raise
+        super().__init__(ChildProcess("wbc.view.server", title="the viewer"))
+        self.url = str(self._configure(config, ViewerError, "the viewer: ")["url"])
         if announce:
             print(f"Viewer: {self.url}", flush=True)
         if open:
             webbrowser.open(self.url)
-
-    @property
-    def alive(self) -> bool:
-        """Whether the viewer's process runs."""
-        return self._process.alive
-
-    @property
-    def pid(self) -> int:
-        """Process id of the viewer's process."""
-        return self._process.pid
-
-    @property
-    def quantities(self) -> tuple[Quantity, ...]:
-        """No additional quantities; see `wbc.runtime.protocols.StreamObserver`."""
-        return ()
 
     def attach(self, stream: TickStream) -> None:
         """Read a stream from now on; see `wbc.runtime.protocols.StreamObserver`.
@@ -111,20 +86,13 @@ class Meshcat(Closeable):
                 f"the viewer draws '{self._robot.name}', the loop runs '{stream.robot.name}'; "
                 "make the viewer with the plant's robot"
             )
-        self.stream = stream
-        self._process.send(*stream.link())
-
-    def begin(self, controller: Controller, plant: Plant) -> None:
-        """Do nothing; see `wbc.runtime.protocols.Observer`."""
+        super().attach(stream)
 
     def observe(self, tick: Tick) -> None:
         """Record the tick if a recording is made. The viewer's process reads it from the stream."""
         if self._recording is not None:
             self._recording.observe(tick)
-        self._process.warn_if_exited(time.perf_counter())
-
-    def end(self, report: Report) -> None:
-        """Do nothing; see `wbc.runtime.protocols.Observer`."""
+        super().observe(tick)
 
     def show(self, snapshot: Snapshot) -> None:
         """Show a snapshot outside a loop, without waiting for the viewer's process.
@@ -153,7 +121,7 @@ class Meshcat(Closeable):
 
     def close(self) -> None:
         """End the viewer's process, and write the recording if one was made."""
-        self._process.close()
+        super().close()
         recording, self._recording = self._recording, None
         if recording is not None and self._record is not None and len(recording):
             recording.save(self._record)

@@ -3,28 +3,22 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from wbc.closeable import Closeable
-from wbc.process import ChildProcess, ProcessStartError
+from wbc.process import ChildProcess
 from wbc.ros.bridge.config import NodeConfig
 from wbc.ros.bridge.node_topics import NodeTopic
 from wbc.ros.dds_types import import_cyclonedds
 from wbc.ros.errors import RosError
 from wbc.ros.network import Network
+from wbc.runtime.process_observer import ProcessObserver
 
 if TYPE_CHECKING:
-    from wbc.runtime.protocols import Controller, Plant
-    from wbc.runtime.report import Report
-    from wbc.runtime.schema import Quantity
-    from wbc.runtime.stream import TickStream
-    from wbc.runtime.tick import Tick
     from wbc.teleop import CommandHandler
 
 
-class Bridge(Closeable):
+class Bridge(ProcessObserver):
     """Publishes a robot's state to a ROS 2 system and receives commands from it.
 
     DDS runs in another process, which reads the loop's ticks from shared memory. The loop never
@@ -70,11 +64,7 @@ class Bridge(Closeable):
         for topic in topics:
             topic.check_importable()
         robot, dt = handler.player.robot, handler.player.dt
-        self.stream: TickStream | None = None
         channel = handler.open_channel().config
-        self._process = ChildProcess(
-            "wbc.ros.bridge.server", channel.descriptors, title="the ROS 2 node"
-        )
         config = NodeConfig(
             robot=robot,
             name=name,
@@ -87,44 +77,7 @@ class Bridge(Closeable):
             parent=os.getpid(),
             topics=tuple(topics),
         )
-        try:
-            self._process.configure(config)
-        except BaseException as error:
-            self.close()
-            if isinstance(error, ProcessStartError):
-                raise RosError(str(error)) from error
-            raise
-
-    @property
-    def alive(self) -> bool:
-        """Whether the node's process runs."""
-        return self._process.alive
-
-    @property
-    def pid(self) -> int:
-        """Process id of the node's process."""
-        return self._process.pid
-
-    @property
-    def quantities(self) -> tuple[Quantity, ...]:
-        """No additional quantities; see `wbc.runtime.protocols.StreamObserver`."""
-        return ()
-
-    def attach(self, stream: TickStream) -> None:
-        """Read a stream from now on; see `wbc.runtime.protocols.StreamObserver`."""
-        self.stream = stream
-        self._process.send(*stream.link())
-
-    def begin(self, controller: Controller, plant: Plant) -> None:
-        """Do nothing; see `wbc.runtime.protocols.Observer`."""
-
-    def observe(self, tick: Tick) -> None:
-        """Warn if the node's process has ended. The node reads the tick from the stream."""
-        self._process.warn_if_exited(time.perf_counter())
-
-    def end(self, report: Report) -> None:
-        """Do nothing; see `wbc.runtime.protocols.Observer`."""
-
-    def close(self) -> None:
-        """End the node's process."""
-        self._process.close()
+        super().__init__(
+            ChildProcess("wbc.ros.bridge.server", channel.descriptors, title="the ROS 2 node")
+        )
+        self._configure(config, RosError)
