@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+#: Values of `Footstep.side`.
+SIDES = ("left", "right")
 #: Values of `Telemetry.phase`; "left" and "right" name the foot that carries the robot.
 PHASES = ("stand", "double", "left", "right", "flight")
 
@@ -18,7 +20,7 @@ class Footstep:
     """A place for a sole on the ground.
 
     Attributes:
-        side: "left" or "right".
+        side: one of `SIDES`.
         position: (3,) sole centre in the world, m.
         yaw: heading of the sole about world z, rad.
     """

@@ -13,7 +13,7 @@ from wbc.live.controls import Controls
 from wbc.live.series import SeriesSource
 from wbc.motions import Motion
 from wbc.runtime.mode import Mode
-from wbc.runtime.stream import StreamFollower
+from wbc.runtime.stream import TickReader
 from wbc.teleop import (
     Acknowledgement,
     CommandClient,
@@ -39,7 +39,7 @@ class RequestBroker:
 
     Args:
         config: of the server.
-        follower: of the loop's ticks.
+        reader: of the loop's ticks.
 
     Attributes:
         controls: what the pages offer.
@@ -47,13 +47,13 @@ class RequestBroker:
         series: quantities that the pages plot.
     """
 
-    def __init__(self, config: LiveServerConfig, follower: StreamFollower) -> None:
+    def __init__(self, config: LiveServerConfig, reader: TickReader) -> None:
         capabilities = config.channel.capabilities
         self._client = CommandClient(config.robot, config.channel, "page", capabilities.motions)
         self._client.on_motion_sent = self._on_motion_sent
         self.controls = Controls(capabilities)
         self.pages: set[PageClient] = set()
-        self._follower = follower
+        self._reader = reader
         self.series = SeriesSource()
         self._run = 0
         self._senders: dict[int, PageClient] = {}  # by the number of the command
@@ -90,10 +90,10 @@ class RequestBroker:
         if len(self._client.infeasible) > self._infeasible:
             self._infeasible = len(self._client.infeasible)
             self.broadcast({"infeasible": self._client.infeasible})
-        reader = self._follower.reader
-        if reader is None or not len(ticks := reader.take(_MAX_TICKS)):
+        ticks = self._reader.take(_MAX_TICKS)
+        if not len(ticks):
             return
-        self.series.attach(reader.schema)
+        self.series.attach(self._reader.schema)
         self.series.advance(ticks)
         run = int(ticks["run"][-1])
         if run != self._run:

@@ -22,7 +22,7 @@ from wbc.live.errors import LiveError
 from wbc.live.series import SeriesList, SeriesSocket
 from wbc.motions.engine import SWITCH_INTERVAL
 from wbc.process import parent
-from wbc.runtime.stream import StreamFollower
+from wbc.runtime.stream import TickReader
 from wbc.view.config import ViewerConfig
 from wbc.view.errors import ViewerError
 from wbc.view.page_text import script, served_page
@@ -72,10 +72,10 @@ class ControlSocket(tornado.websocket.WebSocketHandler):
 async def serve(config: LiveServerConfig) -> None:
     """Serve until the parent is gone."""
     loop = asyncio.get_running_loop()
-    follower = StreamFollower()
-    monitor = parent.ParentMonitor(config.parent, follower.on_message)
+    reader = TickReader()
+    monitor = parent.ParentMonitor(config.parent, reader.on_message)
     scene: asyncio.Future[LiveScene] = loop.create_future()
-    broker = RequestBroker(config, follower)
+    broker = RequestBroker(config, reader)
     try:
         check_host(config.host)
         handlers = [
@@ -93,7 +93,7 @@ async def serve(config: LiveServerConfig) -> None:
         return
     parent.reply({"url": f"http://{url_host(config.host)}:{port}/static/"})
     drawn = ViewerConfig(config.robot, config.port, config.rate, config.boxes, config.parent)
-    scene.set_result(await loop.run_in_executor(None, LiveScene, drawn, follower))
+    scene.set_result(await loop.run_in_executor(None, LiveScene, drawn, reader))
     broker.start_planning()
     period = 0.5 / config.rate  # twice as often as frames are due: none waits long
     even = False

@@ -16,12 +16,11 @@ from wbc.messages import Message
 from wbc.runtime.quantities import STATUSES
 from wbc.runtime.schema import Column, columns_from_json
 from wbc.runtime.snapshot import Snapshot
-from wbc.telemetry import PHASES, ContactPlan, Footstep, Telemetry
+from wbc.telemetry import PHASES, SIDES, ContactPlan, Footstep, Telemetry
 from wbc.topics.catalogue import COMPOSITE_FIELDS, column_topic
 
 _STATE = "/controller_state"
 _LATE = 1.5  # s; older plans are not shown
-_SIDES = ("left", "right")
 
 
 class LoggedRun:
@@ -274,4 +273,4 @@ def _footstep(step: Message) -> Footstep:
     pose = step.pose
     yaw = 2.0 * float(np.arctan2(pose.orientation.z, pose.orientation.w))
     position = np.array([pose.position.x, pose.position.y, pose.position.z])
-    return Footstep(_SIDES[step.side], position, yaw)
+    return Footstep(SIDES[step.side], position, yaw)

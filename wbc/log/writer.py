@@ -21,8 +21,9 @@ from wbc.log.robot_info import RobotInfo
 from wbc.log.status import LogStatus
 from wbc.process import parent
 from wbc.runtime.mode import Mode
-from wbc.runtime.schema import columns_to_json
-from wbc.runtime.stream import StreamFollower
+from wbc.runtime.record import contact_names
+from wbc.runtime.schema import Schema, columns_to_json
+from wbc.runtime.stream import TickReader
 from wbc.topics import BatchMaker, CommandedWrench, MessageTopic, tick_topics
 
 _PAUSE = 0.1  # s, between two polls for new ticks
@@ -39,7 +40,7 @@ class LogWriter:
         config: Configuration of the log.
 
     Attributes:
-        follower: Reader of the stream of ticks.
+        reader: Reader of the stream of ticks.
 
     Raises:
         OSError: The file cannot be opened or written.
@@ -51,11 +52,12 @@ class LogWriter:
         info = RobotInfo.of(robot).to_json()
         self._file.add(Metadata({"versions": versions()}, {"robot.json": info}))
         self._status = LogStatus(config.status)
-        self.follower = StreamFollower()
+        self.reader = TickReader()
         self._batches = BatchMaker(robot)
         self._topics: list[MessageTopic] = []
-        self._contacts = self._ticks = 0
-        self._lost_before = 0  # on earlier streams
+        self._schema = self.reader.schema
+        self._contacts: set[str] = set()
+        self._ticks = 0
         self._due = self._longest = 0.0
 
     def advance(self) -> bool:
@@ -64,38 +66,28 @@ class LogWriter:
         Raises:
             OSError: The file cannot be written.
         """
-        reader, ended = self.follower.reader, self.follower.pending
-        records = None if reader is None else reader.take(_BATCH)
-        count = 0 if records is None else len(records)
-        if reader is not None and records is not None and count:
-            records = records[records["mode"] == Mode.RUNNING]
-            names = reader.contact_names
-            for number in range(self._contacts, len(names)):
-                self._topics.append(CommandedWrench(number, names[number]))
-            self._contacts = len(names)
-            self._file.write(self._batches.batch(records, names), self._topics)
-            self._ticks += len(records)
-            self._status.lost = self._lost_before + reader.lost
-        elif ended:
-            self._follow()
-            return True
+        records = self.reader.take(_BATCH)
+        if self.reader.schema is not self._schema:
+            self._begin_stream(self.reader.schema)
+        if len(records):
+            running = records[records["mode"] == Mode.RUNNING]
+            for name in sorted(contact_names(running) - self._contacts):
+                self._contacts.add(name)
+                self._topics.append(CommandedWrench(name))
+            self._file.write(self._batches.batch(running), self._topics)
+            self._ticks += len(running)
+            self._status.lost = self.reader.lost
         start = time.monotonic()
         if start >= self._due:
             self._due = start + _CHUNK
             self._file.commit()
             self._longest = max(self._longest, time.monotonic() - start)
-        return count > 0
+        return len(records) > 0
 
-    def _follow(self) -> None:
-        """Switch to the next stream; the previous one has been read to its end."""
-        reader = self.follower.reader
-        if reader is not None:
-            self._lost_before += reader.lost
-        self.follower.update()
-        assert self.follower.reader is not None
-        schema = self.follower.reader.schema
+    def _begin_stream(self, schema: Schema) -> None:
+        """Prepare the topics of another stream and describe its quantities."""
+        self._schema, self._contacts = schema, set()
         self._topics = tick_topics(schema, self._robot)
-        self._contacts = 0
         self._file.add(Metadata({}, {"quantities.json": columns_to_json(schema.columns)}))
 
     def add(self, metadata: Metadata) -> None:
@@ -142,7 +134,7 @@ def serve(config: LogConfig) -> int:
         if isinstance(message, Metadata):
             metadata.put(message)
         else:
-            writer.follower.on_message(message)
+            writer.reader.on_message(message)
 
     def write_metadata() -> None:
         while not metadata.empty():

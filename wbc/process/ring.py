@@ -21,25 +21,19 @@ class SharedRing:
     Args:
         size: 64-bit words in a record.
         capacity: number of records.
-        header_size: bytes that the writer shares beside the records.
         descriptor: file descriptor of a ring made by another process; None makes a new one.
 
     Attributes:
         rows: (capacity, size) float64, all records.
-        header: `header_size` bytes.
     """
 
-    def __init__(
-        self, size: int, capacity: int, header_size: int = 0, descriptor: int | None = None
-    ) -> None:
+    def __init__(self, size: int, capacity: int, descriptor: int | None = None) -> None:
         self.capacity = capacity
-        start = 8 * _COUNTERS + -(-header_size // 64) * 64
+        start = 8 * _COUNTERS
         self._memory = SharedMemory(start + 8 * size * capacity, descriptor)
         view = self._memory.view
         # A memoryview reads one integer in a third of the time that numpy takes.
-        self._counters = view[: 8 * _COUNTERS].cast("Q")
-        self.header = view[8 * _COUNTERS : 8 * _COUNTERS + header_size]
-        self.bytes = view[start:]
+        self._counters = view[:start].cast("Q")
         self.rows = np.frombuffer(view, np.float64, size * capacity, start).reshape(capacity, size)
         if descriptor is None:
             self.rows[:] = 0.0  # the kernel maps memory at its first use: not in a tick

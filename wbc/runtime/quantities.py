@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from wbc.command import Status
 from wbc.runtime.schema import ODOM, WRENCH, XYZ, Quantity
 from wbc.telemetry import PHASES
 
-#: Numbers of `Status` in a record, and the other way round.
+#: Values of `Status` by their numbers in a record.
 STATUSES = tuple(Status)
-_STATUS_NUMBERS = {status: i for i, status in enumerate(STATUSES)}
 _PHASE_NUMBERS = {phase: i for i, phase in enumerate(PHASES)}
 
 QUANTITIES: tuple[Quantity, ...] = (
@@ -55,7 +56,7 @@ QUANTITIES: tuple[Quantity, ...] = (
              "m/s, rad/s", size="nv", frame="{base}", message="composite"),
     # The command.
     Quantity(
-        "status", lambda tick: _STATUS_NUMBERS[tick.command.status],
+        "status", lambda tick: STATUSES.index(tick.command.status),
         "how the QP ended: " + ", ".join(f"{i} {s.value}" for i, s in enumerate(STATUSES)),
         message="composite",
     ),
@@ -94,8 +95,13 @@ QUANTITIES: tuple[Quantity, ...] = (
     ),
     Quantity("steps", "telemetry.steps", "touchdowns since the reset", message="composite"),
     # The truth, from a simulator.
-    Quantity("true_q", "truth.q", "true configuration", "m, rad", size="nq", frame=ODOM,
-             message="composite", single=True),
-    Quantity("true_v", "truth.v", "true velocity, base twist in the base frame", "m/s, rad/s",
-             size="nv", frame="{base}", message="composite", single=True),
+    Quantity(
+        "true_q", lambda tick: tick.truth.q if tick.truth else np.nan, "true configuration",
+        "m, rad", size="nq", frame=ODOM, message="composite", single=True,
+    ),
+    Quantity(
+        "true_v", lambda tick: tick.truth.v if tick.truth else np.nan,
+        "true velocity, base twist in the base frame", "m/s, rad/s", size="nv", frame="{base}",
+        message="composite", single=True,
+    ),
 )  # fmt: skip

@@ -1,107 +1,108 @@
-"""A tick's record with the names and types of what it holds."""
+"""The fields of a record whose length varies: contact wrenches, contact plan and text.
+
+Each has a fixed number of rows; unused rows are NaN, and what exceeds them is left out.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from wbc.command import Status
-from wbc.runtime.quantities import STATUSES
-from wbc.runtime.schema import Schema
-from wbc.telemetry import PHASES, ContactPlan, Footstep, Telemetry
+from wbc.telemetry import SIDES, ContactPlan, Footstep
 
-_SIDES = ("left", "right")
+CONTACTS, SUPPORT, FOOTSTEPS, SWING = 8, 16, 16, 32  # rows
+_NAME, TEXT = 64, 240  # bytes, multiples of 8
+VARYING_FIELDS: tuple[tuple[str, str, tuple[int, ...]], ...] = (
+    ("contact_names", f"S{_NAME}", (CONTACTS,)),
+    ("contact_wrenches", "f8", (CONTACTS, 6)),
+    ("contact_plan_tick", "f8", ()),  # the tick of the run at which the plan was computed
+    ("support", "f8", (SUPPORT, 3)),
+    ("footsteps", "f8", (FOOTSTEPS, 5)),  # index in SIDES, x, y, z, yaw
+    ("swing_path", "f8", (SWING, 3)),
+    ("text", f"S{TEXT}", ()),
+)
 
 
-class TickRecord:
-    """One record of a `TickStream`, see `wbc.runtime.quantities` for its columns.
+class VaryingFieldsWriter:
+    """Writes the fields of a record whose length varies, each only when it has changed.
 
     Args:
-        schema: of the record.
-        record: of `schema.dtype`.
-        contact_names: by the numbers in records.
+        record: structured array of one record, (1,).
     """
 
-    def __init__(self, schema: Schema, record: Any, contact_names: Sequence[str]) -> None:
-        self.schema, self._record, self._names = schema, record, contact_names
+    def __init__(self, record: np.ndarray) -> None:
+        self._record = record
+        self._contacts: tuple[str, ...] | None = None
+        self._wrenches = tuple(record["contact_wrenches"][0])
+        self._text: str | None = None
+        self.set_wrenches({})
+        self.set_text("")
 
-    def __getitem__(self, name: str) -> Any:
-        """Return a column's number, or its array, (size,).
+    def set_wrenches(self, wrenches: Mapping[str, np.ndarray]) -> None:
+        """Write contact wrenches, (6,), by the names of the contacts."""
+        names = tuple(wrenches)
+        if names != self._contacts:
+            self._contacts = names
+            self._record["contact_wrenches"] = np.nan
+            stored = [name.encode("utf-8", "replace") for name in names[:CONTACTS]]
+            self._record["contact_names"] = stored + [b""] * (CONTACTS - len(stored))
+        for row, wrench in zip(self._wrenches, wrenches.values(), strict=False):
+            row[:] = wrench
 
-        Raises:
-            SchemaError: there is no such column.
-        """
-        self.schema.column(name)
-        return self._record[name]
+    def set_contact_plan(self, plan: ContactPlan, tick: float) -> None:
+        """Write the contact plan that was computed at a tick."""
+        path = plan.swing_path
+        if len(path) > SWING:
+            path = path[np.linspace(0, len(path) - 1, SWING).round().astype(int)]
+        steps = [(SIDES.index(s.side), *s.position, s.yaw) for s in plan.footsteps[:FOOTSTEPS]]
+        record = self._record[0]
+        record["contact_plan_tick"] = tick
+        _set_rows(record["support"], plan.support[:SUPPORT])
+        _set_rows(record["footsteps"], np.array(steps).reshape(-1, 5))
+        _set_rows(record["swing_path"], path)
 
-    @property
-    def time(self) -> float:
-        """Plant time, s."""
-        return float(self._record["time"])
+    def set_text(self, text: str) -> None:
+        """Write a text."""
+        if text is not self._text:
+            self._text = text
+            self._record["text"] = text.encode("utf-8", "replace")[:TEXT]
 
-    @property
-    def status(self) -> Status:
-        """How the tick's QP ended."""
-        return STATUSES[int(self._record["status"])]
 
-    @property
-    def text(self) -> str:
-        """The explanation of a failed solve, else the controller's status text."""
-        data: bytes = self._record["text"]
-        return data.decode("utf-8", "ignore")
+def _set_rows(rows: np.ndarray, values: np.ndarray) -> None:
+    rows[: len(values)] = values
+    rows[len(values) :] = np.nan
 
-    @property
-    def commanded_wrenches(self) -> dict[str, np.ndarray]:
-        """Contact name -> (6,) commanded wrench in contact axes, N, N·m."""
-        rows = known_rows(self._record["contacts"])
-        return {self._names[int(row[0])]: row[1:] for row in rows if row[0] >= 0.0}
 
-    @property
-    def foot_wrenches(self) -> dict[str, np.ndarray]:
-        """Sole name -> (6,) measured wrench in sole axes, N, N·m; empty without foot sensors."""
-        prefix = "foot_wrench/"
-        found = {
-            c.name[len(prefix) :]: self._record[c.name]
-            for c in self.schema.columns
-            if c.name.startswith(prefix)
-        }
-        return {name: wrench for name, wrench in found.items() if np.isfinite(wrench).all()}
+def contact_names(records: np.ndarray) -> set[str]:
+    """Return the names of all contacts that have wrenches in records, (n,)."""
+    names = set(np.unique(records["contact_names"]).tolist()) - {b""}
+    return {name.decode("utf-8", "ignore") for name in names}
 
-    @property
-    def telemetry(self) -> Telemetry:
-        """What the controller tells, but for its status text, which is in `text`."""
-        record = self._record
-        return Telemetry(
-            com=record["com"],
-            dcm=record["dcm"],
-            dcm_reference=record["dcm_reference"],
-            zmp=record["zmp"],
-            velocity=record["velocity_command"],
-            heading=float(record["heading"]),
-            dcm_error=float(record["dcm_error"]),
-            phase=PHASES[int(record["phase"])],
-            steps=int(np.nan_to_num(record["steps"])),
-        )
 
-    @property
-    def contact_plan(self) -> ContactPlan:
-        """The latest contact plan."""
-        return contact_plan_of(self._record)
+def contact_wrenches_of(record: Any) -> dict[str, np.ndarray]:
+    """Return contact name -> (6,) commanded wrench in contact axes, N, N·m."""
+    names = (name.decode("utf-8", "ignore") for name in record["contact_names"].tolist())
+    return {name: w for name, w in zip(names, record["contact_wrenches"], strict=True) if name}
 
 
 def contact_plan_of(record: Any) -> ContactPlan:
     """Return the contact plan in a record."""
-    steps = known_rows(record["footsteps"])
+    steps = _used(record["footsteps"])
     return ContactPlan(
-        support=known_rows(record["support"]),
-        footsteps=tuple(Footstep(_SIDES[int(row[0])], row[1:4], float(row[4])) for row in steps),
-        swing_path=known_rows(record["swing_path"]),
+        support=_used(record["support"]),
+        footsteps=tuple(Footstep(SIDES[int(row[0])], row[1:4], float(row[4])) for row in steps),
+        swing_path=_used(record["swing_path"]),
     )
 
 
-def known_rows(rows: np.ndarray) -> np.ndarray:
-    """Return the rows that are used, of an array whose unused rows are NaN."""
-    known: np.ndarray = rows[~np.isnan(rows[:, 0])]
-    return known
+def text_of(record: Any) -> str:
+    """Return the explanation of a failed solve in a record, else the controller's status text."""
+    data: bytes = record["text"]
+    return data.decode("utf-8", "ignore")
+
+
+def _used(rows: np.ndarray) -> np.ndarray:
+    used: np.ndarray = rows[~np.isnan(rows[:, 0])]
+    return used

@@ -11,11 +11,13 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from wbc.errors import WbcError, did_you_mean
+from wbc.runtime.record import VARYING_FIELDS
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
@@ -51,8 +53,8 @@ class Quantity:
     Attributes:
         name: unique, in snake case; `{sole}` in it declares one quantity per sole.
         source: where its value comes from: the path of an attribute of `Tick`, e.g.
-            "command.tau", or a function of the `Tick`. With `{sole}` in the name, the path of a
-            mapping by the names of soles.
+            "command.tau", or a function of the `Tick`, which returns NaN where it is unknown. With
+            `{sole}` in the name, the path of a mapping by the names of soles.
         doc: what it is.
         unit: of its numbers, SI.
         size: 1 for a number; the length of an array, or "na", "nq", "nv" of the robot.
@@ -114,50 +116,29 @@ class Column:
         return f"{self.name}{part}" + (f", {self.unit}" if self.unit else "")
 
 
-#: Rows of arrays whose length varies; unused rows are NaN.
-CONTACTS, SUPPORT, FOOTSTEPS, SWING = 8, 16, 16, 32
-TEXT = 240  # bytes
-#: What a record has besides the declared quantities: name, shape.
-_BOUNDED: tuple[tuple[str, tuple[int, ...]], ...] = (
-    ("contacts", (CONTACTS, 7)),  # number of the contact's name, then its wrench
-    ("contact_plan_tick", ()),  # at which tick of the run the three below were computed
-    ("support", (SUPPORT, 3)),
-    ("footsteps", (FOOTSTEPS, 5)),  # 0 left or 1 right, x, y, z, yaw
-    ("swing_path", (SWING, 3)),
-)
-
-
 @dataclass(frozen=True)
 class Schema:
     """Where the quantities of one robot's ticks lie in a record.
 
-    A record is an array of 64-bit words: the numbers, the arrays, what has a varying length, and
-    a text. `dtype` gives them their names.
+    A record consists of the declared quantities and then of the fields of `wbc.runtime.record`,
+    whose length varies. `dtype` gives all of them their names.
 
     Attributes:
-        columns: of the declared quantities: numbers first, then arrays.
+        columns: of the declared quantities, in the order of a record.
     """
 
     columns: tuple[Column, ...]
 
     @cached_property
     def dtype(self) -> np.dtype[Any]:
-        """Structured type of a record."""
-        fields: list[Any] = [
-            (c.name, "f8") if c.scalar else (c.name, "f8", (c.size,)) for c in self.columns
-        ]
-        fields += [(name, "f8", shape) for name, shape in _BOUNDED]
-        return np.dtype([*fields, ("text", f"S{TEXT}")])
+        """Structured type of a record; its size is a multiple of 8 bytes."""
+        fields = [(c.name, "f8", () if c.scalar else (c.size,)) for c in self.columns]
+        return np.dtype([*fields, *VARYING_FIELDS])
 
     @property
     def size(self) -> int:
         """64-bit words in a record."""
         return self.dtype.itemsize // 8
-
-    @cached_property
-    def numbers(self) -> int:
-        """How many columns are numbers."""
-        return sum(c.scalar for c in self.columns)
 
     @cached_property
     def by_name(self) -> dict[str, Column]:
@@ -176,40 +157,13 @@ class Schema:
             near = did_you_mean(name, self.by_name)
             raise SchemaError(f"a tick has no quantity '{name}'{near}") from None
 
-    def words(self, name: str) -> slice:
-        """Return which words of a record a column takes."""
-        dtype, start = self.dtype.fields[name][:2]  # type: ignore[index]
-        return slice(start // 8, (start + dtype.itemsize) // 8)
 
+def declared_columns(
+    robot: Robot, quantities: Sequence[Quantity]
+) -> list[tuple[Column, str | Callable[[Tick], Any]]]:
+    """Return the columns and sources of a robot's quantities in the order of a record.
 
-def expanded(robot: Robot, quantities: Sequence[Quantity]) -> list[tuple[Quantity, str]]:
-    """Return the quantities in the order of a record, with the sole's name where there is one.
-
-    Raises:
-        SchemaError: two quantities have the same name.
-    """
-    found: list[tuple[Quantity, str]] = []
-    for quantity in quantities:
-        per_sole = "{sole}" in quantity.name
-        found += [(quantity, name) for name in _soles(robot)] if per_sole else [(quantity, "")]
-    names = [quantity.name.format(sole=sole) for quantity, sole in found]
-    reserved = {*dict(_BOUNDED), "text"}
-    for name in names:
-        if names.count(name) > 1 or name in reserved:
-            raise SchemaError(f"the quantity '{name}' is declared twice; give it another name")
-    return sorted(found, key=_order)
-
-
-def _order(pair: tuple[Quantity, str]) -> tuple[bool, int]:
-    """Numbers before arrays; attributes of ticks, of the truth, by soles, and functions."""
-    quantity, sole = pair
-    if callable(quantity.source):
-        return quantity.size != 1, 3
-    return quantity.size != 1, 2 if sole else int(quantity.source.startswith("truth."))
-
-
-def schema_of(robot: Robot, quantities: Sequence[Quantity]) -> Schema:
-    """Return the schema of a robot's ticks.
+    Attributes of ticks come first, numbers before arrays, and then functions.
 
     Args:
         robot: the robot.
@@ -218,10 +172,28 @@ def schema_of(robot: Robot, quantities: Sequence[Quantity]) -> Schema:
     Raises:
         SchemaError: two quantities have the same name, or labels do not fit a size.
     """
-    return Schema(tuple(_column(robot, q, sole) for q, sole in expanded(robot, quantities)))
+    columns: list[tuple[Column, str | Callable[[Tick], Any]]] = []
+    for quantity in quantities:
+        if "{sole}" in quantity.name:
+            for sole in robot.soles:
+                source = _value_of_sole(quantity.source, sole.name)
+                columns.append((_column(robot, quantity, sole.name), source))
+        else:
+            columns.append((_column(robot, quantity), quantity.source))
+    names = [column.name for column, _ in columns] + [field[0] for field in VARYING_FIELDS]
+    for name in names:
+        if names.count(name) > 1:
+            raise SchemaError(f"the quantity '{name}' is declared twice; give it another name")
+    return sorted(columns, key=lambda pair: (callable(pair[1]), not pair[0].scalar))
 
 
-def _column(robot: Robot, quantity: Quantity, sole: str) -> Column:
+def _value_of_sole(path: str | Callable[[Tick], Any], sole: str) -> Callable[[Tick], Any]:
+    assert isinstance(path, str)
+    mapping = attrgetter(path)
+    return lambda tick: mapping(tick).get(sole, np.nan)
+
+
+def _column(robot: Robot, quantity: Quantity, sole: str = "") -> Column:
     size = quantity.size
     names = robot.joint_names
     by_size = {"na": names, "nq": (*_BASE_POSE, *names), "nv": (*TWIST, *names)}
@@ -245,10 +217,6 @@ def _column(robot: Robot, quantity: Quantity, sole: str) -> Column:
         topic=(quantity.topic or f"wbc/{quantity.name}").format(sole=sole.replace("/", "_")),
         single=quantity.single,
     )
-
-
-def _soles(robot: Robot) -> list[str]:
-    return [sole.name for sole in robot.soles]
 
 
 def columns_to_json(columns: Sequence[Column]) -> str:

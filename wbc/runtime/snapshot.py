@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
-from wbc.command import Status
+from wbc.command import Command, Status
+from wbc.estimation import Estimate
+from wbc.measurement import Measurement
+from wbc.robot import Robot
 from wbc.runtime.quantities import STATUSES
-from wbc.runtime.record import TickRecord
-from wbc.runtime.stream import TickStream
+from wbc.runtime.record import contact_plan_of, contact_wrenches_of, text_of
 from wbc.runtime.tick import Tick
+from wbc.state import State
 from wbc.telemetry import PHASES, ContactPlan, Telemetry
+
+_FOOT_WRENCH = "foot_wrench/"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,34 +66,47 @@ class Snapshot:
             command.explanation or tick.telemetry.status_text,
         )
 
-    def write(self, stream: TickStream) -> None:
-        """Write the snapshot as a record of a stream.
-
-        Raises:
-            SchemaError: a part has the wrong size.
-        """
-        telemetry = self.telemetry
-        values = {
-            "time": self.time,
-            "q": self.q,
-            "status": STATUSES.index(self.status),
-            "phase": PHASES.index(telemetry.phase) if telemetry.phase in PHASES else 0,
-            "com": telemetry.com,
-            "dcm": telemetry.dcm,
-            "dcm_reference": telemetry.dcm_reference,
-            "zmp": telemetry.zmp,
-        }
-        stream.write_values(values, self.wrenches, self.contact_plan, self.text)
+    def to_tick(self, robot: Robot) -> Tick:
+        """Return a tick with the content of the snapshot; all else is NaN."""
+        joints, axes, dofs = (np.full(n, np.nan) for n in (robot.na, 3, robot.nv))
+        return Tick(
+            time=self.time,
+            measurement=Measurement(self.time, joints, joints, axes, axes),
+            estimate=Estimate(State(self.q, dofs)),
+            command=Command(
+                joints, dofs, dict(self.wrenches), joints, joints, self.status, self.text
+            ),
+            truth=None,
+            estimator_time=np.nan,
+            controller_time=np.nan,
+            telemetry=self.telemetry,
+            contact_plan=self.contact_plan,
+        )
 
     @staticmethod
-    def of_record(record: TickRecord) -> Snapshot:
-        """Return the snapshot of a tick's record."""
+    def of_record(record: Any) -> Snapshot:
+        """Return the snapshot of a record of `wbc.runtime.stream.TickReader`."""
+        measured = {
+            name.removeprefix(_FOOT_WRENCH): record[name]
+            for name in record.dtype.names
+            if name.startswith(_FOOT_WRENCH) and np.isfinite(record[name]).all()
+        }
         return Snapshot(
-            record.time,
+            float(record["time"]),
             record["q"],
-            record.foot_wrenches or record.commanded_wrenches,
-            record.telemetry,
-            record.contact_plan,
-            record.status,
-            record.text,
+            measured or contact_wrenches_of(record),
+            Telemetry(
+                com=record["com"],
+                dcm=record["dcm"],
+                dcm_reference=record["dcm_reference"],
+                zmp=record["zmp"],
+                velocity=record["velocity_command"],
+                heading=float(record["heading"]),
+                dcm_error=float(record["dcm_error"]),
+                phase=PHASES[int(record["phase"])],
+                steps=int(record["steps"]),
+            ),
+            contact_plan_of(record),
+            STATUSES[int(record["status"])],
+            text_of(record),
         )

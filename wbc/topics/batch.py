@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,7 +20,6 @@ class TickBatch:
 
     Attributes:
         records: Structured array, shape (n,), whose fields are the columns of the schema.
-        contact_names: Names of the contacts, indexed by the contact numbers in the records.
         stamps: Times of the messages, ns, shape (n,).
         soles: Pose of each sole by name, frame `odom`: position, m, and quaternion x y z w,
             shape (n, 7).
@@ -31,7 +29,6 @@ class TickBatch:
     """
 
     records: np.ndarray
-    contact_names: Sequence[str]
     stamps: np.ndarray
     soles: dict[str, np.ndarray]
     com: np.ndarray
@@ -58,14 +55,11 @@ class BatchMaker:
         self._last: float | None = None
         self._step = 0.0
 
-    def batch(
-        self, records: np.ndarray, names: Sequence[str], stamps: np.ndarray | None = None
-    ) -> TickBatch:
+    def batch(self, records: np.ndarray, stamps: np.ndarray | None = None) -> TickBatch:
         """Return records with their kinematics.
 
         Args:
             records: Structured array of records, shape (n,).
-            names: Names of the contacts.
             stamps: Times of the messages, ns, shape (n,); continuous plant time by default.
         """
         n = len(records)
@@ -90,7 +84,7 @@ class BatchMaker:
                 cop[k] = moment / force
         if stamps is None:
             stamps = self._plant_stamps(records["time"])
-        return TickBatch(records, names, stamps, soles, com, cop)
+        return TickBatch(records, stamps, soles, com, cop)
 
     def _plant_stamps(self, times: np.ndarray) -> np.ndarray:
         """Return the plant time, ns, made continuous over resets."""

@@ -8,7 +8,8 @@ import numpy as np
 
 from wbc.messages import Message, message_type
 from wbc.robot import Robot
-from wbc.runtime.schema import ODOM, TEXT, Column, Schema
+from wbc.runtime.record import text_of
+from wbc.runtime.schema import ODOM, Column, Schema
 from wbc.topics.batch import TickBatch
 from wbc.topics.contact_plan import (
     FootstepsTopic,
@@ -257,7 +258,7 @@ class ControllerStateTopic(NumericTopic):
         record = batch.records[index]
         if record["status"] == 0.0:
             return data
-        text = record["text"][:TEXT].decode("utf-8", "ignore").encode()
+        text = text_of(record).encode()
         # The explanation is the last field, so its string can replace the empty one.
         final: bytes = data[:-_EMPTY_STRING] + (len(text) + 1).to_bytes(4, "little") + text + b"\0"
         return final

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.messages import message_type
-from wbc.runtime.schema import CONTACTS
 from wbc.topics.batch import TickBatch
 from wbc.topics.message_topic import topic_name
 from wbc.topics.numeric import NumericTopic
@@ -15,12 +14,11 @@ class CommandedWrench(NumericTopic):
     """The commanded wrench from the environment on the robot at one contact.
 
     Args:
-        number: Number of the contact in the records.
         name: Name of the contact.
     """
 
-    def __init__(self, number: int, name: str) -> None:
-        self._number = number
+    def __init__(self, name: str) -> None:
+        self._name = name.encode()
         header = message_type("std_msgs/Header")(frame_id=name)
         super().__init__(
             topic_name("command", "wrench", name),
@@ -34,11 +32,10 @@ class CommandedWrench(NumericTopic):
 
     def _at(self, batch: TickBatch) -> np.ndarray:
         """Return a mask of the entries that hold this contact's wrench, shape (n, CONTACTS)."""
-        rows = batch.records["contacts"].reshape(-1, CONTACTS, 7)
-        found: np.ndarray = rows[:, :, 0] == self._number
+        found: np.ndarray = batch.records["contact_names"] == self._name
         return found
 
     def _wrenches(self, batch: TickBatch) -> np.ndarray:
-        rows = batch.records["contacts"].reshape(-1, CONTACTS, 7)
-        chosen: np.ndarray = rows[np.arange(len(rows)), self._at(batch).argmax(axis=1), 1:]
+        rows = np.arange(len(batch))
+        chosen: np.ndarray = batch.records["contact_wrenches"][rows, self._at(batch).argmax(axis=1)]
         return chosen

@@ -10,11 +10,10 @@ import numpy as np
 from wbc.messages import Message, message_type
 from wbc.runtime.record import contact_plan_of
 from wbc.runtime.schema import ODOM
-from wbc.telemetry import ContactPlan, Footstep
+from wbc.telemetry import SIDES, ContactPlan, Footstep
 from wbc.topics.batch import TickBatch
 from wbc.topics.message_topic import MessageTopic, TopicMessage
 
-_SIDES = ("left", "right")
 _Header = message_type("std_msgs/Header")
 _Pose = message_type("geometry_msgs/Pose")
 
@@ -65,7 +64,7 @@ class FootstepsTopic(ContactPlanTopic):
 
     def _message(self, plan: ContactPlan, header: Message) -> Message:
         footstep = message_type("wbc_msgs/Footstep")
-        steps = [footstep(side=_SIDES.index(s.side), pose=_pose(s)) for s in plan.footsteps]
+        steps = [footstep(side=SIDES.index(s.side), pose=_pose(s)) for s in plan.footsteps]
         return message_type(self.type_name)(header=header, footsteps=steps)
 
 

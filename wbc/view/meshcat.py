@@ -110,7 +110,7 @@ class Meshcat(ProcessObserver):
             self.attach(TickStream(robot, capacity=8))
         assert self.stream is not None
         try:
-            snapshot.write(self.stream)
+            self.stream.write(snapshot.to_tick(robot))
         except SchemaError as error:
             raise ViewerError(
                 f"the snapshot at {snapshot.time} s cannot be shown: {error}"

@@ -15,9 +15,8 @@ import numpy as np
 import tornado.websocket
 
 from wbc.process import parent
-from wbc.runtime.record import TickRecord
 from wbc.runtime.snapshot import Snapshot
-from wbc.runtime.stream import StreamFollower
+from wbc.runtime.stream import TickReader
 from wbc.view.config import ViewerConfig
 from wbc.view.due import next_due
 from wbc.view.errors import ViewerError
@@ -36,15 +35,15 @@ class LiveScene:
         config: Configuration of the viewer.
 
     Attributes:
-        follower: Reader of the ticks to show.
+        reader: Reader of the ticks to show.
         scene: Objects and their poses.
         caption: Texts of the latest frame; None before the first.
         frames: Number of frames so far.
         pages: Open pages.
     """
 
-    def __init__(self, config: ViewerConfig, follower: StreamFollower) -> None:
-        self.follower = follower
+    def __init__(self, config: ViewerConfig, reader: TickReader) -> None:
+        self.reader = reader
         self.scene = Scene(config.robot, config.boxes)
         self.bodies = list(self.scene.commands())
         self.caption: dict[str, Any] | None = None
@@ -55,7 +54,7 @@ class LiveScene:
     def advance(self) -> None:
         """Draw the latest tick and send it to the pages, if a frame is due."""
         now = time.monotonic()
-        if now >= self._due and (record := self._latest()) is not None:
+        if now >= self._due and (record := self.reader.latest()) is not None:
             self._due = next_due(self._due, now, self._period)
             snapshot = Snapshot.of_record(record)
             if self.scene.update(snapshot):
@@ -65,11 +64,6 @@ class LiveScene:
                 self.frames += 1
         for page in self.pages:
             page.offer()
-
-    def _latest(self) -> TickRecord | None:
-        self.follower.update()
-        reader = self.follower.reader
-        return None if reader is None else reader.latest()
 
 
 class LivePage(tornado.websocket.WebSocketHandler):
@@ -120,8 +114,8 @@ class LivePage(tornado.websocket.WebSocketHandler):
 async def serve(config: ViewerConfig) -> None:
     """Serve until the parent has ended."""
     loop = asyncio.get_running_loop()
-    follower = StreamFollower()
-    parent_monitor = parent.ParentMonitor(config.parent, follower.on_message)
+    reader = TickReader()
+    parent_monitor = parent.ParentMonitor(config.parent, reader.on_message)
     live_scene: asyncio.Future[LiveScene] = loop.create_future()
     try:
         pages = page_handlers(config.robot.name, ("meshcat.js", "stage.js", "live.js"))
@@ -131,7 +125,7 @@ async def serve(config: ViewerConfig) -> None:
         parent.reply({"error": str(error)})
         return
     parent.reply({"url": f"http://{HOST}:{port}/static/"})
-    live_scene.set_result(await loop.run_in_executor(None, LiveScene, config, follower))
+    live_scene.set_result(await loop.run_in_executor(None, LiveScene, config, reader))
     period = 0.5 / config.rate  # twice the frame rate, which keeps the delay of a frame small
     while not parent_monitor.gone:
         live_scene.result().advance()

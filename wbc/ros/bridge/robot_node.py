@@ -19,7 +19,7 @@ from wbc.ros.bridge.tick_topics import TickTopics
 from wbc.ros.joint_publisher import MAX_RATE
 from wbc.ros.node import Node
 from wbc.runtime.mode import Mode
-from wbc.runtime.stream import StreamFollower
+from wbc.runtime.stream import TickReader
 from wbc.teleop import CommandClient
 
 logger = logging.getLogger(__name__)
@@ -35,11 +35,11 @@ class RobotNode:
     Args:
         node: the node that has them.
         config: of the node's process.
-        follower: of the loop's ticks.
+        reader: of the loop's ticks.
     """
 
-    def __init__(self, node: Node, config: NodeConfig, follower: StreamFollower) -> None:
-        self._follower = follower
+    def __init__(self, node: Node, config: NodeConfig, reader: TickReader) -> None:
+        self._reader = reader
         self._client = CommandClient(config.robot, config.channel, "ros")
         self._client.start_planning()
         self._node = node
@@ -91,13 +91,8 @@ class RobotNode:
 
     def _look(self) -> None:
         """Take in new ticks."""
-        if self._follower.update():
-            assert self._follower.reader is not None
-            self._topics.attach(self._follower.reader)
-        reader = self._follower.reader
-        if reader is None:
-            return
-        records = reader.take(_MAX_TICKS)
+        records = self._reader.take(_MAX_TICKS)
+        self._topics.attach(self._reader.schema)
         for k in range(len(records)):
             self._take(StampedTick.of(records[k : k + 1]))
 

@@ -16,25 +16,25 @@ from wbc.ros.bridge.config import NodeConfig
 from wbc.ros.bridge.robot_node import RobotNode
 from wbc.ros.node import Node
 from wbc.ros.rosout import log_to_rosout
-from wbc.runtime.stream import StreamFollower
+from wbc.runtime.stream import TickReader
 
 
 def main() -> None:
     """Serve until the parent is gone."""
     sys.setswitchinterval(SWITCH_INTERVAL)
     config: NodeConfig = parent.receive_config()
-    follower = StreamFollower()
+    reader = TickReader()
     with contextlib.ExitStack() as stack:
         try:
             node = Node(config.name, namespace=config.namespace, network=config.network)
             stack.enter_context(node)
             stack.enter_context(log_to_rosout(node))
-            robot_node = RobotNode(node, config, follower)
+            robot_node = RobotNode(node, config, reader)
         except WbcError as error:
             parent.reply({"error": str(error)})
             return
         parent.reply({"node": node.fully_qualified_name})
-        monitor = parent.ParentMonitor(config.parent, follower.on_message)
+        monitor = parent.ParentMonitor(config.parent, reader.on_message)
         node.spin_until(lambda: monitor.gone)
         robot_node.stop()
 

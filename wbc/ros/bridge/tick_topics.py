@@ -10,7 +10,8 @@ from wbc.ros.node import Node
 from wbc.ros.publisher import Publisher
 from wbc.ros.qos import HIGH_RATE, LATCHED, TF
 from wbc.ros.rate_limiter import RateLimiter
-from wbc.runtime.stream import TickReader
+from wbc.runtime.record import contact_names
+from wbc.runtime.schema import Schema
 from wbc.topics import (
     BatchMaker,
     CommandedWrench,
@@ -43,11 +44,11 @@ class TickTopics:
         self._batches = BatchMaker(robot)
         self._update_due = RateLimiter(update_rate, tolerance)
         self._state_due = RateLimiter(state_rate, tolerance)
-        self._reader: TickReader | None = None
+        self._schema: Schema | None = None
         self._joint_states: list[tuple[MessageTopic, Publisher]] = []
         self._others: list[tuple[MessageTopic, Publisher]] = []
         self._publishers: dict[str, Publisher] = {}
-        self._contacts = 0
+        self._contacts: set[str] = set()
         for topic in latched_topics(robot):
             self._publisher(topic).publish(topic.encode())
 
@@ -59,30 +60,29 @@ class TickTopics:
         self._update_due.restart(update_rate)
         self._state_due.restart(state_rate)
 
-    def attach(self, reader: TickReader) -> None:
-        """Publish the quantities of another stream from now on."""
-        self._reader, self._contacts = reader, 0
-        topics = tick_topics(reader.schema, self._robot, period=0.0)
+    def attach(self, schema: Schema) -> None:
+        """Publish the quantities of a stream from now on; an empty schema changes nothing."""
+        if schema is self._schema or not schema.columns:
+            return
+        self._schema, self._contacts = schema, set()
+        topics = tick_topics(schema, self._robot, period=0.0)
         pairs = [(t, self._publisher(t)) for t in topics if not isinstance(t, LatchedTopic)]
         self._joint_states = [pair for pair in pairs if pair[0].name == _JOINT_STATES]
         self._others = [pair for pair in pairs if pair[0].name != _JOINT_STATES]
 
     def publish(self, tick: StampedTick) -> None:
         """Publish what is due of a tick."""
-        if self._reader is None:
-            return
-        names = self._reader.contact_names
-        for number in range(self._contacts, len(names)):
-            wrench = CommandedWrench(number, names[number])
+        for name in sorted(contact_names(tick.record) - self._contacts):
+            self._contacts.add(name)
+            wrench = CommandedWrench(name)
             self._others.append((wrench, self._publisher(wrench)))
-        self._contacts = len(names)
         due = self._joint_states if self._update_due.is_due(tick.stamp) else []
         if self._state_due.is_due(tick.stamp):
             due = due + self._others
         wanted = [pair for pair in due if pair[1].get_subscription_count()]
         if not wanted:
             return
-        batch = self._batches.batch(tick.record, names, np.array([round(1e9 * tick.stamp)]))
+        batch = self._batches.batch(tick.record, np.array([round(1e9 * tick.stamp)]))
         for topic, publisher in wanted:
             for message in topic.messages(batch):
                 publisher.publish(message.data)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.geometry.wrench import centre_of_pressure
-from wbc.runtime.schema import CONTACTS
+from wbc.runtime.record import CONTACTS
 from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, hide, stretch
 from wbc.view.colours import FORCE
 from wbc.view.objects import cylinder, mesh, see_through

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.runtime.schema import SUPPORT as CORNERS
+from wbc.runtime.record import SUPPORT as CORNERS
 from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, hide, stretch
 from wbc.view.colours import SUPPORT, faded
 from wbc.view.objects import cylinder, flat, mesh, see_through, triangles
