@@ -146,17 +146,17 @@ def test_swing_foot_lands_on_its_target_with_the_touchdown_speed(
 ) -> None:
     target = Placement(start + 0.2 * way, end_yaw, step_up)
     swing = SwingFoot(Placement(start, yaw), target, 0.6, 0.06, 0.05)
-    dt, top, last = 0.002, -1.0, swing.position
+    dt, top, last = 0.002, -1.0, swing.motion.position.copy()
     while swing.time < 0.6 - 1e-9:
         swing.advance(dt, target)
-        top = max(top, swing.position[2])
+        top = max(top, swing.motion.position[2])
         # No jump: neither in place nor against the stated velocity.
-        moved = math.dist(swing.position, last)
+        moved = math.dist(swing.motion.position, last)
         assert moved < 0.03
-        last = swing.position
-    assert complex(*swing.position[:2]) == pytest.approx(target.point, abs=1e-6)
-    assert swing.position[2] == pytest.approx(step_up, abs=1e-4)
-    assert swing.velocity[2] == pytest.approx(-0.05, abs=1e-3)
+        last = swing.motion.position.copy()
+    assert complex(*swing.motion.position[:2]) == pytest.approx(target.point, abs=1e-6)
+    assert swing.motion.position[2] == pytest.approx(step_up, abs=1e-4)
+    assert swing.motion.velocity[2] == pytest.approx(-0.05, abs=1e-3)
     assert wrap_angle(swing.yaw - end_yaw) == pytest.approx(0.0, abs=1e-6)
     assert top == pytest.approx(max(0.0, step_up) + 0.06, abs=3e-3)
 
@@ -166,22 +166,22 @@ def test_swing_foot_that_finds_no_ground_keeps_descending() -> None:
     swing = SwingFoot(Placement(0j, 0.0), target, 0.5, 0.06, 0.05)
     for _ in range(350):
         swing.advance(0.002, target)
-    assert swing.position[2] < -0.03
-    assert -0.45 < swing.velocity[2] < -0.3
+    assert swing.motion.position[2] < -0.03
+    assert -0.45 < swing.motion.velocity[2] < -0.3
 
 
 @given(points, st.floats(0.1, 0.6))
 def test_moving_the_target_bends_the_swing_without_a_jump(shift: complex, when: float) -> None:
     first, moved = Placement(0.3 + 0j, 0.0), Placement(0.3 + 0.02 * shift, 0.1)
     swing = SwingFoot(Placement(0j, 0.0), first, 0.6, 0.06, 0.05)
-    last_v = swing.velocity
+    last_v = swing.motion.velocity.copy()
     while swing.time < 0.6 - 1e-9:
         target = first if swing.time < 0.6 * when else moved
         swing.advance(0.002, target)
         # Velocity stays continuous: bounded acceleration through the change.
-        assert math.dist(swing.velocity, last_v) < 0.25
-        last_v = swing.velocity
-    assert complex(*swing.position[:2]) == pytest.approx(moved.point, abs=1e-6)
+        assert math.dist(swing.motion.velocity, last_v) < 0.25
+        last_v = swing.motion.velocity.copy()
+    assert complex(*swing.motion.position[:2]) == pytest.approx(moved.point, abs=1e-6)
 
 
 def test_swing_path_for_display_ends_at_the_target() -> None:
@@ -189,9 +189,9 @@ def test_swing_path_for_display_ends_at_the_target() -> None:
     swing = SwingFoot(Placement(0j, 0.0), target, 0.6, 0.06, 0.05)
     for _ in range(100):
         swing.advance(0.002, target)
-    before = swing.position
+    before = tuple(swing.motion.position)
     path = swing.path()
-    assert path[0] == before == swing.position
+    assert path[0] == before == tuple(swing.motion.position)
     assert path[-1][:2] == pytest.approx((0.3, 0.1), abs=1e-6)
 
 
@@ -207,4 +207,4 @@ def test_path_is_the_way_that_the_swing_foot_then_goes(ticks: int) -> None:
     for point in path[1:]:
         for _ in range(500):
             swing.advance(dt, swing.target)
-        assert math.dist(point, swing.position) < 3e-4
+        assert math.dist(point, swing.motion.position) < 3e-4

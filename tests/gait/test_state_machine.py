@@ -55,7 +55,7 @@ class Ground:
             self.machine.update(DT, self.feet, self.command, contacts)
             self.machine.move_swing(DT, state.landing)
             if state.swing is not None:
-                x, y, z = state.swing.position
+                x, y, z = state.swing.motion.position
                 placed = Placement(complex(x, y), state.swing.yaw, z)
                 if state.swing_side == "left":
                     self.feet = Feet(placed, self.feet.right)

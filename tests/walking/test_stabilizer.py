@@ -91,7 +91,7 @@ def test_landing_place_moves_in_the_tick_that_decides_it() -> None:
     assert moved > 0.02
     assert pushed.swing.target == pushed.landing
     # The quintic towards the moved place: s''' = 60 Δ / T³ at its beginning.
-    faster = pushed.swing.acceleration[0] - undisturbed.swing.acceleration[0]
+    faster = (pushed.swing.motion.acceleration - undisturbed.swing.motion.acceleration)[0]
     assert faster == pytest.approx(60.0 * moved * dt / pushed.remaining**3, rel=0.05)
 
 

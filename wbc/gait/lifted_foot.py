@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.geometry.planar import Placement, planar_rotation, wrap_angle
+from wbc.geometry.planar import Placement, planar_rotation, set_rotation_about_z, wrap_angle
+from wbc.tasks import TaskReference
 
 _SETTLED = 0.003  # m: a foot without a sensor has landed this far below where it left
 
@@ -35,6 +36,7 @@ class LiftedFoot:
         self.offset_velocity = np.zeros(4)
         self.offset_acceleration = np.zeros(4)
         self.expects_contact = False
+        self._motion = TaskReference(np.eye(4), np.zeros(6), np.zeros(6))
 
     def follow_support(self, stance: Placement) -> None:
         """Keep the place relative to the support sole, as it is estimated now."""
@@ -56,24 +58,20 @@ class LiftedFoot:
         return Placement(start.to_world(complex(x, y)), wrap_angle(start.yaw + yaw), start.height)
 
     @property
-    def position(self) -> tuple[float, float, float]:
-        """World position of the sole's centre, m."""
-        at = self.target
-        return (at.point.real, at.point.imag, at.height + float(self.offset[2]))
-
-    def _turned(self, x: np.ndarray) -> tuple[float, float, float]:
-        flat = complex(float(x[0]), float(x[1])) * planar_rotation(self._start().yaw)
-        return (flat.real, flat.imag, float(x[2]))
-
-    @property
-    def velocity(self) -> tuple[float, float, float]:
-        """m/s."""
-        return self._turned(self.offset_velocity)
-
-    @property
-    def acceleration(self) -> tuple[float, float, float]:
-        """m/s²."""
-        return self._turned(self.offset_acceleration)
+    def motion(self) -> TaskReference:
+        """Pose, velocity and acceleration of the sole's centre now, world axes."""
+        motion, at, offset = self._motion, self.target, self.offset
+        set_rotation_about_z(motion.rotation, at.yaw)
+        motion.position[:] = at.point.real, at.point.imag, at.height + offset[2]
+        turn = planar_rotation(self._start().yaw)
+        for to, rate in (
+            (motion.velocity, self.offset_velocity),
+            (motion.acceleration, self.offset_acceleration),
+        ):
+            x, y, z, yaw = rate.tolist()
+            flat = complex(x, y) * turn
+            to[:] = flat.real, flat.imag, z, 0.0, 0.0, yaw
+        return motion
 
     @property
     def yaw(self) -> float:
@@ -85,14 +83,9 @@ class LiftedFoot:
         """rad/s."""
         return float(self.offset_velocity[3])
 
-    @property
-    def yaw_acceleration(self) -> float:
-        """rad/s²."""
-        return float(self.offset_acceleration[3])
-
     def path(self, points: int = 12) -> list[tuple[float, float, float]]:
         """Straight down, for display."""
-        x, y, z = self.position
+        x, y, z = self.motion.position.tolist()
         ground = self.target.height
         steps = max(points, 1)
         return [(x, y, z + (ground - z) * k / steps) for k in range(steps + 1)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import pinocchio as pin
 
@@ -15,7 +16,7 @@ from wbc.robot import Robot
 _GRAVITY = float(-pin.Model.gravity981[2])  # m/s², that of every Pinocchio model
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class GaitParameters:
     """Timing, geometry and feedback of the gait. SI units.
 
@@ -57,17 +58,17 @@ class GaitParameters:
         if self.least_width > self.step_width:
             raise GaitError(f"least_width {self.least_width} exceeds step_width {self.step_width}")
 
-    @property
+    @cached_property
     def omega(self) -> float:
         """Natural frequency √(g / com_height), 1/s."""
         return math.sqrt(self.gravity / self.com_height)
 
-    @property
+    @cached_property
     def step_duration(self) -> float:
         """Single plus double support, s."""
         return self.single_support + self.double_support
 
-    @property
+    @cached_property
     def max_velocity(self) -> tuple[float, float, float]:
         """Largest |forward|, |sideways| (m/s) and |turn| (rad/s) the steps allow."""
         T = self.step_duration

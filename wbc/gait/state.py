@@ -96,6 +96,16 @@ class GaitState:
         return other_side(self.support)
 
     @property
+    def stance(self) -> Placement:
+        """Where the support foot stands."""
+        return self.feet.left if self.support == "left" else self.feet.right
+
+    @property
+    def other_foot(self) -> Placement:
+        """Where the foot is that does not support."""
+        return self.feet.right if self.support == "left" else self.feet.left
+
+    @property
     def at_rest(self) -> bool:
         """Whether the robot stands, on two feet or on one."""
         return self.phase is Phase.STAND or self.lifted is not None

@@ -71,7 +71,7 @@ class GaitStateMachine:
                 else:
                     self._enter(Phase.SWING, state.gait.single_support)
         elif isinstance(state.swing, LiftedFoot):
-            state.swing.follow_support(feet.of(state.support))
+            state.swing.follow_support(state.stance)
             if self._is_set_down(state.swing, contacts):
                 state.swing = None
                 self._enter(Phase.STAND, 0.0)
@@ -121,7 +121,7 @@ class GaitStateMachine:
         """
         self._must_stand("lift()")
         state = self.state
-        lifted = LiftedFoot(state.feet.of(state.swing_side), state.feet.of(state.support))
+        lifted = LiftedFoot(state.other_foot, state.stance)
         self._enter(Phase.SWING, math.inf)
         state.swing = lifted
         return lifted
@@ -136,7 +136,7 @@ class GaitStateMachine:
 
     def _lift_off(self, landing: Placement) -> None:
         state = self.state
-        gait, start = state.gait, state.feet.of(state.swing_side)
+        gait, start = state.gait, state.other_foot
         state.swing = SwingFoot(
             start, landing, state.duration, gait.swing_height, gait.touchdown_speed
         )

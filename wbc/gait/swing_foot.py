@@ -3,43 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
-from wbc.geometry.planar import Placement, wrap_angle
-from wbc.geometry.quintic import evaluate_quintic, quintic_coefficients, step_quintic
+import numpy as np
 
-# Shares of the swing's duration.
-_FREEZE = 0.2  # at its end: the target no longer moves
-_LIFT = 0.05  # at its start: straight up, so that a toe clears the edge it stands at
-_APEX = 0.5  # when the apex is reached
-_LATE_ACCELERATION = 6.0  # m/s², downwards, of a foot that is late
-_LATE_SPEED = 0.4  # m/s, at the most
+from wbc.gait.kernels.swing import APEX, LIFT, advance_swing
+from wbc.geometry.planar import Placement, set_rotation_about_z
+from wbc.geometry.quintic import evaluate_quintic, quintic_coefficients
+from wbc.tasks import TaskReference
 
-
-@dataclass(slots=True)
-class _Axis:
-    """A scalar or planar coordinate with its first two derivatives."""
-
-    x: complex
-    v: complex = 0.0
-    a: complex = 0.0
-
-    def advance(self, target: complex, speed: complex, remaining: float, dt: float) -> None:
-        """One step of dt on the quintic that is at `target`, with `speed`, after `remaining` s."""
-        self.x, self.v, self.a = step_quintic(self.x, self.v, self.a, target, speed, remaining, dt)
-
-    def way(self, target: complex, speed: complex, remaining: float) -> Callable[[float], complex]:
-        """The position over time, from now (0) to `remaining` s, on that quintic."""
-        start = self.x
-        if remaining <= 0.0:
-            return lambda t: start
-        T = remaining
-        c = quintic_coefficients(start, self.v * T, self.a * T * T, target, speed * T)
-
-        def position(t: float) -> complex:
-            return complex(evaluate_quintic(c, min(max(t / T, 0.0), 1.0))[0])
-
-        return position
+_FREEZE = 0.2  # share of the duration, at its end, in which the target no longer moves
 
 
 class SwingFoot:
@@ -56,6 +28,14 @@ class SwingFoot:
         duration: of the whole swing, s.
         height: of the apex above the higher end, m.
         touchdown_speed: downward, m/s.
+
+    Attributes:
+        start: where the sole left the ground.
+        target: where it lands.
+        duration: of the whole swing, s.
+        time: since lift-off, s.
+        motion: pose, velocity and acceleration of the sole's centre now, world axes.
+        yaw: heading now, rad.
     """
 
     def __init__(
@@ -70,12 +50,13 @@ class SwingFoot:
         self.target = target
         self.duration = duration
         self.time = 0.0
+        self.motion = TaskReference(np.eye(4), np.zeros(6), np.zeros(6))
+        self.motion.position[:] = start.point.real, start.point.imag, start.height
+        set_rotation_about_z(self.motion.rotation, start.yaw)
+        self.yaw = start.yaw
         self._touchdown_speed = touchdown_speed
         self._higher = max(start.height, target.height)
         self.set_apex(height)
-        self._plane = _Axis(start.point)
-        self._yaw = _Axis(start.yaw)
-        self._height = _Axis(start.height)
 
     def set_apex(self, height: float) -> None:
         """Have the apex so far above the higher end, m; what is over already stays."""
@@ -87,76 +68,68 @@ class SwingFoot:
         Then the target stays: a quintic that is bent with little time left answers a
         millimetre of measurement noise with metres per second squared.
         """
-        remaining = self.duration - self.time
         if not self.target_frozen:
             self.target = target
+        motion, (point, yaw, height) = self.motion, self.target
+        self.yaw = advance_swing(
+            motion.pose,
+            motion.velocity,
+            motion.acceleration,
+            self.yaw,
+            self.time,
+            self.duration,
+            dt,
+            point.real,
+            point.imag,
+            height,
+            yaw,
+            self._apex,
+            self._touchdown_speed,
+        )
         self.time += dt
-        target = self.target
-        yaw = float(self._yaw.x.real)
-        goal = yaw + wrap_angle(target.yaw - yaw)
-        if self.time > _LIFT * self.duration:
-            self._plane.advance(target.point, 0.0, remaining, dt)
-            self._yaw.advance(goal, 0.0, remaining, dt)
-        fall = (1.0 - _APEX) * self.duration
-        if remaining > fall:
-            self._height.advance(self._apex, 0.0, remaining - fall, dt)
-        elif remaining > 0.0:
-            self._height.advance(target.height, -self._touchdown_speed, remaining, dt)
-        else:
-            fast = self._height.v.real <= -_LATE_SPEED
-            self._height.a = 0.0 if fast else -_LATE_ACCELERATION
-            self._height.v += self._height.a * dt
-            self._height.x += self._height.v * dt
+
+    @property
+    def yaw_rate(self) -> float:
+        """rad/s."""
+        return float(self.motion.velocity[5])
 
     @property
     def target_frozen(self) -> bool:
         """Whether the landing place no longer moves."""
         return self.duration - self.time <= _FREEZE * self.duration
 
-    @property
-    def position(self) -> tuple[float, float, float]:
-        """World position of the sole's centre, m."""
-        return (self._plane.x.real, self._plane.x.imag, self._height.x.real)
-
-    @property
-    def velocity(self) -> tuple[float, float, float]:
-        """m/s."""
-        return (self._plane.v.real, self._plane.v.imag, self._height.v.real)
-
-    @property
-    def acceleration(self) -> tuple[float, float, float]:
-        """m/s²."""
-        return (self._plane.a.real, self._plane.a.imag, self._height.a.real)
-
-    @property
-    def yaw(self) -> float:
-        """Heading, rad."""
-        return self._yaw.x.real
-
-    @property
-    def yaw_rate(self) -> float:
-        """rad/s."""
-        return self._yaw.v.real
-
-    @property
-    def yaw_acceleration(self) -> float:
-        """rad/s²."""
-        return self._yaw.a.real
-
     def path(self, points: int = 12) -> list[tuple[float, float, float]]:
         """The way still to go, for display: positions from now to touchdown."""
         duration, target = self.duration, self.target
         left = max(duration - self.time, 0.0)
-        wait = min(max(_LIFT * duration - self.time, 0.0), left)  # straight up for so long
-        rise = max(left - (1.0 - _APEX) * duration, 0.0)
-        apex = _Axis(self._apex) if rise > 0.0 else self._height
-        plane = self._plane.way(target.point, 0.0, left - wait)
-        up = self._height.way(self._apex, 0.0, rise)
-        down = apex.way(target.height, -self._touchdown_speed, left - rise)
+        wait = min(max(LIFT * duration - self.time, 0.0), left)  # straight up for so long
+        rise = max(left - (1.0 - APEX) * duration, 0.0)
+        motion = self.motion
+        (x, y, z), (vx, vy, vz), (ax, ay, az) = (
+            part[:3].tolist() for part in (motion.position, motion.velocity, motion.acceleration)
+        )
+        plane = _quintic(
+            complex(x, y), complex(vx, vy), complex(ax, ay), target.point, 0.0, left - wait
+        )
+        up = _quintic(z, vz, az, self._apex, 0.0, rise)
+        if rise > 0.0:
+            z, vz, az = self._apex, 0.0, 0.0
+        down = _quintic(z, vz, az, target.height, -self._touchdown_speed, left - rise)
         way = []
         for k in range(points + 1 if left > 0.0 else 1):
             t = left * k / points
             p = plane(t - wait)
-            z = up(t) if t < rise else down(t - rise)
-            way.append((p.real, p.imag, z.real))
+            height = up(t) if t < rise else down(t - rise)
+            way.append((p.real, p.imag, height.real))
         return way
+
+
+def _quintic(
+    x: complex, v: complex, a: complex, target: complex, speed: complex, duration: float
+) -> Callable[[float], complex]:
+    """The position over time on the quintic that is at `target`, with `speed`, after `duration`."""
+    if duration <= 0.0:
+        return lambda t: x
+    T = duration
+    c = quintic_coefficients(x, v * T, a * T * T, target, speed * T)
+    return lambda t: complex(evaluate_quintic(c, min(max(t / T, 0.0), 1.0))[0])

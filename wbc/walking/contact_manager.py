@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
-import pinocchio as pin
 
 from wbc.contacts import SurfaceContact
 from wbc.controller import WholeBodyController
 from wbc.gait import GaitState, Phase
-from wbc.geometry.planar import set_rotation_about_z
 from wbc.robot import Robot
-from wbc.tasks import FrameTask
 from wbc.walking.gains import WalkerGains
+from wbc.walking.swing_task import SwingTask
 
 _HIGH = 0.03  # m, height above which a lifted foot need not be flat
 _LOOSE = 0.1  # square root of the share of the weight that its flatness keeps
@@ -35,22 +35,20 @@ class ContactManager:
         self._gains = gains
         self._weight = robot.weight
         self._contacts: dict[str, SurfaceContact] = {}
-        self._swing_tasks: dict[str, FrameTask] = {}
-        self._swing_target = pin.SE3.Identity()
-        self._swing_rotation, self._swing_position = np.eye(3), np.zeros(3)
-        self._tracking: FrameTask | None = None
+        self._swing_tasks: dict[str, SwingTask] = {}
+        self._tracking: SwingTask | None = None
         for sole in robot.soles:
             contact = SurfaceContact.from_sole(
                 sole, margin=gains.sole_margin, friction=gains.friction
             )
             contact.bind(robot)
             self._contacts[sole.side] = contact
-            self._swing_tasks[sole.side] = FrameTask(
+            self._swing_tasks[sole.side] = SwingTask(
                 sole.name, weight=gains.swing_weight, kp=gains.swing_kp
             )
 
     @property
-    def swing_tasks(self) -> tuple[FrameTask, ...]:
+    def swing_tasks(self) -> tuple[SwingTask, ...]:
         """One per foot; the controller has that of the foot in the air."""
         return tuple(self._swing_tasks.values())
 
@@ -59,7 +57,7 @@ class ContactManager:
         support = self._contacts[state.support]
         other = self._contacts[state.swing_side]
         support.motion_weight = None
-        support.max_force = other.max_force = float("inf")
+        support.max_force = other.max_force = math.inf
         self._track_swing(state)
         if state.phase is Phase.SWING:
             self._hold((support,))
@@ -87,19 +85,11 @@ class ContactManager:
             if wanted is not None:
                 self._controller.add(wanted)
             self._tracking = wanted
-        if swing is None or wanted is None:
+        if wanted is None:
             return
+        wanted.foot = swing
         if state.lifted is not None:
             wanted.weight = self._held_weight(float(state.lifted.offset[2]))
-        set_rotation_about_z(self._swing_rotation, swing.yaw)
-        self._swing_target.rotation = self._swing_rotation
-        self._swing_position[:] = swing.position
-        self._swing_target.translation = self._swing_position
-        wanted.target = self._swing_target
-        wanted.velocity[:3] = swing.velocity
-        wanted.velocity[5] = swing.yaw_rate
-        wanted.acceleration[:3] = swing.acceleration
-        wanted.acceleration[5] = swing.yaw_acceleration
 
     def _held_weight(self, height: float) -> np.ndarray:
         """Return the (6,) task weight of a foot that is held up at a height, m.

@@ -42,9 +42,9 @@ class HeightReference:
             step_length: of the present steps, m.
             dt: time since the last tick, s.
         """
-        ground = state.feet.of(state.support).height
+        ground = state.stance.height
         if state.phase is not Phase.SWING:
-            other = state.feet.of(state.swing_side).height
+            other = state.other_foot.height
             share = state.progress if state.phase is Phase.TRANSFER else 0.5
             ground = other + (ground - other) * share
         blend = min(dt / self._time_constant, 1.0)

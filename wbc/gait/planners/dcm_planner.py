@@ -54,7 +54,7 @@ class DcmPlanner:
             return given[0].side if given else first_swing_side(state.feet, wanted)
         # A step that was planned as the last one is: the DCM is on its way to rest, and a
         # command to go on that came too late for it waits until the robot stands.
-        stance = state.feet.of(state.support)
+        stance = state.stance
         last = preview.ends(stance, state.swing_side, state.landing, self.velocity)
         ended = not given and wanted.is_zero and self.velocity.is_zero
         self.velocity = wanted
@@ -71,7 +71,7 @@ class DcmPlanner:
         if state.phase is Phase.STAND or state.lifted is not None:
             plan.step_length = 0.0
             return plan
-        stance = state.feet.of(state.support)
+        stance = state.stance
         if state.phase is Phase.SWING and state.time == 0.0:
             landing = preview.next(stance, state.swing_side, self.velocity)
             self._relative_landing = landing.relative_to(stance)
@@ -92,9 +92,10 @@ class DcmPlanner:
         if state.phase is Phase.STAND or state.lifted is not None:
             zmp = dcm = state.standing_point
         elif state.phase is Phase.SWING:
-            zmp = state.feet.of(state.support).point
+            stance = state.stance
+            zmp = stance.point
             if landing is None:
-                landing = state.feet.of(state.support).compose(self._relative_landing)
+                landing = self._plan.landing or stance.compose(self._relative_landing)
             dcm = self._swing_dcm(state, landing)
         else:
             zmp, dcm = self._transfer_zmp_and_dcm(state)
@@ -105,7 +106,7 @@ class DcmPlanner:
         if state.phase is Phase.STAND or state.stopping or state.lifted is not None:
             return []
         preview = self._preview
-        stance = state.feet.of(state.support)
+        stance = state.stance
         if state.phase is Phase.TRANSFER:
             return preview.steps(stance, state.support, self.velocity, PREVIEW_STEPS)
         first = PlannedFootstep(state.swing_side, state.landing)
@@ -139,7 +140,7 @@ class DcmPlanner:
         before = self.reference(state).dcm
         self.velocity = velocity
         if state.swing is not None and not state.swing.target_frozen:
-            stance = state.feet.of(state.support)
+            stance = state.stance
             landing = preview.next(stance, state.swing_side, velocity)
             self._relative_landing = landing.relative_to(stance)
         self._dcm_drift = (self.reference(state).dcm - before) / dt
@@ -147,7 +148,7 @@ class DcmPlanner:
     def _swing_dcm(self, state: GaitState, landing: Placement) -> complex:
         """DCM now: the ZMP stays on the support foot, then moves to where the swing foot lands."""
         gait, preview, side = state.gait, self._preview, state.swing_side
-        stance = state.feet.of(state.support)
+        stance = state.stance
         support, omega = stance.point, gait.omega
         if preview.ends(stance, side, landing, self.velocity):
             rest = 0.5 * (support + landing.point)
@@ -160,13 +161,13 @@ class DcmPlanner:
     def _transfer_zmp_and_dcm(self, state: GaitState) -> tuple[complex, complex]:
         """ZMP and DCM now: the ZMP moves to the support foot, or to the middle to rest."""
         preview, omega, feet = self._preview, state.gait.omega, state.feet
-        stance = feet.of(state.support)
+        stance = state.stance
         support = stance.point
         if state.stopping:
             middle = feet.middle
             zmp = support + (middle - support) * state.progress
             return zmp, dcm_before(zmp, middle, state.remaining, middle, omega)
-        origin = feet.middle if state.starting else feet.of(state.swing_side).point
+        origin = feet.middle if state.starting else state.other_foot.point
         zmp = origin + (support - origin) * state.progress
         hold = max(state.hold - state.time, 0.0)
         arrival = preview.arrival_dcm(stance, state.support, self.velocity, PREVIEW_STEPS)

@@ -117,7 +117,7 @@ class Stabilizer:
         if swing.target_frozen:
             return reference(swing.target), swing.target
         planned = reference(None)
-        stance = state.feet.of(state.support)
+        stance = state.stance
         forward = planar_rotation(stance.yaw)
         error = (state.dcm - planned.dcm) * forward.conjugate()
         zmp_range = self.support.zmp_range(state.support, self._gains.ankle_share)

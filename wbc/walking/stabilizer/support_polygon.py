@@ -30,9 +30,9 @@ class SupportPolygon:
 
     def clamp(self, zmp: complex, state: GaitState, margin: float) -> complex:
         """The ground point nearest to a ZMP that is off the polygon by `margin` (m) at most."""
-        a = b = state.feet.of(state.support).point
+        a = b = state.stance.point
         if state.phase is not Phase.SWING:
-            b = state.feet.of(state.swing_side).point
+            b = state.other_foot.point
         # The polygon holds everything that is closer to the line between the soles' centres
         # than their sides are: most ZMPs need no polygon.
         if is_near_segment(zmp, a, b, self._radius + margin):
