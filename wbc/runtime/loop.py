@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 
 import numpy as np
 
@@ -44,6 +43,10 @@ class RunComplete(StopRun):
     """Raised likewise when everything is done: the run ends early, as it should."""
 
 
+def _print_conditions(conditions: LoopConditions) -> None:
+    print(conditions.describe(), file=sys.stderr)
+
+
 def run(
     controller: Controller,
     plant: Plant,
@@ -53,7 +56,7 @@ def run(
     observers: Sequence[Observer] = (),
     quantities: Sequence[Quantity] = (),
     real_time: bool | RealTime = False,
-    on_conditions: Callable[[LoopConditions], None] | None = None,
+    on_conditions: Callable[[LoopConditions], None] = _print_conditions,
     before_tick: Callable[[float], None] | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Report:
@@ -74,8 +77,8 @@ def run(
         real_time: wait for the wall clock, so that a second takes a second. The loop asks the
             system for all that keeps its ticks on time, or for what a `RealTime` says, and gives
             it back at the end.
-        on_conditions: called before the first tick of a real-time run with what was granted; when
-            left out, a line is printed on standard error.
+        on_conditions: called before the first tick of a real-time run with what was granted; by
+            default a line is printed on standard error.
         before_tick: called with the plant's time before each tick, to change commands or push.
         progress: called about ten times a second.
             Either of them may raise `StopRun` to end the run, or `RunComplete` when it is done.
@@ -91,8 +94,8 @@ def run(
     for part in (controller, estimator):
         _check_period(part, plant)
     truth_source = plant if isinstance(plant, GroundTruthSource) else None
-    true_before = truth_source.ground_truth() if truth_source is not None else None
-    start = true_before or plant.robot.standing()
+    true_state = truth_source.ground_truth() if truth_source is not None else None
+    start = true_state or plant.robot.standing()
     estimator.reset(start)
     controller.reset(start)
     source = controller if isinstance(controller, TelemetrySource) else None
@@ -103,10 +106,18 @@ def run(
     plan_every = max(1, round(1.0 / (_PLAN_RATE * plant.dt)))
     progress_every = max(1, round(_PROGRESS_PERIOD / plant.dt))
     end = plant.time + duration - 0.5 * plant.dt
-    with garbage_collection_paused(), _conditions(real_time, on_conditions) as conditions:
-        ticks = int(np.ceil(duration / plant.dt)) + 1
-        statistics = RunStatistics(plant.robot, start, ticks)
-        clock = Clock(plant.dt, ticks) if conditions is not None else None
+    ticks = int(np.ceil(duration / plant.dt)) + 1
+    clock: Clock | None = None
+    conditions = ""
+    with ExitStack() as stack:
+        stack.enter_context(garbage_collection_paused())
+        if real_time:
+            wanted = real_time if isinstance(real_time, RealTime) else RealTime()
+            granted = stack.enter_context(real_time_thread(wanted))
+            on_conditions(granted)
+            conditions = granted.describe()
+            clock = Clock(plant.dt, ticks)
+        statistics = RunStatistics(plant.robot, start, plant.time, ticks)
         try:
             index = 0
             expected: np.ndarray | None = None
@@ -125,43 +136,39 @@ def run(
                 now = plant.time
                 expected = command.acceleration
                 plant.step(command)
-                true_after = truth_source.ground_truth() if truth_source is not None else None
-                true_state = true_after or estimate.state
                 telemetry = source.telemetry if source is not None else NO_TELEMETRY
-                statistics.record(now, t1 - t0, t2 - t1, command, true_state, telemetry)
-                if observers:
-                    plan = None
-                    if source is not None and index % plan_every == 0:
-                        plan = source.contact_plan
-                    before, ended = ended, time.perf_counter()
-                    tick = Tick(
-                        now, measurement, estimate, command, true_before, t1 - t0, t2 - t1,
-                        telemetry, plan, index, run_number, time.time(), ended - before,
-                    )  # fmt: skip
-                    if stream is not None:
-                        stream.write(tick)
-                    for observer in observers:
-                        observer.observe(tick)
-                true_before = true_after
+                plan = None
+                if observers and source is not None and index % plan_every == 0:
+                    plan = source.contact_plan
+                before, ended = ended, time.perf_counter()
+                tick = Tick(
+                    now, measurement, estimate, command, true_state, t1 - t0, t2 - t1, telemetry,
+                    plan, index, run_number, time.time(), ended - before,
+                )  # fmt: skip
+                true_state = truth_source.ground_truth() if truth_source is not None else None
+                state = true_state or estimate.state
+                statistics.record(tick, state)
+                if stream is not None:
+                    stream.write(tick)
+                for observer in observers:
+                    observer.observe(tick)
                 if progress is not None and index % progress_every == 0:
-                    progress(statistics.progress(now, duration))
-                reason = fall_reason(plant.robot, true_state, statistics.ground)
+                    progress(statistics.progress(duration))
+                reason = fall_reason(plant.robot, state, statistics.ground)
                 if reason:
-                    statistics.fell(plant.time, reason)
+                    statistics.end(reason, fell_at=plant.time)
                     break
                 index += 1
         except PhysicsDiverged as error:
             if statistics.empty:
                 raise
-            statistics.diverged(str(error))
+            statistics.end(str(error), diverged=True)
         except StopRun as stop:
             if statistics.empty:
                 raise WbcError(f"the run was stopped before its first tick: {stop}") from stop
             if not isinstance(stop, RunComplete):
-                statistics.stopped(str(stop) or "stopped")
-    report = statistics.report(clock)
-    if conditions is not None:
-        report = replace(report, loop_conditions=conditions.describe())
+                statistics.end(str(stop) or "stopped")
+    report = statistics.report(clock, conditions)
     for observer in observers:
         observer.end(report)
     return report
@@ -192,19 +199,3 @@ def _stream_for(
         if reader.stream is not stream:
             reader.attach(stream)
     return stream
-
-
-@contextmanager
-def _conditions(
-    real_time: bool | RealTime, on_conditions: Callable[[LoopConditions], None] | None
-) -> Iterator[LoopConditions | None]:
-    if not real_time:
-        yield None
-        return
-    with real_time_thread(real_time if isinstance(real_time, RealTime) else RealTime()) as granted:
-        (on_conditions or _print)(granted)
-        yield granted
-
-
-def _print(conditions: LoopConditions) -> None:
-    print(conditions.describe(), file=sys.stderr)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 _WIDTH = 100  # characters of a line of the table
@@ -193,11 +193,6 @@ class Report:
         rows += [("flight", str(flight)) for flight in self.flights]
         rows += [("note", note) for note in self.notes]
         return rows
-
-    @staticmethod
-    def keys() -> tuple[str, ...]:
-        """Return the names of the fields, in the order of the JSON."""
-        return tuple(f.name for f in fields(Report))
 
 
 def _rms(name: str, error: float | None, what: str) -> list[tuple[str, str]]:

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wbc.command import Command, Status
-from wbc.geometry.planar import wrap_angle
+from wbc.command import Status
 from wbc.robot import Robot
 from wbc.robot.attitude import heading
 from wbc.runtime.clock import Clock
 from wbc.runtime.report import Report
+from wbc.runtime.tick import Tick
 from wbc.state import State
-from wbc.telemetry import Telemetry
 
 _TRAIL = 0.1  # s between the points of the trail
 _CYCLE = 1.6  # s: the sway of a gait cycle is averaged out of the path over the ground
@@ -47,135 +46,117 @@ class RunStatistics:
     Args:
         robot: the robot.
         start: true state at the start.
+        start_time: plant time at the start, s.
         ticks: how many there will be at the most.
     """
 
-    def __init__(self, robot: Robot, start: State, ticks: int) -> None:
+    def __init__(self, robot: Robot, start: State, start_time: float, ticks: int) -> None:
         self.robot = robot
         self.ground = float(start.q[2] - robot.q_nominal[2])
-        self._tick = np.zeros(ticks)
-        self._estimate = np.zeros(ticks)
-        self._error = np.zeros(ticks)
+        self._controller_time, self._estimator_time, self._dcm_error = np.zeros((3, ticks))
         self._count = 0
-        self._start_time: float | None = None
-        self._time = 0.0
-        self._failures = self._steps = 0
+        self._start_time = start_time
+        self._tick: Tick | None = None
+        self._state = start
+        self._failures = 0
         self._explanation = ""
         self._effort = np.zeros(robot.na)
         self._lowest, self._highest = np.full(robot.na, np.inf), np.full(robot.na, -np.inf)
+        self._end_reason = ""
         self._fell_at: float | None = None
         self._diverged = False
-        self._early = ""
-        self._truth = start
-        self._heading = self._yaw = heading(robot, start)
-        self._turned = 0.0
-        self._trail = [start.q[:2].copy()]
+        self._trail = [self._planar_pose()]
         self._wall = time.perf_counter()
 
     @property
     def empty(self) -> bool:
         """Whether no tick has been recorded yet."""
-        return self._count == 0
+        return self._tick is None
 
-    def record(
-        self,
-        now: float,
-        estimator_time: float,
-        controller_time: float,
-        command: Command,
-        truth: State,
-        telemetry: Telemetry,
-    ) -> None:
+    def record(self, tick: Tick, state: State) -> None:
         """Record one tick.
 
         Args:
-            now: plant time, s.
-            estimator_time: time that the estimator took, s.
-            controller_time: time that the controller took, s.
-            command: of the tick.
-            truth: the true state after it; the estimated one if the truth is unknown.
-            telemetry: what the controller tells.
+            tick: the tick.
+            state: the true state after it; the estimated one if the truth is unknown.
         """
-        k = min(self._count, self._tick.size - 1)
-        if self._start_time is None:
-            self._start_time = now
-        self._time = now - self._start_time
-        self._tick[k], self._estimate[k] = controller_time, estimator_time
-        self._error[k] = telemetry.dcm_error
-        self._steps = telemetry.steps
-        self._count += 1
+        k = min(self._count, self._dcm_error.size - 1)
+        self._count = k + 1
+        self._tick, self._state = tick, state
+        self._controller_time[k] = tick.controller_time
+        self._estimator_time[k] = tick.estimator_time
+        self._dcm_error[k] = tick.telemetry.dcm_error
+        command = tick.command
         if command.status is not Status.OK:
             self._failures += 1
             self._explanation = self._explanation or command.explanation
         # What is beyond the limits follows from the extremes, once, at the end.
-        q = truth.q[7:]
+        q = state.q[7:]
         np.maximum(self._effort, np.abs(command.tau), out=self._effort)
         np.minimum(self._lowest, q, out=self._lowest)
         np.maximum(self._highest, q, out=self._highest)
-        self._truth = truth
-        if self._time >= len(self._trail) * _TRAIL:
-            self._trail.append(truth.q[:2].copy())
-            self._record_turn()
+        if tick.time - self._start_time >= len(self._trail) * _TRAIL:
+            self._trail.append(self._planar_pose())
 
-    def _record_turn(self) -> None:
-        yaw = heading(self.robot, self._truth)
-        self._turned += wrap_angle(yaw - self._yaw)
-        self._yaw = yaw
+    def _planar_pose(self) -> tuple[float, float, float]:
+        """Return position, m, and heading, rad, of the base over the ground."""
+        x, y = self._state.q[:2].tolist()
+        return x, y, heading(self.robot, self._state)
 
-    def fell(self, at: float, why: str) -> None:
-        """Record that the robot fell.
+    def end(self, reason: str, *, fell_at: float | None = None, diverged: bool = False) -> None:
+        """Record why the run ended before its time.
 
         Args:
-            at: plant time, s.
-            why: the reason.
+            reason: the reason.
+            fell_at: plant time at which the robot fell, s; None if it did not.
+            diverged: the simulated physics diverged in the tick after the last recorded one.
         """
-        self._fell_at, self._early = at, why
+        self._end_reason, self._fell_at, self._diverged = reason, fell_at, diverged
 
-    def diverged(self, why: str) -> None:
-        """Record that the simulated physics diverged in the tick that follows the last recorded."""
-        self._diverged, self._early = True, why
-
-    def stopped(self, why: str) -> None:
-        """Record why the run ended before its time."""
-        self._early = why
-
-    def progress(self, now: float, duration: float) -> Progress:
-        """Return what a progress line shows."""
+    def progress(self, duration: float) -> Progress:
+        """Return what a progress line shows of a run of this duration, s."""
+        assert self._tick is not None
         k = self._count
-        back = self._trail[-min(11, len(self._trail))]
-        span = max(min(10, len(self._trail) - 1), 1) * _TRAIL
+        points = min(10, len(self._trail) - 1)
+        way = np.subtract(self._state.q[:2], self._trail[-1 - points][:2])
         return Progress(
-            now,
+            self._tick.time,
             duration,
-            float(np.linalg.norm(self._truth.q[:2] - back)) / span,
-            float(self._error[k - 1]),
-            1e6 * float(np.median(self._tick[max(0, k - 50) : k])),
+            float(np.linalg.norm(way)) / (max(points, 1) * _TRAIL),
+            float(self._dcm_error[k - 1]),
+            1e6 * float(np.median(self._controller_time[max(0, k - 50) : k])),
         )
 
-    def report(self, clock: Clock | None) -> Report:
-        """Return the report; `clock` is that of a run in real time."""
+    def report(self, clock: Clock | None, conditions: str) -> Report:
+        """Return the report.
+
+        Args:
+            clock: of a run in real time.
+            conditions: of a loop in real time, described in one line.
+        """
+        assert self._tick is not None
         wall = time.perf_counter() - self._wall
-        robot = self.robot
-        n = min(self._count, self._tick.size)
-        tick, errors = 1e6 * self._tick[:n], self._error[:n]
-        errors = errors[np.isfinite(errors)]
-        self._record_turn()
-        here = self._truth.q[:2]
-        distance, mean, cruise = _distance_and_speeds(np.array([*self._trail, here]))
-        c, s = np.cos(self._heading), np.sin(self._heading)
-        dx, dy = here - self._trail[0]
+        robot, n = self.robot, self._count
+        duration = self._tick.time - self._start_time
+        controller_time = 1e6 * self._controller_time[:n]
+        errors = self._dcm_error[:n][np.isfinite(self._dcm_error[:n])]
+        trail = np.array([*self._trail, self._planar_pose()])
+        distance, mean, cruise = _distance_and_speeds(trail[:, :2])
+        yaw = np.unwrap(trail[:, 2])
+        c, s = np.cos(yaw[0]), np.sin(yaw[0])
+        dx, dy = trail[-1, :2] - trail[0, :2]
         late = clock.lateness if clock is not None else np.zeros(1)
         return Report(
             robot=robot.name,
-            survived=not self._early,
+            survived=not self._end_reason,
             fell_at_s=self._fell_at,
-            fell_why=self._early,
+            fell_why=self._end_reason,
             diverged=self._diverged,
-            duration_s=self._time,
-            steps=self._steps,
+            duration_s=duration,
+            steps=self._tick.telemetry.steps,
             distance_m=distance,
             displacement_m=(float(c * dx + s * dy), float(c * dy - s * dx)),
-            turned_rad=self._turned,
+            turned_rad=float(yaw[-1] - yaw[0]),
             mean_speed_m_s=mean,
             cruise_speed_m_s=cruise,
             dcm_error_rms_mm=1e3 * float(np.sqrt(np.mean(errors**2))) if errors.size else None,
@@ -188,13 +169,14 @@ class RunStatistics:
             ),
             qp_failures=self._failures,
             explanation=self._explanation,
-            tick_p50_us=float(np.percentile(tick, 50)),
-            tick_p99_us=float(np.percentile(tick, 99)),
-            tick_max_us=float(tick.max()),
-            estimator_p50_us=1e6 * float(np.median(self._estimate[:n])),
-            real_time_factor=self._time / wall if wall > 0.0 else 0.0,
+            tick_p50_us=float(np.percentile(controller_time, 50)),
+            tick_p99_us=float(np.percentile(controller_time, 99)),
+            tick_max_us=float(controller_time.max()),
+            estimator_p50_us=1e6 * float(np.median(self._estimator_time[:n])),
+            real_time_factor=duration / wall if wall > 0.0 else 0.0,
             overruns=clock.overruns if clock is not None else 0,
             lateness_p99_us=1e6 * float(np.percentile(late, 99)),
+            loop_conditions=conditions,
         )
 
 
