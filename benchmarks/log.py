@@ -9,8 +9,7 @@ the loop takes as long, because the log writer is another process.
 
 Runs with and without a log alternate, so that other load on the machine affects both equally.
 
-The table also lists the size of each topic, and the CPU time of the package `mcap` for writing the
-same messages in chunks of the same duration with the same compression.
+The table also lists the size of each topic, compressed by itself in chunks of the same duration.
 """
 
 from __future__ import annotations
@@ -25,11 +24,13 @@ import contextlib
 import json
 import tempfile
 import time
+from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from shared.mcap_comparison import Messages, compare_writers
+import zstandard
+from mcap.reader import make_reader
 from shared.replay import Replay, record, walker
 
 import wbc
@@ -39,6 +40,7 @@ from wbc.runtime.stream import TickStream
 from wbc.runtime.tick import Tick
 
 DT = 0.002  # s
+CHUNK = 0.4  # s, as in the log writer
 
 
 class Timed:
@@ -77,6 +79,21 @@ def run(
     return plant.commanded_at - plant.measured_at, report.overruns
 
 
+def megabytes_per_minute(path: Path, seconds: float) -> dict[str, float]:
+    """Return the compressed size of each topic of a log, MB per minute, the largest first."""
+    messages: defaultdict[str, list[bytes]] = defaultdict(list)
+    with path.open("rb") as file:
+        for _, channel, message in make_reader(file).iter_messages():
+            messages[channel.topic].append(message.data)
+    found = {}
+    for topic, data in messages.items():
+        step = max(1, round(len(data) * CHUNK / seconds))
+        pieces = [b"".join(data[i : i + step]) for i in range(0, len(data), step)]
+        size = sum(len(zstandard.compress(piece)) for piece in pieces)
+        found[topic] = size / 1e6 / (seconds / 60.0)
+    return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+
 def measure(name: str, seconds: float, rounds: int, speed: float) -> dict[str, Any]:
     """Measure all figures of a robot."""
     robot = wbc.load(name)
@@ -98,8 +115,7 @@ def measure(name: str, seconds: float, rounds: int, speed: float) -> dict[str, A
             spent.append(timed.spent)
             log = Log(path)
             planned.append(timed.with_plan)
-            written = compare_writers(path)
-            topics = Messages.of(path).share()
+            topics = megabytes_per_minute(path, len(walk) * DT)
             facts.append(
                 {
                     "megabytes": path.stat().st_size / 1e6,
@@ -135,7 +151,6 @@ def measure(name: str, seconds: float, rounds: int, speed: float) -> dict[str, A
         "writer_cpu_percent": 100.0
         * float(np.median([f["cpu_s"] for f in facts]))
         / (len(walk) * DT),
-        "written": written,
         "topics": topics,
     }
 
@@ -172,15 +187,6 @@ def show(row: dict[str, Any]) -> None:
     print(f"  file size            {row['megabytes_per_minute']:.1f} MB per minute")
     for topic, size in row["topics"].items():
         print(f"    {topic:<34}{size:6.2f}")
-    for name in ("here", "package"):
-        us, percent, size = (
-            row["written"][f"{name}_{what}"]
-            for what in ("us_per_message", "cpu_percent", "megabytes")
-        )
-        print(
-            f"  written by {name:<10}{us:5.1f} µs of CPU per message, {percent:.1f} % of a core, "
-            f"{size:.1f} MB"
-        )
 
 
 def main() -> None:

@@ -69,7 +69,7 @@ def test_the_correctness_benchmark_counts_every_problem(tmp_path):
 
 
 def test_the_observers_benchmark_measures_ticks_calls_and_rates(tmp_path):
-    for package in ("mujoco", "cyclonedds", "zstandard"):
+    for package in ("mujoco", "cyclonedds", "mcap"):
         pytest.importorskip(package)
     out = tmp_path / "observers.json"
     flags = ["--robot", "simple_humanoid", "--rounds", "1", "--seconds", "1"]

@@ -117,7 +117,7 @@ def commands(folder):
     ids=["killed at its first child", "interrupted at its last"],
 )
 def test_whoever_ends_while_it_starts_leaves_no_child_and_no_traceback(tmp_path, sign, code, early):
-    for package in ("mujoco", "cyclonedds", "zstandard"):
+    for package in ("mujoco", "cyclonedds", "mcap"):
         pytest.importorskip(package)
     running = []
     for number, command in commands(tmp_path):

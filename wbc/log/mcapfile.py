@@ -1,12 +1,6 @@
 """Writes a log as an MCAP file. Only the log writer's process uses this.
 
-The package `mcap` writes the same messages into a file of the same size, in 4.5 µs of CPU per
-message instead of 1.9, 3.6 % of a core instead of 1.5 (`benchmarks/log.py`). CPU time is not the
-main reason to avoid it: it ends chunks by size only, and it cannot complete a file in place after
-its writer was killed or the disk was full (`wbc.log.recovery`). Recovery needs the record encoding
-in any case, and with that a writer takes only the 100 lines below.
-
-Of 70 MB per minute (Talos at 500 Hz, same source) 23 are `/joint_states`, whose numbers are
+Of 70 MB per minute (Talos at 500 Hz, `benchmarks/log.py`) 23 are `/joint_states`, whose numbers are
 stored exactly, 22 are sensors, targets and accelerations in single precision, and 8 are message
 indices. These hardly compress: the highest levels of zstd save 2 % and take ten times as long.
 
@@ -16,39 +10,18 @@ them (`rosbag2_storage_mcap`).
 
 from __future__ import annotations
 
-import zlib
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
-import zstandard
+from mcap.writer import Writer
 
 import wbc
-from wbc.log.format.contents import ChunkInfo, Contents, RecordLocation
-from wbc.log.format.index_scan import attachment_index
-from wbc.log.format.records import (
-    CHANNEL,
-    HEAD,
-    MAGIC,
-    MESSAGE,
-    MESSAGE_HEAD,
-    MESSAGE_HEAD_CONTENT,
-    SCHEMA,
-    attachment,
-    channel,
-    chunk,
-    header,
-    message_index,
-    metadata_record,
-    record,
-    schema,
-    text,
-)
 from wbc.log.metadata import Metadata
-from wbc.log.output import Output
 from wbc.messages import schema_text, type_hash
 from wbc.topics import MessageTopic, TickBatch
 
-_LEVEL = 3  # zstandard compression level
+_CHUNK_SIZE = 1 << 24  # bytes; chunks end by `commit`, and by their size only after a long delay
 _QOS = (
     "- history: 1\n  depth: {depth}\n  reliability: 1\n  durability: {durability}\n"
     "  deadline:\n    sec: 2147483647\n    nsec: 4294967295\n"
@@ -60,48 +33,31 @@ _QOS = (
 
 
 class McapFile:
-    """An MCAP file that is written chunk by chunk, each followed by its message indices.
+    """An MCAP file of ROS 2 messages that is written chunk by chunk.
 
     Args:
-        path: Path of the file.
+        path: Path of the file. An existing file is overwritten.
 
     Raises:
         OSError: The file cannot be opened or written.
     """
 
     def __init__(self, path: Path) -> None:
-        self._output = Output(path)
-        self._contents = Contents()
-        self._compressor = zstandard.ZstdCompressor(level=_LEVEL)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self._file = path.open("wb")
+        self._writer = Writer(self._file, chunk_size=_CHUNK_SIZE)
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
-        self._sequence: dict[int, int] = {}
-        self._begin()
-        self._output.write(MAGIC + header("ros2", f"wbc {wbc.__version__}"))
-        self._output.commit()
-
-    def _begin(self) -> None:
-        """Begin a chunk."""
-        self._parts: list[bytes] = []
-        self._size = 0
-        self._places: dict[int, list[int]] = {}
+        self._writer.start("ros2", f"wbc {wbc.__version__}")
+        self.commit()
 
     def add(self, metadata: Metadata) -> None:
         """Write metadata and attachments."""
-        for name, values in metadata.tables.items():
-            data = metadata_record(name, values)
-            self._contents.metadata.append(
-                RecordLocation(self._output.tell(), len(data), text(name))
-            )
-            self._output.write(data)
+        for name, table in metadata.tables.items():
+            self._writer.add_metadata(name, {key: _utf8(value) for key, value in table.items()})
         for name, content in metadata.files.items():
             kind = "application/json" if name.endswith(".json") else "text/plain"
-            data = attachment(name, kind, content.encode())
-            place = RecordLocation(
-                self._output.tell(), len(data), attachment_index(data[HEAD.size :])
-            )
-            self._contents.attachments.append(place)
-            self._output.write(data)
+            self._writer.add_attachment(0, 0, name, kind, content.encode())
 
     def write(self, batch: TickBatch, topics: Sequence[MessageTopic]) -> None:
         """Append the messages of a batch to the current chunk, in order of time."""
@@ -109,97 +65,59 @@ class McapFile:
         for topic in topics:
             found = topic.messages(batch)
             if found:
-                number = self._channel(topic)
+                channel = self._channel(topic)
                 for tick, data in found:
-                    ticks[tick].append((number, data))
-        parts, places, sequence, at = self._parts, self._places, self._sequence, self._size
-        head = MESSAGE_HEAD.pack
+                    ticks[tick].append((channel, data))
         for stamp, messages in zip(batch.stamps.tolist(), ticks, strict=True):
-            for number, data in messages:
-                sequence[number] = count = sequence[number] + 1
-                length = MESSAGE_HEAD_CONTENT + len(data)
-                parts += (head(MESSAGE, length, number, count, stamp, stamp), data)
-                places[number] += (stamp, at)
-                at += HEAD.size + length
-        self._size = at
+            for channel, data in messages:
+                self._writer.add_message(channel, stamp, data, stamp)
 
     def commit(self) -> None:
         """End the chunk and write it to the disk.
 
         Raises:
-            OSError: Writing failed; the file ends with the previous chunk.
+            OSError: Writing failed; the file may end with a part of the chunk.
         """
-        places = {number: found for number, found in self._places.items() if found}
-        if places:
-            self._write_chunk(places)
-            self._begin()
-            self._places = {number: [] for number in self._sequence}
-        self._output.commit()
-
-    def _write_chunk(self, places: dict[int, list[int]]) -> None:
-        records = b"".join(self._parts)
-        packed = self._compressor.compress(records)
-        start = min(found[0] for found in places.values())
-        end = max(found[-2] for found in places.values())
-        data = chunk(start, end, len(records), zlib.crc32(records), "zstd", packed)
-        info = ChunkInfo(
-            offset=self._output.tell(),
-            length=len(data),
-            start=start,
-            end=end,
-            compression="zstd",
-            packed=len(packed),
-            size=len(records),
-        )
-        self._output.write(data)
-        for number, found in places.items():
-            index = message_index(number, found)
-            info.indices[number] = self._output.tell()
-            info.indices_length += len(index)
-            info.counts[number] = len(found) // 2
-            self._output.write(index)
-        self._contents.chunks.append(info)
+        self._writer.flush()
+        getattr(os, "fdatasync", os.fsync)(self._file.fileno())
 
     def finish(self) -> None:
-        """Write the summary section and the footer.
+        """Write the summary section and the footer, and close the file.
 
         Raises:
-            OSError: Writing failed; the file ends with the last chunk.
+            OSError: Writing failed.
         """
-        self._output.write(self._contents.ending(self._output.tell()))
-        self._output.commit()
+        self._writer.finish()
+        self._file.close()
 
     def close(self) -> None:
-        """Close the file."""
-        self._output.close()
+        """Close the file as it is.
+
+        Raises:
+            OSError: What was not written yet cannot be written.
+        """
+        self._file.close()
 
     def _channel(self, topic: MessageTopic) -> int:
-        number = self._channels.get(topic.name)
-        if number is None:
-            number = self._channels[topic.name] = len(self._channels) + 1
-            name = "/" + topic.name.lstrip("/")
-            self._sequence[number] = 0
-            self._places[number] = []
+        """Return the number of a topic's channel, which is registered at its first message."""
+        if topic.name not in self._channels:
             durability, depth = (1, 1) if topic.latched else (2, 10)
             metadata = {
                 "offered_qos_profiles": _QOS.format(durability=durability, depth=depth),
                 "topic_type_hash": type_hash(topic.type_name),
             }
-            content = channel(number, self._schema(topic.type_name), name, metadata)
-            self._contents.channels[number] = content
-            self._put(record(CHANNEL, content))
-        return number
+            self._channels[topic.name] = self._writer.register_channel(
+                "/" + topic.name.lstrip("/"), "cdr", self._schema(topic.type_name), metadata
+            )
+        return self._channels[topic.name]
 
     def _schema(self, type_name: str) -> int:
-        number = self._schemas.get(type_name)
-        if number is None:
-            number = self._schemas[type_name] = len(self._schemas) + 1
-            content = schema(number, type_name, "ros2msg", schema_text(type_name).encode())
-            self._contents.schemas[number] = content
-            self._put(record(SCHEMA, content))
-        return number
+        if type_name not in self._schemas:
+            text = schema_text(type_name).encode()
+            self._schemas[type_name] = self._writer.register_schema(type_name, "ros2msg", text)
+        return self._schemas[type_name]
 
-    def _put(self, data: bytes) -> None:
-        """Append a record other than a message to the chunk."""
-        self._parts.append(data)
-        self._size += len(data)
+
+def _utf8(text: str) -> str:
+    """Replace what UTF-8 cannot encode, such as parts of a command line in another encoding."""
+    return text.encode("utf-8", "replace").decode()

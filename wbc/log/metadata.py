@@ -19,7 +19,7 @@ import numpy as np
 import wbc
 
 _PACKAGES = (
-    "pin", "numpy", "mujoco", "daqp", "qpsolvers", "osqp", "numba", "zstandard",
+    "pin", "numpy", "mujoco", "daqp", "qpsolvers", "osqp", "numba", "mcap",
 )  # fmt: skip
 _SMALL = 64  # numbers: larger arrays are data, not parameters
 

@@ -2,39 +2,16 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
-import struct
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from wbc.errors import MissingExtra, did_you_mean
-from wbc.log.errors import LogError
-from wbc.log.format.reading import (
-    DamagedChunk,
-    chunk_data,
-    file_records,
-    inner_records,
-    message_at,
-    string_at,
-)
-from wbc.log.format.records import (
-    ATTACHMENT,
-    CHANNEL,
-    CHUNK,
-    FOOTER,
-    MAGIC,
-    MESSAGE,
-    METADATA,
-    SCHEMA,
-)
+from wbc.errors import did_you_mean
+from wbc.log.errors import LogError, require_mcap
 from wbc.log.robot_info import RobotInfo
-from wbc.log.topic_table import Table
+from wbc.log.topic_table import TopicTable
 from wbc.messages import Message
-
-_U32 = struct.Struct("<I")
 
 
 class Log:
@@ -51,35 +28,20 @@ class Log:
 
     Raises:
         LogError: The file does not exist, or is not an MCAP file of ROS 2 messages.
-        MissingExtra: `zstandard` is not installed.
+        MissingExtra: `mcap` is not installed.
     """
 
     def __init__(self, path: str | Path) -> None:
-        if importlib.util.find_spec("zstandard") is None:
-            raise MissingExtra("zstandard", "log")
+        require_mcap()
         self.path = Path(path)
         self.complete = False
         self.tables: dict[str, dict[str, str]] = {}
         self.files: dict[str, str] = {}
-        self._schemas: dict[int, str] = {}
-        self._channels: dict[int, Table] = {}
+        self._topics: dict[str, TopicTable] = {}
         try:
-            with self.path.open("rb") as file:
-                for _, opcode, content in file_records(file):
-                    if opcode == CHUNK:
-                        self._read_chunk(content)
-                    elif opcode == METADATA:
-                        self._read_table(content)
-                    elif opcode == ATTACHMENT:
-                        self._read_file(content)
-                    elif opcode == FOOTER:
-                        self.complete = file.read(len(MAGIC)) == MAGIC
-                        break
-        except DamagedChunk:
-            pass  # everything before it has been read
+            self._read()
         except OSError as error:
             raise LogError(f"cannot read {self.path}: {error.strerror}") from error
-        self._topics = {table.topic: table for table in self._channels.values() if len(table)}
 
     @property
     def topics(self) -> dict[str, str]:
@@ -149,57 +111,34 @@ class Log:
         except (ValueError, AttributeError) as error:
             raise LogError(f"{self.path}: the terrain cannot be parsed: {error}") from error
 
-    def _table(self, topic: str) -> Table:
-        table = self._topics.get(topic)
-        if table is None:
+    def _table(self, topic: str) -> TopicTable:
+        if topic not in self._topics:
             raise LogError(
                 f"{self.path} has no messages of topic '{topic}'{did_you_mean(topic, self._topics)}"
             )
-        return table
+        return self._topics[topic]
 
-    def _read_chunk(self, content: bytes) -> None:
-        data = chunk_data(content)
-        found: dict[int, tuple[list[int], list[bytes]]] = {}
-        for opcode, start, stop in inner_records(data):
-            if opcode == MESSAGE:
-                channel, stamp, message = message_at(data, start, stop)
-                stamps, messages = found.setdefault(channel, ([], []))
-                stamps.append(stamp)
-                messages.append(message)
-            elif opcode == SCHEMA:
-                self._read_schema(data[start:stop])
-            elif opcode == CHANNEL:
-                self._read_channel(data[start:stop])
-        for channel, (stamps, messages) in found.items():
-            if channel in self._channels:
-                self._channels[channel].add(stamps, messages)
+    def _read(self) -> None:
+        from mcap.records import Attachment, Channel, Message, Metadata, Schema
 
-    def _read_schema(self, content: bytes) -> None:
-        (number,) = struct.unpack_from("<H", content)
-        name, _ = string_at(content, 2)
-        self._schemas[number] = name
+        from wbc.log.record_reader import RecordReader
 
-    def _read_channel(self, content: bytes) -> None:
-        number, schema = struct.unpack_from("<HH", content)
-        topic, at = string_at(content, 4)
-        encoding, _ = string_at(content, at)
-        if encoding == "cdr" and number not in self._channels:
-            self._channels[number] = Table(topic, self._schemas.get(schema, ""))
-
-    def _read_table(self, content: bytes) -> None:
-        name, at = string_at(content, 0)
-        (size,) = _U32.unpack_from(content, at)
-        texts = list(_strings(content, at + 4, at + 4 + size))
-        self.tables[name] = dict(zip(texts[::2], texts[1::2], strict=False))
-
-    def _read_file(self, content: bytes) -> None:
-        name, at = string_at(content, 16)
-        _, at = string_at(content, at)
-        (size,) = struct.unpack_from("<Q", content, at)
-        self.files[name] = content[at + 8 : at + 8 + size].decode("utf-8", "replace")
-
-
-def _strings(content: bytes, at: int, stop: int) -> Iterator[str]:
-    while at < stop:
-        text, at = string_at(content, at)
-        yield text
+        schemas: dict[int, str] = {}
+        channels: dict[int, TopicTable] = {}
+        with self.path.open("rb") as file:
+            records = RecordReader(file)
+            for record in records:
+                if isinstance(record, Message):
+                    if record.channel_id in channels:
+                        channels[record.channel_id].add(record.log_time, record.data)
+                elif isinstance(record, Schema):
+                    schemas[record.id] = record.name
+                elif isinstance(record, Channel) and record.message_encoding == "cdr":
+                    table = TopicTable(record.topic, schemas.get(record.schema_id, ""))
+                    channels[record.id] = self._topics.setdefault(record.topic, table)
+                elif isinstance(record, Metadata):
+                    self.tables[record.name] = record.metadata
+                elif isinstance(record, Attachment):
+                    self.files[record.name] = record.data.decode("utf-8", "replace")
+        self.complete = records.complete
+        self._topics = {name: table for name, table in self._topics.items() if len(table)}

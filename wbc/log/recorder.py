@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.util
 import logging
 import os
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wbc.errors import MissingExtra
 from wbc.log.config import LogConfig
-from wbc.log.errors import LogError
+from wbc.log.errors import LogError, require_mcap
 from wbc.log.metadata import Metadata, run_metadata
 from wbc.log.recovery import repair
 from wbc.log.status import LogStatus
@@ -52,13 +50,12 @@ class FlightRecorder(ProcessObserver):
             `wbc.runtime.protocols.StreamObserver`.
 
     Raises:
-        MissingExtra: `zstandard` is not installed.
+        MissingExtra: `mcap` is not installed.
         LogError: The file cannot be written, or the process does not start.
     """
 
     def __init__(self, path: str | Path, robot: Robot) -> None:
-        if importlib.util.find_spec("zstandard") is None:
-            raise MissingExtra("zstandard", "log")
+        require_mcap()
         self.path = Path(path)
         self._robot = robot
         self._status = LogStatus()
@@ -73,7 +70,7 @@ class FlightRecorder(ProcessObserver):
     @property
     def alive(self) -> bool:
         """Whether ticks are still being logged."""
-        return not self._status.stopped and self._process.alive
+        return not self._status.reason and self._process.alive
 
     @property
     def ticks(self) -> int:
@@ -83,7 +80,7 @@ class FlightRecorder(ProcessObserver):
     @property
     def dropped(self) -> int:
         """Number of ticks so far that the log lacks because the log writer was too slow."""
-        return self._status.lost
+        return self._status.dropped
 
     def attach(self, stream: TickStream) -> None:
         """Read a stream from now on; see `wbc.runtime.protocols.StreamObserver`.
@@ -113,7 +110,7 @@ class FlightRecorder(ProcessObserver):
     def _warn_if_ended(self) -> None:
         """Warn once when the log has ended early."""
         code = self._process.exit_code
-        if self._warned or (code in (None, 0) and not self._status.stopped):
+        if self._warned or (code in (None, 0) and not self._status.reason):
             return
         self._warned = True
         reason = self._status.reason or f"its process ended (exit code {code})"
@@ -137,7 +134,7 @@ class FlightRecorder(ProcessObserver):
     def _finish(self) -> None:
         """Repair the file if the log writer did not finish it, and warn of missing ticks."""
         self._warn_if_ended()
-        if self._process.exit_code != 0 and not self._status.stopped:
+        if self._process.exit_code != 0 and not self._status.reason:
             logger.warning("the log %s now ends at %.2f s", self.path, repair(self.path))
         if self.dropped:
             logger.warning(

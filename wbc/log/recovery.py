@@ -1,7 +1,7 @@
 """Completes an interrupted log: keeps the whole chunks and appends a summary.
 
 A truncated log still holds all of its whole chunks, but most readers need the summary section
-at the end of the file. It is rebuilt from the chunks.
+at the end of the file. It is made from the chunks, in place: that takes no room for a copy.
 """
 
 from __future__ import annotations
@@ -9,8 +9,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from wbc.log.errors import LogError
-from wbc.log.format.index_scan import IndexScan
+from wbc.log.errors import LogError, require_mcap
 
 
 def repair(path: Path) -> float:
@@ -24,32 +23,31 @@ def repair(path: Path) -> float:
 
     Raises:
         LogError: The file is not an MCAP file, or cannot be written.
+        MissingExtra: `mcap` is not installed.
     """
+    require_mcap()
+    from wbc.log.data_section import DataSection
+
     try:
         with path.open("rb") as file:
-            scan = IndexScan(file)
-        contents, size = scan.contents, scan.size
-        while not scan.complete:
+            section = DataSection(file)
+        while not section.complete:
             try:
-                _replace_end(path, size, contents.ending(size))
+                _replace_end(path, section.size, section.summary())
                 break
             except OSError:
-                if not contents.chunks:
+                if not section.drop_last_chunk():
                     raise
-                size = contents.drop_last_chunk()
-        return 1e-9 * contents.end
+        return section.end_time
     except OSError as error:
         raise LogError(f"cannot repair {path}: {error.strerror}") from error
 
 
 def _replace_end(path: Path, start: int, end: bytes) -> None:
-    file = os.open(path, os.O_WRONLY)
-    try:
-        os.ftruncate(file, start)
-        os.lseek(file, start, os.SEEK_SET)
-        left = memoryview(end)
-        while left:
-            left = left[os.write(file, left) :]
-        os.fsync(file)
-    finally:
-        os.close(file)
+    """Truncate a file at an offset, and append bytes."""
+    with path.open("r+b") as file:
+        file.truncate(start)
+        file.seek(start)
+        file.write(end)
+        file.flush()
+        os.fsync(file.fileno())

@@ -53,7 +53,7 @@ class LoggedRun:
 
         Raises:
             LogError: See `Log` and `LoggedRun`.
-            MissingExtra: `zstandard` is not installed.
+            MissingExtra: `mcap` is not installed.
         """
         return LoggedRun(Log(path))
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from wbc.process import SharedMemory
 
-_TEXT = 240  # bytes
-_LOST, _STOPPED = 0, 1
-_HEAD = 16  # bytes
+_STATUS = np.dtype([("dropped", np.uint64), ("reason", "S240")])
 
 
 class LogStatus:
-    """A counter, a flag and a text in shared memory that only the log writer modifies.
+    """A counter and a text in shared memory that only the log writer modifies.
 
     Args:
         descriptor: File descriptor of memory created by another process; None creates new
@@ -18,9 +18,8 @@ class LogStatus:
     """
 
     def __init__(self, descriptor: int | None = None) -> None:
-        self._memory = SharedMemory(_HEAD + _TEXT, descriptor)
-        self._counters = self._memory.view[:_HEAD].cast("Q")
-        self._text = self._memory.view[_HEAD:]
+        self._memory = SharedMemory(_STATUS.itemsize, descriptor)
+        self._status = np.frombuffer(self._memory.view, _STATUS)
 
     @property
     def descriptor(self) -> int:
@@ -28,30 +27,22 @@ class LogStatus:
         return self._memory.descriptor
 
     @property
-    def lost(self) -> int:
+    def dropped(self) -> int:
         """Number of ticks that were overwritten in the stream before they reached the file."""
-        return int(self._counters[_LOST])
+        return int(self._status["dropped"][0])
 
-    @lost.setter
-    def lost(self, count: int) -> None:
-        self._counters[_LOST] = count
-
-    def stop(self, reason: str) -> None:
-        """Report that logging has stopped, and why."""
-        text = reason.encode("utf-8", "replace")[:_TEXT]
-        self._text[: len(text)] = text
-        self._counters[_STOPPED] = 1 + len(text)
-
-    @property
-    def stopped(self) -> bool:
-        """Whether logging has stopped."""
-        return self._counters[_STOPPED] != 0
+    @dropped.setter
+    def dropped(self, count: int) -> None:
+        self._status["dropped"] = count
 
     @property
     def reason(self) -> str:
         """Why logging has stopped; empty while it continues."""
-        size = max(int(self._counters[_STOPPED]) - 1, 0)
-        return bytes(self._text[:size]).decode("utf-8", "ignore")
+        return bytes(self._status["reason"][0]).decode("utf-8", "ignore")
+
+    @reason.setter
+    def reason(self, text: str) -> None:
+        self._status["reason"] = text.encode("utf-8", "replace")
 
     def close(self) -> None:
         """Close the descriptor."""

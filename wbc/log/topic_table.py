@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from array import array
+from collections.abc import Iterator, Sequence
+from dataclasses import fields, is_dataclass
+from typing import Any
 
 import numpy as np
 
 from wbc.log.errors import LogError
-from wbc.messages import Message, MessageError, Template, get_definition, message_type
+from wbc.messages import Message, MessageError, Template, message_type
 from wbc.messages.cdr import FieldLocation
-from wbc.messages.definition import Multiplicity
+
+_BLOCK = 256  # messages whose numbers are extracted together
 
 
-class Table:
+class TopicTable:
     """The messages of one topic, stored as numbers where possible.
 
-    If every message has the same structure, only the numbers are kept: three quarters of a joint
-    state are names. Messages whose type contains arrays of messages are kept whole.
+    Of messages without lists of messages only the numbers are kept: three quarters of a joint
+    state are names. Others are kept whole.
 
     Args:
         topic: Name of the topic.
@@ -26,43 +30,41 @@ class Table:
     def __init__(self, topic: str, type_name: str) -> None:
         self.topic = topic
         self.type_name = type_name
-        self._stamps: list[np.ndarray] = []
-        self._whole: list[bytes] = []
-        self._numbers: list[np.ndarray] = []
+        self._stamps = array("q")
+        self._messages: list[bytes] = []  # whole, or not yet extracted
+        self._rows: list[np.ndarray] = []
         self._first = b""
-        self._places: list[FieldLocation] = []
-        try:
-            self._keeps_whole = _has_arrays_of_messages(type_name)
-        except MessageError:  # a type that the library does not define
-            self._keeps_whole = True
+        self._keeps_whole = True
+        self._places: dict[tuple[str, int], slice] = {}  # columns of each field of a size
+        self._layouts: dict[int, list[tuple[FieldLocation, slice]]] = {}  # by size of a message
 
     def __len__(self) -> int:
         """Return the number of messages."""
-        return sum(len(stamps) for stamps in self._stamps)
+        return len(self._stamps)
 
-    def add(self, stamps: Sequence[int], messages: Sequence[bytes]) -> None:
-        """Add messages.
+    def add(self, stamp: int, data: bytes) -> None:
+        """Add a message.
 
         Args:
-            stamps: Log times, ns.
-            messages: Serialized messages.
+            stamp: Log time, ns.
+            data: Serialized message.
         """
         if not self._stamps:
-            self._first = messages[0]
-        self._stamps.append(np.array(stamps, np.int64))
-        if self._keeps_whole:
-            self._whole += messages
-        else:
-            self._numbers.append(self._rows(messages))
+            self._begin(data)
+        self._stamps.append(stamp)
+        self._messages.append(data)
+        if len(self._messages) >= _BLOCK and not self._keeps_whole:
+            self._rows.append(self._extract(self._messages))
+            self._messages.clear()
 
     @property
     def first(self) -> Message:
         """Return the first message."""
-        return message_type(self.type_name).decode(self._first)
+        return self._decode(self._first)
 
     def stamps(self) -> np.ndarray:
         """Return the log times of the messages, ns, shape (n,)."""
-        return np.concatenate(self._stamps)
+        return np.array(self._stamps, np.int64)
 
     def messages(self) -> list[Message]:
         """Return the messages of a topic whose messages are kept whole.
@@ -74,65 +76,80 @@ class Table:
             raise LogError(
                 f"only the numbers of '{self.topic}' are kept: read its fields with numbers()"
             )
-        kind = message_type(self.type_name)
-        return [kind.decode(data) for data in self._whole]
+        return [self._decode(data) for data in self._messages]
 
     def numbers(self, field: str) -> np.ndarray:
-        """Return the values of a field, shape (n, k).
+        """Return the values of a field, shape (n, k); NaN where a message has no such field.
 
         Raises:
             LogError: The messages have no numeric field of that name.
         """
-        if self._whole and not self._numbers:
-            self._numbers = [self._rows(self._whole)]
-        start = 0
-        chosen: list[int] = []
-        for place in self._places:
-            if place.path == field or place.path.startswith((field + ".", field + "[")):
-                chosen += range(start, start + place.count)
-            start += place.count
-        if not chosen:
+        chosen = np.array(
+            [
+                column
+                for (path, _), columns in self._places.items()
+                if path == field or path.startswith((field + ".", field + "["))
+                for column in range(columns.start, columns.stop)
+            ]
+        )
+        if not len(chosen):
             raise LogError(
                 f"'{self.topic}' ({self.type_name}) has no numeric field '{field}'; it has: "
-                + ", ".join(place.path for place in self._places[:12])
+                + ", ".join([path for path, _ in self._places][:12])
             )
-        return np.asarray(np.concatenate(self._numbers)[:, chosen])
+        blocks = [*self._rows, self._extract(self._messages)]
+        return np.concatenate([block[:, chosen] for block in blocks])
 
-    def _rows(self, messages: Sequence[bytes]) -> np.ndarray:
-        """Return all numbers of the messages in the order of `_places`, shape (n, m)."""
-        if not self._places:
-            self._places = Template(self.first).locations
-        size = len(self._first)
-        rows = np.full((len(messages), sum(place.count for place in self._places)), np.nan)
-        alike = np.array([len(message) == size for message in messages])
-        block = np.frombuffer(b"".join(m for m in messages if len(m) == size), np.uint8)
-        block = block.reshape(-1, size)
+    def _begin(self, data: bytes) -> None:
+        """Lay out the columns of the table by its first message."""
+        self._first = data
+        try:
+            message = self.first
+        except MessageError:  # a type that the library does not define
+            return
+        self._keeps_whole = _has_lists_of_messages(message)
         start = 0
-        for place in self._places:
-            stop = place.offset + place.count * place.dtype.itemsize
-            numbers = np.ascontiguousarray(block[:, place.offset : stop]).view(place.dtype)
-            rows[alike, start : start + place.count] = numbers
+        for place in Template(message).locations:
+            self._places[place.path, place.count] = slice(start, start + place.count)
             start += place.count
-        for k in np.flatnonzero(~alike):
-            rows[k] = self._row(messages[k])
+
+    def _extract(self, messages: Sequence[bytes]) -> np.ndarray:
+        """Return the numbers of messages in the order of the columns, shape (n, m)."""
+        sizes = np.array([len(message) for message in messages], int)
+        rows = np.full((len(messages), sum(count for _, count in self._places)), np.nan)
+        for size in np.unique(sizes).tolist():
+            chosen = np.flatnonzero(sizes == size)
+            block = np.frombuffer(b"".join([messages[k] for k in chosen]), np.uint8)
+            block = block.reshape(-1, size)
+            for place, columns in self._layout(messages[chosen[0]]):
+                stop = place.offset + place.count * place.dtype.itemsize
+                numbers = np.ascontiguousarray(block[:, place.offset : stop]).view(place.dtype)
+                rows[chosen, columns] = numbers
         return rows
 
-    def _row(self, data: bytes) -> np.ndarray:
-        """Return the numbers of a message of another size, for example with a longer string."""
-        template = Template(message_type(self.type_name).decode(data))
-        there = {place.path: place.count for place in template.locations}
-        parts = [
-            template.view(place.path)
-            if there.get(place.path) == place.count
-            else np.full(place.count, np.nan)
-            for place in self._places
-        ]
-        return np.concatenate(parts)
+    def _layout(self, data: bytes) -> list[tuple[FieldLocation, slice]]:
+        """Return where in messages of this one's size the numbers of which columns lie."""
+        if len(data) not in self._layouts:
+            self._layouts[len(data)] = [
+                (place, self._places[place.path, place.count])
+                for place in Template(self._decode(data)).locations
+                if (place.path, place.count) in self._places
+            ]
+        return self._layouts[len(data)]
+
+    def _decode(self, data: bytes) -> Message:
+        return message_type(self.type_name).decode(data)
 
 
-def _has_arrays_of_messages(type_name: str) -> bool:
+def _has_lists_of_messages(message: Any) -> bool:
+    """Return whether a message has a list of other than strings, at any depth."""
     return any(
-        field.nested
-        and (field.multiplicity is not Multiplicity.ONE or _has_arrays_of_messages(field.type))
-        for field in get_definition(type_name).fields
+        (isinstance(value, list) and not (value and isinstance(value[0], str)))
+        or (is_dataclass(value) and _has_lists_of_messages(value))
+        for value in _values(message)
     )
+
+
+def _values(message: Any) -> Iterator[Any]:
+    for field in fields(message):
+        yield getattr(message, field.name)

@@ -76,7 +76,7 @@ class LogWriter:
                 self._topics.append(CommandedWrench(name))
             self._file.write(self._batches.batch(running), self._topics)
             self._ticks += len(running)
-            self._status.lost = self.reader.lost
+            self._status.dropped = self.reader.lost
         start = time.monotonic()
         if start >= self._due:
             self._due = start + _CHUNK
@@ -104,18 +104,16 @@ class LogWriter:
             pass
         own = {
             "ticks": str(self._ticks),
-            "dropped": str(self._status.lost),
+            "dropped": str(self._status.dropped),
             "longest_write_s": f"{self._longest:.6f}",
             "cpu_s": f"{time.process_time():.3f}",
         }
         self.add(Metadata({"log": own}))
-        self._file.commit()
         self._file.finish()
-        self._file.close()
 
     def give_up(self, reason: str) -> None:
         """Report that the file cannot be written any more, and leave a readable file."""
-        self._status.stop(reason)
+        self._status.reason = reason
         with contextlib.suppress(OSError):
             self._file.close()
 

@@ -1,0 +1,172 @@
+"""The data section of an MCAP file, and the summary section that indexes it.
+
+The package `mcap` writes the summary of a file that it has written itself; this module makes one
+for a file whose writer was killed. It needs the packages of the extra `log`: import it where it is
+used.
+
+Source: MCAP format specification, version 0.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import IO
+
+from mcap.data_stream import RecordBuilder
+from mcap.records import (
+    Attachment,
+    AttachmentIndex,
+    Channel,
+    Chunk,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    McapRecord,
+    Message,
+    MessageIndex,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+)
+from mcap.stream_reader import breakup_chunk
+from mcap.writer import MCAP0_MAGIC
+
+from wbc.log.record_reader import DAMAGE, RecordReader
+
+
+class DataSection:
+    """The whole records of an MCAP file's data section.
+
+    Args:
+        file: File open for reading.
+
+    Attributes:
+        complete: Whether the file has a summary section, too.
+        size: Size of the file up to the end of the last whole record, bytes.
+
+    Raises:
+        LogError: The file is not an MCAP file.
+    """
+
+    def __init__(self, file: IO[bytes]) -> None:
+        self._schemas: dict[int, Schema] = {}
+        self._channels: dict[int, Channel] = {}
+        self._chunks: list[ChunkIndex] = []
+        self._counts: list[Counter[int]] = []  # messages of each channel in each chunk
+        self._attachments: list[AttachmentIndex] = []
+        self._metadata: list[MetadataIndex] = []
+        self.size = start = len(MCAP0_MAGIC)
+        records = RecordReader(file, emit_chunks=True)
+        for record in records:
+            try:
+                self._add(record, start, file.tell() - start)
+            except DAMAGE:
+                break
+            start = file.tell()
+        self.complete = records.complete
+        if self._chunks and set(self._chunks[-1].message_index_offsets) != set(self._counts[-1]):
+            self._drop_last_message_indices()
+
+    @property
+    def end_time(self) -> float:
+        """Time of the last message, s; 0 if there is none."""
+        return 1e-9 * max((chunk.message_end_time for chunk in self._chunks), default=0)
+
+    def drop_last_chunk(self) -> bool:
+        """Drop the last chunk and what follows it; return False if there is none."""
+        if not self._chunks:
+            return False
+        self._counts.pop()
+        self.size = size = self._chunks.pop().chunk_start_offset
+        self._attachments = [index for index in self._attachments if index.offset < size]
+        self._metadata = [index for index in self._metadata if index.offset < size]
+        return True
+
+    def summary(self) -> bytes:
+        """Return the bytes that complete a file of `size` bytes."""
+        data = RecordBuilder()
+        DataEnd(data_section_crc=0).write(data)
+        start = self.size + data.count
+        counts = sum(self._counts, Counter[int]())
+        statistics = Statistics(
+            attachment_count=len(self._attachments),
+            channel_count=len(self._channels),
+            channel_message_counts=dict(counts),
+            chunk_count=len(self._chunks),
+            message_count=counts.total(),
+            message_start_time=min((c.message_start_time for c in self._chunks), default=0),
+            message_end_time=max((c.message_end_time for c in self._chunks), default=0),
+            metadata_count=len(self._metadata),
+            schema_count=len(self._schemas),
+        )
+        records: list[McapRecord] = [
+            *self._schemas.values(),
+            *self._channels.values(),
+            statistics,
+            *self._chunks,
+            *self._attachments,
+            *self._metadata,
+            Footer(summary_start=start, summary_offset_start=0, summary_crc=0),
+        ]
+        for record in records:
+            record.write(data)
+        content: bytes = data.end()
+        return content + MCAP0_MAGIC
+
+    def _add(self, record: McapRecord, start: int, length: int) -> None:
+        """Note a record that begins at offset `start`, and has `length` bytes."""
+        if isinstance(record, Chunk):
+            self._add_chunk(record, start, length)
+        elif isinstance(record, MessageIndex) and self._chunks:
+            self._chunks[-1].message_index_offsets[record.channel_id] = start
+            self._chunks[-1].message_index_length += length
+        elif isinstance(record, Attachment):
+            self._attachments.append(
+                AttachmentIndex(
+                    offset=start,
+                    length=length,
+                    log_time=record.log_time,
+                    create_time=record.create_time,
+                    data_size=len(record.data),
+                    name=record.name,
+                    media_type=record.media_type,
+                )
+            )
+        elif isinstance(record, Metadata):
+            self._metadata.append(MetadataIndex(offset=start, length=length, name=record.name))
+        elif not isinstance(record, Header):
+            return  # a part of an unfinished summary
+        self.size = start + length
+
+    def _add_chunk(self, chunk: Chunk, start: int, length: int) -> None:
+        counts = Counter[int]()
+        for record in breakup_chunk(chunk, validate_crc=True):
+            if isinstance(record, Message):
+                counts[record.channel_id] += 1
+            elif isinstance(record, Schema):
+                self._schemas[record.id] = record
+            elif isinstance(record, Channel):
+                self._channels[record.id] = record
+        self._counts.append(counts)
+        self._chunks.append(
+            ChunkIndex(
+                chunk_start_offset=start,
+                chunk_length=length,
+                compression=chunk.compression,
+                compressed_size=len(chunk.data),
+                uncompressed_size=chunk.uncompressed_size,
+                message_start_time=chunk.message_start_time,
+                message_end_time=chunk.message_end_time,
+                message_index_offsets={},
+                message_index_length=0,
+            )
+        )
+
+    def _drop_last_message_indices(self) -> None:
+        """Drop the message indices of the last chunk: it has either all of them or none."""
+        chunk = self._chunks[-1]
+        chunk.message_index_offsets.clear()
+        chunk.message_index_length = 0
+        self.size = chunk.chunk_start_offset + chunk.chunk_length
