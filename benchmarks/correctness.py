@@ -2,8 +2,8 @@
 
 Random robots (those of the catalogue and synthetic ones), states, contacts, tasks, weights and
 limits; single ticks and warm-started sequences. The reference builds the unreduced problem, with
-unknowns v̇, f and τ, from Pinocchio, and proves its optimum in extended precision, or proves by
-multipliers that there is none (see `tests/referencetools.py` and `tests/certifiedqp.py`).
+unknowns v̇, f and τ, from Pinocchio, and certifies its optimum in extended precision, or certifies
+by multipliers that there is none (see `unreduced_qp.py` and `certified_qp.py` in `tests/tools`).
 
 A tick is at fault when an acceleration or a contact's wrench is off by more than 1e-6 relative to
 max(1, |reference|), a row of the unreduced problem is violated by more than 1e-8 of its scale,
@@ -34,10 +34,10 @@ from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "tools"))
-import randomcases
-import verdicts
-from randomcases import KINDS, Case
-from verdicts import Truth, Verdict
+import certified_comparison
+import random_cases
+from certified_comparison import Comparison, ProblemClass
+from random_cases import KINDS, Case
 
 import wbc
 from wbc.qp import Problem
@@ -55,29 +55,30 @@ class Tally:
     ill_conditioned: int = 0
     infeasible: int = 0
     recognised: int = 0  #: infeasible ones that were called so, and explained
-    undecided: int = 0  #: on the edge of infeasibility, or not proved either way
+    undecided: int = 0  #: nearly infeasible, or not certified
     faults: int = 0
     #: largest errors of the solvable ones, faults left out
     worst: dict[str, float] = field(default_factory=lambda: dict.fromkeys(WORST, 0.0))
     ill_off: float = 0.0  #: largest error of the ill-conditioned ones, faults left out
 
-    def count(self, verdict: Verdict) -> None:
-        """Count a verdict."""
+    def count(self, comparison: Comparison) -> None:
+        """Count the comparison of one tick."""
         self.ticks += 1
-        self.faults += bool(verdict.fault)
-        self.solvable += verdict.truth is Truth.SOLVABLE
-        self.ill_conditioned += verdict.truth is Truth.ILL_CONDITIONED
-        self.infeasible += verdict.truth is Truth.INFEASIBLE
-        self.recognised += verdict.truth is Truth.INFEASIBLE and not verdict.fault
-        self.undecided += verdict.truth in (Truth.ON_THE_EDGE, Truth.UNKNOWN)
-        off = max(verdict.acceleration, verdict.wrench)
-        if verdict.fault:
+        self.faults += bool(comparison.fault)
+        problem_class = comparison.problem_class
+        self.solvable += problem_class is ProblemClass.SOLVABLE
+        self.ill_conditioned += problem_class is ProblemClass.ILL_CONDITIONED
+        self.infeasible += problem_class is ProblemClass.INFEASIBLE
+        self.recognised += problem_class is ProblemClass.INFEASIBLE and not comparison.fault
+        self.undecided += problem_class in (ProblemClass.MARGINAL, ProblemClass.UNCERTIFIED)
+        off = max(comparison.acceleration, comparison.wrench)
+        if comparison.fault:
             return  # listed apart
-        if verdict.truth is Truth.ILL_CONDITIONED:
+        if problem_class is ProblemClass.ILL_CONDITIONED:
             self.ill_off = max(self.ill_off, off)
-        elif verdict.truth is Truth.SOLVABLE:
+        elif problem_class is ProblemClass.SOLVABLE:
             for name in WORST:
-                self.worst[name] = max(self.worst[name], getattr(verdict, name))
+                self.worst[name] = max(self.worst[name], getattr(comparison, name))
 
     def add(self, other: Tally) -> None:
         """Add the counts of another tally."""
@@ -89,12 +90,12 @@ class Tally:
         self.worst = {name: max(self.worst[name], other.worst[name]) for name in WORST}
 
 
-def keep(folder: Path, verdict: Verdict, problem: Problem | None) -> None:
+def keep(folder: Path, comparison: Comparison, problem: Problem | None) -> None:
     """Store a fault: case, tick, what is wrong, and the controller's QP."""
     folder.mkdir(parents=True, exist_ok=True)
-    kind = verdict.case.kind.replace(" ", "_")
-    path = folder / f"{kind}_{verdict.case.seed}_{verdict.tick}.pkl"
-    path.write_bytes(pickle.dumps((verdict.case, verdict.tick, verdict.fault, problem)))
+    kind = comparison.case.kind.replace(" ", "_")
+    path = folder / f"{kind}_{comparison.case.seed}_{comparison.tick}.pkl"
+    path.write_bytes(pickle.dumps((comparison.case, comparison.tick, comparison.fault, problem)))
 
 
 def table(title: str, tallies: dict[str, Tally]) -> str:
@@ -123,15 +124,15 @@ def run(cases: list[Case], solvers: list[str], formulation: str | None, args: An
     for case in cases:
         for solver in solvers:
             name = None if solver == DEFAULT else solver
-            for verdict, problem in verdicts.driven(case, name, chosen):
-                tallies[solver][case.kind].count(verdict)
-                if verdict.fault:
-                    faults.append({"solver": solver, "truth": verdict.truth.value})
-                    faults[-1] |= {"case": asdict(case), "tick": verdict.tick}
-                    faults[-1]["fault"] = verdict.fault
+            for comparison, problem in certified_comparison.compare_ticks(case, name, chosen):
+                tallies[solver][case.kind].count(comparison)
+                if comparison.fault:
+                    faults.append({"solver": solver, "problem": comparison.problem_class.value})
+                    faults[-1] |= {"case": asdict(case), "tick": comparison.tick}
+                    faults[-1]["fault"] = comparison.fault
                     if args.keep:
-                        keep(args.keep / solver, verdict, problem)
-        verdicts.references.cache_clear()
+                        keep(args.keep / solver, comparison, problem)
+        certified_comparison.references.cache_clear()
     return tallies, faults
 
 
@@ -151,13 +152,13 @@ def main() -> int:
     args = parser.parse_args()
     solvers = args.solver or [DEFAULT, "daqp"]
     begun = time.perf_counter()
-    cases = list(randomcases.cases(args.problems, args.seed, args.kind or tuple(KINDS)))
+    cases = list(random_cases.cases(args.problems, args.seed, args.kind or tuple(KINDS)))
     tallies, faults = run(cases, solvers, args.formulation, args)
     for solver in solvers:
         form = args.formulation or "default"
         print(table(f"solver {solver}, formulation {form}", tallies[solver]) + "\n")
     for fault in faults[:20]:
-        case = randomcases.Case(**fault["case"])
+        case = random_cases.Case(**fault["case"])
         print(f"{fault['solver']}: {case}, tick {fault['tick']}: {fault['fault'][:160]}")
     if len(faults) > 20:
         print(f"… and {len(faults) - 20} more")

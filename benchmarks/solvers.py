@@ -13,7 +13,7 @@ pay for conversion: rows are stacked and split into one-sided ones, some make th
 set up afresh each time. Of that time, what `qpsolvers` says the solver itself took is given as
 `inside`. "wbc", "daqp" and "osqp" are called directly, with a workspace that they keep.
 
-What is found is measured against optima proved in extended precision (`tests/certifiedqp.py`):
+What is found is measured against optima proved in extended precision (`tests/certified_qp.py`):
 
 - row off: worst violation of a row, relative to the row's norm;
 - slope: what is left of the cost's gradient along the rows active at the optimum, relative;
@@ -48,9 +48,9 @@ from unittest.mock import patch
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "tools"))
-from certifiedqp import Optimum, optimum
-from referencetools import Unreduced
+from certified_qp import Optimum, optimum
 from shared.sway_recording import Motion, record
+from unreduced_qp import UnreducedQP
 
 import wbc
 from wbc.qp import Outcome, Problem, Solution, Solver, make_solver
@@ -106,7 +106,7 @@ def solver_of(name: str) -> Solver:
     return make_solver(name, **({} if name in DIRECT else OPTIONS.get(name, {})))
 
 
-def proved(problem: Problem) -> Optimum:
+def certified(problem: Problem) -> Optimum:
     """Return the certified optimum of a QP.
 
     Raises:
@@ -122,13 +122,13 @@ def proved(problem: Problem) -> Optimum:
     A, low, high = A / norm[:, None], problem.lb / norm, problem.ub / norm
     same = low == high
     free = ~same & (np.isfinite(low) | np.isfinite(high))
-    rows = Unreduced(
+    rows = UnreducedQP(
         *(np.ones(n), G, d, A[same], low[same], A[free], low[free], high[free]),
         *(norm[same], norm[free], (n, 0, 0), []),
     )
     found = optimum(rows)
     if found is None:
-        raise RuntimeError("a recorded problem has no proved optimum")
+        raise RuntimeError("a recorded problem has no certified optimum")
     return found
 
 
@@ -277,7 +277,7 @@ def main() -> None:
         problems = record(robot, motion, args.ticks, list(formulations.values()))
         for text, formulation in formulations.items():
             some = problems[formulation]
-            optima = [proved(problem) for problem in some]
+            optima = [certified(problem) for problem in some]
             active = np.mean([len(o.active) for o in optima])
             rows = some[0].C.shape[0]
             print(f"{states}, {text}: {some[0].g.size} unknowns, {rows} rows and", end=" ")

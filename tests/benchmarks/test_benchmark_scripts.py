@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from randomcases import hands, synthetic
+from random_cases import hands, synthetic
 
 import wbc
 from wbc.command import Status

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from coretools import controller, robot, standing_state
-from randomcases import SixteenSidedSole
+from random_cases import SixteenSidedSole
 
 import wbc
 from wbc.command import Status

@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 import pinocchio as pin
 import pytest
-from simtools import Hold, Sway, moved, robot, run, upright
+from simtools import JointPDController, SwayOffsets, moved, robot, roll_pitch_yaw, run
 
 from wbc.errors import ContactError, MeasurementError, StateError
 from wbc.estimation import ContactTrigger, Estimator, EstimatorNoise, GroundTruthEstimator
@@ -35,7 +35,7 @@ class Trial:
 @cache
 def swaying(name: str = "talos", duration: float = 6.0, quiet: bool = False, far: bool = False):
     r = robot(name)
-    hold, sway = Hold(r), Sway(r)
+    hold, sway = JointPDController(r), SwayOffsets(r)
     noise = SensorNoise.none() if quiet else SensorNoise()
     found = []
     with Mujoco(r, ground_truth=True, noise=noise, seed=3) as plant:
@@ -57,7 +57,7 @@ def follow(estimator: Estimator, trial: Trial) -> list[State]:
 def errors(trial: Trial, states: list[State]) -> dict[str, np.ndarray]:
     pairs = list(zip(states, (m.ground_truth for m in trial.measurements), strict=True))
     return {
-        "attitude": np.array([upright(s) - upright(t) for s, t in pairs]),
+        "attitude": np.array([roll_pitch_yaw(s) - roll_pitch_yaw(t) for s, t in pairs]),
         "place": np.array([s.q[:3] - t.q[:3] for s, t in pairs]),
         "linear": np.array([s.v[:3] - t.v[:3] for s, t in pairs]),
         "angular": np.array([s.v[3:6] - t.v[3:6] for s, t in pairs]),
@@ -203,7 +203,7 @@ def test_the_estimate_turns_and_moves_with_the_scene():
         expected = moved(a, (100.0, -50.0, 0.0), 2.0)
         np.testing.assert_allclose(b.v, expected.v, atol=1e-8)
         np.testing.assert_allclose(b.q[:3], expected.q[:3], atol=1e-8)
-        np.testing.assert_allclose(upright(b), upright(expected), atol=1e-8)
+        np.testing.assert_allclose(roll_pitch_yaw(b), roll_pitch_yaw(expected), atol=1e-8)
 
 
 def test_it_follows_a_robot_that_stands_far_away_and_turned():
@@ -248,7 +248,7 @@ def test_a_fall_through_the_air_is_integrated():
         plant.reset(start)
         estimator = Estimator(r)
         estimator.reset(start)
-        hold = Hold(r)
+        hold = JointPDController(r)
         for _ in range(100):
             state = estimator.update(plant.measure()).state
             plant.step(hold(plant.measure()))
@@ -276,7 +276,7 @@ def test_the_exact_state_is_never_looked_at():
 def test_ground_truth_estimator_hands_on_the_truth_or_says_that_there_is_none():
     r = robot()
     with Mujoco(r, ground_truth=True) as plant:
-        run(plant, 0.02, Hold(r))
+        run(plant, 0.02, JointPDController(r))
         m = plant.measure()
     estimator = GroundTruthEstimator(r)
     estimator.reset(r.standing())

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from coretools import controller, robot, standing_state
-from randomcases import VerticalForce
+from random_cases import VerticalForce
 
 import wbc
 from wbc.command import Status

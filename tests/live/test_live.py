@@ -13,7 +13,7 @@ import urllib.request
 from pathlib import Path
 
 import pytest
-from testmotions import Fly, Shrug, SlowToPlan
+from motiontools import InfeasibleMotion, SlowlyPlannedMotion, WaitingMotion
 
 import wbc
 from wbc.live import Live, LiveError
@@ -242,7 +242,7 @@ class Client:
 
 @pytest.fixture
 def handler(player, plant):
-    motions = (Squat, Shrug, SlowToPlan, Fly)
+    motions = (Squat, WaitingMotion, SlowlyPlannedMotion, InfeasibleMotion)
     with CommandHandler(player, plant, motions=motions) as handler:
         yield handler
 
@@ -275,7 +275,10 @@ def take(handler, live):
 def test_a_bad_message_is_answered_and_ignored_and_the_next_one_counts(live, take, player):
     page = Client(live.url)
     offered = page.hear("controls")["controls"]
-    assert [motion["name"] for motion in offered["motions"]][-2:] == ["slow", "fly"]
+    assert [motion["name"] for motion in offered["motions"]][-2:] == [
+        "slowly_planned",
+        "infeasible_motion",
+    ]
     for message in BAD:
         page.say(message)
         assert page.hear("error")["error"]
@@ -311,12 +314,12 @@ def test_pages_agree_and_one_that_leaves_or_comes_back_harms_nothing(live, take)
 
 def test_a_motion_that_the_robot_cannot_do_is_told_and_never_reaches_the_loop(live, take):
     page = Client(live.url)
-    page.ask("motion", "fly")
-    assert "no wings" in page.hear("error")["error"]
-    page.ask("motion", "shrug")
+    page.ask("motion", "infeasible_motion")
+    assert "no robot can do it" in page.hear("error")["error"]
+    page.ask("motion", "waiting")
     take(1)
     later = Client(live.url)
-    while "fly" not in later.hear("infeasible")["infeasible"]:
+    while "infeasible_motion" not in later.hear("infeasible")["infeasible"]:
         pass  # the checks of all of them take their time
 
 
@@ -324,32 +327,32 @@ def test_a_motion_is_planned_with_its_parameters_before_the_loop_hears_of_it(liv
     page = Client(live.url)
     page.say(motion("squat", depth=90.0))
     assert "cannot go down by 90 %" in page.hear("error")["error"]
-    page.say(motion("shrug", duration=0.2))
+    page.say(motion("waiting", duration=0.2))
     take(1)
-    assert handler.waiting == Shrug(0.2)
+    assert handler.waiting == WaitingMotion(0.2)
 
 
 def test_a_motion_that_is_still_being_planned_is_forgotten_for_something_else(
     live, take, handler, tmp_path
 ):
     page = Client(live.url)
-    page.say(motion("slow", folder=str(tmp_path)))
-    assert page.hear("planning")["planning"] == "slow"
+    page.say(motion("slowly_planned", folder=str(tmp_path)))
+    assert page.hear("planning")["planning"] == "slowly_planned"
     page.ask("stand")
     assert page.hear("planning")["planning"] is None
     take(1)
-    page.say(motion("shrug", duration=0.3))  # is planned after the other one
-    assert page.hear("planning")["planning"] == "shrug"
+    page.say(motion("waiting", duration=0.3))  # is planned after the other one
+    assert page.hear("planning")["planning"] == "waiting"
     (tmp_path / "alarm").touch()
     take(2)
-    assert handler.waiting == Shrug(0.3)
+    assert handler.waiting == WaitingMotion(0.3)
 
 
 def test_a_motion_whose_planning_breaks_is_told_and_the_page_goes_on(live, take):
     page = Client(live.url)
-    page.say(motion("slow", folder="nowhere"))
+    page.say(motion("slowly_planned", folder="nowhere"))
     assert "FileNotFoundError" in page.hear("error")["error"]
-    page.say(motion("shrug", duration=0.3))
+    page.say(motion("waiting", duration=0.3))
     take(1)
 
 

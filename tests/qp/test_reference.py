@@ -1,4 +1,4 @@
-"""The controller finds the proved optimum of the unreduced problem, or the proved conflict.
+"""The controller finds the certified optimum of the unreduced problem, or that there is none.
 
 `benchmarks/correctness.py` runs thousands of such problems.
 """
@@ -8,13 +8,13 @@ from functools import cache
 
 import numpy as np
 import pytest
-from randomcases import KINDS, Case, Drive, cases
-from verdicts import Truth, assess, references, verdicts
+from certified_comparison import ProblemClass, compare, compare_case, references
+from random_cases import KINDS, Case, CaseRunner, cases
 
 import wbc
 from wbc.command import Status
 
-DEFAULT = None  # whatever the controller takes when it is not told
+DEFAULT = None  # the controller's default solver
 SINGLES, SEQUENCES = 16, 3  # of each kind
 
 
@@ -25,7 +25,7 @@ def sample(kind: str) -> tuple[Case, ...]:
 
 
 def faults(kind: str, solver: str | None, formulation: wbc.Formulation | None = None) -> list[str]:
-    found = [v for case in sample(kind) for v in verdicts(case, solver, formulation)]
+    found = [v for case in sample(kind) for v in compare_case(case, solver, formulation)]
     return [f"{v.case}, tick {v.tick}: {v.fault}" for v in found if v.fault]
 
 
@@ -58,15 +58,20 @@ def test_the_readable_formulations_have_the_same_optimum(kind, formulation):
 
 
 def test_the_sample_holds_what_it_is_meant_to_hold():
-    truths = {kind: [r for c in sample(kind) for r in references(c)] for kind in KINDS}
-    counts = {truth: sum(r.truth is truth for rs in truths.values() for r in rs) for truth in Truth}
-    assert counts[Truth.UNKNOWN] == 0
-    assert counts[Truth.INFEASIBLE] >= 8
-    assert counts[Truth.SOLVABLE] >= 80
-    assert sum(r.truth is Truth.SOLVABLE for r in truths["own limits and contacts"]) >= 6
-    active = [len(r.optimum.active) for r in truths["limits active"] if r.optimum is not None]
+    classes = {kind: [r for c in sample(kind) for r in references(c)] for kind in KINDS}
+    counts = {
+        c: sum(r.problem_class is c for rs in classes.values() for r in rs) for c in ProblemClass
+    }
+    assert counts[ProblemClass.UNCERTIFIED] == 0
+    assert counts[ProblemClass.INFEASIBLE] >= 8
+    assert counts[ProblemClass.SOLVABLE] >= 80
+    assert (
+        sum(r.problem_class is ProblemClass.SOLVABLE for r in classes["own limits and contacts"])
+        >= 6
+    )
+    active = [len(r.optimum.active) for r in classes["limits active"] if r.optimum is not None]
     assert max(active) >= 6
-    proofs = [r.optimum for rs in truths.values() for r in rs if r.optimum is not None]
+    proofs = [r.optimum for rs in classes.values() for r in rs if r.optimum is not None]
     assert max(p.stationarity for p in proofs) < 1e-12
     assert max(p.violation for p in proofs) < 1e-12
 
@@ -74,43 +79,45 @@ def test_the_sample_holds_what_it_is_meant_to_hold():
 def test_without_contacts_the_robot_falls_whatever_came_before():
     falls = 0
     for case in sample("switching contacts"):
-        drive, control = Drive(case), Drive(case).controller()
+        runner, control = CaseRunner(case), CaseRunner(case).controller()
         for tick in range(case.ticks):
-            drive.advance(tick)
-            control.set_contacts(drive.setup.contacts)
-            command = control.step(drive.state)
-            if not drive.setup.contacts:
+            runner.advance(tick)
+            control.set_contacts(runner.setup.contacts)
+            command = control.step(runner.state)
+            if not runner.setup.contacts:
                 falls += 1
                 assert command.status is Status.OK
                 assert command.wrenches == {}
-                kin = wbc.Kinematics(drive.robot, drive.state)
+                kin = wbc.Kinematics(runner.robot, runner.state)
                 com = kin.J_com @ command.acceleration + kin.bias_com
                 np.testing.assert_allclose(com, (0.0, 0.0, -9.81), atol=1e-9)
     assert falls >= 2
 
 
 def test_the_assessment_notices_small_mistakes():
-    case = next(c for c in sample("any contacts") if references(c)[0].truth is Truth.SOLVABLE)
-    known, drive = references(case)[0], Drive(case)
-    command = drive.controller().step(drive.state)
-    assert assess(case, 0, known, command).fault == ""
+    case = next(
+        c for c in sample("any contacts") if references(c)[0].problem_class is ProblemClass.SOLVABLE
+    )
+    known, runner = references(case)[0], CaseRunner(case)
+    command = runner.controller().step(runner.state)
+    assert compare(case, 0, known, command).fault == ""
     wrong = [replace(command, acceleration=command.acceleration + 1e-5)]
     wrong.append(replace(command, tau=command.tau + 1e-3))
     for name, wrench in command.wrenches.items():
         wrong.append(replace(command, wrenches={**command.wrenches, name: wrench + 1e-2}))
     wrong.append(replace(command, status=Status.INFEASIBLE, explanation="cannot hold"))
     for other in wrong:
-        assert assess(case, 0, known, other).fault
+        assert compare(case, 0, known, other).fault
 
 
 def test_the_assessment_requires_a_conflict_to_be_reported_and_explained():
     case, known = next(
         (c, references(c)[0])
         for c in sample("infeasible")
-        if references(c)[0].truth is Truth.INFEASIBLE
+        if references(c)[0].problem_class is ProblemClass.INFEASIBLE
     )
-    drive = Drive(case)
-    command = drive.controller().step(drive.state)
-    assert assess(case, 0, known, command).fault == ""
-    assert assess(case, 0, known, replace(command, status=Status.OK)).fault
-    assert assess(case, 0, known, replace(command, explanation="")).fault
+    runner = CaseRunner(case)
+    command = runner.controller().step(runner.state)
+    assert compare(case, 0, known, command).fault == ""
+    assert compare(case, 0, known, replace(command, status=Status.OK)).fault
+    assert compare(case, 0, known, replace(command, explanation="")).fault

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from simtools import Hold, command, moved, robot, run, upright
+from simtools import JointPDController, command, moved, robot, roll_pitch_yaw, run
 
 from wbc.errors import FrameNotFound, PlantError, StateError
 from wbc.sim import Flat, Mujoco, SensorNoise, Tiles
@@ -25,7 +25,7 @@ def momentum(r, state: State) -> np.ndarray:
 @pytest.mark.parametrize("name", ["talos", "g1", "romeo", "simple_humanoid"])
 def test_the_ground_carries_the_weight_of_a_standing_robot(name):
     r = robot(name)
-    hold = Hold(r)
+    hold = JointPDController(r)
     weight = 9.81 * r.mass
     with Mujoco(r, noise=QUIET) as plant:
         run(plant, 1.0, hold)
@@ -36,12 +36,12 @@ def test_the_ground_carries_the_weight_of_a_standing_robot(name):
         heights = [point[2] for point, _ in plant.contacts()]
         assert len(heights) >= 6
         assert min(heights) > -5e-4, "the soles sink in"
-        assert np.abs(upright(plant.ground_truth())[:2]).max() < 0.02
+        assert np.abs(roll_pitch_yaw(plant.ground_truth())[:2]).max() < 0.02
 
 
 def test_foot_sensors_agree_with_the_contact_forces():
     r = robot()
-    hold = Hold(r)
+    hold = JointPDController(r)
     with Mujoco(r, noise=QUIET) as plant:
         run(plant, 0.5, hold)
         state = plant.ground_truth()
@@ -164,7 +164,7 @@ def test_a_bad_start_is_refused():
 @pytest.mark.parametrize("terrain", [Flat(), Tiles(extent=2.0)])
 def test_the_same_run_a_hundred_metres_away_and_turned(terrain):
     r = robot()
-    hold = Hold(r)
+    hold = JointPDController(r)
     ends = []
     # A hair deep in the ground: at its very surface rounding decides which corners touch it.
     for shift, yaw in (((0.0, 0.0, -1e-6), 0.0), ((100.0, -40.0, -1e-6), 1.57)):
@@ -184,7 +184,7 @@ def test_the_same_run_a_hundred_metres_away_and_turned(terrain):
 
 def test_tiles_carry_a_robot_at_their_height_and_leave_the_start_flat():
     r = robot()
-    hold = Hold(r)
+    hold = JointPDController(r)
     tiles = Tiles(height=0.03, size=1.0, extent=2.0, clearing=0.4, seed=3)
     boxes = tiles.boxes()
     tops = boxes[:, 2] + boxes[:, 5]
@@ -210,7 +210,7 @@ def test_a_tile_holds_a_foot():
 
     with Mujoco(r, terrain=Slab(), noise=QUIET) as plant:
         plant.reset(moved(r.standing(), (0.0, 0.0, 0.02), 0.3))
-        run(plant, 0.3, Hold(r))
+        run(plant, 0.3, JointPDController(r))
         heights = [p[2] for p, _ in plant.contacts()]
         assert len(heights) >= 6
         assert min(force[2] for _, force in plant.contacts()) > 0.0

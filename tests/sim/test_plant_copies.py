@@ -7,14 +7,14 @@ import pickle
 
 import numpy as np
 import pytest
-from simtools import Hold, robot
+from simtools import JointPDController, robot
 
 from wbc.sim import Mujoco, Tiles
 
 pytest.importorskip("mujoco")
 
 
-def trace(plant: Mujoco, hold: Hold, ticks: int) -> np.ndarray:
+def trace(plant: Mujoco, hold: JointPDController, ticks: int) -> np.ndarray:
     """(ticks, n) everything that is measured, and the exact state."""
     rows = []
     for _ in range(ticks):
@@ -30,7 +30,7 @@ def trace(plant: Mujoco, hold: Hold, ticks: int) -> np.ndarray:
 @pytest.mark.parametrize("terrain", [None, Tiles(height=0.01, size=0.3, clearing=0.0)])
 def test_a_copy_goes_on_bit_by_bit_with_noise_pushes_and_latency(duplicate, terrain):
     r = robot()
-    hold = Hold(r)
+    hold = JointPDController(r)
     with Mujoco(r, terrain=terrain, seed=5, latency=0.003) as plant:
         plant.schedule_push(0.05, [30.0, 10.0, 0.0], duration=0.05)
         plant.schedule_push(0.12, [0.0, -20.0, 0.0], duration=0.03)
@@ -46,7 +46,7 @@ def test_a_copy_goes_on_bit_by_bit_with_noise_pushes_and_latency(duplicate, terr
 
 def test_a_copy_is_independent_and_starts_over_as_the_original_does():
     r = robot()
-    hold = Hold(r)
+    hold = JointPDController(r)
     with Mujoco(r, seed=5) as plant:
         first = trace(plant, hold, 20)
         other = copy.deepcopy(plant)

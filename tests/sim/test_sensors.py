@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from simtools import Hold, command, moved, random_state, robot, run
+from simtools import JointPDController, command, moved, random_state, robot, run
 
 from wbc.errors import PlantError
 from wbc.sim import Mujoco, SensorNoise, Tiles
@@ -27,7 +27,7 @@ def imu_rotation(r, state: State) -> np.ndarray:
 def test_the_imu_of_a_robot_at_rest_reads_gravity_upwards(name):
     r = robot(name)
     with Mujoco(r, noise=QUIET) as plant:
-        run(plant, 2.0, Hold(r))
+        run(plant, 2.0, JointPDController(r))
         m = plant.measure()
         up = imu_rotation(r, plant.ground_truth()) @ m.accelerometer
     np.testing.assert_allclose(up, [0.0, 0.0, 9.81], atol=0.02)
@@ -115,7 +115,7 @@ def test_measuring_twice_in_a_tick_gives_the_same_reading():
 
 def test_noise_is_reproducible_and_differs_between_seeds():
     r = robot()
-    hold = Hold(r)
+    hold = JointPDController(r)
 
     def end(seed: int) -> tuple[np.ndarray, np.ndarray]:
         with Mujoco(r, seed=seed) as plant:
@@ -181,7 +181,7 @@ def test_tiles_of_no_size_are_refused(field):
 
 def test_readings_do_not_depend_on_where_the_robot_is():
     r = robot()
-    hold = Hold(r)
+    hold = JointPDController(r)
     readings = []
     # A hair deep in the ground: at its very surface rounding decides which corners touch it.
     for shift, yaw in (((0.0, 0.0, -1e-6), 0.0), ((80.0, 60.0, -1e-6), -2.0)):

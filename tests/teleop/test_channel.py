@@ -5,7 +5,7 @@ import time
 from dataclasses import replace
 
 import pytest
-from testmotions import Fly, Shrug, SlowToPlan
+from motiontools import InfeasibleMotion, SlowlyPlannedMotion, WaitingMotion
 
 import wbc
 from wbc.motions import MotionPlayer
@@ -34,7 +34,7 @@ def robot():
 def handler(robot):
     player = MotionPlayer(robot)
     plant = wbc.sim.Mujoco(robot)
-    motions = (Shrug, SlowToPlan, Fly)
+    motions = (WaitingMotion, SlowlyPlannedMotion, InfeasibleMotion)
     with CommandHandler(player, plant, motions=motions, owns_clock=False) as handler:
         handler.begin()
         handler.before_tick(0.0)
@@ -94,11 +94,11 @@ def test_a_command_that_makes_no_sense_never_reaches_the_loop(handler, client):
 
 
 def test_a_motion_arrives_planned_and_is_acknowledged(handler, client, robot):
-    number = client.send(MotionCommand(Shrug(0.2)))
+    number = client.send(MotionCommand(WaitingMotion(0.2)))
     while client.planning is not None:
         assert client.poll() == []
     handler.before_tick(0.0)
-    assert handler.playing == Shrug(0.2) or handler.waiting == Shrug(0.2)
+    assert handler.playing == WaitingMotion(0.2) or handler.waiting == WaitingMotion(0.2)
     assert poll(client, 1) == [(number, CommandOutcome.ACCEPTED, "")]
     client.send(StandCommand())
     for _ in range(2500):  # back to standing
@@ -110,13 +110,15 @@ def test_a_motion_arrives_planned_and_is_acknowledged(handler, client, robot):
 
 
 def test_a_motion_that_the_robot_cannot_do_is_refused_with_the_reason(handler, client):
-    number = client.send(MotionCommand(Fly()))
-    assert poll(client, 1) == [(number, CommandOutcome.REFUSED, "fly: it has no wings")]
+    number = client.send(MotionCommand(InfeasibleMotion()))
+    assert poll(client, 1) == [
+        (number, CommandOutcome.REFUSED, "infeasible_motion: no robot can do it")
+    ]
     assert handler._inbox._channels[0].receive() is None
 
 
 def test_a_motion_whose_planning_fails_is_refused(client):
-    number = client.send(MotionCommand(SlowToPlan(folder="nowhere")))
+    number = client.send(MotionCommand(SlowlyPlannedMotion(folder="nowhere")))
     ((refused, outcome, reason),) = poll(client, 1)
     assert (refused, outcome) == (number, CommandOutcome.REFUSED)
     assert "FileNotFoundError" in reason
@@ -128,11 +130,11 @@ def test_a_motion_whose_planning_fails_is_refused(client):
         (VelocityCommand(0.1), "told to walk"),
         (StandCommand(), "told to stand"),
         (ResetCommand(), "was reset"),
-        (MotionCommand(Shrug()), "another motion"),
+        (MotionCommand(WaitingMotion()), "another motion"),
     ],
 )
 def test_a_motion_that_is_being_planned_is_superseded(client, tmp_path, command, reason):
-    number = client.send(MotionCommand(SlowToPlan(folder=str(tmp_path))))
+    number = client.send(MotionCommand(SlowlyPlannedMotion(folder=str(tmp_path))))
     client.send(command)
     ((superseded, outcome, text),) = poll(client, 1)
     assert (superseded, outcome) == (number, CommandOutcome.SUPERSEDED)
@@ -141,7 +143,7 @@ def test_a_motion_that_is_being_planned_is_superseded(client, tmp_path, command,
 
 
 def test_standing_velocities_do_not_supersede_a_motion(client, tmp_path):
-    client.send(MotionCommand(SlowToPlan(folder=str(tmp_path))))
+    client.send(MotionCommand(SlowlyPlannedMotion(folder=str(tmp_path))))
     client.send(VelocityCommand())
     assert client.planning is not None
     (tmp_path / "plan").touch()
@@ -163,7 +165,7 @@ def test_a_sender_that_reads_no_acknowledgements_does_not_stop_the_loop(handler,
 
 def test_a_plan_that_is_too_large_is_refused(client, monkeypatch):
     client._commands = BlobQueue(32, 64)
-    number = client.send(MotionCommand(Shrug()))
+    number = client.send(MotionCommand(WaitingMotion()))
     ((refused, outcome, reason),) = poll(client, 1)
     assert (refused, outcome) == (number, CommandOutcome.REFUSED)
     assert "make it shorter" in reason

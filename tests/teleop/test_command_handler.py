@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from testmotions import Trip
+from motiontools import AbortingMotion
 
 import wbc
 from wbc.errors import MotionError
@@ -229,13 +229,13 @@ def test_stand_ends_everything(handler):
 
 
 def test_a_motion_that_gives_up_is_aborted_with_the_reason_and_the_robot_stands(player, plant):
-    with new_handler(player, plant, motions=(Trip,)) as handler:
-        run = Run(handler, 3.0, [(0.0, MotionCommand(Trip()))])
+    with new_handler(player, plant, motions=(AbortingMotion,)) as handler:
+        run = Run(handler, 3.0, [(0.0, MotionCommand(AbortingMotion()))])
     assert run.report.survived
     assert run.playing[-1] is None
     assert player.context.at_home
-    assert run.outcomes_of(MotionCommand(Trip())) == [ACCEPTED, ABORTED]
-    assert "over its own feet" in run.outcomes[-1][1].reason
+    assert run.outcomes_of(MotionCommand(AbortingMotion())) == [ACCEPTED, ABORTED]
+    assert "its script raised" in run.outcomes[-1][1].reason
 
 
 def test_pause_stops_time_and_commands_are_still_taken(handler, player, plant):
@@ -497,7 +497,7 @@ def test_commands_of_other_threads_are_all_applied(still, player):
         (GaitParameterCommand("swing_height", -0.1), "out of range: 0.0"),
         (GainCommand("com", "weight", 0.0), "com.weight = 0.0 is out of range: 300 to 30000"),
         (GainCommand("comm", "weight", 1.0), "no parameter 'comm.weight'; did you mean"),
-        (MotionCommand(Trip()), "no motion 'trip'"),
+        (MotionCommand(AbortingMotion()), "no motion 'aborting'"),
         (MotionCommand("squat"), "no motion 'squat'"),
         (JointCommand(("left_knee",), (1.0,)), "joint of a leg, which the gait needs"),
         (JointCommand(("left_elbo",), (1.0,)), "did you mean 'left_elbow'"),
@@ -546,7 +546,7 @@ def test_what_a_plant_cannot_do_is_refused(player):
 
 
 def test_a_motion_that_another_process_could_not_import_is_refused_with_the_cure(player, plant):
-    class Hidden(Trip):
+    class Hidden(AbortingMotion):
         name = "hidden"
 
     with pytest.raises(MotionError, match=r"'hidden' is defined where .* module of its own"):

@@ -26,14 +26,14 @@ class Gains:
 
 
 @dataclass
-class Pretender:
+class FakeController:
     """A controller with parameters and nothing else."""
 
     gains: Gains = field(default_factory=Gains)
 
 
 @dataclass
-class Nowhere:
+class FakePlant:
     """A plant of which the log wants the period."""
 
     dt: float = 0.002
@@ -56,7 +56,7 @@ class StreamedLog(Closeable):
         self._index = 0
 
     def begin(self) -> None:
-        self.log.begin(Pretender(), Nowhere())
+        self.log.begin(FakeController(), FakePlant())
 
     def record(self, tick: Tick) -> None:
         tick = replace(tick, index=self._index)

@@ -43,12 +43,12 @@ def random_state(robot: Robot, random: np.random.Generator) -> State:
     return State(q, random.standard_normal(robot.nv))
 
 
-def upright(state: State) -> np.ndarray:
+def roll_pitch_yaw(state: State) -> np.ndarray:
     """Return roll, pitch and yaw, rad."""
     return pin.rpy.matrixToRpy(pin.Quaternion(state.q[3:7]).toRotationMatrix())
 
 
-class Hold:
+class JointPDController:
     """Joint PD about the standing posture, with the torques of standing still."""
 
     def __init__(self, robot: Robot) -> None:
@@ -74,7 +74,7 @@ class Hold:
         return command(self.tau + self.kp * error - self.kd * measurement.joint_velocity)
 
 
-class Sway:
+class SwayOffsets:
     """Joint offsets that move the base about on standing feet: down and up, left and right."""
 
     def __init__(self, robot: Robot, size: float = 0.02) -> None:

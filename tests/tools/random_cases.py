@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 from coretools import random_state, robot
-from referencetools import Setup
+from unreduced_qp import ControllerSetup
 
 import wbc
 from wbc.contacts import Contact
@@ -33,7 +33,7 @@ CONTACTS = (
 
 @dataclass(frozen=True)
 class Case:
-    """One random controller, and how many ticks of what it is driven through.
+    """One random controller and the number of its ticks.
 
     Attributes:
         kind: one of KINDS.
@@ -63,7 +63,7 @@ KINDS = {
 
 
 def cases(count: int, seed: int = 0, kinds: Sequence[str] = tuple(KINDS)) -> Iterator[Case]:
-    """Cases of `count` ticks or a few more in all, each kind as many."""
+    """Yield cases of `count` ticks in all, or a few more, evenly over the kinds."""
     rng = np.random.default_rng(seed)
     made = dict.fromkeys(kinds, 0)
     while sum(made.values()) < count:
@@ -75,7 +75,7 @@ def cases(count: int, seed: int = 0, kinds: Sequence[str] = tuple(KINDS)) -> Ite
 
 @lru_cache
 def robot_of(case: Case) -> wbc.Robot:
-    """The robot of a case; kept."""
+    """Return the robot of a case. The result is cached."""
     return _synthetic(case.robot) if isinstance(case.robot, tuple) else robot(case.robot)
 
 
@@ -84,10 +84,10 @@ def _synthetic(which: tuple[int, int]) -> wbc.Robot:
     return synthetic.load(*which)
 
 
-class Pinned(AccelerationBound):
-    """Prescribed accelerations of some joints: lower and upper bounds coincide."""
+class PrescribedAcceleration(AccelerationBound):
+    """Prescribes the accelerations of some joints: lower and upper bounds coincide."""
 
-    name = "pinned joint"
+    name = "prescribed acceleration"
 
     def __init__(self, robot: wbc.Robot, joints: np.ndarray, value: float) -> None:
         self.low = np.full(robot.na, -100.0)
@@ -112,7 +112,7 @@ class VerticalForce(Limit):
 
 
 class HandHeight(Limit):
-    """A control barrier that keeps the hands above a height; rows of higher hands are free."""
+    """A control barrier that keeps the hands above a height; it is inactive for higher hands."""
 
     def __init__(self, robot: wbc.Robot, height: float) -> None:
         super().__init__("hand height", 2, unit="m/s²", labels=("left", "right"))
@@ -142,8 +142,8 @@ class SixteenSidedSole(wbc.SurfaceContact):
         return (*super().cone_labels, *(f"friction side {k}" for k in range(16)))
 
 
-class Drive:
-    """A case set up: what the controller is made of, and what changes from tick to tick.
+class CaseRunner:
+    """Sets up the controller of a case and changes state, contacts and weights from tick to tick.
 
     Every instance of one case draws the same numbers, so that a controller and the reference
     can each have their own tasks.
@@ -156,7 +156,9 @@ class Drive:
         self.chosen = self._choose_contacts()
         self.state = self._first_state()
         bounds, torque = self._limits()
-        self.setup = Setup(self.robot, self._tasks(), self.kept[self.chosen], bounds, torque)
+        self.setup = ControllerSetup(
+            self.robot, self._tasks(), self.kept[self.chosen], bounds, torque
+        )
         if case.kind == "own limits and contacts":
             self.setup.limits = self._own_limits()
             self.setup.contacts = [
@@ -173,7 +175,7 @@ class Drive:
     def controller(
         self, solver: str | None = None, formulation: wbc.Formulation | None = None
     ) -> wbc.WholeBodyController:
-        """A controller of this setup; with the default solver and formulation when None."""
+        """Return a controller of this setup; None takes the default solver or formulation."""
         setup = self.setup
         torque = [] if setup.torque_limit is None else [setup.torque_limit]
         options = {"solver": solver, "formulation": formulation}
@@ -186,7 +188,7 @@ class Drive:
         return made
 
     def advance(self, tick: int) -> None:
-        """On to the next tick: another state, and what else changes."""
+        """Go on to a tick: change the state and whatever else the kind of case changes."""
         if tick == 0:
             return
         rng, kind = self.rng, self.case.kind
@@ -197,7 +199,7 @@ class Drive:
                 task.acceleration = task.acceleration + 0.1 * rng.standard_normal(task.size)
         if kind == "switching contacts" and rng.random() < 0.4:
             self.setup.contacts = self.kept[SOLES[rng.integers(len(SOLES))]]
-            if rng.random() < 0.3:  # thrown somewhere else
+            if rng.random() < 0.3:  # an unrelated state
                 self.state = random_state(self.robot, int(rng.integers(2**31)), spread=0.05)
         elif kind == "smooth sequence" and rng.random() < 0.2:
             task = self.setup.tasks[rng.integers(len(self.setup.tasks))]
@@ -244,7 +246,7 @@ class Drive:
             return [position, slow, hard], wbc.TorqueLimit(bot, scale=scale)
         if self.case.kind == "degenerate" and rng.random() < 0.5:
             some = rng.choice(bot.na, 3, replace=False)
-            return [Pinned(bot, some, rng.uniform(-0.5, 0.5))], wbc.TorqueLimit(bot)
+            return [PrescribedAcceleration(bot, some, rng.uniform(-0.5, 0.5))], wbc.TorqueLimit(bot)
         if rng.random() < 0.1:
             return [], None
         return [position, velocity], wbc.TorqueLimit(bot)
@@ -317,7 +319,7 @@ class Drive:
 
 @lru_cache
 def hands(robot: wbc.Robot) -> tuple[str, str]:
-    """Links at the ends of the longest chains left and right that are no legs."""
+    """Return the links at the ends of the longest chains left and right that are no legs."""
     model, kin = robot.model, wbc.Kinematics(robot, robot.standing())
     legs = {j for leg in robot.legs for j in leg}
     free = [j for j in range(2, model.njoints) if model.joints[j].idx_v not in legs]
@@ -338,7 +340,7 @@ def hands(robot: wbc.Robot) -> tuple[str, str]:
 
 
 def contact_set(robot: wbc.Robot, name: str, rng: np.random.Generator) -> list[Contact]:
-    """Contacts by a word, with random friction."""
+    """Return the contacts of a named set, with random friction."""
     mu = rng.uniform(0.2, 1.0)
 
     def sole(side: str, **options: object) -> Contact:

@@ -1,4 +1,4 @@
-"""Solves the unreduced problem to more digits than asked for, and proves the answer.
+"""Solves the unreduced problem in extended precision and certifies the solution.
 
 An interior-point method (PIQP) guesses which rows are active; the optimum for these rows is
 computed from QR factors of the cost's and the constraints' rows (H = GᵀG is never formed), and
@@ -14,14 +14,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from referencetools import Unreduced
 from scipy.linalg import qr, solve_triangular
 from scipy.optimize import linprog, nnls
+from unreduced_qp import UnreducedQP
 
 EPS = float(np.finfo(float).eps)
 _LONG = np.longdouble
 _RANK = 1e-10  # of rows of unit norm
-_HELD = 1e-13  # violation of a row of unit norm that counts as none, relative to its bound
+_MAX_VIOLATION = 1e-13  # violation of a row of unit norm that counts as none, relative to its bound
 _SIGN = 1e-16  # multiplier of the wrong sign that counts as zero, of the gradient's terms
 _STEPS = 1000
 _EXCHANGES = 20
@@ -30,7 +30,7 @@ _TOGETHER = 8  # exchanges of many rows in one go
 
 @dataclass
 class Optimum:
-    """A proved optimum, in scaled unknowns.
+    """A certified optimum, in scaled unknowns.
 
     Attributes:
         x: (n,).
@@ -51,8 +51,8 @@ class Optimum:
 
 
 @dataclass
-class Conflict:
-    """What a linear program says about the rows alone.
+class Infeasibility:
+    """How far the rows are from being feasible, by a linear program.
 
     Attributes:
         violation: least possible violation of the worst row of unit norm; zero when they can
@@ -65,17 +65,17 @@ class Conflict:
     radius: float
 
 
-def optimum(rows: Unreduced, guess: dict[int, int] | None = None) -> Optimum | None:
-    """The certified optimum; None when none was found, see `conflict` then.
+def optimum(rows: UnreducedQP, guess: dict[int, int] | None = None) -> Optimum | None:
+    """Return the certified optimum; None when none was found, see `infeasibility` then.
 
     Args:
         rows: the problem.
         guess: active rows to start from, those of the last tick, say.
     """
-    working = _Working(rows)
+    working = _ActiveSet(rows)
     if not working.consistent:
         return None
-    guesses = (lambda: guess, lambda: _interior_point(rows), working.dual_active_set)
+    guesses = (lambda: guess, lambda: _active_rows_by_interior_point(rows), working.dual_active_set)
     for guessed in guesses:
         active = guessed()
         found = None if active is None else working.exchange(active)
@@ -84,8 +84,8 @@ def optimum(rows: Unreduced, guess: dict[int, int] | None = None) -> Optimum | N
     return None
 
 
-def conflict(rows: Unreduced) -> Conflict:
-    """How far the rows are from holding together, by a linear program and its multipliers."""
+def infeasibility(rows: UnreducedQP) -> Infeasibility:
+    """Return how far the rows are from being feasible, by a linear program and its multipliers."""
     n = rows.G.shape[1]
     above, below = np.isfinite(rows.high), np.isfinite(rows.low)
     A = np.vstack((rows.E, -rows.E, rows.C[above], -rows.C[below]))
@@ -100,17 +100,17 @@ def conflict(rows: Unreduced) -> Conflict:
     y = np.maximum(-found.ineqlin.marginals, 0.0)
     support = np.flatnonzero(y > 1e-9 * y.max(initial=0.0))
     if found.fun <= 0.0 or not support.size:
-        return Conflict(0.0, 0.0)
+        return Infeasibility(0.0, 0.0)
     # HiGHS' multipliers hold to 1e-9 or so: of the rows that they pick, ones that hold to rounding.
     S = A[support]
     y, _ = nnls(np.column_stack((S, b[support])).T, np.append(np.zeros(n), -1.0))
     left = np.linalg.norm(S.T.astype(_LONG) @ y)
     gap = -float(b[support].astype(_LONG) @ y)
-    return Conflict(float(found.fun), gap / max(float(left), 1e-300) if gap > 0.0 else 0.0)
+    return Infeasibility(float(found.fun), gap / max(float(left), 1e-300) if gap > 0.0 else 0.0)
 
 
-def _interior_point(rows: Unreduced) -> dict[int, int] | None:
-    """Active rows as PIQP sees them; None when it finds no solution."""
+def _active_rows_by_interior_point(rows: UnreducedQP) -> dict[int, int] | None:
+    """Return the rows that are active at PIQP's solution; None when it finds none."""
     import piqp
 
     H, g = rows.G.T @ rows.G, -rows.G.T @ rows.d
@@ -134,10 +134,10 @@ def _interior_point(rows: Unreduced) -> dict[int, int] | None:
     return active
 
 
-class _Working:
+class _ActiveSet:
     """The problem with some of its rows as equalities."""
 
-    def __init__(self, rows: Unreduced) -> None:
+    def __init__(self, rows: UnreducedQP) -> None:
         self.rows = rows
         self.n = rows.G.shape[1]
         self.G, self.C = rows.G.astype(_LONG), rows.C.astype(_LONG)
@@ -165,12 +165,12 @@ class _Working:
             slope = self.G.T @ (self.G @ x - rows.d)
             size = self.terms(x)
             wrong = [k for k, s in multipliers.items() if s * active[k] < -_SIGN * size]
-            broken = [int(k) for k in np.flatnonzero(gap > _HELD)]
+            broken = [int(k) for k in np.flatnonzero(gap > _MAX_VIOLATION)]
             if not broken and not wrong:
-                return self.proved(x, active, point)
+                return self.certified(x, active, point)
             if not broken and len(multipliers) < len(active):
                 # Some active rows follow from others: these may have the wrong multipliers.
-                kept = self._pushing(slope, active)
+                kept = self._nonnegative_rows(slope, active)
                 wrong = [k for k in active if k not in kept]
             if count > _TOGETHER:  # one row at a time, the worst
                 broken = [max(broken, key=lambda k: gap[k])] if broken else []
@@ -180,12 +180,12 @@ class _Working:
         return None
 
     def terms(self, x: np.ndarray) -> float:
-        """Size of the terms that the cost's gradient is the sum of."""
+        """Return the size of the largest sum of terms of the cost's gradient."""
         G, absolute = np.abs(self.rows.G), np.abs(np.asarray(x, dtype=float))
         return float((G.T @ (G @ absolute + np.abs(self.rows.d))).max()) or 1.0
 
-    def _pushing(self, slope: np.ndarray, active: dict[int, int]) -> set[int]:
-        """Independent rows among the active ones that balance the slope best, by pushing only."""
+    def _nonnegative_rows(self, slope: np.ndarray, active: dict[int, int]) -> set[int]:
+        """Return the active rows whose non-negative multipliers balance the gradient best."""
         order = list(active)
         sides = np.array([active[k] for k in order])
         A = (self.rows.C[order] * sides[:, None]) @ self.null
@@ -194,7 +194,7 @@ class _Working:
         return {k for k, p in zip(order, push, strict=True) if p > 0.0}
 
     def dual_active_set(self) -> dict[int, int] | None:
-        """Active rows by Goldfarb and Idnani's method; None when the rows are in conflict.
+        """Return the active rows by Goldfarb and Idnani's method; None when the rows conflict.
 
         With H = UᵀU along the equalities, the unknowns U p turn the cost into ½ |u|².
         """
@@ -241,7 +241,7 @@ class _Working:
         return None
 
     def solve(self, active: dict[int, int]):
-        """x, multipliers by row, and the factors; rows that follow from others have none."""
+        """Return x, multipliers by row, and the factors; dependent rows have no multiplier."""
         rows = self.rows
         order = np.array(list(active), dtype=int)
         if order.size:
@@ -274,8 +274,8 @@ class _Working:
         found = dict(zip((int(i) for i in order), multipliers[self.kept.size :], strict=True))
         return x, found, (K, b, Y, R, Z, U, multipliers)
 
-    def proved(self, x, active: dict[int, int], point) -> Optimum:
-        """The optimum with what proves it and what is attainable."""
+    def certified(self, x, active: dict[int, int], point) -> Optimum:
+        """Return the optimum with its certificate and the attainable accuracy."""
         rows = self.rows
         K, b, Y, R, Z, U, multipliers = point
         gradient = self.G.T @ (self.G @ x - rows.d)

@@ -12,11 +12,11 @@ from wbc.motions import Motion, parameter
 
 
 @dataclass(frozen=True)
-class Shrug(Motion):
+class WaitingMotion(Motion):
     """A motion that only waits."""
 
-    name: ClassVar[str] = "shrug"
-    summary: ClassVar[str] = "nothing much"
+    name: ClassVar[str] = "waiting"
+    summary: ClassVar[str] = "waits"
     duration: float = parameter(0.1, "s")
 
     def play(self, context):
@@ -24,11 +24,11 @@ class Shrug(Motion):
 
 
 @dataclass(frozen=True)
-class SlowToPlan(Shrug):
+class SlowlyPlannedMotion(WaitingMotion):
     """A motion whose planning ends when a folder contains a file."""
 
-    name: ClassVar[str] = "slow"
-    folder: str = parameter("", "where")
+    name: ClassVar[str] = "slowly_planned"
+    folder: str = parameter("", "folder that ends the planning")
 
     def check(self, robot):
         while self.folder and not os.listdir(self.folder):
@@ -36,26 +36,26 @@ class SlowToPlan(Shrug):
 
 
 @dataclass(frozen=True)
-class Trip(Shrug):
+class AbortingMotion(WaitingMotion):
     """A motion that aborts itself."""
 
-    name: ClassVar[str] = "trip"
+    name: ClassVar[str] = "aborting"
 
     def play(self, context):
         context.com.move_to(np.array([0.01, 0.0, 0.0]), 0.1)
         yield
-        raise MotionError("trip: over its own feet")
+        raise MotionError("aborting: its script raised")
 
 
 @dataclass(frozen=True)
-class Fly(Motion):
+class InfeasibleMotion(Motion):
     """A motion that every robot refuses."""
 
-    name: ClassVar[str] = "fly"
-    summary: ClassVar[str] = "away"
+    name: ClassVar[str] = "infeasible_motion"
+    summary: ClassVar[str] = "is refused"
 
     def check(self, robot):
-        raise MotionError("fly: it has no wings")
+        raise MotionError("infeasible_motion: no robot can do it")
 
     def play(self, context):
         yield

@@ -7,7 +7,7 @@ Jacobians and bias accelerations come from fresh Pinocchio calls:
 
 with G stacked from the tasks' rows, soft contacts and regularisation, E from
 `M v̇ + h = Sᵀ τ + Jᵀ f`, exact contacts and exact tasks, C from cones, force, torque,
-acceleration and general limits. `certifiedqp` solves it.
+acceleration and general limits. `certified_qp` solves it.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ _AXES = pin.ReferenceFrame.LOCAL
 
 
 @dataclass
-class Setup:
-    """What a controller is made of."""
+class ControllerSetup:
+    """Tasks, contacts and limits of a controller."""
 
     robot: wbc.Robot
     tasks: list[wbc.Task]
@@ -39,7 +39,7 @@ class Setup:
 
 
 @dataclass
-class Unreduced:
+class UnreducedQP:
     """The problem in x = (v̇, f, τ), unknowns and constraint rows scaled to the order of one.
 
     Attributes:
@@ -66,17 +66,17 @@ class Unreduced:
     contacts: list[tuple[str, slice]]
 
     def cost(self, x: np.ndarray) -> float:
-        """Of scaled unknowns."""
+        """Return the cost at scaled unknowns."""
         r = self.G.astype(np.longdouble) @ x - self.d
         return float(0.5 * r @ r)
 
-    def of(self, command: wbc.Command) -> np.ndarray:
-        """The scaled unknowns of a command."""
+    def unknowns_of(self, command: wbc.Command) -> np.ndarray:
+        """Return the scaled unknowns of a command."""
         forces = [command.wrenches[name][: rows.stop - rows.start] for name, rows in self.contacts]
         return np.concatenate((command.acceleration, *forces, command.tau)) / self.scale
 
     def violation(self, x: np.ndarray) -> float:
-        """Largest violation of any row, relative to its norm or its bound if that is larger."""
+        """Return the largest violation of a row, relative to its norm or to a larger bound."""
         y = self.C @ x
         gap = np.maximum(self.low - y, y - self.high)
         bound = np.where(np.isfinite(self.low), np.abs(self.low), 0.0)
@@ -85,8 +85,8 @@ class Unreduced:
         return float(max(worst.max(initial=0.0), (gap / np.maximum(1.0, bound)).max(initial=0.0)))
 
 
-def unreduced(setup: Setup, state: wbc.State) -> Unreduced:
-    """The problem of one tick."""
+def unreduced_qp(setup: ControllerSetup, state: wbc.State) -> UnreducedQP:
+    """Return the problem of one tick."""
     robot, model = setup.robot, setup.robot.model
     data = model.createData()
     pin.computeAllTerms(model, data, state.q, state.v)
@@ -97,7 +97,7 @@ def unreduced(setup: Setup, state: wbc.State) -> Unreduced:
     nv, na = model.nv, model.nv - 6
     nf = sum(c.motion_size for c in setup.contacts)
     n = nv + nf + na
-    cost, equal, inside = _Stack(n), _Stack(n), _Stack(n)
+    cost, equal, inside = _RowStack(n), _RowStack(n), _RowStack(n)
     J = np.zeros((nf, nv))
     at, names = 0, []
     for contact in setup.contacts:
@@ -153,14 +153,14 @@ def unreduced(setup: Setup, state: wbc.State) -> Unreduced:
     E, e, _ = equal.stacked()
     E, C = E * scale, C * scale
     p, m = (np.maximum(np.linalg.norm(A, axis=1), 1e-12) for A in (E, C))
-    return Unreduced(
+    return UnreducedQP(
         *(scale, G * scale, d, E / p[:, None], e / p, C / m[:, None], low / m, high / m, p, m),
         (nv, nf, na),
         names,
     )
 
 
-class _Stack:
+class _RowStack:
     """Rows `low ≤ A x[start:] ≤ high`, each multiplied by the root of its weight."""
 
     def __init__(self, n: int) -> None:
@@ -177,7 +177,7 @@ class _Stack:
         )
 
     def stacked(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """A, low and high of all."""
+        """Return A, low and high of all rows."""
         if not self.rows:
             return np.zeros((0, self.n)), np.zeros(0), np.zeros(0)
         A, low, high = zip(*self.rows, strict=True)
