@@ -112,14 +112,16 @@ async def page(address: str, arrivals: Arrivals, controls: bool) -> None:
 def ros(domain: int, arrivals: Arrivals) -> None:
     """Subscribe to `/joint_states` and `/tf` until standard input ends."""
     from wbc.ros import Network, Node
-    from wbc.ros.qos import HIGH_RATE, TF
+    from wbc.ros.qos import HIGH_RATE
 
     with Node("benchmark_client", network=Network(domain)) as node:
-        for kind, topic, qos in (
-            ("sensor_msgs/msg/JointState", "/joint_states", HIGH_RATE),
-            ("tf2_msgs/msg/TFMessage", "/tf", TF),
+        for kind, topic in (
+            ("sensor_msgs/msg/JointState", "/joint_states"),
+            ("tf2_msgs/msg/TFMessage", "/tf"),
         ):
-            node.create_subscription(kind, topic, lambda *_, topic=topic: arrivals.note(topic), qos)
+            node.create_subscription(
+                kind, topic, lambda *_, topic=topic: arrivals.note(topic), HIGH_RATE
+            )
         # The topics of the tick appear when the loop begins, this one with the node itself.
         if not node.spin_until(lambda: bool(node.count_subscribers("/cmd_vel")), 60.0):
             raise SystemExit("no robot's node is there")

@@ -1,4 +1,4 @@
-"""Walking to a pose: where from, where to, and how the way is walked, without a robot."""
+"""Feedback from a pose error to a walking velocity, without a robot."""
 
 from __future__ import annotations
 
@@ -8,51 +8,55 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wbc.ros.bridge.pose_controller import PlanarPose, PoseController
+from wbc.geometry.planar import Placement
+from wbc.ros.bridge.pose_controller import PoseController
 
-FAST = (0.3, 0.1, 0.3)
-WAY = PoseController(FAST, near=0.8, gain=0.6)
+MAX_VELOCITY = (0.3, 0.1, 0.3)
+CONTROLLER = PoseController(MAX_VELOCITY, near=0.8, gain=0.6)
+coordinates = st.floats(-3.0, 3.0)
 poses = st.builds(
-    PlanarPose, st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(-math.pi, math.pi)
+    Placement, st.builds(complex, coordinates, coordinates), st.floats(-math.pi, math.pi)
 )
 
 
 @given(poses, poses)
-def test_relative_to_and_in_world_of_undo_each_other(goal, here):
-    back = goal.relative_to(here).in_world_of(here)
-    assert math.dist((back.x, back.y), (goal.x, goal.y)) < 1e-9
-    assert math.cos(back.heading - goal.heading) == pytest.approx(1.0)
+def test_relative_to_and_compose_are_inverse(goal, here):
+    back = here.compose(goal.relative_to(here))
+    assert abs(back.point - goal.point) < 1e-9
+    assert math.cos(back.yaw - goal.yaw) == pytest.approx(1.0)
 
 
 @given(poses)
-def test_all_directions_together_take_no_more_than_one_may(error):
-    shares = [abs(v) / most for v, most in zip(WAY.velocity(error), FAST, strict=True)]
-    assert sum(shares) <= 1.0 + 1e-9
+def test_velocity_stays_within_the_limit_summed_over_all_directions(error):
+    fractions = [
+        abs(v) / limit for v, limit in zip(CONTROLLER.velocity(error), MAX_VELOCITY, strict=True)
+    ]
+    assert sum(fractions) <= 1.0 + 1e-9
 
 
-def test_it_turns_before_it_walks_to_what_is_far_behind():
-    forward, left, turn = WAY.velocity(PlanarPose(-2.0, 0.1, 0.0))
+def test_robot_turns_before_walking_to_a_far_goal_behind_it():
+    forward, left, turn = CONTROLLER.velocity(Placement(complex(-2.0, 0.1), 0.0))
     assert (forward, left) == (0.0, 0.0)
     assert turn > 0.0
 
 
-def test_it_steps_back_to_what_is_near_behind():
-    forward, _, turn = WAY.velocity(PlanarPose(-0.3, 0.0, 0.0))
+def test_robot_steps_back_to_a_near_goal_behind_it():
+    forward, _, turn = CONTROLLER.velocity(Placement(complex(-0.3, 0.0), 0.0))
     assert forward < 0.0
     assert turn == 0.0
 
 
 @given(poses)
 @settings(max_examples=50)
-def test_a_walker_that_obeys_with_a_delay_of_a_step_arrives(goal):
-    """The velocity of 0.8 s ago: as slow as a gait takes one up."""
-    here, dt, delay = PlanarPose(0.0, 0.0, 0.0), 0.05, 16
+def test_robot_arrives_although_velocities_take_effect_a_step_later(goal):
+    """The delay is 0.8 s, the longest one of a gait."""
+    here, dt, delay = Placement(0j, 0.0), 0.05, 16
     pending = [(0.0, 0.0, 0.0)] * delay
     for _ in range(int(120.0 / dt)):
         error = goal.relative_to(here)
-        if error.distance < 0.05 and abs(error.heading) < 0.07:
+        if abs(error.point) < 0.05 and abs(error.yaw) < 0.07:
             return
-        pending.append(WAY.velocity(error))
+        pending.append(CONTROLLER.velocity(error))
         forward, left, turn = pending.pop(0)
-        here = PlanarPose(forward * dt, left * dt, turn * dt).in_world_of(here)
-    pytest.fail(f"it is still {goal.relative_to(here)} away")
+        here = here.compose(Placement(complex(forward, left) * dt, turn * dt))
+    pytest.fail(f"the remaining error is {goal.relative_to(here)}")

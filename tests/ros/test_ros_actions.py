@@ -9,7 +9,7 @@ from rostools import PATIENCE, SHORT_LIVED, Hearer, Peer, node
 from wbc.messages import message_type
 from wbc.ros import ResponseTimeout
 from wbc.ros.actions import ActionClient, GoalStatus
-from wbc.ros.qos import ACTION_STATUS
+from wbc.ros.qos import LATCHED
 
 pytest.importorskip("cyclonedds")
 
@@ -95,7 +95,7 @@ def test_a_goal_that_nobody_knows_is_told(here, client):
 def test_the_status_is_latched(here, client):
     sent = client.send_goal(goal(client, 0.0))
     assert sent.wait_for_result(PATIENCE)
-    status = Hearer(here, "action_msgs/msg/GoalStatusArray", "walk/_action/status", ACTION_STATUS)
+    status = Hearer(here, "action_msgs/msg/GoalStatusArray", "walk/_action/status", LATCHED)
     last = status.wait()
     states = {bytes(s.goal_info.goal_id.uuid): s.status for s in last.status_list}
     assert states[sent.goal_id] == GoalStatus.SUCCEEDED

@@ -21,7 +21,7 @@ from wbc.ros.actions import ActionClient, GoalStatus
 from wbc.ros.bridge import Bridge
 from wbc.ros.bridge.navigate_to_pose import TYPE
 from wbc.ros.parameters import ParameterType
-from wbc.ros.qos import LATCHED, ROSOUT, TF
+from wbc.ros.qos import HIGH_RATE, LATCHED, ROSOUT
 from wbc.teleop import CommandHandler
 
 pytest.importorskip("cyclonedds")
@@ -173,7 +173,7 @@ def test_tf_puts_every_link_where_the_joints_put_it(hear, driver, robot, set_par
     for rate in ("update_rate", "state_rate"):
         set_parameter(rate, type=ParameterType.DOUBLE, double_value=50.0)
     still = hear("tf2_msgs/msg/TFMessage", "/tf_static", LATCHED).wait()
-    moving = hear("tf2_msgs/msg/TFMessage", "/tf", TF)
+    moving = hear("tf2_msgs/msg/TFMessage", "/tf", HIGH_RATE)
     odometry = hear("nav_msgs/msg/Odometry", "odom", QoSProfile(depth=1000))
     joints = hear("sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
 

@@ -131,13 +131,11 @@ def test_the_quality_of_service_is_that_of_rmw_cyclonedds(seen, looker):
 
 
 def test_a_service_marks_its_two_ends_as_one(seen):
-    pattern = re.compile(r"serviceid=([0-9a-f.]+);typehash=RIHS01_[0-9a-f]{64};$")
-    ends = {
-        pattern.fullmatch(e.user_data)[1]
-        for e in seen.endpoints
-        if e.topic == "/joint_publisher/get_parameters"
-    }
-    assert len(ends) == 1
+    ends = [e for e in seen.endpoints if e.topic == "/joint_publisher/get_parameters"]
+    assert len(ends) == 2
+    (identity,) = {e.user_data["serviceid"] for e in ends}
+    assert re.fullmatch(r"[0-9a-f]{1,2}(\.[0-9a-f]{1,2}){15}", identity)
+    assert all(re.fullmatch(r"RIHS01_[0-9a-f]{64}", e.type_hash) for e in ends)
 
 
 def test_the_joints_are_those_of_the_chapter_and_swing_as_there(publisher, looker):

@@ -100,10 +100,10 @@ def test_a_request_of_another_service_is_refused(here):
 def test_bad_requests_are_skipped_and_good_ones_answered(here):
     from wbc.ros.dds_endpoints import DdsWriter
     from wbc.ros.dds_types import raw_dds_type
-    from wbc.ros.qos import SERVICES
+    from wbc.ros.qos import DEFAULT
 
     name = f"{message_type(SET_BOOL + '_Request').dds_name()}"
-    rogue = DdsWriter(here.participant, "rq/switchRequest", raw_dds_type(name), SERVICES, "")
+    rogue = DdsWriter(here.participant.dds, "rq/switchRequest", raw_dds_type(name), DEFAULT, "")
     assert here.spin_until(lambda: rogue.matched, PATIENCE)
     for data in (b"\x00\x01\x00\x00" + bytes(8), b"\x00\x01\x00\x00" + b"\xff" * 64):
         rogue.write(data)
@@ -240,11 +240,11 @@ def test_atomically_means_all_or_nothing(call):
 
 def test_a_parameter_is_declared_once_and_within_its_range(domain):
     with node("own", domain) as own:
-        own.declare_parameter("x", 1.0, minimum=0.0, maximum=2.0)
+        own.declare_parameter("x", 1.0, bounds=(0.0, 2.0))
         with pytest.raises(RosError, match="already declared"):
             own.declare_parameter("x", 1.0)
         with pytest.raises(RosError, match="out of its range"):
-            own.declare_parameter("y", 3.0, minimum=0.0, maximum=2.0)
+            own.declare_parameter("y", 3.0, bounds=(0.0, 2.0))
         with pytest.raises(RosError, match="use a bool"):
             own.declare_parameter("z", object())
 

@@ -57,11 +57,11 @@ def serve(node: Node) -> None:
         return response
 
     node.create_service("std_srvs/srv/SetBool", "switch", answer)
-    node.declare_parameter("rate", 50.0, "Hz", minimum=1.0, maximum=500.0)
-    node.declare_parameter("count", 3, "of things", minimum=0, maximum=10)
+    node.declare_parameter("rate", 50.0, "Hz", bounds=(1.0, 500.0))
+    node.declare_parameter("count", 3, "of things", bounds=(0, 10))
     node.declare_parameter("on", True)
     node.declare_parameter("name", "me")
-    node.declare_parameter("gait.impulse", (0.0, 1.0, 2.0), "N·s", minimum=-10.0, maximum=10.0)
+    node.declare_parameter("gait.impulse", (0.0, 1.0, 2.0), "N·s", bounds=(-10.0, 10.0))
     node.declare_parameter("built", "today", read_only=True)
     goals: list[ServerGoalHandle] = []
     server = ActionServer(
@@ -146,7 +146,7 @@ def rogue(node: Node, dds_type: str) -> None:
         topic, digits = line.split()
         if topic not in writers:
             kind = raw_dds_type(dds_type)
-            writers[topic] = DdsWriter(node.participant, f"rt/{topic}", kind, DEFAULT, "")
+            writers[topic] = DdsWriter(node.participant.dds, f"rt/{topic}", kind, DEFAULT, "")
             node.spin_until(lambda topic=topic: writers[topic].matched)
         with contextlib.suppress(RosError):  # DDS inspects the data before it sends them
             writers[topic].write(bytes.fromhex(digits))

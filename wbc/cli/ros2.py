@@ -174,7 +174,7 @@ def _type_name(topic: TopicInfo) -> str:
 
 
 def _echo(options: argparse.Namespace) -> int:
-    from wbc.ros.yaml_text import get_field, to_yaml, value_to_yaml
+    from wbc.ros.message_yaml import get_field, to_yaml
 
     printed = 0
 
@@ -182,14 +182,11 @@ def _echo(options: argparse.Namespace) -> int:
         nonlocal printed
         if options.n is not None and printed >= options.n:
             return
-        if options.field is None:
-            text = to_yaml(message)
-        else:
-            try:
-                text = value_to_yaml(get_field(message, options.field))
-            except LookupError as error:
-                raise WbcError(str(error)) from error
-        print(f"{text}\n---", flush=True)
+        try:
+            value = message if options.field is None else get_field(message, options.field)
+        except LookupError as error:
+            raise WbcError(str(error)) from error
+        print(f"{to_yaml(value)}\n---", flush=True)
         printed += 1
 
     with _introspection_node(options) as node:

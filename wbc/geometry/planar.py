@@ -50,12 +50,12 @@ def set_rotation_about_z(rotation: np.ndarray, yaw: float) -> None:
 
 
 class Placement(NamedTuple):
-    """A sole on the ground.
+    """A pose on the ground: of a sole, or of the robot.
 
     Attributes:
-        point: x + iy of the sole's centre, m.
+        point: x + iy of the sole's centre or the robot's base, m.
         yaw: heading, rad.
-        height: z of the sole, m.
+        height: z, m.
     """
 
     point: complex
@@ -63,11 +63,11 @@ class Placement(NamedTuple):
     height: float = 0.0
 
     def to_world(self, local: complex) -> complex:
-        """World point of a point given in the sole's axes."""
+        """World point of a point given in the axes of this placement."""
         return self.point + local * planar_rotation(self.yaw)
 
     def to_local(self, world: complex) -> complex:
-        """The sole's coordinates of a world point."""
+        """Coordinates of a world point in the axes of this placement."""
         return (world - self.point) * planar_rotation(-self.yaw)
 
     def relative_to(self, other: Placement) -> Placement:

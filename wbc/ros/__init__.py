@@ -7,14 +7,13 @@ The names are those of `rclpy`. Message types are passed as classes, which
 from wbc.ros.actions import ActionClient, ActionServer, GoalStatus
 from wbc.ros.dds_endpoints import MessageInfo
 from wbc.ros.errors import InvalidName, ResponseTimeout, RosError
+from wbc.ros.executor import Timer
 from wbc.ros.network import DiscoveryRange, Network
 from wbc.ros.node import Node
 from wbc.ros.parameters import NodeParameter, ParameterType
-from wbc.ros.publisher import Publisher
 from wbc.ros.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from wbc.ros.services import Client, Service, ServiceReply
-from wbc.ros.subscription import RawSubscription, Subscription
-from wbc.ros.timer import Timer
+from wbc.ros.topics import Publisher, RawSubscription, Subscription
 
 __all__ = [
     "ActionClient",

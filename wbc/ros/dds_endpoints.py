@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any
 
-from wbc.messages import Message, message_type
 from wbc.ros.errors import RosError
 from wbc.ros.qos import QoSProfile
-
-if TYPE_CHECKING:
-    from wbc.ros.participant import Participant
 
 _BATCH = 256  # samples taken at once
 
@@ -34,7 +30,7 @@ class DdsWriter:
     """Sends serialized messages on a DDS topic.
 
     Args:
-        participant: DDS participant of the node.
+        participant: domain participant of Cyclone DDS.
         topic: DDS name of the topic.
         sample_type: class of the samples, see `wbc.ros.dds_types`.
         qos_profile: quality of service.
@@ -48,7 +44,7 @@ class DdsWriter:
 
     def __init__(
         self,
-        participant: Participant,
+        participant: Any,
         topic: str,
         sample_type: Any,
         qos_profile: QoSProfile,
@@ -57,10 +53,9 @@ class DdsWriter:
         from cyclonedds.pub import DataWriter
         from cyclonedds.topic import Topic
 
-        dds = participant.dds
         self._sample = sample_type()
         self.dds = DataWriter(
-            dds, Topic(dds, topic, sample_type), qos=qos_profile.to_dds(user_data)
+            participant, Topic(participant, topic, sample_type), qos=qos_profile.to_dds(user_data)
         )
         self.handle = _unsigned(self.dds.instance_handle)
         self.gid: bytes = self.dds.guid.bytes
@@ -84,9 +79,9 @@ class DdsWriter:
         """Handles of the matched readers."""
         return [_unsigned(handle) for handle in self.dds.get_matched_subscriptions()]
 
-    def matched_endpoint(self, handle: int) -> Any:
-        """Return the discovery data of a matched reader; None if it has left."""
-        return self.dds.get_matched_subscription_data(handle)
+    def matched_user_data(self, handle: int) -> dict[str, str] | None:
+        """Return the USER_DATA of a matched reader; None if it has left."""
+        return _user_data(self.dds.get_matched_subscription_data(handle))
 
 
 class DdsReader:
@@ -100,7 +95,7 @@ class DdsReader:
 
     def __init__(
         self,
-        participant: Participant,
+        participant: Any,
         topic: str,
         sample_type: Any,
         qos_profile: QoSProfile,
@@ -110,14 +105,12 @@ class DdsReader:
         from cyclonedds.sub import DataReader
         from cyclonedds.topic import Topic
 
-        dds = participant.dds
         self.dds = DataReader(
-            dds, Topic(dds, topic, sample_type), qos=qos_profile.to_dds(user_data)
+            participant, Topic(participant, topic, sample_type), qos=qos_profile.to_dds(user_data)
         )
         self.gid: bytes = self.dds.guid.bytes
-        self.condition = ReadCondition(
-            self.dds, SampleState.Any | ViewState.Any | InstanceState.Any
-        )
+        any_state = SampleState.Any | ViewState.Any | InstanceState.Any
+        self.condition = ReadCondition(self.dds, any_state)
 
     def take(self) -> list[tuple[bytes, MessageInfo]]:
         """Return the messages received since the last call."""
@@ -135,9 +128,9 @@ class DdsReader:
         """Handles of the matched writers."""
         return [_unsigned(handle) for handle in self.dds.get_matched_publications()]
 
-    def matched_endpoint(self, handle: int) -> Any:
-        """Return the discovery data of a matched writer; None if it has left."""
-        return self.dds.get_matched_publication_data(handle)
+    def matched_user_data(self, handle: int) -> dict[str, str] | None:
+        """Return the USER_DATA of a matched writer; None if it has left."""
+        return _user_data(self.dds.get_matched_publication_data(handle))
 
     def close(self) -> None:
         """Leave DDS at once."""
@@ -146,30 +139,17 @@ class DdsReader:
         self.dds.__del__()
 
 
-class Waitable(Protocol):
-    """Something with a reader that a node serves while it spins.
+def parse_user_data(qos: Any) -> dict[str, str]:
+    """Return the items of `key=value;…` in the USER_DATA of a discovered quality of service."""
+    from cyclonedds.core import Policy
 
-    Attributes:
-        reader: the node calls `execute` when this reader has received messages.
-    """
-
-    reader: DdsReader
-
-    @property
-    def has_pending(self) -> bool:
-        """Whether `execute` shall be called soon, with or without new messages."""
-
-    def execute(self) -> None:
-        """Process what has been received, without blocking."""
+    data = qos[Policy.Userdata].data if Policy.Userdata in qos else b""
+    items = (item.partition("=") for item in data.decode("utf-8", "replace").split(";"))
+    return {key: value for key, separator, value in items if separator}
 
 
-def message_class(msg_type: str | type[Message]) -> type[Message]:
-    """Return a message class given itself or its name.
-
-    Raises:
-        MessageError: there is no such type.
-    """
-    return message_type(msg_type) if isinstance(msg_type, str) else msg_type
+def _user_data(endpoint: Any) -> dict[str, str] | None:
+    return None if endpoint is None else parse_user_data(endpoint.qos)
 
 
 def _unsigned(handle: int) -> int:

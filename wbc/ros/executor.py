@@ -1,16 +1,60 @@
-"""Runs the callbacks of a node: waits for messages and timers, one thread."""
+"""Runs the callbacks of a node, in one thread, when messages arrive and timers expire."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
-from wbc.ros.dds_endpoints import Waitable
-from wbc.ros.timer import Timer
+from wbc.ros.dds_endpoints import DdsReader
 
 _MAX_WAIT = 0.1  # s: Ctrl-C takes effect at least as often
 _PENDING_WAIT = 0.005  # s
+
+
+class Waitable(Protocol):
+    """Something with a reader, whose messages are processed while the node spins.
+
+    Attributes:
+        reader: `execute` is called when this reader has received messages.
+    """
+
+    reader: DdsReader
+
+    @property
+    def has_pending(self) -> bool:
+        """Whether `execute` shall be called soon, with or without new messages."""
+
+    def execute(self) -> None:
+        """Process what has been received, without blocking."""
+
+
+class Timer:
+    """Calls a function periodically; created by `Node.create_timer`.
+
+    Attributes:
+        period: time between two calls, s; may be changed at any time.
+        callback: the function.
+        next_call: time of the next call, s, on the monotonic clock.
+    """
+
+    def __init__(self, period: float, callback: Callable[[], None]) -> None:
+        self.period, self.callback = period, callback
+        self.next_call = time.monotonic() + period
+        self._canceled = False
+
+    def cancel(self) -> None:
+        """Stop calling the function."""
+        self._canceled = True
+
+    def is_canceled(self) -> bool:
+        """Return whether the timer has been canceled."""
+        return self._canceled
+
+    def call(self, now: float) -> None:
+        """Call the function and schedule the next call; missed calls are not made up for."""
+        self.next_call = max(self.next_call + self.period, now)
+        self.callback()
 
 
 class Executor:
@@ -42,7 +86,7 @@ class Executor:
         """Call a timer whenever it is due, until it is canceled."""
         self._timers.append(timer)
 
-    def spin_once(self, timeout_sec: float = _MAX_WAIT) -> None:
+    def spin_once(self, timeout_sec: float) -> None:
         """Wait for messages or a timer, at most `timeout_sec` s, and run what is due."""
         now = time.monotonic()
         if any(waitable.has_pending for waitable in self._waitables):
@@ -53,10 +97,9 @@ class Executor:
             if received or waitable.has_pending:
                 waitable.execute()
         now = time.monotonic()
+        self._timers = [timer for timer in self._timers if not timer.is_canceled()]
         for timer in tuple(self._timers):
-            if timer.is_canceled():
-                self._timers.remove(timer)
-            elif timer.next_call <= now:
+            if timer.next_call <= now and not timer.is_canceled():
                 timer.call(now)
 
     def spin_until(self, condition: Callable[[], object], timeout_sec: float) -> bool:

@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from enum import Enum
 
 from wbc.ros import names
 from wbc.ros.qos import QoSProfile
+
+
+class EndpointType(Enum):
+    """Direction of an endpoint."""
+
+    PUBLISHER = "publisher"
+    SUBSCRIPTION = "subscription"
 
 
 @dataclass(frozen=True)
@@ -13,26 +21,34 @@ class TopicEndpointInfo:
     """A publisher or subscription of some node.
 
     Attributes:
+        endpoint_type: publisher or subscription.
         topic: ROS name of the topic.
         prefix: "rt" for a topic, "rq" and "rr" for the requests and replies of a service.
-        type_name: `pkg/msg/Name`.
         dds_type_name: name of the type in DDS.
         node: fully qualified name of the node; empty if not known.
         qos_profile: quality of service.
-        type_hash: `RIHS01_…`; empty if not announced.
-        user_data: USER_DATA of the endpoint.
+        user_data: items of the endpoint's USER_DATA.
         gid: 16-byte id.
     """
 
+    endpoint_type: EndpointType
     topic: str
     prefix: str
-    type_name: str
     dds_type_name: str
     node: str
     qos_profile: QoSProfile
-    type_hash: str
-    user_data: str
+    user_data: dict[str, str]
     gid: bytes
+
+    @property
+    def type_name(self) -> str:
+        """Name of the type, `pkg/msg/Name`."""
+        return names.ros_type_name(self.dds_type_name)
+
+    @property
+    def type_hash(self) -> str:
+        """Hash of the type, `RIHS01_…`; empty if not announced."""
+        return self.user_data.get("typehash", "")
 
 
 @dataclass
@@ -41,23 +57,31 @@ class TopicInfo:
 
     Attributes:
         name: fully qualified name.
-        publishers: its publishers.
-        subscriptions: its subscriptions.
+        endpoints: its publishers and subscriptions.
     """
 
     name: str
-    publishers: list[TopicEndpointInfo] = field(default_factory=list)
-    subscriptions: list[TopicEndpointInfo] = field(default_factory=list)
+    endpoints: list[TopicEndpointInfo] = field(default_factory=list)
+
+    @property
+    def publishers(self) -> list[TopicEndpointInfo]:
+        """Its publishers."""
+        return [e for e in self.endpoints if e.endpoint_type is EndpointType.PUBLISHER]
+
+    @property
+    def subscriptions(self) -> list[TopicEndpointInfo]:
+        """Its subscriptions."""
+        return [e for e in self.endpoints if e.endpoint_type is EndpointType.SUBSCRIPTION]
 
     @property
     def types(self) -> list[str]:
         """Names of its types, sorted; more than one if the endpoints disagree."""
-        return sorted({e.type_name for e in (*self.publishers, *self.subscriptions)})
+        return sorted({endpoint.type_name for endpoint in self.endpoints})
 
     @property
     def dds_type_name(self) -> str:
         """Name of its type in DDS."""
-        return next(e.dds_type_name for e in (*self.publishers, *self.subscriptions))
+        return self.endpoints[0].dds_type_name
 
 
 @dataclass(frozen=True)
@@ -66,40 +90,29 @@ class GraphSnapshot:
 
     Attributes:
         nodes: fully qualified names of all nodes, sorted; a name may occur more than once.
-        publishers: all publishers, including those of services.
-        subscriptions: all subscriptions, including those of services.
+        endpoints: all publishers, then all subscriptions, including those of services.
     """
 
     nodes: tuple[str, ...]
-    publishers: tuple[TopicEndpointInfo, ...]
-    subscriptions: tuple[TopicEndpointInfo, ...]
-
-    @property
-    def endpoints(self) -> tuple[TopicEndpointInfo, ...]:
-        """Publishers, then subscriptions."""
-        return self.publishers + self.subscriptions
+    endpoints: tuple[TopicEndpointInfo, ...]
 
     def topics(self) -> dict[str, TopicInfo]:
         """Return all topics by name, without those of services."""
         found: dict[str, TopicInfo] = {}
-        for endpoint in self.publishers:
+        for endpoint in self.endpoints:
             if endpoint.prefix == names.TOPIC:
-                name = endpoint.topic
-                found.setdefault(name, TopicInfo(name)).publishers.append(endpoint)
-        for endpoint in self.subscriptions:
-            if endpoint.prefix == names.TOPIC:
-                name = endpoint.topic
-                found.setdefault(name, TopicInfo(name)).subscriptions.append(endpoint)
+                info = found.setdefault(endpoint.topic, TopicInfo(endpoint.topic))
+                info.endpoints.append(endpoint)
         return dict(sorted(found.items()))
 
     def topic(self, name: str) -> TopicInfo:
-        """Return a topic by its fully qualified name; without endpoints if nobody has it."""
+        """Return a topic by its fully qualified name; it may have no endpoints."""
         return self.topics().get(name, TopicInfo(name))
 
     def services(self) -> dict[str, str]:
         """Return names and types of all services that have a server."""
         return {
             e.topic: names.service_type_name(e.type_name)
-            for e in sorted(self.subscriptions, key=lambda e: e.topic)
-            if e.prefix == names.REQUEST
+            for e in sorted(self.endpoints, key=lambda e: e.topic)
+            if e.prefix == names.REQUEST and e.endpoint_type is EndpointType.SUBSCRIPTION
         }

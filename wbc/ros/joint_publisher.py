@@ -29,7 +29,7 @@ JOINT_NAMES = (
     "left_shoulder_pitch", "left_elbow",
 )  # fmt: skip
 DEFAULT_RATE = 50.0  #: Hz
-MAX_RATE = 500.0  #: Hz
+RATE_BOUNDS = (1.0, 500.0)  #: Hz
 
 
 def walking_pattern(phase: float) -> tuple[float, ...]:
@@ -71,8 +71,7 @@ class JointPublisher:
             "update_rate",
             float(rate),
             "rate of joint_states, Hz",
-            minimum=1.0,
-            maximum=MAX_RATE,
+            bounds=RATE_BOUNDS,
             on_change=self._set_rate,
         )
         self._publisher = node.create_publisher(_JOINT_STATE, "joint_states")

@@ -14,8 +14,8 @@ from wbc.ros.errors import RosError
 
 MAX_DOMAIN_ID = 232  #: with the standard ports, 7400 + 250 × domain id, below 65536
 _LOOPBACK = "127.0.0.1"
-#: Match types by name, as ROS 2 does; take a participant for dead after 5 s of silence; bound the
-#: memory of a message.
+#: Types are matched by name, as in ROS 2; a participant counts as dead after 5 s of silence; the
+#: memory of a message is bounded.
 _BASE_CONFIGURATION = (
     "<CycloneDDS><Domain>"
     "<Compatibility><IgnoreTypeInformation>1.1,1.15,1.16</IgnoreTypeInformation></Compatibility>"
@@ -23,11 +23,11 @@ _BASE_CONFIGURATION = (
     "<Internal><MaxSampleSize>64 MiB</MaxSampleSize></Internal>"
     "</Domain></CycloneDDS>"
 )
-_MAX_PARTICIPANT_INDEX = 32  # participants to look for on one machine; the value of ROS 2
+_MAX_PARTICIPANT_INDEX = 32  # participants to discover on one machine; the value of ROS 2
 
 
 class DiscoveryRange(Enum):
-    """How far a node looks for others; extends `ROS_AUTOMATIC_DISCOVERY_RANGE`."""
+    """How far discovery extends, as `ROS_AUTOMATIC_DISCOVERY_RANGE`, and the loopback interface."""
 
     LOOPBACK = "loopback"  #: the loopback interface only
     LOCALHOST = "localhost"  #: this machine as in ROS 2: any interface, no multicast
@@ -38,13 +38,13 @@ class DiscoveryRange(Enum):
 
 @dataclass(frozen=True)
 class Network:
-    """Where a node looks for others.
+    """DDS domain and network interface of a node.
 
     Attributes:
         domain_id: id of the DDS domain, `ROS_DOMAIN_ID`.
-        discovery_range: how far the node looks for others.
+        discovery_range: how far discovery extends.
         interface: name or address of a network interface; if empty, `discovery_range` selects it.
-        peers: addresses of further hosts to look for.
+        peers: addresses of further hosts to discover.
         configuration: configuration of Cyclone DDS, XML or the path of a file; it overrides all
             other settings.
 
@@ -89,48 +89,50 @@ class Network:
         """
         environment = os.environ if environment is None else environment
         if domain_id is None:
-            domain_id = _domain_id(environment.get("ROS_DOMAIN_ID", ""))
+            domain_id = _parse_domain_id(environment.get("ROS_DOMAIN_ID", "") or "0")
+        if interface in ("lo", _LOOPBACK, "localhost"):
+            return Network(domain_id)
         if interface is not None:
-            return Network(domain_id, *_by_interface(interface))
+            return Network(domain_id, DiscoveryRange.SUBNET, interface)
         uri = environment.get("CYCLONEDDS_URI", "")
-        discovery_range = _discovery_range(environment)
-        if discovery_range is None:
-            discovery_range = DiscoveryRange.SYSTEM_DEFAULT if uri else DiscoveryRange.LOOPBACK
-        peers = tuple(p for p in environment.get("ROS_STATIC_PEERS", "").split(";") if p.strip())
-        if peers and discovery_range is DiscoveryRange.LOOPBACK:
-            discovery_range = DiscoveryRange.LOCALHOST
-        return Network(domain_id, discovery_range, "", peers, uri)
+        peers = tuple(
+            filter(None, map(str.strip, environment.get("ROS_STATIC_PEERS", "").split(";")))
+        )
+        default = DiscoveryRange.LOCALHOST if peers else DiscoveryRange.LOOPBACK
+        if uri:
+            default = DiscoveryRange.SYSTEM_DEFAULT
+        return Network(domain_id, _parse_range(environment) or default, "", peers, uri)
 
     def xml(self) -> str:
         """Return the Cyclone DDS configuration for this network, for all versions ROS 2 ships."""
-        reach = self.discovery_range
-        if reach is DiscoveryRange.SYSTEM_DEFAULT:
+        scope = self.discovery_range
+        if scope is DiscoveryRange.SYSTEM_DEFAULT:
             return self.configuration
-        general, discovery = "", ""
-        interface = _LOOPBACK if reach is DiscoveryRange.LOOPBACK else self.interface
+        general, discovery, peers = "", "", self.peers
+        interface = _LOOPBACK if scope is DiscoveryRange.LOOPBACK else self.interface
         if interface:
-            kind = "address" if _is_address(interface) else "name"
-            general += f"<Interfaces><NetworkInterface {kind}={quoteattr(interface)}/></Interfaces>"
-        if reach is not DiscoveryRange.SUBNET:
+            key = "address" if _is_address(interface) else "name"
+            general += f"<Interfaces><NetworkInterface {key}={quoteattr(interface)}/></Interfaces>"
+        if scope is not DiscoveryRange.SUBNET:
             general += "<AllowMulticast>false</AllowMulticast>"
-        if reach is DiscoveryRange.OFF:
+        if scope is DiscoveryRange.OFF:
+            peers = ()
             discovery = f"<ParticipantIndex>none</ParticipantIndex><Tag>off_{os.getpid()}</Tag>"
         else:
             discovery = (
                 "<ParticipantIndex>auto</ParticipantIndex>"
                 f"<MaxAutoParticipantIndex>{_MAX_PARTICIPANT_INDEX}</MaxAutoParticipantIndex>"
             )
-        peers = self.peers if reach is not DiscoveryRange.OFF else ()
-        if reach in (DiscoveryRange.LOOPBACK, DiscoveryRange.LOCALHOST):
+        if scope in (DiscoveryRange.LOOPBACK, DiscoveryRange.LOCALHOST):
             peers = (_LOOPBACK, *peers)
         if peers:
-            listed = "".join(f"<Peer address={quoteattr(p.strip())}/>" for p in peers)
-            discovery += f"<Peers>{listed}</Peers>"
+            addresses = "".join(f"<Peer address={quoteattr(peer)}/>" for peer in peers)
+            discovery += f"<Peers>{addresses}</Peers>"
         xml = (
             f"<CycloneDDS><Domain><General>{general}</General>"
             f"<Discovery>{discovery}</Discovery></Domain></CycloneDDS>"
         )
-        return f"{xml},{self.configuration}" if self.configuration else xml
+        return ",".join(filter(None, (xml, self.configuration)))
 
     def join(self) -> Any:
         """Join the DDS domain, until the process ends; return Cyclone's domain object.
@@ -141,35 +143,25 @@ class Network:
         return _join(self.domain_id, ",".join(filter(None, (_BASE_CONFIGURATION, self.xml()))))
 
 
-def _domain_id(text: str) -> int:
-    if not text:
-        return 0
+def _parse_domain_id(text: str) -> int:
     if not text.isdecimal():
         raise RosError(f"ROS_DOMAIN_ID is '{text}'; it must be a number, 0 to {MAX_DOMAIN_ID}")
     return int(text)
 
 
-def _discovery_range(environment: Mapping[str, str]) -> DiscoveryRange | None:
+def _parse_range(environment: Mapping[str, str]) -> DiscoveryRange | None:
     """Return the range that the variables select; the older one takes precedence, as in ROS 2."""
-    only = environment.get("ROS_LOCALHOST_ONLY", "")
-    if only:
-        return DiscoveryRange.LOCALHOST if only == "1" else DiscoveryRange.SUBNET
+    localhost_only = environment.get("ROS_LOCALHOST_ONLY", "")
+    if localhost_only:
+        return DiscoveryRange.LOCALHOST if localhost_only == "1" else DiscoveryRange.SUBNET
     text = environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "")
-    if not text:
-        return None
     try:
-        return DiscoveryRange(text.lower())
+        return DiscoveryRange(text.lower()) if text else None
     except ValueError:
         raise RosError(
             f"ROS_AUTOMATIC_DISCOVERY_RANGE is '{text}'; it must be LOCALHOST, SUBNET, "
             "SYSTEM_DEFAULT or OFF"
         ) from None
-
-
-def _by_interface(interface: str) -> tuple[DiscoveryRange, str]:
-    if interface in ("lo", _LOOPBACK, "localhost"):
-        return DiscoveryRange.LOOPBACK, ""
-    return DiscoveryRange.SUBNET, interface
 
 
 def _is_address(text: str) -> bool:
@@ -184,9 +176,9 @@ def _join(domain_id: int, xml: str) -> Any:
     try:
         return Domain(domain_id, xml)
     except DDSException as error:
-        why = (
+        reason = (
             "this process has joined it with another configuration"
             if error.code == DDSException.DDS_RETCODE_PRECONDITION_NOT_MET
             else f"{error}; check CYCLONEDDS_URI, and that the network interface exists"
         )
-        raise RosError(f"DDS domain {domain_id} cannot be joined: {why}") from error
+        raise RosError(f"DDS domain {domain_id} cannot be joined: {reason}") from error

@@ -10,18 +10,16 @@ from typing import Any
 from wbc.closeable import Closeable
 from wbc.messages import Message
 from wbc.ros import names
-from wbc.ros.dds_endpoints import Waitable
+from wbc.ros.dds_types import raw_dds_type
 from wbc.ros.errors import RosError
-from wbc.ros.executor import Executor
+from wbc.ros.executor import Executor, Timer, Waitable
 from wbc.ros.graph import Graph
 from wbc.ros.network import Network
 from wbc.ros.parameters import NodeParameter, ParameterServer
 from wbc.ros.participant import Participant
-from wbc.ros.publisher import Publisher
-from wbc.ros.qos import DEFAULT, SERVICES, QoSProfile
+from wbc.ros.qos import DEFAULT, QoSProfile
 from wbc.ros.services import Client, Service, ServiceReply
-from wbc.ros.subscription import RawSubscription, Subscription
-from wbc.ros.timer import Timer
+from wbc.ros.topics import Publisher, RawSubscription, Subscription
 
 
 class Node(Closeable):
@@ -59,7 +57,6 @@ class Node(Closeable):
         self.network = network or Network.from_environment()
         self.participant = Participant(self.namespace, self.name, self.network)
         self._executor = Executor(self.participant.dds)
-        self._publishers: list[Publisher] = []  # DDS removes writers that nothing refers to
         self._open = True
 
     def __repr__(self) -> str:
@@ -89,11 +86,7 @@ class Node(Closeable):
             MessageError: there is no such type.
             InvalidName: the name of the topic is invalid.
         """
-        name, qos = self.resolve_topic_name(topic), QoSProfile.of(qos_profile)
-        publisher = Publisher(self.participant, msg_type, name, qos)
-        self.participant.add(writers=(publisher.writer.gid,))
-        self._publishers.append(publisher)
-        return publisher
+        return Publisher(self, msg_type, topic, qos_profile)
 
     def create_subscription(
         self,
@@ -115,9 +108,7 @@ class Node(Closeable):
             MessageError: there is no such type.
             InvalidName: the name of the topic is invalid.
         """
-        name, qos = self.resolve_topic_name(topic), QoSProfile.of(qos_profile)
-        subscription = Subscription(self.participant, msg_type, name, callback, qos)
-        self.participant.add(readers=(subscription.reader.gid,))
+        subscription = Subscription(self, msg_type, topic, callback, qos_profile)
         self.add_waitable(subscription)
         return subscription
 
@@ -140,9 +131,8 @@ class Node(Closeable):
         Raises:
             InvalidName: the name of the topic is invalid.
         """
-        name, qos = self.resolve_topic_name(topic), QoSProfile.of(qos_profile)
-        subscription = RawSubscription(self.participant, dds_type_name, name, callback, qos)
-        self.participant.add(readers=(subscription.reader.gid,))
+        sample_type = raw_dds_type(dds_type_name)
+        subscription = RawSubscription(self, sample_type, topic, callback, qos_profile)
         self.add_waitable(subscription)
         return subscription
 
@@ -151,7 +141,7 @@ class Node(Closeable):
         srv_type: str,
         srv_name: str,
         callback: Callable[[Any, Any], Message],
-        qos_profile: QoSProfile = SERVICES,
+        qos_profile: QoSProfile = DEFAULT,
     ) -> Service:
         """Create a service.
 
@@ -177,7 +167,7 @@ class Node(Closeable):
         srv_type: str,
         srv_name: str,
         callback: Callable[[Any, ServiceReply], None],
-        qos_profile: QoSProfile = SERVICES,
+        qos_profile: QoSProfile = DEFAULT,
     ) -> Service:
         """Create a service that may respond later; see `create_service` for the arguments.
 
@@ -185,16 +175,14 @@ class Node(Closeable):
         sent.
         """
         service = Service(self, srv_type, srv_name, callback, qos_profile)
-        self.participant.add((service.reader.gid,), (service.writer.gid,))
         self.add_waitable(service)
         return service
 
     def create_client(
-        self, srv_type: str, srv_name: str, qos_profile: QoSProfile = SERVICES
+        self, srv_type: str, srv_name: str, qos_profile: QoSProfile = DEFAULT
     ) -> Client:
         """Create a client of a service; see `create_service` for the arguments."""
         client = Client(self, srv_type, srv_name, qos_profile)
-        self.participant.add((client.reader.gid,), (client.writer.gid,))
         self.add_waitable(client)
         return client
 
@@ -224,10 +212,8 @@ class Node(Closeable):
         value: Any,
         description: str = "",
         *,
-        minimum: float | None = None,
-        maximum: float | None = None,
+        bounds: tuple[float, float] | None = None,
         read_only: bool = False,
-        validate: Callable[[Any], None] = lambda _: None,
         on_change: Callable[[Any], None] = lambda _: None,
     ) -> NodeParameter:
         """Declare a parameter; see `NodeParameter` for the arguments.
@@ -238,11 +224,8 @@ class Node(Closeable):
             RosError: the parameter is already declared, or its value has an unsupported type or is
                 out of its range.
         """
-        return self._parameter_server.declare(
-            NodeParameter(
-                name, value, description, minimum, maximum, read_only, validate, on_change
-            )
-        )
+        parameter = NodeParameter(name, value, description, bounds, read_only, on_change)
+        return self._parameter_server.declare(parameter)
 
     def get_parameter(self, name: str) -> NodeParameter:
         """Return a declared parameter.
@@ -273,11 +256,10 @@ class Node(Closeable):
         """Execute a waitable while the node spins, whenever its reader has received messages."""
         self._executor.add_waitable(waitable)
 
-    def destroy_subscription(self, subscription: Subscription | RawSubscription) -> None:
+    def destroy_subscription(self, subscription: RawSubscription) -> None:
         """Remove a subscription."""
         self._executor.remove_waitable(subscription)
-        self.participant.remove(subscription.reader.gid)
-        subscription.reader.close()
+        self.participant.destroy_reader(subscription.reader)
 
     def spin_once(self, timeout_sec: float = 0.1) -> None:
         """Wait for messages or a timer, at most `timeout_sec` s, and run the callbacks due."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from wbc.errors import did_you_mean
 from wbc.messages import Message, message_type
 from wbc.ros.errors import RosError
-from wbc.ros.qos import PARAMETER_EVENTS, PARAMETERS
+from wbc.ros.qos import PARAMETERS
 from wbc.ros.stamp import stamp_now
 
 if TYPE_CHECKING:
@@ -40,13 +40,22 @@ class ParameterType(IntEnum):
     DOUBLE_ARRAY = 8
     STRING_ARRAY = 9
 
+    def __str__(self) -> str:
+        return self.name.lower().replace("_", " ")
 
+
+#: Field of `ParameterValue` and type in Python, of the types that a parameter can have.
 _FIELDS: dict[ParameterType, tuple[str, type]] = {
     ParameterType.BOOL: ("bool_value", bool),
     ParameterType.INTEGER: ("integer_value", int),
     ParameterType.DOUBLE: ("double_value", float),
     ParameterType.STRING: ("string_value", str),
     ParameterType.DOUBLE_ARRAY: ("double_array_value", tuple),
+}
+#: Integers are also accepted where numbers are expected.
+_INTEGERS = {
+    ParameterType.DOUBLE: (ParameterType.INTEGER, "integer_value"),
+    ParameterType.DOUBLE_ARRAY: (ParameterType.INTEGER_ARRAY, "integer_array_value"),
 }
 
 
@@ -58,80 +67,64 @@ class NodeParameter:
         name: name of the parameter.
         value: bool, int, float, str or tuple of floats; the type does not change.
         description: description in one line, with the unit.
-        minimum: smallest value (of each number), or None.
-        maximum: largest value (of each number), or None.
-        read_only: other nodes cannot set it.
-        validate: called with a new value; raises `ValueError` to reject it.
+        bounds: smallest and largest value (of each number), or None.
+        read_only: whether other nodes cannot set it.
         on_change: called with a new value after it was set.
     """
 
     name: str
     value: Any
     description: str = ""
-    minimum: float | None = None
-    maximum: float | None = None
+    bounds: tuple[float, float] | None = None
     read_only: bool = False
-    validate: Callable[[Any], None] = field(default=lambda _: None)
     on_change: Callable[[Any], None] = field(default=lambda _: None)
 
     @property
     def type(self) -> ParameterType:
-        """Type of its value."""
-        return next(kind for kind, (_, t) in _FIELDS.items() if type(self.value) is t)
+        """Type of the value; NOT_SET if no parameter can have such a value."""
+        kinds = (kind for kind, (_, python) in _FIELDS.items() if type(self.value) is python)
+        return next(kinds, ParameterType.NOT_SET)
 
     def parse(self, message: Message) -> Any:
         """Return the value of a `ParameterValue`, if this parameter may be set to it.
 
         Raises:
-            ValueError: the value is rejected; the message says why.
+            ValueError: the value is rejected; the text states the reason.
         """
         if self.read_only:
             raise ValueError(f"{self.name} is read-only")
-        value = _value(message)
-        if type(self.value) is float and type(value) is int:
-            value = float(value)
-        elif type(self.value) is tuple and message.type == ParameterType.INTEGER_ARRAY:
-            value = tuple(float(x) for x in message.integer_array_value)
-        if type(value) is not type(self.value):
-            raise ValueError(
-                f"{self.name} is of type {_type_name(self.type)}, not {_type_name(message.type)}"
-            )
-        self._check(value)
+        name, python = _FIELDS[self.type]
+        integer, integer_name = _INTEGERS.get(self.type, (None, ""))
+        if message.type == integer:
+            name = integer_name
+        elif message.type != self.type:
+            raise ValueError(f"{self.name} is of type {self.type}, not {_type_name(message.type)}")
+        value = getattr(message, name)
+        value = tuple(float(number) for number in value) if python is tuple else python(value)
+        self.check(value)
         return value
 
-    def _check(self, value: Any) -> None:
-        if type(value) is tuple and len(value) != len(self.value):
-            raise ValueError(f"{self.name} has {len(self.value)} numbers, not {len(value)}")
-        for number in value if type(value) is tuple else (value,):
-            if type(number) in (int, float):
-                self._check_range(number)
-        self.validate(value)
-
-    def _check_range(self, number: float) -> None:
-        low = -math.inf if self.minimum is None else self.minimum
-        high = math.inf if self.maximum is None else self.maximum
-        if not (math.isfinite(number) and low <= number <= high):
-            raise ValueError(f"{self.name} = {number:g} is out of its range, {low:g} to {high:g}")
-
-    def check_declaration(self) -> None:
-        """Check the type and the initial value.
+    def check(self, value: Any) -> None:
+        """Check the length and the range of a value.
 
         Raises:
-            RosError: the value has an unsupported type or is out of its range.
+            ValueError: the parameter may not have this value.
         """
-        if type(self.value) not in {kind for _, kind in _FIELDS.values()}:
-            raise RosError(
-                f"parameter '{self.name}' = {self.value!r}: use a bool, int, float, str or tuple "
-                "of floats"
-            )
-        try:
-            self._check(self.value)
-        except ValueError as error:
-            raise RosError(f"parameter {error}") from error
+        if type(value) is tuple and len(value) != len(self.value):
+            raise ValueError(f"{self.name} has {len(self.value)} numbers, not {len(value)}")
+        low, high = self.bounds or (-math.inf, math.inf)
+        for number in value if type(value) is tuple else (value,):
+            if type(number) in (int, float) and not (
+                math.isfinite(number) and low <= number <= high
+            ):
+                raise ValueError(
+                    f"{self.name} = {number:g} is out of its range, {low:g} to {high:g}"
+                )
 
     def to_message(self) -> Message:
         """Return the value as `ParameterValue`."""
-        return _VALUE(type=self.type, **{_FIELDS[self.type][0]: self.value})
+        fields = {_FIELDS[self.type][0]: self.value} if self.type in _FIELDS else {}
+        return _VALUE(type=self.type, **fields)
 
     def descriptor(self) -> Message:
         """Return the description as `ParameterDescriptor`."""
@@ -141,13 +134,13 @@ class NodeParameter:
             description=self.description,
             read_only=self.read_only,
         )
-        if self.minimum is not None and self.maximum is not None:
+        if self.bounds is not None:
+            low, high = self.bounds
             if self.type == ParameterType.INTEGER:
-                span = _INTEGER_RANGE(from_value=int(self.minimum), to_value=int(self.maximum))
-                descriptor.integer_range = [span]
+                limits = _INTEGER_RANGE(from_value=int(low), to_value=int(high))
+                descriptor.integer_range = [limits]
             else:
-                span = _FLOAT_RANGE(from_value=self.minimum, to_value=self.maximum)
-                descriptor.floating_point_range = [span]
+                descriptor.floating_point_range = [_FLOAT_RANGE(from_value=low, to_value=high)]
         return descriptor
 
 
@@ -160,104 +153,98 @@ class ParameterServer:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._all: dict[str, NodeParameter] = {}
-        self._events = node.create_publisher(_EVENT, "/parameter_events", PARAMETER_EVENTS)
-        for kind, callback in (
-            ("DescribeParameters", self._describe),
-            ("GetParameterTypes", self._types),
-            ("GetParameters", self._get),
-            ("ListParameters", self._list),
-            ("SetParameters", self._set),
-            ("SetParametersAtomically", self._set_atomically),
+        self._parameters: dict[str, NodeParameter] = {}
+        self._events = node.create_publisher(_EVENT, "/parameter_events", PARAMETERS)
+        for service, callback in (
+            ("DescribeParameters", self._describe_parameters),
+            ("GetParameterTypes", self._get_parameter_types),
+            ("GetParameters", self._get_parameters),
+            ("ListParameters", self._list_parameters),
+            ("SetParameters", self._set_parameters),
+            ("SetParametersAtomically", self._set_parameters_atomically),
         ):
-            name = "".join("_" + c.lower() if c.isupper() else c for c in kind)[1:]
-            node.create_service(f"rcl_interfaces/srv/{kind}", f"~/{name}", callback, PARAMETERS)
+            name = f"~/{callback.__name__[1:]}"
+            node.create_service(f"rcl_interfaces/srv/{service}", name, callback, PARAMETERS)
 
     def declare(self, parameter: NodeParameter) -> NodeParameter:
         """Add a parameter; see `Node.declare_parameter`."""
-        if parameter.name in self._all:
+        if parameter.name in self._parameters:
             raise RosError(f"parameter '{parameter.name}' is already declared")
-        parameter.check_declaration()
-        self._all[parameter.name] = parameter
+        if parameter.type is ParameterType.NOT_SET:
+            raise RosError(
+                f"parameter '{parameter.name}' = {parameter.value!r}: use a bool, int, float, str "
+                "or tuple of floats"
+            )
+        try:
+            parameter.check(parameter.value)
+        except ValueError as error:
+            raise RosError(f"parameter {error}") from error
+        self._parameters[parameter.name] = parameter
         return parameter
 
     def get(self, name: str) -> NodeParameter:
         """Return a parameter; see `Node.get_parameter`."""
-        if name not in self._all:
-            raise RosError(f"parameter '{name}' is not declared{did_you_mean(name, self._all)}")
-        return self._all[name]
+        if name not in self._parameters:
+            near = did_you_mean(name, sorted(self._parameters))
+            raise RosError(f"there is no parameter '{name}'{near}")
+        return self._parameters[name]
 
-    def _describe(self, request: Any, response: Any) -> Any:
-        response.descriptors = [
-            self._all[name].descriptor() if name in self._all else _DESCRIPTOR(name=name)
-            for name in request.names
-        ]
+    def _requested(self, request: Any) -> list[NodeParameter]:
+        """Return the parameters that a request names; those not declared have no value."""
+        return [self._parameters.get(name, NodeParameter(name, None)) for name in request.names]
+
+    def _describe_parameters(self, request: Any, response: Any) -> Any:
+        response.descriptors = [parameter.descriptor() for parameter in self._requested(request)]
         return response
 
-    def _types(self, request: Any, response: Any) -> Any:
-        unset = ParameterType.NOT_SET
-        response.types = [self._all[n].type if n in self._all else unset for n in request.names]
+    def _get_parameter_types(self, request: Any, response: Any) -> Any:
+        response.types = [parameter.type for parameter in self._requested(request)]
         return response
 
-    def _get(self, request: Any, response: Any) -> Any:
-        response.values = [
-            self._all[n].to_message() if n in self._all else _VALUE() for n in request.names
-        ]
+    def _get_parameters(self, request: Any, response: Any) -> Any:
+        response.values = [parameter.to_message() for parameter in self._requested(request)]
         return response
 
-    def _list(self, request: Any, response: Any) -> Any:
-        """Names below the given prefixes, at most `depth` levels deep; all without prefixes."""
-        found = []
-        for name in sorted(self._all):
-            for prefix in request.prefixes or [""]:
-                rest = name.removeprefix(f"{prefix}.") if prefix else name
-                below = not prefix or rest != name or name == prefix
-                if below and (request.depth == 0 or rest.count(".") < request.depth):
-                    found.append(name)
-                    break
-        response.result.names = found
-        response.result.prefixes = sorted({n.rpartition(".")[0] for n in found if "." in n})
+    def _list_parameters(self, request: Any, response: Any) -> Any:
+        """List the names below the given prefixes, at most `depth` levels deep."""
+
+        def is_listed(name: str, prefix: str) -> bool:
+            rest = name.removeprefix(f"{prefix}.") if prefix else name
+            below = not prefix or rest != name or name == prefix
+            return below and (request.depth == 0 or rest.count(".") < request.depth)
+
+        prefixes = request.prefixes or [""]
+        names = [n for n in sorted(self._parameters) if any(is_listed(n, p) for p in prefixes)]
+        response.result.names = names
+        response.result.prefixes = sorted({n.rpartition(".")[0] for n in names if "." in n})
         return response
 
-    def _set(self, request: Any, response: Any) -> Any:
-        response.results = [self._apply([one]) for one in request.parameters]
+    def _set_parameters(self, request: Any, response: Any) -> Any:
+        response.results = [self._set([parameter]) for parameter in request.parameters]
         return response
 
-    def _set_atomically(self, request: Any, response: Any) -> Any:
-        response.result = self._apply(request.parameters)
+    def _set_parameters_atomically(self, request: Any, response: Any) -> Any:
+        response.result = self._set(request.parameters)
         return response
 
-    def _apply(self, requested: Sequence[Any]) -> Message:
+    def _set(self, requested: Sequence[Any]) -> Message:
         """Set all of these parameters, or none."""
         try:
-            values = []
-            for one in requested:
-                if one.name not in self._all:
-                    hint = did_you_mean(one.name, sorted(self._all))
-                    raise ValueError(f"there is no parameter '{one.name}'{hint}")
-                values.append((self._all[one.name], self._all[one.name].parse(one.value)))
-        except ValueError as error:
+            parameters = [self.get(one.name) for one in requested]
+            values = [p.parse(r.value) for p, r in zip(parameters, requested, strict=True)]
+        except (RosError, ValueError) as error:
             return _RESULT(successful=False, reason=str(error))
-        for parameter, value in values:
+        for parameter, value in zip(parameters, values, strict=True):
             parameter.value = value
             parameter.on_change(value)
-        self._publish_event([parameter for parameter, _ in values])
+        event: Any = _EVENT(node=self._node.fully_qualified_name, stamp=stamp_now())
+        event.changed_parameters = [
+            _PARAMETER(name=p.name, value=p.to_message()) for p in parameters
+        ]
+        self._events.publish(event)
         return _RESULT(successful=True)
 
-    def _publish_event(self, changed: Sequence[NodeParameter]) -> None:
-        event: Any = _EVENT(node=self._node.fully_qualified_name, stamp=stamp_now())
-        event.changed_parameters = [_PARAMETER(name=p.name, value=p.to_message()) for p in changed]
-        self._events.publish(event)
 
-
-def _value(message: Message) -> Any:
-    name, kind = _FIELDS.get(message.type, ("", type))
-    if not name:
-        return None
-    value = getattr(message, name)
-    return tuple(float(x) for x in value) if kind is tuple else kind(value)
-
-
-def _type_name(kind: int) -> str:
-    known = kind in ParameterType._value2member_map_
-    return ParameterType(kind).name.lower().replace("_", " ") if known else f"unknown ({kind})"
+def _type_name(number: int) -> str:
+    known = number in ParameterType._value2member_map_
+    return str(ParameterType(number)) if known else f"unknown ({number})"

@@ -5,20 +5,20 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from wbc.ros.dds_endpoints import DdsWriter
+from wbc.ros.dds_endpoints import DdsReader, DdsWriter
 from wbc.ros.dds_types import import_cyclonedds
 from wbc.ros.discovery import TOPIC, DiscoveryFormat, NodeEntities
 from wbc.ros.network import Network
-from wbc.ros.qos import DISCOVERY_INFO
+from wbc.ros.qos import LATCHED, QoSProfile
 
 
 class Participant:
-    """The DDS participant of one node.
+    """The DDS participant of one node, which announces the node's readers and writers.
 
     Args:
         namespace: namespace of the node.
         name: name of the node.
-        network: where the node looks for others.
+        network: DDS domain and network interface.
 
     Attributes:
         dds: the domain participant of Cyclone DDS.
@@ -42,28 +42,36 @@ class Participant:
         )
         self.guid: bytes = self.dds.guid.bytes
         self.discovery_format = form = DiscoveryFormat.from_environment()
-        self._entities = NodeEntities(namespace, name)
-        self._writer = DdsWriter(self, TOPIC, form.dds_type(), DISCOVERY_INFO, form.user_data())
-        self._announce()
+        self._writers: list[DdsWriter] = []  # Cyclone DDS removes writers without a reference
+        self._discovery = DdsWriter(self.dds, TOPIC, form.dds_type(), LATCHED, form.user_data())
+        self._announce(NodeEntities(namespace, name))
 
-    def add(self, readers: tuple[bytes, ...] = (), writers: tuple[bytes, ...] = ()) -> None:
-        """Announce that the node has these endpoints, given by their 16-byte ids."""
-        old = self._entities
-        self._entities = replace(old, readers=old.readers + readers, writers=old.writers + writers)
-        self._announce()
+    def create_writer(
+        self, topic: str, sample_type: Any, qos_profile: QoSProfile, user_data: str
+    ) -> DdsWriter:
+        """Create a writer that belongs to the node; see `DdsWriter` for the arguments."""
+        writer = DdsWriter(self.dds, topic, sample_type, qos_profile, user_data)
+        self._writers.append(writer)
+        self._announce(replace(self._entities, writers=(*self._entities.writers, writer.gid)))
+        return writer
 
-    def remove(self, *gids: bytes) -> None:
-        """Announce that the node no longer has these endpoints."""
-        old = self._entities
-        self._entities = replace(
-            old,
-            readers=tuple(gid for gid in old.readers if gid not in gids),
-            writers=tuple(gid for gid in old.writers if gid not in gids),
-        )
-        self._announce()
+    def create_reader(
+        self, topic: str, sample_type: Any, qos_profile: QoSProfile, user_data: str
+    ) -> DdsReader:
+        """Create a reader that belongs to the node; see `DdsWriter` for the arguments."""
+        reader = DdsReader(self.dds, topic, sample_type, qos_profile, user_data)
+        self._announce(replace(self._entities, readers=(*self._entities.readers, reader.gid)))
+        return reader
 
-    def _announce(self) -> None:
-        self._writer.write(self.discovery_format.encode(self.guid, (self._entities,)))
+    def destroy_reader(self, reader: DdsReader) -> None:
+        """Remove a reader of the node."""
+        readers = tuple(gid for gid in self._entities.readers if gid != reader.gid)
+        self._announce(replace(self._entities, readers=readers))
+        reader.close()
+
+    def _announce(self, entities: NodeEntities) -> None:
+        self._entities = entities
+        self._discovery.write(self.discovery_format.encode(self.guid, (entities,)))
 
     def leave(self) -> None:
         """Leave the domain with all endpoints; the others are notified at once."""

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cyclonedds.qos import Qos as DdsQos
+
+_INFINITE = (1 << 63) - 1  # ns
 
 
 class ReliabilityPolicy(Enum):
@@ -84,20 +86,16 @@ class QoSProfile:
         """
         from cyclonedds.core import Policy
         from cyclonedds.core import Qos as DdsQos
-        from cyclonedds.util import duration
 
         keep_all = self.history is HistoryPolicy.KEEP_ALL
         history = Policy.History.KeepAll if keep_all else Policy.History.KeepLast(self.depth)
+        reliability, durability = Policy.Reliability, Policy.Durability
         policies = [
             history,
-            Policy.Reliability.Reliable(duration(infinite=True))
-            if self.reliable
-            else Policy.Reliability.BestEffort,
-            Policy.Durability.TransientLocal
-            if self.transient_local
-            else Policy.Durability.Volatile,
+            reliability.Reliable(_INFINITE) if self.reliable else reliability.BestEffort,
+            durability.TransientLocal if self.transient_local else durability.Volatile,
             Policy.WriterDataLifecycle(autodispose=False),
-            Policy.Liveliness.Automatic(duration(infinite=True)),
+            Policy.Liveliness.Automatic(_INFINITE),
             Policy.DataRepresentation(
                 use_cdrv0_representation=True, use_xcdrv2_representation=False
             ),
@@ -115,27 +113,44 @@ class QoSProfile:
                 )
             )
         if self.lifespan is not None:
-            policies.append(Policy.Lifespan(duration(seconds=self.lifespan)))
+            policies.append(Policy.Lifespan(round(1e9 * self.lifespan)))
         if user_data:
             policies.append(Policy.Userdata(user_data.encode()))
         return DdsQos(*policies)
 
+    @staticmethod
+    def from_dds(qos: DdsQos) -> QoSProfile:
+        """Return a discovered quality of service; some DDS implementations omit the depth."""
+        from cyclonedds.core import Policy
 
-_TRANSIENT_LOCAL = DurabilityPolicy.TRANSIENT_LOCAL
+        def policy(kind: Any) -> Any:
+            return qos[kind] if kind in qos else None  # noqa: SIM401  it has no get
 
+        depth = getattr(policy(Policy.History), "depth", 0)
+        reliable = policy(Policy.Reliability) not in (None, Policy.Reliability.BestEffort)
+        volatile = policy(Policy.Durability) in (None, Policy.Durability.Volatile)
+        lifespan = getattr(policy(Policy.Lifespan), "lifespan", _INFINITE)
+        return QoSProfile(
+            depth,
+            ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+            DurabilityPolicy.VOLATILE if volatile else DurabilityPolicy.TRANSIENT_LOCAL,
+            HistoryPolicy.KEEP_LAST if depth else HistoryPolicy.KEEP_ALL,
+            None if lifespan >= _INFINITE else 1e-9 * lifespan,
+        )
+
+
+#: Topics, services and action topics.
 DEFAULT = QoSProfile()
-LATCHED = QoSProfile(depth=1, durability=_TRANSIENT_LOCAL)
+#: Late subscriptions receive the last message.
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 #: 0.2 s of messages at 500 Hz: more than a reader needs to ask for a lost message.
 HIGH_RATE = QoSProfile(depth=100)
-SENSOR_DATA = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-SERVICES = QoSProfile()
+#: Parameter services and events.
 PARAMETERS = QoSProfile(depth=1000)
-PARAMETER_EVENTS = QoSProfile(depth=1000)
 #: Reliable, hence compatible with best-effort subscriptions (those of `rclcpp`) and reliable ones.
 CLOCK = QoSProfile(depth=1)
-ROSOUT = QoSProfile(depth=1000, durability=_TRANSIENT_LOCAL, lifespan=10.0)
-TF = QoSProfile(depth=100)
-ACTION_STATUS = LATCHED
-DISCOVERY_INFO = LATCHED
+ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=10.0)
 #: The type has no key, so that keeping the last message would keep one message of all writers.
-DISCOVERY_INFO_OF_ALL = QoSProfile(durability=_TRANSIENT_LOCAL, history=HistoryPolicy.KEEP_ALL)
+DISCOVERY_INFO_OF_ALL = QoSProfile(
+    durability=DurabilityPolicy.TRANSIENT_LOCAL, history=HistoryPolicy.KEEP_ALL
+)

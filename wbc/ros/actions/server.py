@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from wbc.messages import Message, message_type
 from wbc.ros.actions.goal_status import GoalStatus
-from wbc.ros.qos import ACTION_STATUS
+from wbc.ros.qos import LATCHED
 from wbc.ros.stamp import stamp_now
 
 if TYPE_CHECKING:
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from wbc.ros.services import ServiceReply
 
 CANCEL_SERVICE = "action_msgs/srv/CancelGoal"
-_CANCEL_CODES = {"NONE": 0, "REJECTED": 1, "UNKNOWN_GOAL_ID": 2, "GOAL_TERMINATED": 3}
 _GOAL_INFO = message_type("action_msgs/msg/GoalInfo")
 _STATUS = message_type("action_msgs/msg/GoalStatus")
 _STATUS_ARRAY = message_type("action_msgs/msg/GoalStatusArray")
@@ -99,27 +98,26 @@ class ActionServer:
         self.goal_type = message_type(f"{action_type}_Goal")
         self.result_type = message_type(f"{action_type}_Result")
         self.feedback_type = message_type(f"{action_type}_Feedback")
-        self._feedback_message = message_type(f"{action_type}_FeedbackMessage")
-        self._goal_response = message_type(f"{action_type}_SendGoal_Response")
-        self._result_response = message_type(f"{action_type}_GetResult_Response")
         self.goals: dict[bytes, ServerGoalHandle] = {}
         prefix = f"{node.resolve_topic_name(action_name)}/_action"
-        node.create_deferred_service(
+        self._send_goal = node.create_deferred_service(
             f"{action_type}_SendGoal", f"{prefix}/send_goal", self._on_goal
         )
         node.create_service(CANCEL_SERVICE, f"{prefix}/cancel_goal", self._on_cancel)
-        node.create_deferred_service(
+        self._get_result = node.create_deferred_service(
             f"{action_type}_GetResult", f"{prefix}/get_result", self._on_result
         )
-        self._feedback = node.create_publisher(self._feedback_message, f"{prefix}/feedback")
-        self._status = node.create_publisher(_STATUS_ARRAY, f"{prefix}/status", ACTION_STATUS)
+        self._feedback = node.create_publisher(
+            f"{action_type}_FeedbackMessage", f"{prefix}/feedback"
+        )
+        self._status = node.create_publisher(_STATUS_ARRAY, f"{prefix}/status", LATCHED)
         self._publish_status()
 
     def _on_goal(self, request: Any, reply: ServiceReply) -> None:
         goal_id = bytes(request.goal_id.uuid)
         self._remove_expired()
         accepted = goal_id not in self.goals and self._goal_callback(request.goal)
-        reply.send(self._goal_response(accepted=accepted, stamp=stamp_now()))
+        reply.send(self._send_goal.response_type(accepted=accepted, stamp=stamp_now()))
         if not accepted:
             return
         goal = self.goals[goal_id] = ServerGoalHandle(self, goal_id, request.goal, reply)
@@ -130,39 +128,39 @@ class ActionServer:
     def _on_result(self, request: Any, reply: ServiceReply) -> None:
         goal = self.goals.get(bytes(request.goal_id.uuid))
         if goal is None:
-            reply.send(self._result_response(status=GoalStatus.UNKNOWN))
+            reply.send(self._get_result.response_type(status=GoalStatus.UNKNOWN))
         elif goal.result is not None:
-            reply.send(self._result_response(status=goal.status, result=goal.result))
+            reply.send(self._get_result.response_type(status=goal.status, result=goal.result))
         else:
             goal.pending.append(reply)
 
     def _on_cancel(self, request: Any, response: Any) -> Any:
         """Cancel all goals, one goal, or those accepted before some time; see `CancelGoal`."""
         goal_id, stamp = bytes(request.goal_info.goal_id.uuid), request.goal_info.stamp
-        before = (stamp.sec, stamp.nanosec)
-        every = not any(goal_id) and before == (0, 0)
-        if any(goal_id) and goal_id not in self.goals:
-            response.return_code = _CANCEL_CODES["UNKNOWN_GOAL_ID"]
+        has_id, has_stamp = any(goal_id), (stamp.sec, stamp.nanosec) != (0, 0)
+        if has_id and goal_id not in self.goals:
+            response.return_code = response.ERROR_UNKNOWN_GOAL_ID
             return response
-        if any(goal_id) and before == (0, 0) and self.goals[goal_id].status.terminal:
-            response.return_code = _CANCEL_CODES["GOAL_TERMINATED"]
+        if has_id and not has_stamp and self.goals[goal_id].status.terminal:
+            response.return_code = response.ERROR_GOAL_TERMINATED
             return response
-        canceling = []
         for goal in tuple(self.goals.values()):
-            accepted = (goal.info.stamp.sec, goal.info.stamp.nanosec)
-            selected = every or goal.goal_id == goal_id or (before != (0, 0) and accepted <= before)
+            accepted = goal.info.stamp
+            is_earlier = (accepted.sec, accepted.nanosec) <= (stamp.sec, stamp.nanosec)
+            selected = goal.goal_id == goal_id or (is_earlier if has_stamp else not has_id)
             if selected and not goal.status.terminal and self._cancel_callback(goal):
                 if not goal.status.terminal:
                     goal.status = GoalStatus.CANCELING
-                canceling.append(goal.info)
+                response.goals_canceling.append(goal.info)
         self._publish_status()
-        response.return_code = _CANCEL_CODES["NONE" if canceling else "REJECTED"]
-        response.goals_canceling = canceling
+        if not response.goals_canceling:
+            response.return_code = response.ERROR_REJECTED
         return response
 
     def publish_feedback(self, goal: ServerGoalHandle, feedback: Message) -> None:
         """Publish feedback; see `ServerGoalHandle.publish_feedback`."""
-        self._feedback.publish(self._feedback_message(goal_id=goal.info.goal_id, feedback=feedback))
+        message = self._feedback.msg_type(goal_id=goal.info.goal_id, feedback=feedback)
+        self._feedback.publish(message)
 
     def finish(self, goal: ServerGoalHandle, status: GoalStatus, result: Message) -> None:
         """Finish a goal; see `ServerGoalHandle.finish`."""
@@ -171,7 +169,7 @@ class ActionServer:
         self._publish_status()
         pending, goal.pending = goal.pending, []
         for reply in pending:
-            reply.send(self._result_response(status=status, result=result))
+            reply.send(self._get_result.response_type(status=status, result=result))
 
     def _remove_expired(self) -> None:
         oldest = time.monotonic() - _RESULT_TIMEOUT

@@ -18,23 +18,22 @@ _RATE = 100.0  # Hz of the wall clock
 class PlantClock:
     """Publishes the plant's time on `/clock`, and stamps messages with it if `use_sim_time` is set.
 
-    Nodes whose `use_sim_time` is true take their time from `/clock`, and expect stamps
-    of that time. The parameter `use_sim_time` of this node selects it; otherwise stamps are the
-    system's time. The time is continuous over resets, because a time that jumps back empties the
-    buffers of `tf2`.
+    Nodes whose `use_sim_time` is true take their time from `/clock` and expect stamps of that time.
+    The parameter `use_sim_time` of this node selects it; otherwise stamps are system time. The
+    time is continuous over resets, because a time that jumps back clears the buffers of `tf2`.
 
     Args:
         node: node of a simulated robot.
-        use: initial value of the parameter.
+        use_sim_time: initial value of the parameter.
     """
 
-    def __init__(self, node: Node, use: bool) -> None:
-        self._use = node.declare_parameter(
-            "use_sim_time", use, "stamp messages with the plant's time, published on /clock"
+    def __init__(self, node: Node, use_sim_time: bool) -> None:
+        self._use_sim_time = node.declare_parameter(
+            "use_sim_time", use_sim_time, "stamp messages with the plant's time"
         )
         self._publisher = node.create_publisher(_CLOCK.type_name, "/clock", CLOCK)
-        # Ticks may arrive at no more than this rate, and with jitter.
-        self._due = RateLimiter(_RATE, 0.4 / _RATE)
+        # Ticks may arrive at just this rate, and with jitter.
+        self._limiter = RateLimiter(_RATE, 0.4 / _RATE)
         self._run = 0
         self._offset = self._latest = 0.0
 
@@ -43,6 +42,6 @@ class PlantClock:
         if tick.run != self._run:
             self._run, self._offset = tick.run, self._latest
         self._latest = tick.time + self._offset
-        if self._due.is_due(tick.stamp):
+        if self._limiter.is_due(tick.stamp):
             self._publisher.publish(_CLOCK(clock=stamp_from_seconds(self._latest)))
-        return replace(tick, stamp=self._latest) if self._use.value else tick
+        return replace(tick, stamp=self._latest) if self._use_sim_time.value else tick

@@ -1,4 +1,4 @@
-"""The topic `cmd_vel`: a velocity command that times out unless it is renewed."""
+"""The topic `cmd_vel`: a velocity command that expires unless it is renewed."""
 
 from __future__ import annotations
 
@@ -12,15 +12,12 @@ from wbc.teleop import CommandClient, CommandRefused, VelocityCommand
 
 logger = logging.getLogger(__name__)
 
-Velocity = tuple[float, float, float]
-STANDING: Velocity = (0.0, 0.0, 0.0)
-
 
 class CmdVel:
-    """Sends velocities from `cmd_vel`, and those of actions that walk.
+    """Sends velocity commands: those of messages on `cmd_vel`, and those of actions that walk.
 
     Args:
-        node: subscribes to the topic.
+        node: node that subscribes to the topic.
         client: sends the commands.
 
     Attributes:
@@ -32,26 +29,22 @@ class CmdVel:
         self._client = client
         self.max_velocity = client.capabilities.max_velocity
         self._timeout = node.declare_parameter(
-            "cmd_vel_timeout",
-            0.5,
-            "time without cmd_vel after which the robot stops, s",
-            minimum=0.05,
-            maximum=10.0,
+            "cmd_vel_timeout", 0.5, "validity of a message on cmd_vel, s", bounds=(0.05, 10.0)
         )
         self.on_override: Callable[[], None] = lambda: None
-        node.create_subscription("geometry_msgs/msg/Twist", "cmd_vel", self._on_message)
+        node.create_subscription("geometry_msgs/msg/Twist", "cmd_vel", self._on_twist)
 
-    def _on_message(self, message: Any, _: Any) -> None:
+    def _on_twist(self, message: Any) -> None:
         velocity = (message.linear.x, message.linear.y, message.angular.z)
         if not all(map(math.isfinite, velocity)):
-            logger.warning("cmd_vel %s is not finite: ignored", velocity)
+            logger.warning("cmd_vel: ignored %s, which is not finite", velocity)
             return
-        if velocity != STANDING:
+        if any(velocity):
             self.on_override()
-        self.walk(velocity, float(self._timeout.value))
+        self.walk(velocity, self._timeout.value)
 
-    def walk(self, velocity: Velocity, timeout: float) -> None:
-        """Walk at a velocity, clamped to what the gait can do.
+    def walk(self, velocity: tuple[float, float, float], timeout: float) -> None:
+        """Walk at a velocity, clamped to the limits of the gait.
 
         Args:
             velocity: forward, left (m/s) and turn (rad/s).
@@ -64,8 +57,8 @@ class CmdVel:
         try:
             self._client.send(VelocityCommand(forward, left, turn, timeout))
         except CommandRefused as error:
-            logger.warning("velocity: %s", error)
+            logger.warning("velocity command: %s", error)
 
     def stand(self) -> None:
         """Stop walking."""
-        self.walk(STANDING, 0.0)
+        self.walk((0.0, 0.0, 0.0), 0.0)

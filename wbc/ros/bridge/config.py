@@ -1,4 +1,4 @@
-"""What the node's process is configured with when it starts."""
+"""Configuration of the process in which the robot's node runs."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class NodeConfig:
-    """Configuration of the node's process.
+    """Configuration of the process in which the robot's node runs.
 
     Attributes:
-        robot: the robot whose node it is.
+        robot: the robot.
         name: name of the node.
         namespace: namespace of the node.
-        network: where the node looks for others.
-        channel: of the commands.
-        update_rate: of the joint states, Hz.
-        use_sim_time: whether messages are stamped with the plant's time.
+        network: DDS domain and network interface.
+        channel: configuration of the command channel.
+        update_rate: initial rate of the joint states, Hz.
+        use_sim_time: whether messages are initially stamped with the plant's time.
         dt: control period, s.
-        parent: process whose end ends the node.
-        topics: further topics of the node.
+        parent: id of the process whose end also ends the node.
+        topics: additional topics of the node.
     """
 
     robot: Robot

@@ -1,8 +1,8 @@
 """Topics of the robot's node that are not quantities of the tick.
 
-To add a topic, write a function that fills its message, and declare the topic in `TOPICS`. To add
-one without changing the library, pass it to `Bridge(topics=[...])`. A quantity of the tick becomes
-a topic by its declaration in `wbc.runtime`.
+To add a topic, write a function that fills its message and declare the topic in `TOPICS`, or pass
+the topic to `Bridge(topics=[...])`, which needs no change of the library. A quantity of the tick
+becomes a topic by its declaration in `wbc.runtime.quantities`.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from wbc.messages import message_type
 from wbc.robot import Robot
 from wbc.ros.errors import RosError
 from wbc.ros.node import Node
-from wbc.ros.publisher import Publisher
 from wbc.ros.qos import LATCHED, QoSProfile
 from wbc.ros.stamp import stamp_from_seconds, stamp_now
+from wbc.ros.topics import Publisher
 
 logger = logging.getLogger(__name__)
 
@@ -59,7 +59,7 @@ class NodeTopic:
         """Check that the node's process can import `fill`.
 
         Raises:
-            RosError: it is not defined at the top level of an importable module.
+            RosError: `fill` is not defined at the top level of an importable module.
         """
         module = getattr(self.fill, "__module__", "__main__")
         name = getattr(self.fill, "__qualname__", "<lambda>")
@@ -71,10 +71,10 @@ class NodeTopic:
 
 
 class NodeTopics:
-    """Publishes the topics.
+    """Publishes topics, each once or at its rate.
 
     Args:
-        node: the node.
+        node: node that publishes the topics.
         robot: the robot.
         topics: the topics.
         latest_tick: returns the latest tick, or None before the first one.
@@ -103,7 +103,7 @@ class NodeTopics:
         try:
             topic.fill(message, self._robot, tick)
             publisher.publish(message)
-        except Exception as error:  # one topic must not end the node
+        except Exception as error:  # one topic must not stop the node
             logger.error("topic %s: %s: %s", topic.name, type(error).__name__, error)
 
 

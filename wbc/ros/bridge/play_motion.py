@@ -1,8 +1,8 @@
-"""The action that plays a motion: `play_motion2`, of the type that PAL Robotics' robots have.
+"""The action `play_motion2`, which plays a motion, of the type that PAL Robotics defines.
 
-A type that is there already and not one of ours, so clients exist. `motion_name` is a name, then
-parameters: `squat`, `squat depth=15 times=2`. `skip_planning` is not used: a motion without its
-plan could not be played.
+An existing type is used so that existing clients work. `motion_name` is the name of a motion,
+followed by parameters: `squat`, `squat depth=15 times=2`. The field `skip_planning` is ignored,
+because a motion cannot be played without its plan.
 """
 
 from __future__ import annotations
@@ -11,17 +11,16 @@ import logging
 from typing import Any
 
 from wbc.errors import MotionError
-from wbc.messages import message_type
+from wbc.messages import Message, message_type
 from wbc.motions import Motion
 from wbc.motions.engine import parse_motion
-from wbc.ros.actions import ActionServer, GoalStatus, ServerGoalHandle
+from wbc.ros.actions import GoalStatus, ServerGoalHandle
 from wbc.ros.bridge.cmd_vel import CmdVel
 from wbc.ros.bridge.navigate_to_pose import NavigateToPose
+from wbc.ros.bridge.robot_action import RobotAction
 from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.node import Node
-from wbc.ros.rate_limiter import RateLimiter
 from wbc.ros.stamp import stamp_from_seconds
-from wbc.runtime.mode import Mode
 from wbc.teleop import (
     Acknowledgement,
     CommandClient,
@@ -37,147 +36,100 @@ NAME = "play_motion2"
 TYPE = "play_motion2_msgs/action/PlayMotion2"
 _LIST = "play_motion2_msgs/srv/ListMotions"
 _READY = "play_motion2_msgs/srv/IsMotionReady"
-_FEEDBACK_RATE = 5.0  # Hz
 
 
-class PlayMotion:
-    """Serves the action, and the two services that go with it.
+class PlayMotion(RobotAction):
+    """Serves the action and the services `list_motions` and `is_motion_ready`.
 
-    A goal is over when the robot stands again; when it is cancelled, or when its client is gone,
-    the robot stops first. Another goal takes its place, and so does walking.
+    A goal succeeds when the motion is over and the robot stands. Walking aborts the goal, unless
+    the motion can be played while walking.
 
     Args:
-        node: serves the action.
+        node: node that serves the action.
         client: plans the motions and sends the commands.
-        cmd_vel: stops when a motion begins.
+        cmd_vel: stops walking when a motion begins.
         navigate: its goal is aborted when a motion begins.
     """
 
     def __init__(
         self, node: Node, client: CommandClient, cmd_vel: CmdVel, navigate: NavigateToPose
     ) -> None:
+        super().__init__(node, TYPE, NAME)
         self._client, self._cmd_vel, self._navigate = client, cmd_vel, navigate
         client.on_motion_sent = self._on_motion_sent
         self._motions = client.capabilities.motions
-        self._server = ActionServer(
-            node,
-            TYPE,
-            NAME,
-            goal_callback=self._accept,
-            handle_accepted_callback=self._begin,
-            cancel_callback=self._cancel,
-        )
-        self._list = message_type(f"{_LIST}_Response")(motion_keys=[m.name for m in self._motions])
-        node.create_service(_LIST, f"{NAME}/list_motions", lambda *_: self._list)
-        node.create_service(_READY, f"{NAME}/is_motion_ready", self._is_ready)
-        self._feedback_due = RateLimiter(_FEEDBACK_RATE)
-        self._tick: StampedTick | None = None
-        self._goal: ServerGoalHandle | None = None
-        self._command = 0  # number of the goal's command
-        self._sent = False  # the goal's motion is in the loop, no longer being planned
-        self._orphaned = False  # the loop plays the motion of an earlier goal
-        self._ending: tuple[GoalStatus, str] | None = None
-
-    def take(self, tick: StampedTick) -> None:
-        """Take a tick of the loop."""
-        before, self._tick = self._tick, tick
-        goal = self._goal
-        if goal is None:
-            return
-        if before is not None and tick.run != before.run:
-            self.abort("the robot was reset")
-        elif tick.mode is Mode.FALLEN:
-            self.abort("the robot fell")
-        elif self._sent and self._ending is None and not goal.client_alive:
-            self._stop_motion(GoalStatus.ABORTED, "the client of the goal has disconnected")
-        elif self._sent and self._feedback_due.is_due(tick.stamp):
-            feedback: Any = self._server.feedback_type(current_time=stamp_from_seconds(tick.stamp))
-            goal.publish_feedback(feedback)
+        names = message_type(f"{_LIST}_Response")(motion_keys=[m.name for m in self._motions])
+        node.create_service(_LIST, f"{NAME}/list_motions", lambda *_: names)
+        node.create_service(_READY, f"{NAME}/is_motion_ready", self._is_motion_ready)
+        self._command_id = 0  # of the goal's command
+        self._sent = False  # whether the goal's motion has been planned and sent to the loop
+        self._previous_plays = False  # whether the loop still plays the motion of an earlier goal
 
     def on_acknowledgement(self, acknowledgement: Acknowledgement) -> None:
-        """End the goal when its motion is over."""
-        if self._goal is None or acknowledgement.id != self._command:
+        """Finish the goal if its command is the one that is acknowledged as over."""
+        if self._goal is None or acknowledgement.id != self._command_id:
             return
         reason = acknowledgement.reason
         match acknowledgement.outcome:
             case CommandOutcome.DONE:
-                self._finish(GoalStatus.SUCCEEDED, "")
+                self._finish(GoalStatus.SUCCEEDED)
             case CommandOutcome.ABORTED:
                 self._finish(GoalStatus.ABORTED, f"the robot gave up the motion: {reason}")
             case CommandOutcome.SUPERSEDED:
-                self._finish(*(self._ending or (GoalStatus.ABORTED, reason)))
+                self._finish(*(self._outcome or (GoalStatus.ABORTED, reason)))
             case CommandOutcome.REFUSED:
-                self._finish_unsent(GoalStatus.ABORTED, reason)
+                self._sent = False
+                self._stop(GoalStatus.ABORTED, reason)
 
-    def abort(self, reason: str) -> None:
-        """Abort the goal in progress, if there is one."""
-        if self._goal is not None:
-            self._finish(GoalStatus.ABORTED, reason)
-
-    def _is_ready(self, request: Any, response: Any) -> Any:
-        """Return whether a goal with this text would be accepted now."""
+    def _is_motion_ready(self, request: Any, response: Any) -> Any:
         try:
             parse_motion(request.motion_key, self._motions)
         except MotionError:
             return response
-        response.is_ready = self._accept(request)
+        response.is_ready = self._is_acceptable(request)
         return response
 
-    def _accept(self, _: Any) -> bool:
-        return self._tick is not None and self._tick.mode is Mode.RUNNING
-
-    def _begin(self, goal: ServerGoalHandle) -> None:
+    def _on_accepted(self, goal: ServerGoalHandle) -> None:
         try:
-            command = MotionCommand(parse_motion(goal.request.motion_name, self._motions))
+            parse_motion(goal.request.motion_name, self._motions)
         except MotionError as error:  # the motion in progress goes on
-            goal.finish(GoalStatus.ABORTED, self._server.result_type(error=str(error)))
+            goal.finish(GoalStatus.ABORTED, self._result(GoalStatus.ABORTED, str(error)))
             return
-        self._orphaned = self._goal is not None and (self._sent or self._orphaned)
-        self.abort("superseded by another goal")
-        self._goal, self._sent, self._ending = goal, False, None
+        self._previous_plays = self._goal is not None and (self._sent or self._previous_plays)
+        super()._on_accepted(goal)
+
+    def _start(self, goal: Any, tick: StampedTick) -> None:
+        self._sent = False
         try:
-            self._command = self._client.send(command)
+            motion = parse_motion(goal.motion_name, self._motions)
+            self._command_id = self._client.send(MotionCommand(motion))
         except CommandRefused as error:
-            self._finish_unsent(GoalStatus.ABORTED, str(error))
+            self._stop(GoalStatus.ABORTED, str(error))
 
     def _on_motion_sent(self, motion: Motion) -> None:
-        self._sent, self._orphaned = True, False
+        self._sent, self._previous_plays = True, False
         if not motion.while_walking:
             self._navigate.abort("superseded by a motion")
             self._cmd_vel.stand()
-        logger.info("%s: %s", NAME, motion.name)
+        logger.info("%s: playing %s", NAME, motion.name)
 
-    def _cancel(self, goal: ServerGoalHandle) -> bool:
-        if goal is not self._goal:
-            return False
-        if self._sent:
-            self._stop_motion(GoalStatus.CANCELED, "cancelled")
-        else:
-            self._finish_unsent(GoalStatus.CANCELED, "cancelled")
-        return True
+    def _stop_robot(self) -> None:
+        if self._sent or self._previous_plays:
+            try:
+                self._client.send(StandCommand())
+            except CommandRefused as error:
+                logger.warning("%s: %s", NAME, error)
+        if not self._sent:  # no acknowledgement will follow
+            assert self._outcome is not None
+            self._finish(*self._outcome)
 
-    def _finish_unsent(self, state: GoalStatus, error: str) -> None:
-        """End a goal whose motion never reached the loop, and the motion that it superseded."""
-        self._finish(state, error)
-        if self._orphaned:
-            self._stand()
-
-    def _stop_motion(self, state: GoalStatus, error: str) -> None:
-        """Stop the motion; the goal is over when the robot stands."""
-        self._ending = (state, error)
-        self._stand()
-
-    def _stand(self) -> None:
-        try:
-            self._client.send(StandCommand())
-        except CommandRefused as error:
-            logger.warning("%s: %s", NAME, error)
-
-    def _finish(self, state: GoalStatus, error: str) -> None:
-        goal, self._goal = self._goal, None
-        assert goal is not None
+    def _finish(self, status: GoalStatus, text: str = "") -> None:
         if not self._sent:
             self._client.cancel_planning()
-        succeeded = state is GoalStatus.SUCCEEDED
-        logger.info("%s %s: %s", NAME, goal.request.motion_name, error or "done")
-        goal.finish(state, self._server.result_type(success=succeeded, error=error))
+        super()._finish(status, text)
+
+    def _result(self, status: GoalStatus, text: str) -> Message:
+        return self._server.result_type(success=status is GoalStatus.SUCCEEDED, error=text)
+
+    def _feedback(self, tick: StampedTick) -> Message:
+        return self._server.feedback_type(current_time=stamp_from_seconds(tick.stamp))

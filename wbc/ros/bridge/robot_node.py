@@ -1,9 +1,8 @@
-"""The robot's node: its topics, services, parameters and actions, put together."""
+"""The topics, services, parameters and actions of the robot's node."""
 
 from __future__ import annotations
 
 import logging
-from typing import Any
 
 from wbc.ros.bridge.clock import PlantClock
 from wbc.ros.bridge.cmd_vel import CmdVel
@@ -16,7 +15,6 @@ from wbc.ros.bridge.play_motion import PlayMotion
 from wbc.ros.bridge.simulation_services import SimulationServices
 from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.bridge.tick_topics import TickTopics
-from wbc.ros.joint_publisher import MAX_RATE
 from wbc.ros.node import Node
 from wbc.runtime.mode import Mode
 from wbc.runtime.stream import TickReader
@@ -24,97 +22,73 @@ from wbc.teleop import CommandClient
 
 logger = logging.getLogger(__name__)
 
-_LEAST_LOOKS = 200.0  # Hz, at which new ticks are looked for
-_MAX_TICKS = 4096  # taken at once
-_POLL_PERIOD = 0.02  # s between two looks for acknowledgements and plans
+_MIN_READ_RATE = 200.0  # Hz at which new ticks are read
+_MAX_TICKS = 4096  # read at once
+_POLL_PERIOD = 0.02  # s between two polls of the command channel
 
 
 class RobotNode:
     """The topics, services, parameters and actions of a robot.
 
     Args:
-        node: the node that has them.
-        config: of the node's process.
-        reader: of the loop's ticks.
+        node: node that gets them.
+        config: configuration of the node's process.
+        reader: reads the loop's ticks.
     """
 
     def __init__(self, node: Node, config: NodeConfig, reader: TickReader) -> None:
+        robot = config.robot
         self._reader = reader
-        self._client = CommandClient(config.robot, config.channel, "ros")
-        self._client.start_planning()
-        self._node = node
-        self._update_rate = node.declare_parameter(
-            "update_rate",
-            float(config.update_rate),
-            "rate of joint_states, Hz",
-            minimum=1.0,
-            maximum=MAX_RATE,
-        )
-        self._state_rate = node.declare_parameter(
-            "state_rate",
-            50.0,
-            "rate of all other topics of the tick, such as tf, odom and balance/com, Hz",
-            minimum=1.0,
-            maximum=MAX_RATE,
-        )
-        # What can be reset is a simulation.
+        self._latest: StampedTick | None = None
+        self._client = client = CommandClient(robot, config.channel, "ros")
+        client.start_planning()
+        # A robot that can be reset is simulated.
         self._clock = (
-            PlantClock(node, config.use_sim_time) if self._client.capabilities.can_reset else None
+            PlantClock(node, config.use_sim_time) if client.capabilities.can_reset else None
         )
-        rates = (self._update_rate.value, self._state_rate.value)
-        self._topics = TickTopics(node, config.robot, *rates, 0.5 * config.dt)
+        self._topics = TickTopics(node, config)
         self._diagnostics = Diagnostics(node, config)
-        client, robot = self._client, config.robot
-        cmd_vel = CmdVel(node, client)
         self._joint_topics = JointTopics(node, client)
         self._simulation = SimulationServices(node, client, robot)
+        cmd_vel = CmdVel(node, client)
         self._navigate = NavigateToPose(node, cmd_vel, robot)
         self._play = PlayMotion(node, client, cmd_vel, self._navigate)
-        node.create_timer(_POLL_PERIOD, self._poll)
-        self._latest: StampedTick | None = None
         NodeTopics(node, robot, (*TOPICS, *config.topics), lambda: self._latest)
-        self._looks = node.create_timer(1.0 / _LEAST_LOOKS, self._look)
-        self._change_rates(None)
-        for parameter in (self._update_rate, self._state_rate):
-            parameter.on_change = self._change_rates
+        node.create_timer(_POLL_PERIOD, self._poll_commands)
+        self._read_timer = node.create_timer(1.0 / _MIN_READ_RATE, self._read_ticks)
 
-    def _change_rates(self, _: Any) -> None:
-        rates = (float(self._update_rate.value), float(self._state_rate.value))
-        self._topics.change_rates(*rates)
-        self._looks.period = 1.0 / max(2.0 * max(rates), _LEAST_LOOKS)
-
-    def _poll(self) -> None:
-        """Pass on what became of commands, and send the motion that has been planned."""
+    def _poll_commands(self) -> None:
+        """Send the motion that has been planned, and process the loop's acknowledgements."""
         for acknowledgement in self._client.poll():
             self._simulation.on_acknowledgement(acknowledgement)
             self._play.on_acknowledgement(acknowledgement)
 
-    def _look(self) -> None:
-        """Take in new ticks."""
+    def _read_ticks(self) -> None:
+        self._read_timer.period = 1.0 / max(2.0 * self._topics.max_rate, _MIN_READ_RATE)
         records = self._reader.take(_MAX_TICKS)
         self._topics.attach(self._reader.schema)
         for k in range(len(records)):
-            self._take(StampedTick.of(records[k : k + 1]))
+            self._on_tick(StampedTick.from_record(records[k : k + 1]))
 
-    def _take(self, tick: StampedTick) -> None:
+    def _on_tick(self, tick: StampedTick) -> None:
         if self._clock is not None:
             tick = self._clock.stamp(tick)
         if self._latest is not None:
             self._log_changes(self._latest, tick)
         self._latest = tick
-        self._diagnostics.take(tick)
-        self._play.take(tick)
+        self._diagnostics.on_tick(tick)
+        self._play.on_tick(tick)
         self._topics.publish(tick)
-        self._navigate.take(tick)
+        self._navigate.on_tick(tick)
 
-    def _log_changes(self, before: StampedTick, now: StampedTick) -> None:
-        if now.run != before.run:
+    def _log_changes(self, previous: StampedTick, tick: StampedTick) -> None:
+        if tick.run != previous.run:
             logger.info("the robot was reset")
-            self._joint_topics.end_trajectory()
-        elif now.mode is Mode.FALLEN and before.mode is not Mode.FALLEN:
+            self._joint_topics.cancel_trajectory()
+        elif tick.mode is Mode.FALLEN and previous.mode is not Mode.FALLEN:
             logger.error("the robot fell")
 
     def stop(self) -> None:
-        """The loop ends."""
+        """Abort the goals in progress, because the loop ends."""
         for action in (self._navigate, self._play):
             action.abort("the robot's loop has ended")

@@ -1,12 +1,14 @@
 """Services that need a simulator: `push` and `reset_robot`.
 
-Both are `std_srvs/Trigger`, which every ROS 2 system has; a type of our own would have to be built
-there first. The push's impulse and duration are therefore parameters.
+Both are of the type `std_srvs/Trigger`, which every ROS 2 system has, whereas a type of this
+library would have to be built there first. Impulse and duration of the push are parameters
+therefore.
 """
 
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 from typing import Any
 
 from wbc.messages import message_type
@@ -24,41 +26,51 @@ from wbc.teleop import (
 )
 
 _TYPE = "std_srvs/srv/Trigger"
-_TIMEOUT = 5.0  # s for the loop to answer
+_RESPONSE = message_type(f"{_TYPE}_Response")
+_TIMEOUT = 5.0  # s within which the loop has to acknowledge a command
+
+
+@dataclass(frozen=True)
+class _Call:
+    """A service call that waits for an outcome of its command, until a time on the monotonic clock.
+
+    The text is the message of a successful response.
+    """
+
+    reply: ServiceReply
+    outcome: CommandOutcome
+    text: str
+    deadline: float
 
 
 class SimulationServices:
     """Serves `push` and `reset_robot`.
 
     Args:
-        node: serves them.
+        node: node that serves them.
         client: sends the commands.
         robot: the robot.
     """
 
     def __init__(self, node: Node, client: CommandClient, robot: Robot) -> None:
         self._client = client
-        self._response = message_type(f"{_TYPE}_Response")
-        largest = 2.0 * robot.mass  # N·s: 2 m/s, which no robot survives
+        largest = 2.0 * robot.mass  # N·s, a change of 2 m/s, after which no robot stays on its feet
         self._impulse = node.declare_parameter(
             "push_impulse",
             (0.0, round(0.1 * robot.mass, 1), 0.0),
-            "impulse of a push on the torso, N·s, axes of odom",
-            minimum=-largest,
-            maximum=largest,
+            "impulse of a push on the torso, N·s, in the axes of odom",
+            bounds=(-largest, largest),
         )
         self._duration = node.declare_parameter(
-            "push_duration", 0.1, "duration of a push, s", minimum=0.01, maximum=2.0
+            "push_duration", 0.1, "duration of a push, s", bounds=(0.01, 2.0)
         )
-        # Number of a command -> the reply that waits for its outcome, until when, and its text.
-        self._waiting: dict[int, tuple[ServiceReply, CommandOutcome, float, str]] = {}
+        self._calls: dict[int, _Call] = {}  # by the number of the command
         node.create_deferred_service(_TYPE, "push", self._push)
         node.create_deferred_service(_TYPE, "reset_robot", self._reset)
-        node.create_timer(0.1, self._give_up)
+        node.create_timer(0.1, self._expire)
 
     def _push(self, _: Any, reply: ServiceReply) -> None:
-        x, y, z = (float(part) for part in self._impulse.value)
-        duration = float(self._duration.value)
+        (x, y, z), duration = self._impulse.value, self._duration.value
         text = f"({x:g}, {y:g}, {z:g}) N·s over {duration:g} s"
         self._send(PushCommand((x, y, z), duration, "world"), reply, CommandOutcome.ACCEPTED, text)
 
@@ -71,27 +83,22 @@ class SimulationServices:
         try:
             number = self._client.send(command)
         except CommandRefused as error:
-            reply.send(self._response(success=False, message=str(error)))
+            reply.send(_RESPONSE(success=False, message=str(error)))
             return
-        self._waiting[number] = (reply, outcome, time.monotonic() + _TIMEOUT, text)
+        self._calls[number] = _Call(reply, outcome, text, time.monotonic() + _TIMEOUT)
 
     def on_acknowledgement(self, acknowledgement: Acknowledgement) -> None:
-        """Reply to the service call whose command this is about, if its outcome is decided."""
-        if acknowledgement.id not in self._waiting:
-            return
-        reply, outcome, _, text = self._waiting[acknowledgement.id]
-        if acknowledgement.outcome is outcome:
-            reply.send(self._response(success=True, message=text))
-        elif acknowledgement.outcome is CommandOutcome.ACCEPTED:
-            return
-        else:
-            reply.send(self._response(success=False, message=acknowledgement.reason))
-        del self._waiting[acknowledgement.id]
+        """Respond to the service call whose command is acknowledged, if its outcome is final."""
+        call, outcome = self._calls.get(acknowledgement.id), acknowledgement.outcome
+        if call is not None and (outcome is call.outcome or outcome is not CommandOutcome.ACCEPTED):
+            success = outcome is call.outcome
+            text = call.text if success else acknowledgement.reason
+            self._respond(acknowledgement.id, success, text)
 
-    def _give_up(self) -> None:
+    def _expire(self) -> None:
         now = time.monotonic()
-        for number, (reply, _, deadline, _) in tuple(self._waiting.items()):
-            if now > deadline:
-                del self._waiting[number]
-                text = f"the loop did not answer within {_TIMEOUT:g} s"
-                reply.send(self._response(success=False, message=text))
+        for number in [n for n, call in self._calls.items() if now > call.deadline]:
+            self._respond(number, False, f"the loop did not respond within {_TIMEOUT:g} s")
+
+    def _respond(self, number: int, success: bool, text: str) -> None:
+        self._calls.pop(number).reply.send(_RESPONSE(success=success, message=text))

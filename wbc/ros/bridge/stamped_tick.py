@@ -1,4 +1,4 @@
-"""A tick as the robot's node sees it."""
+"""A tick with the stamp of the messages that are made from it."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from wbc.telemetry import PHASES
 
 @dataclass(frozen=True, slots=True)
 class StampedTick:
-    """A tick's record with the stamp of its messages.
+    """The record of a tick with the stamp of its messages.
 
     Attributes:
-        stamp: of the messages, s.
+        stamp: stamp of the messages, s.
         time: plant time, s.
         run: number of the run; it grows with each reset.
-        mode: of the loop.
+        mode: mode of the loop.
         record: structured array of one record, (1,), see `wbc.runtime.quantities`.
     """
 
@@ -30,16 +30,16 @@ class StampedTick:
     record: np.ndarray
 
     @staticmethod
-    def of(record: np.ndarray) -> StampedTick:
-        """Return a record, (1,), with the wall time at which its tick ended as its stamp."""
-        one = record[0]
-        mode = Mode(int(one["mode"]))
+    def from_record(record: np.ndarray) -> StampedTick:
+        """Return the tick of a record, (1,), stamped with the wall time at which the tick ended."""
+        row = record[0]
+        mode = Mode(int(row["mode"]))
         return StampedTick(
-            float(one["wall_time"]), float(one["time"]), int(one["run"]), mode, record
+            float(row["wall_time"]), float(row["time"]), int(row["run"]), mode, record
         )
 
     def __getitem__(self, name: str) -> Any:
-        """Return a column's number or array."""
+        """Return the number or array of a column."""
         return self.record[0][name]
 
     @property

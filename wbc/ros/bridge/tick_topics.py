@@ -1,15 +1,16 @@
-"""Publishes the topics of `wbc.topics`: the same that the log has."""
+"""Publishes the topics of `wbc.topics`, which the log has as well."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from wbc.robot import Robot
+from wbc.ros.bridge.config import NodeConfig
 from wbc.ros.bridge.stamped_tick import StampedTick
+from wbc.ros.joint_publisher import RATE_BOUNDS
 from wbc.ros.node import Node
-from wbc.ros.publisher import Publisher
-from wbc.ros.qos import HIGH_RATE, LATCHED, TF
+from wbc.ros.qos import HIGH_RATE, LATCHED
 from wbc.ros.rate_limiter import RateLimiter
+from wbc.ros.topics import Publisher
 from wbc.runtime.record import contact_names
 from wbc.runtime.schema import Schema
 from wbc.topics import (
@@ -25,40 +26,43 @@ _JOINT_STATES = "joint_states"
 
 
 class TickTopics:
-    """Publishes ticks: `joint_states` at one rate, all other topics at another.
+    """Publishes ticks: `joint_states` at `update_rate`, all other topics at `state_rate`.
 
-    Topics that nobody subscribes to are not encoded.
+    Topics without subscriptions are not encoded.
 
     Args:
-        node: publishes the topics.
-        robot: the robot of the ticks.
-        update_rate: of `joint_states`, Hz.
-        state_rate: of the others, Hz.
-        tolerance: a tick that precedes its due time by less than this, s, is published.
+        node: node that publishes the topics; it gets the two parameters.
+        config: configuration of the node's process.
     """
 
-    def __init__(
-        self, node: Node, robot: Robot, update_rate: float, state_rate: float, tolerance: float
-    ) -> None:
-        self._node, self._robot = node, robot
-        self._batches = BatchMaker(robot)
-        self._update_due = RateLimiter(update_rate, tolerance)
-        self._state_due = RateLimiter(state_rate, tolerance)
+    def __init__(self, node: Node, config: NodeConfig) -> None:
+        self._node, self._robot = node, config.robot
+        self._batches = BatchMaker(config.robot)
+        self._update_rate = node.declare_parameter(
+            "update_rate", config.update_rate, "rate of joint_states, Hz", bounds=RATE_BOUNDS
+        )
+        self._state_rate = node.declare_parameter(
+            "state_rate", 50.0, "rate of tf, odom, balance/com and so on, Hz", bounds=RATE_BOUNDS
+        )
+        self._update_limiter = RateLimiter(self._update_rate.value, 0.5 * config.dt)
+        self._state_limiter = RateLimiter(self._state_rate.value, 0.5 * config.dt)
+        self._update_rate.on_change = self._state_rate.on_change = self._restart
         self._schema: Schema | None = None
-        self._joint_states: list[tuple[MessageTopic, Publisher]] = []
-        self._others: list[tuple[MessageTopic, Publisher]] = []
+        self._topics: list[tuple[MessageTopic, Publisher]] = []
         self._publishers: dict[str, Publisher] = {}
         self._contacts: set[str] = set()
-        for topic in latched_topics(robot):
+        for topic in latched_topics(config.robot):
             self._publisher(topic).publish(topic.encode())
 
-    def change_rates(self, update_rate: float, state_rate: float) -> None:
-        """Publish the next tick, and from there on at new rates, Hz.
+    @property
+    def max_rate(self) -> float:
+        """The larger one of both rates, Hz."""
+        return float(max(self._update_rate.value, self._state_rate.value))
 
-        Where the rates are the same, the stamps are, as time synchronisers need it.
-        """
-        self._update_due.restart(update_rate)
-        self._state_due.restart(state_rate)
+    def _restart(self, _: float) -> None:
+        """Publish the next tick on all topics, so that topics of equal rates have equal stamps."""
+        self._update_limiter.restart(self._update_rate.value)
+        self._state_limiter.restart(self._state_rate.value)
 
     def attach(self, schema: Schema) -> None:
         """Publish the quantities of a stream from now on; an empty schema changes nothing."""
@@ -66,32 +70,32 @@ class TickTopics:
             return
         self._schema, self._contacts = schema, set()
         topics = tick_topics(schema, self._robot, period=0.0)
-        pairs = [(t, self._publisher(t)) for t in topics if not isinstance(t, LatchedTopic)]
-        self._joint_states = [pair for pair in pairs if pair[0].name == _JOINT_STATES]
-        self._others = [pair for pair in pairs if pair[0].name != _JOINT_STATES]
+        self._topics = [(t, self._publisher(t)) for t in topics if not isinstance(t, LatchedTopic)]
 
     def publish(self, tick: StampedTick) -> None:
-        """Publish what is due of a tick."""
+        """Publish a tick on the topics that are due."""
         for name in sorted(contact_names(tick.record) - self._contacts):
             self._contacts.add(name)
             wrench = CommandedWrench(name)
-            self._others.append((wrench, self._publisher(wrench)))
-        due = self._joint_states if self._update_due.is_due(tick.stamp) else []
-        if self._state_due.is_due(tick.stamp):
-            due = due + self._others
-        wanted = [pair for pair in due if pair[1].get_subscription_count()]
-        if not wanted:
+            self._topics.append((wrench, self._publisher(wrench)))
+        update_due = self._update_limiter.is_due(tick.stamp)
+        state_due = self._state_limiter.is_due(tick.stamp)
+        subscribed = [
+            (topic, publisher)
+            for topic, publisher in self._topics
+            if (update_due if topic.name == _JOINT_STATES else state_due)
+            and publisher.get_subscription_count()
+        ]
+        if not subscribed:
             return
         batch = self._batches.batch(tick.record, np.array([round(1e9 * tick.stamp)]))
-        for topic, publisher in wanted:
+        for topic, publisher in subscribed:
             for message in topic.messages(batch):
                 publisher.publish(message.data)
 
     def _publisher(self, topic: MessageTopic) -> Publisher:
-        known = self._publishers.get(topic.name)
-        if known is not None:
-            return known
-        qos = LATCHED if topic.latched else TF if topic.name == "/tf" else HIGH_RATE
-        publisher = self._node.create_publisher(topic.type_name, topic.name, qos)
-        self._publishers[topic.name] = publisher
-        return publisher
+        if topic.name not in self._publishers:
+            qos = LATCHED if topic.latched else HIGH_RATE
+            publisher = self._node.create_publisher(topic.type_name, topic.name, qos)
+            self._publishers[topic.name] = publisher
+        return self._publishers[topic.name]
