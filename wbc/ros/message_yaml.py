@@ -25,16 +25,15 @@ def to_yaml(value: Any) -> str:
     except ImportError as error:
         raise MissingExtra("pyyaml", "ros2") from error
 
-    class Dumper(yaml.SafeDumper):
-        pass
-
-    def represent_text(dumper: yaml.SafeDumper, text: str) -> yaml.ScalarNode:
+    def represent_text(dumper: Any, text: str) -> Any:
         style = "|" if "\n" in text else None
         return dumper.represent_scalar("tag:yaml.org,2002:str", text, style)
 
-    Dumper.add_representer(str, represent_text)
-    options = {"sort_keys": False, "allow_unicode": True, "width": float("inf")}
-    text = yaml.dump(_plain(value), Dumper=Dumper, **options)
+    dumper: Any = type("MessageDumper", (yaml.SafeDumper,), {})
+    dumper.add_representer(str, represent_text)
+    text: str = yaml.dump(
+        _plain(value), Dumper=dumper, sort_keys=False, allow_unicode=True, width=float("inf")
+    )
     return text.removesuffix("...\n").rstrip("\n")
 
 
