@@ -18,7 +18,7 @@ def filled(seed: int = 0) -> tuple[InvariantFilter, np.ndarray, np.ndarray]:
     noise = EstimatorNoise()
     covariance = 1e-6 * np.eye(6)
     f = InvariantFilter(0.002, np.array([0.0, 0.0, -9.81]), noise, [covariance] * 2)
-    f.reset(pin.rpy.rpyToMatrix(0.1, -0.2, 0.7), np.array([0.3, -0.1, 0.05]))
+    f.reset(pin.rpy.rpyToMatrix(0.1, -0.2, 0.7), np.array([0.3, -0.1, 0.05]), np.zeros(3))
     h = np.array([[0.1, 0.1, -0.9], [0.0, -0.1, -0.85]])
     F = np.array([pin.rpy.rpyToMatrix(0.05, 0.1, 0.0), np.eye(3)])
     for foot in range(2):
@@ -142,7 +142,7 @@ def test_joint_filter_smooths_and_follows():
         for k in range(n):
             known = np.array([a[k]]) if foreseen else None
             f.update(noisy_q[k : k + 1], noisy_v[k : k + 1], known)
-            out.append((f.position[0] - q[k], f.velocity[0] - v[k]))
+            out.append((f.state[0, 0] - q[k], f.state[1, 0] - v[k]))
         deviation = np.std(np.array(out)[100:], axis=0)
         return float(deviation[0]), float(deviation[1])
 
@@ -158,7 +158,7 @@ def test_joint_filter_predicts_and_then_corrects(foreseen):
     dt, sigma, surprise = 0.002, 20.0, 6.0
     f = JointFilter(1, dt, 1e-3, 0.05, sigma, surprise)
     f.update(np.array([0.3]), np.array([-0.2]))
-    q, v = f.position[0], f.velocity[0]
+    q, v = f.state[:, 0]
     assert (q, v) == (0.3, -0.2)
     known = None if foreseen is None else np.array([foreseen])
     K = stationary_gain(dt, 1e-3, 0.05, sigma if foreseen is None else surprise)
@@ -167,7 +167,7 @@ def test_joint_filter_predicts_and_then_corrects(foreseen):
         q += dt * v
         q, v = np.array([q, v]) + K @ (np.array(reading) - [q, v])
         f.update(np.array(reading[:1]), np.array(reading[1:]), known)
-        np.testing.assert_allclose([f.position[0], f.velocity[0]], [q, v], rtol=1e-12)
+        np.testing.assert_allclose(f.state[:, 0], [q, v], rtol=1e-12)
 
 
 def test_stationary_gain_is_a_fixed_point_of_the_riccati_equation():

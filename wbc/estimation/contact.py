@@ -41,15 +41,6 @@ class ContactTrigger:
         if not (math.isfinite(self.full) and self.full > 0.0):
             raise ContactError(f"ContactTrigger: full = {self.full} must be positive")
 
-    def stands(self, load: float, before: bool) -> bool:
-        """Return whether a sole with this load stands now.
-
-        Args:
-            load: share of the robot's weight.
-            before: whether it stood one tick before.
-        """
-        return load > (self.off if before else self.on)
-
     def slip_factor(self, load: float) -> float:
         """Return the factor on the drift of a sole with this load, a share of the weight."""
         return max(1.0, self.full / max(load, _MIN_LOAD))
@@ -103,10 +94,10 @@ class ContactDetector:
 
     def update(self, loads: Mapping[str, float]) -> None:
         """Decide by the loads, shares of the weight."""
-        stands = self.trigger.stands
+        on, off = self.trigger.on, self.trigger.off
         self.decide(
             [
-                stands(loads[name], before)
+                loads[name] > (off if before else on)
                 for name, before in zip(self.names, self.stands, strict=True)
             ]
         )

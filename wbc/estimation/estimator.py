@@ -102,7 +102,7 @@ class Estimator:
             joint_surprise,
         )
         self._joint_shape = (robot.na,)
-        self._work = np.zeros((4, 3, 3))
+        self._nq, self._nv = robot.nq, robot.nv
         self._slip = np.zeros(len(robot.soles))
         self.reset(robot.standing())
 
@@ -125,15 +125,13 @@ class Estimator:
         """
         state = state.validated(self.robot.model)
         legs = self._legs
-        legs.update(np.ascontiguousarray(state.q[7:]), np.ascontiguousarray(state.v[6:]))
+        legs.update(np.array((state.q[7:], state.v[6:])))
         base = pin.SE3(pin.Quaternion(state.q[3:7]).toRotationMatrix(), state.q[:3])
         world = base * legs.T_imu_base.inverse()
         twist = legs.T_imu_base.act(pin.Motion(state.v[:6])) + legs.relative
-        self.filter.reset(world.rotation, world.rotation @ twist.linear)
-        self._origin = np.array(world.translation)
+        self.filter.reset(world.rotation, world.rotation @ twist.linear, world.translation)
         self._joints.reset()
         self._detector.reset()
-        self._last_gyro: np.ndarray | None = None
 
     def update(
         self,
@@ -167,14 +165,10 @@ class Estimator:
         loads = detector.loads(measurement.foot_wrenches)
         given = None if contacts is None else self._validated_contacts(contacts)
         before = detector.stands
-        due = False
-        if self._last_gyro is not None:
-            self._set_slip(loads)
-            mean = 0.5 * (gyro + self._last_gyro)
-            due = self.filter.propagate(mean, accelerometer, self._slip)
-        self._last_gyro = gyro
+        self._set_slip(loads)
+        due = self.filter.propagate(gyro, accelerometer, self._slip)
         joints.update(q, v, None if acceleration is None else acceleration[6:])
-        legs.update(joints.position, joints.velocity)
+        legs.update(joints.state)
         if given is not None:
             detector.decide(given)
         elif loads is not None:
@@ -182,7 +176,7 @@ class Estimator:
         else:
             detector.decide(self._lowest())
         self._correct(before, detector.stands, due)
-        return Estimate(self._state(gyro), detector.contacts, loads, measurement.foot_wrenches)
+        return Estimate(self._state(), detector.contacts, loads, measurement.foot_wrenches)
 
     def _readings(self, measurement: Measurement) -> tuple[np.ndarray, ...]:
         """Return the readings of joints and IMU as float arrays, validated."""
@@ -253,19 +247,8 @@ class Estimator:
             if now and not before[i]:
                 self.filter.land(i, h[i], F[i])
 
-    def _state(self, gyro: np.ndarray) -> State:
+    def _state(self) -> State:
         """Return the state of the robot now, in new arrays."""
-        joints, model = self._joints, self.robot.model
-        q, v = np.empty(model.nq), np.empty(model.nv)
-        write_state(
-            self.filter.record,
-            self._legs.poses,
-            self._origin,
-            gyro,
-            joints.position,
-            joints.velocity,
-            self._work,
-            q,
-            v,
-        )
+        q, v = np.empty(self._nq), np.empty(self._nv)
+        write_state(self.filter.record, self._legs.poses, self._joints.state, q, v)
         return State(q, v)

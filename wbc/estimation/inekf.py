@@ -69,21 +69,23 @@ class InvariantFilter:
         process[layout.VELOCITY : layout.POSITION] = (noise.accelerometer * dt) ** 2
         process[layout.GYRO_BIAS : layout.ACCELEROMETER_BIAS] = noise.gyro_walk**2 * dt
         process[layout.ACCELEROMETER_BIAS :] = noise.accelerometer_walk**2 * dt
-        self.reset(np.eye(3), np.zeros(3))
+        self.reset(np.eye(3), np.zeros(3), np.zeros(3))
 
-    def reset(self, R: np.ndarray, v: np.ndarray) -> None:
+    def reset(self, R: np.ndarray, v: np.ndarray, origin: np.ndarray) -> None:
         """Start at a pose and velocity, with unknown biases and no sole on the ground.
 
         Args:
             R: (3, 3) IMU axes to world axes.
             v: (3,) velocity of the IMU, world axes, m/s.
+            origin: (3,) position of the IMU, from which `p` counts, world axes, m.
         """
         record, noise = self.record, self._noise
         record["R"], record["F"] = R, np.eye(3)
         for name in ("vectors", "gyro_bias", "accelerometer_bias", "drift_factor"):
             record[name] = 0.0
         record["vectors"][0, 0] = v
-        record["pending"] = record["corrections"] = 0
+        record["origin"] = origin
+        record["pending"] = record["corrections"] = record["started"] = 0
         sigma = np.zeros(layout.SIZE)
         # Heading and position are what the reset says they are: nothing measures them.
         sigma[:2] = noise.tilt
@@ -145,7 +147,9 @@ class InvariantFilter:
         """Advance by one period; return whether a correction is due.
 
         Args:
-            gyro: (3,) mean over the period, IMU axes, rad/s.
+            gyro: (3,) at the end of the period, IMU axes, rad/s; the mean with the one before
+                counts. The first one after a reset belongs to the reset's instant: nothing
+                advances.
             accelerometer: (3,) mean specific force over the period, IMU axes, m/s².
             slip: (2,) per sole, a factor on its drift; 0 for one in the air.
         """

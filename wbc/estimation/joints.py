@@ -26,8 +26,8 @@ class JointFilter:
         surprise: that of e when an acceleration is foreseen, rad/s².
 
     Attributes:
-        position: (na,) filtered, rad; the next update overwrites it.
-        velocity: (na,) filtered, rad/s; likewise.
+        state: (2, na) filtered positions, rad, and velocities, rad/s; the next update overwrites
+            them.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class JointFilter:
         acceleration: float,
         surprise: float,
     ) -> None:
-        self.position, self.velocity = np.zeros(na), np.zeros(na)
+        self.state = np.zeros((2, na))
         self._zero = np.zeros(na)
         self._update = _update_matrix(dt, stationary_gain(dt, position, velocity, acceleration))
         self._foreseen_update = _update_matrix(
@@ -66,12 +66,12 @@ class JointFilter:
             acceleration: (na,) foreseen over the period that ends now, rad/s²; none: zero.
         """
         if self._fresh or self._passes:
-            self.position[:], self.velocity[:] = position, velocity
+            self.state[:] = position, velocity
             self._fresh = False
             return
         update = self._update if acceleration is None else self._foreseen_update
         foreseen = self._zero if acceleration is None else acceleration
-        update_joints(update, self.position, self.velocity, foreseen, position, velocity)
+        update_joints(update, self.state, foreseen, position, velocity)
 
 
 def _update_matrix(dt: float, gain: np.ndarray) -> np.ndarray:

@@ -31,14 +31,11 @@ class LegKinematics:
         links = [list(chain) for chain in chains]
         self._links = np.concatenate([link for chain in links for link in chain])
         self._ends = np.cumsum([len(chain) for chain in links])
-        self._work, self._vector = np.zeros((4, 3, 3)), np.zeros(3)
         self.poses = np.zeros(1, POSES)
 
-    def update(self, position: np.ndarray, velocity: np.ndarray) -> None:
-        """Compute `poses` from joint positions and velocities, (na,), rad and rad/s."""
-        find_poses(
-            self._links, self._ends, position, velocity, self._work, self._vector, self.poses
-        )
+    def update(self, joints: np.ndarray) -> None:
+        """Compute `poses` from joint positions and velocities, (2, na), rad and rad/s."""
+        find_poses(self._links, self._ends, joints, self.poses)
 
     @property
     def T_imu_base(self) -> pin.SE3:

@@ -6,7 +6,7 @@ import numpy as np
 
 from wbc.gait import Feet, Placement
 from wbc.kinematics import Kinematics
-from wbc.walking.kernels.ground import SOLE, read_ground
+from wbc.walking.kernels.ground import BODY, read_ground
 
 
 class GroundKinematics:
@@ -18,19 +18,20 @@ class GroundKinematics:
 
     def __init__(self, kin: Kinematics) -> None:
         self._kin = kin
-        self._soles = np.zeros(2, SOLE)
-        for row, sole in zip(self._soles, kin.robot.soles, strict=True):
-            row["joint"] = sole.joint_id
-            row["axis"] = sole.placement.rotation[:, 0]
-            row["position"] = sole.placement.translation
-        self._out = np.zeros(13)
+        self._body = np.zeros(1, BODY)
+        body = self._body[0]
+        body["mass"] = kin.mass
+        for k, sole in enumerate(kin.robot.soles):
+            body["joint"][k] = sole.joint_id
+            body["axis"][k] = sole.placement.rotation[:, 0]
+            body["position"][k] = sole.placement.translation
+        self._out = np.zeros(15)
 
     def read(self) -> tuple[Feet, complex, complex]:
         """Return both soles, the point below the CoM (m) and its velocity (m/s), world axes."""
         kin, out = self._kin, self._out
-        read_ground(kin.joint_placements, kin.mass_matrix, kin.state.v, self._soles, kin.mass, out)
-        x, y, z, yaw, right_x, right_y, right_z, right_yaw, v_x, v_y, *_ = out.tolist()
+        read_ground(kin.joint_placements, kin.mass_matrix, kin.state.v, self._body, out)
+        x, y, z, yaw, right_x, right_y, right_z, right_yaw, c_x, c_y, v_x, v_y, *_ = out.tolist()
         left = Placement(complex(x, y), yaw, z)
         right = Placement(complex(right_x, right_y), right_yaw, right_z)
-        com_x, com_y, _ = kin.p_com.tolist()
-        return Feet(left, right), complex(com_x, com_y), complex(v_x, v_y)
+        return Feet(left, right), complex(c_x, c_y), complex(v_x, v_y)

@@ -28,8 +28,11 @@ FILTER = np.dtype(
             (FEET,),
         ),  # sum of squared slip factors since the last covariance step
         ("pending", np.int64),  # periods since then
+        ("started", np.int64),  # whether there is a reading of the gyro since the reset
+        ("gyro", float, (3,)),  # the last one, IMU axes, rad/s
         ("corrections", np.int64),
         # Constants.
+        ("origin", float, (3,)),  # where positions count from, world axes, m
         ("dt", float),  # s
         ("every", np.int64),  # periods between two corrections
         ("gravity", float, (3,)),  # m/s²

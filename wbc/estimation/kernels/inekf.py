@@ -197,16 +197,22 @@ def propagate(
 
     Args:
         filter_: (1,) the filter.
-        gyro: (3,) mean over the period, IMU axes, rad/s.
+        gyro: (3,) at the end of the period, IMU axes, rad/s; the mean with the one before counts.
+            The first one after a reset belongs to the reset's instant: nothing advances.
         accelerometer: (3,) mean specific force over the period, IMU axes, m/s².
         slip: per foot, a factor on its drift; 0 for a foot in the air.
     """
     f = filter_[0]
-    dt, R, vectors = f["dt"], f["R"], f["vectors"]
+    dt, R, vectors, last = f["dt"], f["R"], f["vectors"], f["gyro"]
     half, middle, a, force = f["A"], f["B"], f["a"], f["b"]
     for i in range(3):
-        a[i] = 0.5 * dt * (gyro[i] - f["gyro_bias"][i])
+        mean = 0.5 * (gyro[i] + last[i])
+        last[i] = gyro[i]
+        a[i] = 0.5 * dt * (mean - f["gyro_bias"][i])
         force[i] = accelerometer[i] - f["accelerometer_bias"][i]
+    if not f["started"]:
+        f["started"] = 1
+        return False
     exponential(a, half)
     multiply(R, half, middle)
     rotate(middle, force, a)

@@ -9,16 +9,24 @@ from wbc.jit.compile import argument_types, kernel
 _JOINTS = np.zeros(1)
 
 
-@kernel(argument_types(np.zeros((2, 5)), _JOINTS, _JOINTS, _JOINTS, _JOINTS, _JOINTS))
+@kernel(argument_types(np.zeros((2, 5)), np.zeros((2, 1)), _JOINTS, _JOINTS, _JOINTS))
 def update_joints(
     U: np.ndarray,
-    position: np.ndarray,
-    velocity: np.ndarray,
+    joints: np.ndarray,
     acceleration: np.ndarray,
     read_position: np.ndarray,
     read_velocity: np.ndarray,
 ) -> None:
-    """`[q, v] ← U [q, v, a, reading of q, reading of v]`, joint by joint, in place."""
+    """`[q, v] ← U [q, v, a, reading of q, reading of v]`, joint by joint, in place.
+
+    Args:
+        U: (2, 5).
+        joints: (2, na) positions and velocities, rad and rad/s.
+        acceleration: (na,) rad/s².
+        read_position: (na,) rad.
+        read_velocity: (na,) rad/s.
+    """
+    position, velocity = joints[0], joints[1]
     for i in range(position.size):
         q, v, a = position[i], velocity[i], acceleration[i]
         x, y = read_position[i], read_velocity[i]

@@ -43,12 +43,16 @@ POSES = np.dtype(
         ("base_rotation", float, (3, 3)),  # base axes to IMU axes
         ("linear", float, (3,)),  # velocity of the IMU relative to the base, IMU axes, m/s
         ("angular", float, (3,)),  # rad/s
+        # Workspace.
+        ("matrices", float, (4, 3, 3)),
+        ("vector", float, (3,)),
     ],
     align=True,
 )
 
 _LINKS = np.zeros(1, LINK)
 _POSES = np.zeros(1, POSES)
+_JOINTS = np.zeros((2, 1))
 _VECTOR = np.zeros(3)
 
 
@@ -74,18 +78,11 @@ def _move_along(
             p[i] += angle * moved[i]
 
 
-@kernel(
-    argument_types(
-        _LINKS, np.zeros(1, np.int64), _VECTOR, _VECTOR, np.zeros((4, 3, 3)), _VECTOR, _POSES
-    )
-)
+@kernel(argument_types(_LINKS, np.zeros(1, np.int64), _JOINTS, _POSES))
 def find_poses(
     links: np.ndarray,
     ends: np.ndarray,
-    q: np.ndarray,
-    v: np.ndarray,
-    work: np.ndarray,
-    vector: np.ndarray,
+    joints: np.ndarray,
     poses: np.ndarray,
 ) -> None:
     """Fill `poses` from joint positions and velocities.
@@ -93,17 +90,15 @@ def find_poses(
     Args:
         links: chain of the IMU, then those of the soles.
         ends: (3,) index after the last link of each chain.
-        q: (na,) rad or m.
-        v: (na,) rad/s or m/s.
-        work: (4, 3, 3) workspace.
-        vector: (3,) workspace.
+        joints: (2, na) positions, rad or m, and velocities, rad/s or m/s.
         poses: (1,) result.
     """
-    out = poses[0]
+    q, v, out = joints[0], joints[1], poses[0]
+    work = out["matrices"]
     R, moved = work[3], work[2, 0]
     base_R, base_p = out["base_rotation"], out["base_position"]
     linear, angular = out["linear"], out["angular"]
-    p = vector
+    p = out["vector"]
     # The IMU in base axes. Its velocity: every joint adds ω = a q̇ about its own origin; what
     # follows moves with the sum of the joints before it.
     for i in range(3):
@@ -153,11 +148,7 @@ def find_poses(
     argument_types(
         np.zeros(1, FILTER),
         _POSES,
-        _VECTOR,
-        _VECTOR,
-        _VECTOR,
-        _VECTOR,
-        np.zeros((4, 3, 3)),
+        _JOINTS,
         _VECTOR,
         _VECTOR,
     )
@@ -165,11 +156,7 @@ def find_poses(
 def write_state(
     filter_: np.ndarray,
     poses: np.ndarray,
-    origin: np.ndarray,
-    gyro: np.ndarray,
-    position: np.ndarray,
-    velocity: np.ndarray,
-    work: np.ndarray,
+    joints: np.ndarray,
     q: np.ndarray,
     v: np.ndarray,
 ) -> None:
@@ -178,16 +165,13 @@ def write_state(
     Args:
         filter_: (1,) state of the IMU.
         poses: (1,) as seen from the IMU.
-        origin: (3,) where the filter's positions count from, world axes, m.
-        gyro: (3,) reading, IMU axes, rad/s.
-        position: (na,) joint positions, rad.
-        velocity: (na,) joint velocities, rad/s.
-        work: (4, 3, 3) workspace.
+        joints: (2, na) positions and velocities, rad and rad/s.
         q: (nq,) result.
         v: (nv,) result.
     """
     f, seen = filter_[0], poses[0]
-    R, vectors, bias = f["R"], f["vectors"], f["gyro_bias"]
+    R, vectors, gyro, bias = f["R"], f["vectors"], f["gyro"], f["gyro_bias"]
+    origin, work = f["origin"], seen["matrices"]
     base_R, base_p = seen["base_rotation"], seen["base_position"]
     rotate(R, base_p, q[:3])
     for i in range(3):
@@ -205,6 +189,6 @@ def write_state(
         linear[i] -= arm[i]
     rotate_back(base_R, linear, v[:3])
     rotate_back(base_R, angular, v[3:6])
-    for i in range(position.size):
-        q[7 + i] = position[i]
-        v[6 + i] = velocity[i]
+    for i in range(joints.shape[1]):
+        q[7 + i] = joints[0, i]
+        v[6 + i] = joints[1, i]

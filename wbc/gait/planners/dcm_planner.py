@@ -13,6 +13,9 @@ from wbc.geometry.planar import Placement
 PREVIEW_STEPS = 3  # later steps change the present DCM by less than e^(-3ωT) < 0.1 %
 
 
+_ORIGIN = Placement(0j, 0.0)
+
+
 class DcmPlanner:
     """Plans with the linear inverted pendulum, in closed form, anew at every tick.
 
@@ -31,7 +34,8 @@ class DcmPlanner:
         self.velocity = Velocity()
         self._filter = VelocityFilter()
         self._plan = StepPlan()
-        self._relative_landing = Placement(0j, 0.0)  # in the support sole's axes
+        self._relative_landing = _ORIGIN  # in the support sole's axes
+        self._relative_dcm: complex | None = None  # that of the touchdown there, once computed
         self._follows_given = False  # the present swing goes to a given footstep
         self._dcm_drift = 0j  # m/s, of the planned DCM while the velocity changes
 
@@ -75,6 +79,7 @@ class DcmPlanner:
         if state.phase is Phase.SWING and state.time == 0.0:
             landing = preview.next(stance, state.swing_side, self.velocity)
             self._relative_landing = landing.relative_to(stance)
+            self._relative_dcm = None
             self._follows_given = bool(given)
             if given:
                 given.pop(0)
@@ -92,11 +97,8 @@ class DcmPlanner:
         if state.phase is Phase.STAND or state.lifted is not None:
             zmp = dcm = state.standing_point
         elif state.phase is Phase.SWING:
-            stance = state.stance
-            zmp = stance.point
-            if landing is None:
-                landing = self._plan.landing or stance.compose(self._relative_landing)
-            dcm = self._swing_dcm(state, landing)
+            zmp = state.stance.point
+            dcm = dcm_before(zmp, zmp, state.remaining, self._touchdown_dcm(state, landing), omega)
         else:
             zmp, dcm = self._transfer_zmp_and_dcm(state)
         return DcmReference(dcm, omega * (dcm - zmp) + self._dcm_drift, zmp)
@@ -119,6 +121,7 @@ class DcmPlanner:
         preview = self._preview
         if preview.gait is not state.gait or preview.given is not given:
             preview = self._preview = FootstepPreview(state.gait, given)
+            self._relative_dcm = None
         return preview
 
     def _follow(self, state: GaitState, wanted: Velocity, dt: float) -> None:
@@ -139,24 +142,39 @@ class DcmPlanner:
             return
         before = self.reference(state).dcm
         self.velocity = velocity
+        self._relative_dcm = None
         if state.swing is not None and not state.swing.target_frozen:
             stance = state.stance
             landing = preview.next(stance, state.swing_side, velocity)
             self._relative_landing = landing.relative_to(stance)
         self._dcm_drift = (self.reference(state).dcm - before) / dt
 
-    def _swing_dcm(self, state: GaitState, landing: Placement) -> complex:
-        """DCM now: the ZMP stays on the support foot, then moves to where the swing foot lands."""
-        gait, preview, side = state.gait, self._preview, state.swing_side
-        stance = state.stance
-        support, omega = stance.point, gait.omega
+    def _touchdown_dcm(self, state: GaitState, landing: Placement | None) -> complex:
+        """DCM at touchdown; the ZMP then moves from the support foot to where the foot landed.
+
+        Args:
+            state: feet and support.
+            landing: where the swing foot will land; None: as planned. That is always the same seen
+                from the support foot, unless given footsteps, fixed in the world, come after it.
+        """
+        stance, side = state.stance, state.swing_side
+        if landing is None and not self._preview.given:
+            if self._relative_dcm is None:
+                self._relative_dcm = self._leaving_dcm(_ORIGIN, side, self._relative_landing)
+            return stance.to_world(self._relative_dcm)
+        if landing is None:
+            landing = stance.compose(self._relative_landing)
+        return self._leaving_dcm(stance, side, landing)
+
+    def _leaving_dcm(self, stance: Placement, side: str, landing: Placement) -> complex:
+        """DCM with which the weight leaves `stance` for the foot of a side that has landed."""
+        preview, support = self._preview, stance.point
+        gait, omega = preview.gait, preview.gait.omega
         if preview.ends(stance, side, landing, self.velocity):
             rest = 0.5 * (support + landing.point)
-            final = dcm_before(support, rest, gait.first_transfer, rest, omega)
-        else:
-            arrival = preview.arrival_dcm(landing, side, self.velocity, PREVIEW_STEPS - 1)
-            final = dcm_before(support, landing.point, gait.double_support, arrival, omega)
-        return dcm_before(support, support, state.remaining, final, omega)
+            return dcm_before(support, rest, gait.first_transfer, rest, omega)
+        arrival = preview.arrival_dcm(landing, side, self.velocity, PREVIEW_STEPS - 1)
+        return dcm_before(support, landing.point, gait.double_support, arrival, omega)
 
     def _transfer_zmp_and_dcm(self, state: GaitState) -> tuple[complex, complex]:
         """ZMP and DCM now: the ZMP moves to the support foot, or to the middle to rest."""

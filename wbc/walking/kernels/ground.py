@@ -1,4 +1,4 @@
-"""Placements of the soles and velocity of the centre of mass, as the gait reads them."""
+"""Placements of the soles and motion of the centre of mass, as the gait reads them."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ import numpy as np
 
 from wbc.jit.compile import argument_types, kernel, subkernel_or
 
-#: Where a sole is on the joint that carries it.
-SOLE = np.dtype(
+#: Mass of the robot, and where each sole is on the joint that carries it.
+BODY = np.dtype(
     [
-        ("joint", np.int64),
-        ("axis", float, (3,)),  # x axis of the sole, joint axes
-        ("position", float, (3,)),  # centre of the sole, joint axes, m
+        ("mass", float),  # kg
+        ("joint", np.int64, (2,)),
+        ("axis", float, (2, 3)),  # x axis of the sole, joint axes
+        ("position", float, (2, 3)),  # centre of the sole, joint axes, m
     ],
     align=True,
 )
@@ -34,35 +35,30 @@ def base_momentum(M: np.ndarray, v: np.ndarray, out: np.ndarray) -> None:
 
 
 @kernel(
-    argument_types(
-        np.zeros((1, 12)), np.zeros((1, 1)), np.zeros(1), np.zeros(1, SOLE), 1.0, np.zeros(1)
-    )
+    argument_types(np.zeros((1, 12)), np.zeros((1, 1)), np.zeros(1), np.zeros(1, BODY), np.zeros(1))
 )
 def read_ground(
-    joint_placements: np.ndarray,
-    M: np.ndarray,
-    v: np.ndarray,
-    soles: np.ndarray,
-    mass: float,
-    out: np.ndarray,
+    joint_placements: np.ndarray, M: np.ndarray, v: np.ndarray, body: np.ndarray, out: np.ndarray
 ) -> None:
-    """Write the placements of both soles and the horizontal velocity of the centre of mass.
+    """Write the placements of both soles, and position and velocity of the centre of mass.
 
-    See `wbc.kinematics.Kinematics.v_com`.
+    The centre of mass c in base axes and its velocity are read off the base rows of M:
+    `M[0:3, 3:6] = −m [c]×`, and `M[0:3] v` is the momentum in base axes; see
+    `wbc.kinematics.Kinematics.centroid`.
 
     Args:
         joint_placements: (njoints, 12), see `wbc.kinematics.Kinematics`.
         M: (nv, nv) mass matrix.
         v: (nv,) generalised velocity.
-        soles: (2,) of the type `SOLE`.
-        mass: of the robot, kg.
-        out: (13,) per sole x, y, z of its centre (m) and yaw (rad), then the velocity of the
-            centre of mass along x and y (m/s), all in world axes; workspace.
+        body: (1,) of the type `BODY`.
+        out: (15,) per sole x, y, z of its centre (m) and yaw (rad), then x and y of the centre of
+            mass (m) and of its velocity (m/s), all in world axes; workspace.
     """
+    b = body[0]
+    mass, axes, positions = b["mass"], b["axis"], b["position"]
     for k in range(2):
-        sole = soles[k]
-        axis, position = sole["axis"], sole["position"]
-        T = joint_placements[sole["joint"]]
+        axis, position = axes[k], positions[k]
+        T = joint_placements[b["joint"][k]]
         for i in range(3):
             out[4 * k + i] = (
                 T[i] * position[0] + T[3 + i] * position[1] + T[6 + i] * position[2] + T[9 + i]
@@ -70,8 +66,10 @@ def read_ground(
         x = T[0] * axis[0] + T[3] * axis[1] + T[6] * axis[2]
         y = T[1] * axis[0] + T[4] * axis[1] + T[7] * axis[2]
         out[4 * k + 3] = math.atan2(y, x)
-    base, momentum = joint_placements[1], out[10:13]
+    base, momentum = joint_placements[1], out[12:15]
     base_momentum(M, v, momentum)
+    c0, c1, c2 = M[1, 5] / mass, M[2, 3] / mass, M[0, 4] / mass
     for i in range(2):
+        out[8 + i] = base[i] * c0 + base[3 + i] * c1 + base[6 + i] * c2 + base[9 + i]
         total = base[i] * momentum[0] + base[3 + i] * momentum[1] + base[6 + i] * momentum[2]
-        out[8 + i] = total / mass
+        out[10 + i] = total / mass

@@ -30,12 +30,14 @@ class SupportPolygon:
 
     def clamp(self, zmp: complex, state: GaitState, margin: float) -> complex:
         """The ground point nearest to a ZMP that is off the polygon by `margin` (m) at most."""
-        a = b = state.stance.point
-        if state.phase is not Phase.SWING:
-            b = state.other_foot.point
         # The polygon holds everything that is closer to the line between the soles' centres
         # than their sides are: most ZMPs need no polygon.
-        if is_near_segment(zmp, a, b, self._radius + margin):
+        center, near = state.stance.point, self._radius + margin
+        if state.phase is Phase.SWING:
+            inside = abs(zmp - center) <= near
+        else:
+            inside = is_near_segment(zmp, center, state.other_foot.point, near)
+        if inside:
             return zmp
         return clamp_to_polygon(zmp, self.corners(state), margin)
 
