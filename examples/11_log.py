@@ -30,6 +30,6 @@ print("pictures:", *plot(one, folder), sep="\n  ")
 first = compare(one, other).first
 assert first is not None
 print(
-    f"the runs diverge at {first.time:.3f} s in {first.name}, {first.part}: "
+    f"the runs diverge at {first.time:.3f} s in {first.label}: "
     f"{first.a:.4f} against {first.b:.4f} {first.unit}"
 )

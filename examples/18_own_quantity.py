@@ -23,6 +23,7 @@ with wbc.sim.Mujoco(robot) as plant, FlightRecorder(path, robot) as log:
     wbc.run(walker, plant, duration=1.0, observers=[log], quantities=[power])
 
 # `wbc plot FILE --signal joint_power` draws it over time.
-column, values = LoggedRun.read(path).quantity("joint_power")
-joint = int(abs(values).max(axis=0).argmax())
-print(f"largest power: {column.label(joint)}: {abs(values[:, joint]).max():.1f}")
+run = LoggedRun.read(path)
+peaks = abs(run["joint_power"]).max(axis=0)
+joint = int(peaks.argmax())
+print(f"largest power: {run.quantities['joint_power'].label(joint)}: {peaks[joint]:.1f}")

@@ -103,7 +103,7 @@ def test_a_killed_run_leaves_a_whole_log_with_every_tick(tmp_path):
     run = LoggedRun.read(path)
     assert run.log.complete
     assert len(run) >= max([300, *ticks])
-    assert run.state("tick").tolist() == list(range(len(run)))
+    assert run["tick"].tolist() == list(range(len(run)))
     assert reference_counts(path) == own_counts(path)
 
 
@@ -231,7 +231,7 @@ def check_after_full_disk(path, caplog, said):
     run = LoggedRun.read(path)
     assert run.log.complete
     assert len(run) > 100
-    assert run.state("tick").tolist() == list(range(len(run)))
+    assert run["tick"].tolist() == list(range(len(run)))
     assert reference_counts(path) == own_counts(path)
 
 

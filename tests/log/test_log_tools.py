@@ -17,10 +17,9 @@ from wbc.log import FlightRecorder, LogError
 from wbc.log.diff import compare
 from wbc.log.logged_robot import logged_robot
 from wbc.log.plots import plot
-from wbc.log.plots.balance import draw_coordinate, draw_dcm_error
+from wbc.log.plots.balance import draw_coordinate, draw_dcm_error, draw_top_view, footprints
 from wbc.log.plots.style import spans
 from wbc.log.plots.timing import draw_tick_time
-from wbc.log.plots.top_view import draw_top_view, footprints
 from wbc.log.plots.torques import draw_torque_peaks, draw_torques
 from wbc.log.run import LoggedRun
 from wbc.sim import Mujoco
@@ -62,8 +61,8 @@ def line(axes, label):
 def test_the_picture_from_above_has_the_way_and_the_places_of_the_soles(walk, axes):
     run, report = walk
     draw_top_view(axes, run)
-    np.testing.assert_array_equal(line(axes, "CoM").get_xydata(), run.point("com")[:, :2])
-    np.testing.assert_array_equal(line(axes, "DCM").get_xydata(), run.point("dcm")[:, :2])
+    np.testing.assert_array_equal(line(axes, "CoM").get_xydata(), run["com"][:, :2])
+    np.testing.assert_array_equal(line(axes, "DCM").get_xydata(), run["dcm"][:, :2])
     prints = list(footprints(run))
     # Both soles where it stood, and one place for every touchdown.
     assert len(prints) == 2 + report.steps
@@ -73,8 +72,8 @@ def test_the_picture_from_above_has_the_way_and_the_places_of_the_soles(walk, ax
         edges = np.linalg.norm(np.diff(corners, axis=0), axis=1)
         np.testing.assert_allclose(edges, [2 * length, 2 * width, 2 * length], rtol=1e-9)
     # A foot that carries the robot has its centre of pressure inside.
-    single = run.state("phase") == 2
-    cop = run.point("cop")[single, :2]
+    single = run["phase"] == 2
+    cop = run["cop"][single, :2]
     left = np.array([c for side, c in prints if side == "left"])
     inside = ((cop[:, None] > left.min(axis=1)) & (cop[:, None] < left.max(axis=1))).all(axis=2)
     assert inside.any(axis=1).mean() > 0.95
@@ -84,7 +83,7 @@ def test_the_picture_over_time_has_reference_and_error(walk, axes):
     run, report = walk
     draw_coordinate(axes, run, 1)
     np.testing.assert_array_equal(line(axes, "DCM reference").get_xdata(), run.time)
-    np.testing.assert_array_equal(line(axes, "ZMP, commanded").get_ydata(), run.point("zmp")[:, 1])
+    np.testing.assert_array_equal(line(axes, "ZMP, commanded").get_ydata(), run["zmp"][:, 1])
     axes = Figure().subplots()
     draw_dcm_error(axes, run)
     (text,) = axes.texts
@@ -228,7 +227,7 @@ def test_a_difference_is_told_with_its_joint_its_time_and_its_size(tmp_path):
     a = made_up(tmp_path / "a.mcap")
     b = made_up(tmp_path / "b.mcap", shifted_knee)
     (divergence,) = compare(a, b).divergences
-    assert divergence.name == "torques"
+    assert divergence.name == "tau"
     assert divergence.part == a.robot_info.joints[4]
     assert (divergence.tick, divergence.time) == (12, pytest.approx(0.024))
     assert divergence.b - divergence.a == pytest.approx(1e-4)
@@ -243,7 +242,7 @@ def test_a_number_that_only_one_run_knows_is_a_difference(tmp_path):
         lambda tick: replace(tick, command=replace(tick.command, wrenches={})),
     )
     (divergence,) = compare(a, b).divergences
-    assert divergence.name == "wrench wanted on left_sole"
+    assert divergence.name == "commanded_wrench/left_sole"
     assert np.isnan(divergence.b)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from wbc.cli.exit_codes import FAILED, SUCCESS
 from wbc.cli.formatting import output_width, paragraph, table
 from wbc.cli.parser import number
-from wbc.log.diff import STAGES, Difference, Divergence, compare
+from wbc.log.diff import Difference, Divergence, compare
 from wbc.log.run import LoggedRun
 
 _CAUSES = {
@@ -67,7 +67,7 @@ def _verdict(difference: Difference) -> str:
         lines.append(
             f"The runs diverge at {first.time:.3f} s (common tick {first.tick}), first in a "
             f"{first.stage} quantity:\n"
-            f"{first.name}, {first.part}: {_value(first.a)} against {_value(first.b)}, {gap}."
+            f"{first.label}: {_value(first.a)} against {_value(first.b)}, {gap}."
         )
         lines.append(paragraph(f"→ {_CAUSES[first.stage]}", 0, output_width()))
     one, other = difference.ends
@@ -90,7 +90,7 @@ def _divergences(divergences: tuple[Divergence, ...]) -> str:
             f"{d.largest_time:.3f}",
             d.unit,
         )
-        for d in sorted(divergences, key=lambda d: (d.tick, STAGES.index(d.stage)))
+        for d in divergences
     ]
     head = ("from, s", "", "quantity", "first in", "by", "at most", "at, s", "unit")
     return table(head, rows, right=(0, 4, 5, 6))

@@ -81,6 +81,6 @@ def execute(options: argparse.Namespace) -> int:
 
 def _series(run: LoggedRun) -> list[TimeSeries]:
     return [
-        TimeSeries("DCM error, mm", run.time, 1e3 * run.state("dcm_error")),
-        TimeSeries("controller, µs", run.time, 1e6 * run.state("controller_time")),
+        TimeSeries("DCM error, mm", run.time, 1e3 * run["dcm_error"]),
+        TimeSeries("controller, µs", run.time, 1e6 * run["controller_time"]),
     ]

@@ -2,37 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from wbc.log.errors import LogError
 from wbc.log.run import LoggedRun
+from wbc.runtime.schema import Column
 
-#: Stages of a tick, in order of cause and effect.
-STAGES = ("measured", "estimated", "intended", "commanded")
-
-
-@dataclass(frozen=True, eq=False)
-class Signal:
-    """A quantity of both runs at their common ticks.
-
-    Attributes:
-        name: Name of the quantity.
-        stage: One of `STAGES`.
-        unit: Unit of the values.
-        parts: Name of each column.
-        a: Values of the first run, shape (n, k).
-        b: Values of the second run, shape (n, k).
-    """
-
-    name: str
-    stage: str
-    unit: str
-    parts: tuple[str, ...]
-    a: np.ndarray
-    b: np.ndarray
+#: Stages of a tick, in order of cause and effect, with the quantities that are compared. A name
+#: stands for all quantities whose names have it before the slash.
+STAGES: Mapping[str, tuple[str, ...]] = {
+    "measured": ("joint_position", "joint_velocity", "gyro", "accelerometer", "foot_wrench"),
+    "estimated": ("q", "v", "com", "dcm"),
+    "intended": ("velocity_command", "heading", "phase", "steps", "dcm_reference", "zmp"),
+    "commanded": ("commanded_wrench", "tau", "acceleration", "q_target", "v_target", "status"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +29,8 @@ class Divergence:
         name: Name of the quantity.
         stage: One of `STAGES`.
         unit: Unit of the values.
-        part: Component that differs first; of several, the one that differs most.
+        part: Component that differs first; of several, the one that differs most. It is empty for a
+            number.
         tick: Number of the first common tick at which the quantity differs.
         time: Time of that tick, s.
         a: Value in the first run at that tick.
@@ -62,6 +49,11 @@ class Divergence:
     b: float
     largest: float
     largest_time: float
+
+    @property
+    def label(self) -> str:
+        """Name of the component, e.g. "tau, leg_left_4_joint"."""
+        return f"{self.name}, {self.part}" if self.part else self.name
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,12 +100,15 @@ def compare(a: LoggedRun, b: LoggedRun, tolerance: float = 0.0) -> Difference:
     stamps, in_a, in_b = np.intersect1d(a.stamps, b.stamps, return_indices=True)
     if not len(stamps):
         raise LogError(f"{a.log.path} and {b.log.path} have no tick in common")
+    columns = {**b.quantities, **a.quantities}
     found = []
-    for signal in _signals(a, b, in_a, in_b):
-        divergence = _divergence(signal, 1e-9 * stamps, tolerance)
-        if divergence is not None:
-            found.append(divergence)
-    found.sort(key=lambda p: (p.tick, STAGES.index(p.stage)))
+    for stage, names in STAGES.items():
+        for column in columns.values():
+            if column.name.partition("/")[0] in names:
+                values = _values(a, column)[in_a], _values(b, column)[in_b]
+                divergence = _divergence(column, stage, *values, 1e-9 * stamps, tolerance)
+                found += [] if divergence is None else [divergence]
+    found.sort(key=lambda divergence: divergence.tick)  # of the same tick, in order of the stages
     return Difference(
         ticks=len(stamps),
         ends=(float(a.time[-1]), float(b.time[-1])),
@@ -122,8 +117,16 @@ def compare(a: LoggedRun, b: LoggedRun, tolerance: float = 0.0) -> Difference:
     )
 
 
-def _divergence(signal: Signal, time: np.ndarray, tolerance: float) -> Divergence | None:
-    a, b = signal.a, signal.b
+def _values(run: LoggedRun, column: Column) -> np.ndarray:
+    """Return the values of a quantity, shape (n, k); NaN if the run does not have it."""
+    if column.name not in run.quantities:
+        return np.full((len(run), column.size), np.nan)
+    return run[column.name].reshape(len(run), column.size)
+
+
+def _divergence(
+    column: Column, stage: str, a: np.ndarray, b: np.ndarray, time: np.ndarray, tolerance: float
+) -> Divergence | None:
     gap = np.abs(a - b)
     one_unknown = np.isnan(a) != np.isnan(b)
     gap[one_unknown] = np.inf
@@ -136,10 +139,10 @@ def _divergence(signal: Signal, time: np.ndarray, tolerance: float) -> Divergenc
     finite = np.where(np.isfinite(gap), gap, 0.0).max(axis=1)
     largest = int(np.argmax(finite))
     return Divergence(
-        name=signal.name,
-        stage=signal.stage,
-        unit=signal.unit,
-        part=signal.parts[part],
+        name=column.name,
+        stage=stage,
+        unit=column.unit,
+        part="" if column.scalar else column.labels[part],
         tick=tick,
         time=float(time[tick]),
         a=float(a[tick, part]),
@@ -147,61 +150,6 @@ def _divergence(signal: Signal, time: np.ndarray, tolerance: float) -> Divergenc
         largest=float(finite[largest]),
         largest_time=float(time[largest]),
     )
-
-
-def _signals(a: LoggedRun, b: LoggedRun, in_a: np.ndarray, in_b: np.ndarray) -> Iterator[Signal]:
-    joints = a.robot_info.joints
-    xyz = ("x", "y", "z")
-    twist = ("vx", "vy", "vz", "ωx", "ωy", "ωz")
-    wrench = ("fx", "fy", "fz", "τx", "τy", "τz")
-
-    def both(name: str, stage: str, unit: str, parts: tuple[str, ...], read: object) -> Signal:
-        assert callable(read)
-        return Signal(name, stage, unit, parts, read(a)[in_a], read(b)[in_b])
-
-    def topic(name: str, field: str) -> object:
-        return lambda run: run.at_ticks(name, field)
-
-    sensors = "/sensors/joint_states"
-    yield both("encoder positions", "measured", "rad", joints, topic(sensors, "position"))
-    yield both("encoder velocities", "measured", "rad/s", joints, topic(sensors, "velocity"))
-    imu = "/sensors/imu"
-    yield both("gyro", "measured", "rad/s", xyz, topic(imu, "angular_velocity"))
-    yield both("accelerometer", "measured", "m/s²", xyz, topic(imu, "linear_acceleration"))
-    for name in sorted({*a.foot_wrenches, *b.foot_wrenches}):
-        yield both(
-            f"wrench on {name}", "measured", "N, N·m", wrench,
-            lambda run, name=name: _or_unknown(run, run.foot_wrenches.get(name), 6),
-        )  # fmt: skip
-    yield both("base position", "estimated", "m", xyz, lambda run: run.q[:, :3])
-    yield both("base orientation", "estimated", "", ("qx", "qy", "qz", "qw"),
-               lambda run: run.q[:, 3:7])  # fmt: skip
-    yield both("base velocity", "estimated", "m/s, rad/s", twist, lambda run: run.v[:, :6])
-    yield both("joint positions", "estimated", "rad", joints, lambda run: run.q[:, 7:])
-    yield both("joint velocities", "estimated", "rad/s", joints, lambda run: run.v[:, 6:])
-    yield both("CoM", "estimated", "m", xyz, lambda run: run.point("com"))
-    yield both("DCM", "estimated", "m", xyz, lambda run: run.point("dcm"))
-    yield both(
-        "velocity wanted", "intended", "m/s, rad/s", ("forward", "left", "turn"),
-        lambda run: np.column_stack(
-            [run.state(f"velocity_{name}") for name in ("forward", "left", "turn")]
-        ),
-    )  # fmt: skip
-    yield both("phase", "intended", "", ("phase",), lambda run: run.state("phase")[:, None])
-    yield both("steps", "intended", "", ("steps",), lambda run: run.state("steps")[:, None])
-    yield both("DCM reference", "intended", "m", xyz, lambda run: run.point("dcm_reference"))
-    yield both("ZMP", "intended", "m", xyz, lambda run: run.point("zmp"))
-    for name in sorted({*a.commanded_wrenches, *b.commanded_wrenches}):
-        yield both(
-            f"wrench wanted on {name}", "commanded", "N, N·m", wrench,
-            lambda run, name=name: _or_unknown(run, run.commanded_wrenches.get(name), 6),
-        )  # fmt: skip
-    yield both("torques", "commanded", "N·m", joints, lambda run: run.tau)
-    yield both("QP status", "commanded", "", ("status",), lambda run: run.state("status")[:, None])
-
-
-def _or_unknown(run: LoggedRun, values: np.ndarray | None, columns: int) -> np.ndarray:
-    return np.full((len(run), columns), np.nan) if values is None else values
 
 
 def _parameters(a: LoggedRun, b: LoggedRun) -> dict[str, tuple[str | None, str | None]]:

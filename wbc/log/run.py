@@ -14,17 +14,26 @@ from wbc.log.reader import Log
 from wbc.log.robot_info import RobotInfo
 from wbc.messages import Message
 from wbc.runtime.quantities import STATUSES
-from wbc.runtime.schema import Column, columns_from_json
+from wbc.runtime.schema import ODOM, WRENCH, XYZ, Column, MessageKind, columns_from_json
 from wbc.runtime.snapshot import Snapshot
 from wbc.telemetry import PHASES, SIDES, ContactPlan, Footstep, Telemetry
 from wbc.topics.catalogue import COMPOSITE_FIELDS, column_topic
 
 _STATE = "/controller_state"
 _LATE = 1.5  # s; older plans are not shown
+_FIELDS = {"point": "point", "wrench": "wrench", "numbers": "data"}  # by the kind of a message
+_HELD = ("true_q", "true_v", "sole_pose/")  # not sent in every tick: the latest value counts
+_POSE = (*XYZ, "qx", "qy", "qz", "qw")
 
 
 class LoggedRun:
-    """A logged run as arrays with one row per tick; unknown values are NaN.
+    """A logged run as arrays with one row per tick.
+
+    Example:
+        >>> run = LoggedRun.read("walk.mcap")
+        >>> run.quantities["tau"].unit
+        'N·m'
+        >>> peak = abs(run["tau"]).max(axis=0)
 
     Args:
         log: Log of the run.
@@ -46,6 +55,7 @@ class LoggedRun:
             raise LogError(f"{log.path} holds no tick")
         self.stamps = log.stamps(_STATE)
         self.time = 1e-9 * self.stamps
+        self._values: dict[str, np.ndarray] = {}
 
     @staticmethod
     def read(path: str | Path) -> LoggedRun:
@@ -61,6 +71,49 @@ class LoggedRun:
         """Return the number of ticks."""
         return len(self.stamps)
 
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Return the values of a quantity, NaN where unknown.
+
+        The shape is (n,) for a number and (n, k) for an array. `true_q`, `true_v` and `sole_pose/…`
+        are logged at a lower rate: their values are the latest ones.
+
+        Args:
+            name: Name of one of the `quantities`.
+
+        Raises:
+            LogError: The log has no such quantity.
+        """
+        if name not in self._values:
+            self._values[name] = self._read(name)
+        return self._values[name]
+
+    @cached_property
+    def quantities(self) -> Mapping[str, Column]:
+        """Description of each quantity by its name.
+
+        These are the quantities of the tick (`wbc.runtime.quantities` and those given to
+        `wbc.run`), the commanded wrench of each contact (`commanded_wrench/…`, contact axes), the
+        pose of each sole (`sole_pose/…`), and the measured centre of pressure (`cop`).
+
+        Raises:
+            LogError: The log does not describe its quantities.
+        """
+        try:
+            columns = list(columns_from_json(self.log.files["quantities.json"]))
+        except (KeyError, ValueError, TypeError) as error:
+            raise LogError(f"{self.log.path} does not describe its quantities") from error
+        doc = "measured centre of pressure of both feet"
+        columns.append(_column("cop", doc, "m", XYZ, "point", "balance/cop"))
+        for topic in self.log.topics:
+            kind, _, name = topic[1:].rpartition("/")
+            if kind == "command/wrench":
+                name, doc = f"commanded_wrench/{name}", "commanded wrench at the contact"
+                columns.append(_column(name, doc, "N, N·m", WRENCH, "wrench", topic[1:]))
+            elif kind == "sole_pose":
+                doc = "pose of the sole"
+                columns.append(_column(topic[1:], doc, "m", _POSE, "composite", topic[1:]))
+        return {c.name: c for c in sorted(columns, key=lambda c: c.name) if _fields(c)}
+
     @property
     def title(self) -> str:
         """Robot, duration and outcome of the run."""
@@ -72,114 +125,11 @@ class LoggedRun:
         return f"{self.robot_info.name}, {self.time[-1]:.1f} s: {report.get('fell_why', 'fell')}"
 
     @cached_property
-    def q(self) -> np.ndarray:
-        """Estimated configurations; m, unit quaternion, rad; shape (n, nq)."""
-        return np.hstack(
-            [self.at_ticks("/odom", "pose.pose"), self.at_ticks("/joint_states", "position")]
-        )
-
-    @cached_property
-    def v(self) -> np.ndarray:
-        """Estimated velocities, base twist in the base frame; m/s, rad/s; shape (n, nv)."""
-        return np.hstack(
-            [self.at_ticks("/odom", "twist.twist"), self.at_ticks("/joint_states", "velocity")]
-        )
-
-    @cached_property
-    def tau(self) -> np.ndarray:
-        """Commanded torques, N·m or N, shape (n, na)."""
-        return self.at_ticks("/joint_states", "effort")
-
-    def point(self, name: str) -> np.ndarray:
-        """Return "com", "dcm", "dcm_reference", "zmp" or "cop", m, world frame, shape (n, 3)."""
-        topic = f"/balance/{name}"
-        if topic not in self.log:
-            return np.full((len(self), 3), np.nan)
-        return self.at_ticks(topic, "point")
-
-    def state(self, field: str) -> np.ndarray:
-        """Return a field of `wbc_msgs/ControllerState`, e.g. "controller_time", shape (n,)."""
-        numbers: np.ndarray = self.log.numbers(_STATE, field)[:, 0]
-        return numbers
-
-    def at_ticks(self, topic: str, field: str) -> np.ndarray:
-        """Return a field of a topic at every tick, shape (n, k); NaN at ticks without a message.
-
-        Raises:
-            LogError: The log has no such topic, or its messages no such field.
-        """
-        numbers = self.log.numbers(topic, field)
-        stamps = self.log.stamps(topic)
-        if len(stamps) == len(self) and (stamps == self.stamps).all():
-            return numbers
-        rows = np.full((len(self), numbers.shape[1]), np.nan)
-        place = np.searchsorted(self.stamps, stamps)
-        there = (place < len(self)) & (self.stamps[np.minimum(place, len(self) - 1)] == stamps)
-        rows[place[there]] = numbers[there]
-        return rows
-
-    @cached_property
-    def foot_wrenches(self) -> Mapping[str, np.ndarray]:
-        """Measured wrench of each sole by name, sole axes, N and N·m, shape (n, 6)."""
-        return self._wrenches("/sensors/wrench/")
-
-    @cached_property
-    def commanded_wrenches(self) -> Mapping[str, np.ndarray]:
-        """Commanded wrench of each contact by name, contact axes, N and N·m, shape (n, 6)."""
-        return self._wrenches("/command/wrench/")
-
-    @cached_property
-    def soles(self) -> Mapping[str, np.ndarray]:
-        """Latest known pose of each sole by name: position, m, quaternion x y z w, shape (n, 7)."""
-        prefix = "/sole_pose/"
-        found = {}
-        for topic in self.log.topics:
-            if topic.startswith(prefix):
-                index = self._latest(self.log.stamps(topic))
-                found[topic[len(prefix) :]] = self.log.numbers(topic, "pose")[index]
-        return found
-
-    @property
-    def quantities(self) -> Mapping[str, Column]:
-        """Description of each quantity of the tick that the log has, by name.
-
-        Raises:
-            LogError: The log does not describe its quantities.
-        """
-        try:
-            columns = columns_from_json(self.log.files["quantities.json"])
-        except (KeyError, ValueError, TypeError) as error:
-            raise LogError(f"{self.log.path} does not describe its quantities") from error
-        there = {c.name: c for c in columns if self._fields_of(c)}
-        return dict(sorted(there.items()))
-
-    def quantity(self, name: str) -> tuple[Column, np.ndarray]:
-        """Return the description of a quantity and its values, shape (n, k), NaN where unknown.
-
-        Raises:
-            LogError: The log has no quantity of that name.
-        """
-        column = self.quantities.get(name)
-        if column is None:
-            near = did_you_mean(name, self.quantities)
-            raise LogError(f"{self.log.path} has no quantity '{name}'{near}")
-        parts = [self.at_ticks(topic, field) for topic, field in self._fields_of(column)]
-        return column, np.hstack(parts)
-
-    def _fields_of(self, column: Column) -> list[tuple[str, str]]:
-        """Return the topics and fields that carry a column; empty if the log lacks them."""
-        own = {"point": "point", "wrench": "wrench", "numbers": "data", "composite": ""}
-        single = ((column_topic(column), own[column.message]),)
-        found = [(f"/{topic}", field) for topic, field in COMPOSITE_FIELDS.get(column.name, single)]
-        return found if all(topic in self.log for topic, _ in found) else []
-
-    @cached_property
     def plans(self) -> list[ContactPlan]:
         """The contact plans, in the order of `plan_stamps`."""
         if "/footsteps" not in self.log:
             return []
-        log = self.log
-        parts = (log.messages(t) for t in ("/support_polygon", "/footsteps", "/swing_path"))
+        parts = (self.log.messages(t) for t in ("/support_polygon", "/footsteps", "/swing_path"))
         return [
             ContactPlan(
                 _xyz(support.polygon.points),
@@ -192,35 +142,20 @@ class LoggedRun:
     @cached_property
     def plan_stamps(self) -> np.ndarray:
         """Times of the plans, ns, shape (m,)."""
-        if "/footsteps" not in self.log:
-            return np.empty(0, np.int64)
-        return self.log.stamps("/footsteps")
+        return self.log.stamps("/footsteps") if "/footsteps" in self.log else np.empty(0, np.int64)
 
     def snapshot(self, tick: int) -> Snapshot:
         """Return the snapshot of a tick for a viewer."""
-        plan = ContactPlan()
-        if len(self.plan_stamps):
-            index = int(np.searchsorted(self.plan_stamps, self.stamps[tick], "right")) - 1
-            if index >= 0 and self.stamps[tick] - self.plan_stamps[index] < 1e9 * _LATE:
-                plan = self.plans[index]
-        measured = {name: w[tick] for name, w in self.foot_wrenches.items()}
-        known = {name: w for name, w in measured.items() if np.isfinite(w).all()}
-        if not known:
-            commanded = {name: w[tick] for name, w in self.commanded_wrenches.items()}
-            known = {name: w for name, w in commanded.items() if np.isfinite(w).all()}
+        plan = int(np.searchsorted(self.plan_stamps, self.stamps[tick], "right")) - 1
+        late = plan < 0 or self.stamps[tick] - self.plan_stamps[plan] >= 1e9 * _LATE
+        points = {name: self[name][tick] for name in ("com", "dcm", "dcm_reference", "zmp")}
         return Snapshot(
             time=float(self.time[tick]),
-            q=self.q[tick],
-            wrenches=known,
-            telemetry=Telemetry(
-                com=self._points["com"][tick],
-                dcm=self._points["dcm"][tick],
-                dcm_reference=self._points["dcm_reference"][tick],
-                zmp=self._points["zmp"][tick],
-                phase=PHASES[int(self._phases[tick])],
-            ),
-            contact_plan=plan,
-            status=STATUSES[int(self._statuses[tick])],
+            q=self["q"][tick],
+            wrenches=self._known("foot_wrench/", tick) or self._known("commanded_wrench/", tick),
+            telemetry=Telemetry(**points, phase=PHASES[int(self["phase"][tick])]),
+            contact_plan=ContactPlan() if late else self.plans[plan],
+            status=STATUSES[int(self["status"][tick])],
         )
 
     @property
@@ -241,28 +176,55 @@ class LoggedRun:
         """Return the last tick at or before a time (s), or the first tick for earlier times."""
         return max(int(np.searchsorted(self.time, time + 1e-9, "right")) - 1, 0)
 
-    @cached_property
-    def _points(self) -> dict[str, np.ndarray]:
-        return {name: self.point(name) for name in ("com", "dcm", "dcm_reference", "zmp")}
+    def _read(self, name: str) -> np.ndarray:
+        column = self.quantities.get(name)
+        if column is None:
+            near = did_you_mean(name, self.quantities)
+            raise LogError(f"{self.log.path} has no quantity '{name}'{near}")
+        fields = _fields(column)
+        if not all(topic in self.log for topic, _ in fields):
+            return np.full((len(self), *(() if column.scalar else (column.size,))), np.nan)
+        held = name.startswith(_HELD)
+        values = np.hstack([self._at_ticks(topic, field, held) for topic, field in fields])
+        return values[:, 0] if column.scalar else values
 
-    @cached_property
-    def _phases(self) -> np.ndarray:
-        return self.state("phase")
+    def _at_ticks(self, topic: str, field: str, held: bool) -> np.ndarray:
+        """Return a field at every tick; at ticks without a message, NaN or the latest value."""
+        values: np.ndarray = self.log.numbers(topic, field)
+        stamps = self.log.stamps(topic)
+        if np.array_equal(stamps, self.stamps):
+            return values
+        latest = np.maximum(np.searchsorted(stamps, self.stamps, "right") - 1, 0)
+        values = values[latest]
+        if not held:
+            values[stamps[latest] != self.stamps] = np.nan
+        return values
 
-    @cached_property
-    def _statuses(self) -> np.ndarray:
-        return self.state("status")
-
-    def _wrenches(self, prefix: str) -> dict[str, np.ndarray]:
-        return {
-            topic[len(prefix) :]: self.at_ticks(topic, "wrench")
-            for topic in self.log.topics
-            if topic.startswith(prefix)
+    def _known(self, prefix: str, tick: int) -> dict[str, np.ndarray]:
+        """Return the known values of the quantities whose names begin with a prefix."""
+        found = {
+            name.removeprefix(prefix): self[name][tick]
+            for name in self.quantities
+            if name.startswith(prefix)
         }
+        return {name: value for name, value in found.items() if np.isfinite(value).all()}
 
-    def _latest(self, stamps: np.ndarray) -> np.ndarray:
-        """Return for each tick the index of the last stamp at or before it, shape (n,)."""
-        return np.maximum(np.searchsorted(stamps, self.stamps, "right") - 1, 0)
+
+def _column(
+    name: str, doc: str, unit: str, labels: tuple[str, ...], message: MessageKind, topic: str
+) -> Column:
+    """Return the description of a quantity that is not declared but computed by the log writer."""
+    frame = "" if message == "wrench" else ODOM
+    return Column(name, doc, unit, labels, False, frame, message, topic, False)
+
+
+def _fields(column: Column) -> list[tuple[str, str]]:
+    """Return the topics and fields that carry a quantity; none if it is not logged."""
+    if column.message != "composite":
+        return [(f"/{column_topic(column)}", _FIELDS[column.message])]
+    if column.name.startswith("sole_pose/"):
+        return [(f"/{column.topic}", "pose")]
+    return [(f"/{topic}", field) for topic, field in COMPOSITE_FIELDS.get(column.name, ())]
 
 
 def _xyz(points: list[Message]) -> np.ndarray:

@@ -1,26 +1,84 @@
-"""Plots of balance over time: DCM and ZMP in x and y, and the DCM error."""
+"""Plots of balance: CoM, DCM, ZMP and CoP with the stance soles, over time and from above."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from wbc.geometry.planar import Placement, ground_point
+from wbc.geometry.polygon import sole_corners
 from wbc.log.plots.style import (
     COM,
     COP,
     DCM,
-    FAINT,
     LEFT,
     REFERENCE,
     RIGHT,
     ZMP,
+    legend,
     mark_failures,
+    mark_level,
     shade_phases,
     spans,
     thin,
 )
 from wbc.log.run import LoggedRun
+
+_MIN_LOAD = 0.05  # smallest load of a sole in contact, as a share of the weight
+_SHORTEST = 0.05  # s; shorter contacts are not counted as footsteps
+_MARGIN = 0.12  # m
+
+
+class Curve(NamedTuple):
+    """How a point of the robot is drawn."""
+
+    quantity: str
+    label: str
+    colour: str
+    width: float
+
+
+CURVES = (
+    Curve("cop", "CoP, measured", COP, 0.6),
+    Curve("zmp", "ZMP, commanded", ZMP, 0.8),
+    Curve("dcm_reference", "DCM reference", REFERENCE, 1.6),
+    Curve("dcm", "DCM", DCM, 0.9),
+    Curve("com", "CoM", COM, 1.2),
+)
+
+
+class Contact(NamedTuple):
+    """One contact of a sole with the ground.
+
+    Attributes:
+        side: "left" or "right".
+        colour: Colour of the side.
+        pose: Pose of the sole in the middle of the contact: position, m, quaternion x y z w.
+        half_size: Half length and half width of the sole, m.
+        ticks: First tick of the contact, and the first one after it.
+    """
+
+    side: str
+    colour: str
+    pose: np.ndarray
+    half_size: tuple[float, float]
+    ticks: tuple[int, int]
+
+
+def contacts(run: LoggedRun) -> Iterator[Contact]:
+    """Yield every contact of the left, then of the right sole, in order of time."""
+    least = _MIN_LOAD * run.robot_info.weight
+    sides = (("left", LEFT), ("right", RIGHT))
+    for (side, colour), half_size in zip(sides, run.robot_info.soles, strict=True):
+        pose = f"sole_pose/{side}_sole"
+        wrenches = (f"foot_wrench/{side}_sole", f"commanded_wrench/{side}_sole")
+        known = [n for n in wrenches if n in run.quantities and np.isfinite(run[n]).any()]
+        if known and pose in run.quantities:
+            for start, stop in spans(np.nan_to_num(run[known[0]][:, 2]) > least):
+                middle = run[pose][(start + stop) // 2]
+                yield Contact(side, colour, middle, half_size, (start, stop))
 
 
 def draw_coordinate(axes: Any, run: LoggedRun, coordinate: int) -> None:
@@ -31,61 +89,78 @@ def draw_coordinate(axes: Any, run: LoggedRun, coordinate: int) -> None:
         run: Logged run.
         coordinate: 0 for x, 1 for y.
     """
+    for contact in contacts(run):
+        start, stop = contact.ticks
+        middle, half = contact.pose[coordinate], contact.half_size[coordinate]
+        axes.fill_between(
+            run.time[[start, stop - 1]], middle - half, middle + half, color=contact.colour,
+            alpha=0.12, linewidth=0,
+        )  # fmt: skip
     every = thin(len(run))
-    time = run.time[every]
-    _draw_soles(axes, run, coordinate)
-    for name, colour, width, label in (
-        ("cop", COP, 0.6, "CoP, measured"),
-        ("zmp", ZMP, 0.8, "ZMP, commanded"),
-        ("dcm_reference", REFERENCE, 1.6, "DCM reference"),
-        ("dcm", DCM, 0.9, "DCM"),
-        ("com", COM, 1.2, "CoM"),
-    ):
-        points = run.point(name)[every]
-        if np.isfinite(points).any():
-            axes.plot(time, points[:, coordinate], color=colour, linewidth=width, label=label)
-    mark_failures(axes, run.time, run.state("status"))
+    for curve, points in _known_curves(run):
+        values = points[every, coordinate]
+        axes.plot(
+            run.time[every], values, color=curve.colour, linewidth=curve.width, label=curve.label
+        )
+    mark_failures(axes, run)
     axes.set(ylabel="xy"[coordinate] + ", m")
     axes.set_title("xy"[coordinate] + " of CoM, DCM and ZMP; bands: stance soles")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
 def draw_dcm_error(axes: Any, run: LoggedRun) -> None:
     """Draw the distance of the DCM from its reference over time, with the phases shaded."""
     every = thin(len(run))
-    error = 1e3 * run.state("dcm_error")
-    shade_phases(axes, run.time, run.state("phase"))
-    mark_failures(axes, run.time, run.state("status"))
+    error = 1e3 * run["dcm_error"]
+    shade_phases(axes, run)
+    mark_failures(axes, run)
     axes.plot(run.time[every], error[every], color=DCM, linewidth=0.9)
     known = error[np.isfinite(error)]
     if known.size:
         rms = float(np.sqrt(np.mean(known**2)))
-        axes.axhline(rms, color=FAINT, linewidth=0.8, linestyle="--")
+        mark_level(axes, rms, f"rms {rms:.1f} mm")
         axes.set_ylim(0.0, max(1.1 * float(known.max()), 1e-3))
-        axes.text(
-            1.005, rms, f"rms {rms:.1f} mm", transform=axes.get_yaxis_transform(), va="center"
-        )
-    axes.set(ylabel="mm")
+    axes.set(ylabel="mm", xlabel="time, s")
     axes.set_title("DCM error; shaded: left stance, right stance")
 
 
-def _draw_soles(axes: Any, run: LoggedRun, coordinate: int) -> None:
-    """Draw a band for the extent of each stance sole."""
-    least = 0.05 * run.robot_info.weight
-    for index, (side, colour) in enumerate((("left", LEFT), ("right", RIGHT))):
-        name = f"{side}_sole"
-        wrench = run.foot_wrenches.get(name, run.commanded_wrenches.get(name))
-        if wrench is None or name not in run.soles:
-            continue
-        half = run.robot_info.soles[index][coordinate]
-        centre = run.soles[name][:, coordinate]
-        for start, stop in spans(np.nan_to_num(wrench[:, 2]) > least):
-            middle = float(np.median(centre[start:stop]))
-            axes.fill_between(
-                run.time[[start, stop - 1]],
-                middle - half,
-                middle + half,
-                color=colour,
-                alpha=0.12,
-                linewidth=0,
-            )
+def draw_top_view(axes: Any, run: LoggedRun) -> None:
+    """Draw CoM, DCM, ZMP and the footsteps in the horizontal plane."""
+    for side, corners in footprints(run):
+        colour = LEFT if side == "left" else RIGHT
+        axes.fill(*corners.T, facecolor=colour, alpha=0.10, linewidth=0)
+        axes.plot(*np.vstack([corners, corners[:1]]).T, color=colour, linewidth=0.8, alpha=0.8)
+    every = thin(len(run))
+    for curve, points in _known_curves(run):
+        if curve.quantity != "dcm_reference":
+            line = points[every, :2].T
+            axes.plot(*line, color=curve.colour, linewidth=curve.width, label=curve.label)
+    com = run["com"]
+    axes.plot(*com[0, :2], "o", color=COM, markersize=4, label="start")
+    axes.plot(*com[-1, :2], "s", color=COM, markersize=4, label="end")
+    for colour, label in ((LEFT, "left sole"), (RIGHT, "right sole")):
+        axes.fill([], [], facecolor=colour, alpha=0.2, edgecolor=colour, label=label)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(_MARGIN)
+    axes.set(xlabel="x, m", ylabel="y, m")
+    axes.set_title("CoM, DCM, ZMP and footsteps, from above")
+    legend(axes)
+
+
+def footprints(run: LoggedRun) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield the side and the corners, shape (4, 2), m, world axes, of every footstep made."""
+    dt = float(np.median(np.diff(run.time))) if len(run) > 1 else 0.0
+    for contact in contacts(run):
+        ticks = contact.ticks[1] - contact.ticks[0]
+        if ticks * dt >= _SHORTEST or ticks == len(run):
+            x, y, z, w = contact.pose[3:]
+            yaw = float(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+            placement = Placement(ground_point(contact.pose), yaw)
+            corners = sole_corners(placement, *contact.half_size)
+            yield contact.side, np.array([[corner.real, corner.imag] for corner in corners])
+
+
+def _known_curves(run: LoggedRun) -> Iterator[tuple[Curve, np.ndarray]]:
+    for curve in CURVES:
+        points = run[curve.quantity]
+        if np.isfinite(points).any():
+            yield curve, points

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wbc.log.plots.style import mark_failures, thin
+from wbc.log.plots.style import legend, mark_failures, thin
 from wbc.log.run import LoggedRun
 
 _LEGEND = 12  # largest number of components with a legend entry each
@@ -23,15 +23,15 @@ def draw_quantity(axes: Any, run: LoggedRun, name: str) -> None:
     Raises:
         LogError: The log has no quantity of that name.
     """
-    column, values = run.quantity(name)
+    values = run[name].reshape(len(run), -1)
+    column = run.quantities[name]
     every = thin(len(run))
     for i in range(values.shape[1]):
         axes.plot(run.time[every], values[every, i], linewidth=0.9, label=column.labels[i])
-    mark_failures(axes, run.time, run.state("status"))
+    mark_failures(axes, run)
     axes.set(xlabel="time, s", ylabel=column.unit or None)
     axes.set_title(f"{name}: {column.doc}" + (f" ({column.frame})" if column.frame else ""))
     if 1 < values.shape[1] <= _LEGEND:
-        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    finite = values[np.isfinite(values)]
-    if not finite.size:
+        legend(axes)
+    if not np.isfinite(values).any():
         axes.text(0.5, 0.5, "unknown in this run", transform=axes.transAxes, ha="center")

@@ -3,21 +3,58 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from wbc.errors import MissingExtra
 from wbc.log.errors import LogError
-from wbc.log.plots.balance import draw_coordinate, draw_dcm_error
+from wbc.log.plots.balance import draw_coordinate, draw_dcm_error, draw_top_view
 from wbc.log.plots.quantity import draw_quantity
-from wbc.log.plots.style import style
+from wbc.log.plots.style import legend, style
 from wbc.log.plots.timing import draw_tick_time
-from wbc.log.plots.top_view import draw_top_view
 from wbc.log.plots.torques import draw_torque_peaks, draw_torques
 from wbc.log.run import LoggedRun
 
 KINDS = (".png", ".pdf", ".svg")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A figure: panels one above the other.
+
+    Attributes:
+        name: Name of the figure, which becomes a part of the file's name.
+        size: Width and height, inches.
+        panels: Functions that draw a run into axes, from top to bottom.
+        heights: Relative heights of the panels.
+        share_time: Whether the panels share the axis of time.
+    """
+
+    name: str
+    size: tuple[float, float]
+    panels: tuple[Callable[[Any, LoggedRun], None], ...]
+    heights: tuple[float, ...] = (1.0,)
+    share_time: bool = False
+
+
+def _draw_x(axes: Any, run: LoggedRun) -> None:
+    draw_coordinate(axes, run, 0)
+    legend(axes)
+
+
+def _draw_y(axes: Any, run: LoggedRun) -> None:
+    draw_coordinate(axes, run, 1)
+
+
+_STANDARD = (
+    Layout("above", (11.0, 6.2), (draw_top_view,)),
+    Layout("balance", (11.0, 8.0), (_draw_x, _draw_y, draw_dcm_error), (3.0, 3.0, 2.0), True),
+    Layout("torques", (11.0, 9.0), (draw_torques, draw_torque_peaks), (2.0, 3.0)),
+    Layout("timing", (11.0, 4.2), (draw_tick_time,)),
+)
 
 
 def plot(
@@ -46,10 +83,15 @@ def plot(
         raise MissingExtra("matplotlib", "plots")
     folder = Path(folder)
     with style() as figure_of:
-        if quantities:
-            figures = {name: _quantity_figure(figure_of, run, name) for name in quantities}
-        else:
-            figures = _standard_figures(figure_of, run)
+        figures = {}
+        for layout in [_quantity_layout(name) for name in quantities] or _STANDARD:
+            figures[layout.name] = figure = figure_of(figsize=layout.size, layout="constrained")
+            rows = figure.subplots(
+                len(layout.panels), sharex=layout.share_time, height_ratios=layout.heights,
+                squeeze=False,
+            )  # fmt: skip
+            for axes, draw in zip(rows[:, 0], layout.panels, strict=True):
+                draw(axes, run)
         try:
             folder.mkdir(parents=True, exist_ok=True)
             paths = []
@@ -65,35 +107,5 @@ def plot(
     return paths
 
 
-def _quantity_figure(figure_of: Any, run: LoggedRun, name: str) -> Any:
-    figure = figure_of(figsize=(11.0, 4.2), layout="constrained")
-    draw_quantity(figure.subplots(), run, name)
-    return figure
-
-
-def _standard_figures(figure_of: Any, run: LoggedRun) -> dict[str, Any]:
-    figures = {}
-    figure = figure_of(figsize=(11.0, 6.2), layout="constrained")
-    draw_top_view(figure.subplots(), run)
-    figures["above"] = figure
-
-    figure = figure_of(figsize=(11.0, 8.0), layout="constrained")
-    rows = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 2))
-    draw_coordinate(rows[0], run, 0)
-    draw_coordinate(rows[1], run, 1)
-    draw_dcm_error(rows[2], run)
-    rows[1].get_legend().remove()
-    rows[2].set_xlabel("time, s")
-    figures["balance"] = figure
-
-    figure = figure_of(figsize=(11.0, 9.0), layout="constrained")
-    rows = figure.subplots(2, 1, height_ratios=(2, 3))
-    draw_torques(rows[0], run)
-    rows[0].set_xlabel("time, s")
-    draw_torque_peaks(rows[1], run)
-    figures["torques"] = figure
-
-    figure = figure_of(figsize=(11.0, 4.2), layout="constrained")
-    draw_tick_time(figure.subplots(), run)
-    figures["timing"] = figure
-    return figures
+def _quantity_layout(name: str) -> Layout:
+    return Layout(name, (11.0, 4.2), (partial(draw_quantity, name=name),))

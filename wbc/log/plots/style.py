@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from wbc.log.run import LoggedRun
+
 COM, DCM, REFERENCE, ZMP, COP = "#23272f", "#7b3fbf", "#b48ad9", "#e69f00", "#0a8f6c"
 LEFT, RIGHT = "#1f66c1", "#d1650c"
 LIMIT, GRID, FAINT = "#c0392b", "#dfe4ea", "#97a1ac"
@@ -42,17 +44,29 @@ def style() -> Iterator[Any]:
         yield Figure
 
 
-def shade_phases(axes: Any, time: np.ndarray, phase: np.ndarray) -> None:
+def legend(axes: Any) -> None:
+    """Draw the legend to the right of the axes."""
+    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def mark_level(axes: Any, value: float, text: str, colour: str = FAINT) -> None:
+    """Draw a horizontal line with a text to the right of the axes."""
+    dashes = "--" if colour == FAINT else "-"
+    axes.axhline(value, color=colour, linewidth=0.9, linestyle=dashes)
+    axes.text(1.005, value, text, transform=axes.get_yaxis_transform(), va="center", fontsize=8)
+
+
+def shade_phases(axes: Any, run: LoggedRun) -> None:
     """Shade the phases of single support, one colour per stance foot."""
     for number, colour in ((2, LEFT), (3, RIGHT)):
-        for start, stop in spans(phase == number):
-            axes.axvspan(time[start], time[stop - 1], color=colour, alpha=0.07, linewidth=0)
+        for start, stop in spans(run["phase"] == number):
+            axes.axvspan(run.time[start], run.time[stop - 1], color=colour, alpha=0.07, linewidth=0)
 
 
-def mark_failures(axes: Any, time: np.ndarray, status: np.ndarray) -> None:
+def mark_failures(axes: Any, run: LoggedRun) -> None:
     """Mark the ticks whose QP had no solution."""
-    for start, stop in spans(status != 0):
-        axes.axvspan(time[start], time[stop - 1], color=LIMIT, alpha=0.35, linewidth=0.8)
+    for start, stop in spans(run["status"] != 0):
+        axes.axvspan(run.time[start], run.time[stop - 1], color=LIMIT, alpha=0.35, linewidth=0.8)
 
 
 def spans(chosen: np.ndarray) -> list[tuple[int, int]]:

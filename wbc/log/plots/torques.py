@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wbc.log.plots.style import FAINT, LIMIT, thin
+from wbc.log.plots.style import FAINT, LIMIT, legend, thin
 from wbc.log.run import LoggedRun
 
 _SHOWN = 6  # joints drawn over time
@@ -28,11 +28,11 @@ def draw_torques(axes: Any, run: LoggedRun) -> None:
         )
     axes.axhline(100.0, color=LIMIT, linewidth=1.0)
     axes.set_ylim(0.0, max(108.0, 1.05 * float(share.max(initial=0.0))))
-    axes.set(ylabel="% of the limit")
+    axes.set(ylabel="% of the limit", xlabel="time, s")
     axes.set_title(
         "Torques of the six joints closest to their limits (N·m; N for prismatic joints)"
     )
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    legend(axes)
 
 
 def draw_torque_peaks(axes: Any, run: LoggedRun) -> None:
@@ -56,5 +56,5 @@ def draw_torque_peaks(axes: Any, run: LoggedRun) -> None:
 
 def shares(run: LoggedRun) -> np.ndarray:
     """Return |torque| in percent of its limit, shape (n, na)."""
-    found: np.ndarray = 100.0 * np.abs(np.nan_to_num(run.tau)) / run.robot_info.tau_max
+    found: np.ndarray = 100.0 * np.abs(np.nan_to_num(run["tau"])) / run.robot_info.tau_max
     return found
