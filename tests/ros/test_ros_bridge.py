@@ -20,7 +20,6 @@ from wbc.ros import Network, QoSProfile
 from wbc.ros.actions import ActionClient, GoalStatus
 from wbc.ros.bridge import Bridge
 from wbc.ros.bridge.navigate_to_pose import TYPE
-from wbc.ros.parameters import ParameterType
 from wbc.ros.qos import HIGH_RATE, LATCHED, ROSOUT
 from wbc.teleop import CommandHandler
 
@@ -30,6 +29,7 @@ pytest.importorskip("mujoco")
 ROBOT = "simple_humanoid"
 TRIGGER = "std_srvs/srv/Trigger"
 Twist = message_type("geometry_msgs/msg/Twist")
+ParameterType = message_type("rcl_interfaces/msg/ParameterType")
 JointState = message_type("sensor_msgs/msg/JointState")
 
 
@@ -75,14 +75,16 @@ def ask(driver):
 @pytest.fixture
 def plant_time(set_parameter):
     """Topics go by the plant's time: how often they come in it is no matter of the machine."""
-    set_parameter("use_sim_time", type=ParameterType.BOOL, bool_value=True)
+    set_parameter("use_sim_time", type=ParameterType.PARAMETER_BOOL, bool_value=True)
     yield
-    set_parameter("use_sim_time", type=ParameterType.BOOL, bool_value=False)
+    set_parameter("use_sim_time", type=ParameterType.PARAMETER_BOOL, bool_value=False)
 
 
 @pytest.fixture(scope="module")
 def diagnostics(driver, set_parameter):
-    set_parameter("diagnostic_updater.period", type=ParameterType.DOUBLE, double_value=0.1)
+    set_parameter(
+        "diagnostic_updater.period", type=ParameterType.PARAMETER_DOUBLE, double_value=0.1
+    )
     return Hearer(driver, "diagnostic_msgs/msg/DiagnosticArray", "/diagnostics")
 
 
@@ -153,13 +155,13 @@ def test_the_parameter_sets_the_rate_of_joint_states(
     heard = hear("sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
 
     def gap(rate):
-        set_parameter("update_rate", type=ParameterType.DOUBLE, double_value=rate)
+        set_parameter("update_rate", type=ParameterType.PARAMETER_DOUBLE, double_value=rate)
         heard.wait(lambda _: len(heard) > 12)
         return float(np.median(np.diff([seconds(m.header.stamp) for m in heard.messages])))
 
     assert gap(10.0) == pytest.approx(0.1)
     assert gap(50.0) == pytest.approx(0.02)
-    too_fast = try_parameter("update_rate", type=ParameterType.DOUBLE, double_value=501.0)
+    too_fast = try_parameter("update_rate", type=ParameterType.PARAMETER_DOUBLE, double_value=501.0)
     assert "1 to 500" in too_fast.reason
 
 
@@ -168,10 +170,10 @@ def test_tf_puts_every_link_where_the_joints_put_it(hear, driver, robot, set_par
 
     There are such: whatever the rates were before, topics of one rate have the same stamps.
     """
-    set_parameter("update_rate", type=ParameterType.DOUBLE, double_value=29.0)
+    set_parameter("update_rate", type=ParameterType.PARAMETER_DOUBLE, double_value=29.0)
     driver.spin(timeout_sec=0.2)
     for rate in ("update_rate", "state_rate"):
-        set_parameter(rate, type=ParameterType.DOUBLE, double_value=50.0)
+        set_parameter(rate, type=ParameterType.PARAMETER_DOUBLE, double_value=50.0)
     still = hear("tf2_msgs/msg/TFMessage", "/tf_static", LATCHED).wait()
     moving = hear("tf2_msgs/msg/TFMessage", "/tf", HIGH_RATE)
     odometry = hear("nav_msgs/msg/Odometry", "odom", QoSProfile(depth=1000))
@@ -394,7 +396,7 @@ def test_with_sim_time_messages_carry_the_time_of_the_clock(
     clock = hear("rosgraph_msgs/msg/Clock", "/clock", QoSProfile(depth=1000))
     joints = hear("sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
     clock.wait()
-    set_parameter("use_sim_time", type=ParameterType.BOOL, bool_value=True)
+    set_parameter("use_sim_time", type=ParameterType.PARAMETER_BOOL, bool_value=True)
     joints.wait(lambda m: m.header.stamp.sec < 1_000_000)
     stamp, sent = seconds(joints.last.header.stamp), joints.infos[-1].source_timestamp
     assert driver.spin_until(lambda: clock.infos[-1].source_timestamp > sent, PATIENCE)
@@ -406,7 +408,7 @@ def test_with_sim_time_messages_carry_the_time_of_the_clock(
     after = min(time for at, time in told if at > sent)
     assert before <= stamp <= after
     diagnostics.wait(lambda m: m.header.stamp.sec < 1_000_000)
-    set_parameter("use_sim_time", type=ParameterType.BOOL, bool_value=False)
+    set_parameter("use_sim_time", type=ParameterType.PARAMETER_BOOL, bool_value=False)
     joints.wait(lambda m: m.header.stamp.sec > 1_000_000)
 
 
@@ -428,7 +430,9 @@ def test_a_robot_that_fell_lies_there_until_it_is_reset(
 ):
     rosout = hear("rcl_interfaces/msg/Log", "/rosout", ROSOUT)
     set_parameter(
-        "push_impulse", type=ParameterType.DOUBLE_ARRAY, double_array_value=[0.0, 100.0, 0.0]
+        "push_impulse",
+        type=ParameterType.PARAMETER_DOUBLE_ARRAY,
+        double_array_value=[0.0, 100.0, 0.0],
     )
     ask("push")
     message = diagnostics.wait(lambda m: m.status[0].message == "fallen")

@@ -12,13 +12,13 @@ from wbc.motions import MOTIONS
 from wbc.ros import QoSProfile
 from wbc.ros.actions import ActionClient, GoalStatus
 from wbc.ros.bridge.play_motion import NAME, TYPE
-from wbc.ros.parameters import ParameterType
 
 pytest.importorskip("cyclonedds")
 pytest.importorskip("mujoco")
 
 ROBOT = "simple_humanoid"
 Twist = message_type("geometry_msgs/msg/Twist")
+ParameterType = message_type("rcl_interfaces/msg/ParameterType")
 JointState = message_type("sensor_msgs/msg/JointState")
 LONG = 3 * PATIENCE  # some motions take that long on a busy machine
 
@@ -31,7 +31,7 @@ def robot():
 @pytest.fixture(scope="module")
 def com(driver, set_parameter):
     """Its topics go by the plant's time: how often they come in it is no matter of the machine."""
-    set_parameter("use_sim_time", type=ParameterType.BOOL, bool_value=True)
+    set_parameter("use_sim_time", type=ParameterType.PARAMETER_BOOL, bool_value=True)
     made = Hearer(driver, "geometry_msgs/msg/PointStamped", "balance/com", QoSProfile(depth=1000))
     made.wait()
     return made

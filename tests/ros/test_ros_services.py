@@ -11,11 +11,11 @@ from rostools import PATIENCE, Hearer, Peer, node
 
 from wbc.messages import message_type
 from wbc.ros import QoSProfile, ResponseTimeout, RosError
-from wbc.ros.parameters import ParameterType
 
 pytest.importorskip("cyclonedds")
 
 SET_BOOL = "std_srvs/srv/SetBool"
+ParameterType = message_type("rcl_interfaces/msg/ParameterType")
 Parameter = message_type("rcl_interfaces/msg/Parameter")
 Value = message_type("rcl_interfaces/msg/ParameterValue")
 
@@ -98,12 +98,14 @@ def test_a_request_of_another_service_is_refused(here):
 
 
 def test_bad_requests_are_skipped_and_good_ones_answered(here):
-    from wbc.ros.dds_endpoints import DdsWriter
+    from wbc.ros.dds_endpoints import DdsWriter, EndpointConfig
     from wbc.ros.dds_types import raw_dds_type
     from wbc.ros.qos import DEFAULT
 
     name = f"{message_type(SET_BOOL + '_Request').dds_name()}"
-    rogue = DdsWriter(here.participant.dds, "rq/switchRequest", raw_dds_type(name), DEFAULT, "")
+    rogue = DdsWriter(
+        here.participant.dds, EndpointConfig("rq/switchRequest", raw_dds_type(name), DEFAULT)
+    )
     assert here.spin_until(lambda: rogue.matched, PATIENCE)
     for data in (b"\x00\x01\x00\x00" + bytes(8), b"\x00\x01\x00\x00" + b"\xff" * 64):
         rogue.write(data)
@@ -123,12 +125,12 @@ def test_parameters_are_listed_by_prefix_and_depth(call):
 def test_parameters_have_their_types_and_values(call):
     names = ["rate", "count", "on", "name", "gait.impulse", "nothing"]
     kinds = [
-        ParameterType.DOUBLE,
-        ParameterType.INTEGER,
-        ParameterType.BOOL,
-        ParameterType.STRING,
-        ParameterType.DOUBLE_ARRAY,
-        ParameterType.NOT_SET,
+        ParameterType.PARAMETER_DOUBLE,
+        ParameterType.PARAMETER_INTEGER,
+        ParameterType.PARAMETER_BOOL,
+        ParameterType.PARAMETER_STRING,
+        ParameterType.PARAMETER_DOUBLE_ARRAY,
+        ParameterType.PARAMETER_NOT_SET,
     ]
     assert list(call("GetParameterTypes", names=names).types) == kinds
     rate, count, on, name, impulse, nothing = call("GetParameters", names=names).values
@@ -137,21 +139,25 @@ def test_parameters_have_their_types_and_values(call):
     assert on.bool_value is True
     assert name.string_value == "me"
     assert np.array_equal(impulse.double_array_value, [0.0, 1.0, 2.0])
-    assert nothing.type == ParameterType.NOT_SET
+    assert nothing.type == ParameterType.PARAMETER_NOT_SET
 
 
 def test_parameters_are_described(call):
     rate, count, built, nothing = call(
         "DescribeParameters", names=["rate", "count", "built", "nothing"]
     ).descriptors
-    assert (rate.name, rate.type, rate.description) == ("rate", ParameterType.DOUBLE, "Hz")
+    assert (rate.name, rate.type, rate.description) == (
+        "rate",
+        ParameterType.PARAMETER_DOUBLE,
+        "Hz",
+    )
     (span,) = rate.floating_point_range
     assert (span.from_value, span.to_value) == (1.0, 500.0)
     (whole,) = count.integer_range
     assert (whole.from_value, whole.to_value) == (0, 10)
     assert built.read_only
     assert not rate.read_only
-    assert nothing.type == ParameterType.NOT_SET
+    assert nothing.type == ParameterType.PARAMETER_NOT_SET
 
 
 def test_a_parameter_is_set_and_told(here, call):
@@ -161,7 +167,9 @@ def test_a_parameter_is_set_and_told(here, call):
     # It answers a new client when it knows it, and so all that was here before, the hearer too.
     client = here.create_client(SET_BOOL, "switch")
     client.call(client.request_type(), PATIENCE)
-    new = Parameter(name="rate", value=Value(type=ParameterType.DOUBLE, double_value=100.0))
+    new = Parameter(
+        name="rate", value=Value(type=ParameterType.PARAMETER_DOUBLE, double_value=100.0)
+    )
     (result,) = call("SetParameters", parameters=[new]).results
     assert result.successful
     assert value_of(call, "rate").double_value == 100.0
@@ -175,36 +183,44 @@ def test_a_parameter_is_set_and_told(here, call):
     [
         (
             "rate",
-            {"type": ParameterType.DOUBLE, "double_value": 501.0},
+            {"type": ParameterType.PARAMETER_DOUBLE, "double_value": 501.0},
             "out of its range, 1 to 500",
         ),
-        ("rate", {"type": ParameterType.DOUBLE, "double_value": math.nan}, "out of its range"),
         (
             "rate",
-            {"type": ParameterType.STRING, "string_value": "fast"},
+            {"type": ParameterType.PARAMETER_DOUBLE, "double_value": math.nan},
+            "out of its range",
+        ),
+        (
+            "rate",
+            {"type": ParameterType.PARAMETER_STRING, "string_value": "fast"},
             "type double, not string",
         ),
         (
             "count",
-            {"type": ParameterType.INTEGER, "integer_value": -1},
+            {"type": ParameterType.PARAMETER_INTEGER, "integer_value": -1},
             "out of its range, 0 to 10",
         ),
         (
             "count",
-            {"type": ParameterType.DOUBLE, "double_value": 1.0},
+            {"type": ParameterType.PARAMETER_DOUBLE, "double_value": 1.0},
             "type integer, not double",
         ),
-        ("on", {"type": ParameterType.NOT_SET}, "is of type bool, not not set"),
-        ("built", {"type": ParameterType.STRING, "string_value": "never"}, "is read-only"),
-        ("nothing", {"type": ParameterType.BOOL}, "there is no parameter 'nothing'"),
+        ("on", {"type": ParameterType.PARAMETER_NOT_SET}, "is of type bool, not not_set"),
+        (
+            "built",
+            {"type": ParameterType.PARAMETER_STRING, "string_value": "never"},
+            "is read-only",
+        ),
+        ("nothing", {"type": ParameterType.PARAMETER_BOOL}, "there is no parameter 'nothing'"),
         (
             "gait.impulse",
-            {"type": ParameterType.DOUBLE_ARRAY, "double_array_value": [0.0, 0.0, 11.0]},
+            {"type": ParameterType.PARAMETER_DOUBLE_ARRAY, "double_array_value": [0.0, 0.0, 11.0]},
             "11 is out of its range",
         ),
         (
             "gait.impulse",
-            {"type": ParameterType.DOUBLE_ARRAY, "double_array_value": [0.0]},
+            {"type": ParameterType.PARAMETER_DOUBLE_ARRAY, "double_array_value": [0.0]},
             "3 numbers",
         ),
         ("rate", {"type": 77}, "unknown (77)"),
@@ -220,14 +236,18 @@ def test_a_value_that_cannot_be_is_refused_with_the_reason(call, name, value, re
 
 
 def test_an_integer_will_do_for_a_number(call):
-    new = Parameter(name="rate", value=Value(type=ParameterType.INTEGER, integer_value=200))
+    new = Parameter(
+        name="rate", value=Value(type=ParameterType.PARAMETER_INTEGER, integer_value=200)
+    )
     assert call("SetParameters", parameters=[new]).results[0].successful
     assert value_of(call, "rate").double_value == 200.0
 
 
 def test_atomically_means_all_or_nothing(call):
-    good = Parameter(name="count", value=Value(type=ParameterType.INTEGER, integer_value=9))
-    bad = Parameter(name="rate", value=Value(type=ParameterType.DOUBLE, double_value=0.0))
+    good = Parameter(
+        name="count", value=Value(type=ParameterType.PARAMETER_INTEGER, integer_value=9)
+    )
+    bad = Parameter(name="rate", value=Value(type=ParameterType.PARAMETER_DOUBLE, double_value=0.0))
     before = value_of(call, "count").integer_value
     assert before != 9
     refused = call("SetParametersAtomically", parameters=[good, bad]).result

@@ -16,7 +16,7 @@ from typing import Any
 from wbc.messages import Template, available_types, message_type
 from wbc.ros import Network, Node, QoSProfile, RosError
 from wbc.ros.actions import ActionClient, ActionServer, GoalStatus, ServerGoalHandle
-from wbc.ros.dds_endpoints import DdsWriter
+from wbc.ros.dds_endpoints import DdsWriter, EndpointConfig
 from wbc.ros.dds_types import raw_dds_type
 from wbc.ros.qos import DEFAULT, LATCHED
 
@@ -146,7 +146,8 @@ def rogue(node: Node, dds_type: str) -> None:
         topic, digits = line.split()
         if topic not in writers:
             kind = raw_dds_type(dds_type)
-            writers[topic] = DdsWriter(node.participant.dds, f"rt/{topic}", kind, DEFAULT, "")
+            config = EndpointConfig(f"rt/{topic}", kind, DEFAULT)
+            writers[topic] = DdsWriter(node.participant.dds, config)
             node.spin_until(lambda topic=topic: writers[topic].matched)
         with contextlib.suppress(RosError):  # DDS inspects the data before it sends them
             writers[topic].write(bytes.fromhex(digits))

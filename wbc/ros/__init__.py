@@ -10,7 +10,7 @@ from wbc.ros.errors import InvalidName, ResponseTimeout, RosError
 from wbc.ros.executor import Timer
 from wbc.ros.network import DiscoveryRange, Network
 from wbc.ros.node import Node
-from wbc.ros.parameters import NodeParameter, ParameterType
+from wbc.ros.parameters import NodeParameter
 from wbc.ros.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from wbc.ros.services import Client, Service, ServiceReply
 from wbc.ros.topics import Publisher, RawSubscription, Subscription
@@ -28,7 +28,6 @@ __all__ = [
     "Network",
     "Node",
     "NodeParameter",
-    "ParameterType",
     "Publisher",
     "QoSProfile",
     "RawSubscription",

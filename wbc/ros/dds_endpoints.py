@@ -11,6 +11,30 @@ from wbc.ros.qos import QoSProfile
 _BATCH = 256  # samples taken at once
 
 
+@dataclass(frozen=True)
+class EndpointConfig:
+    """Properties of a writer or reader.
+
+    Attributes:
+        topic: DDS name of the topic.
+        sample_type: class of the samples, see `wbc.ros.dds_types`.
+        qos_profile: quality of service.
+        user_data: USER_DATA, visible to others at discovery.
+    """
+
+    topic: str
+    sample_type: Any
+    qos_profile: QoSProfile
+    user_data: str = ""
+
+    def create(self, entity_type: Any, participant: Any) -> Any:
+        """Create a writer or reader of Cyclone DDS."""
+        from cyclonedds.topic import Topic
+
+        topic = Topic(participant, self.topic, self.sample_type)
+        return entity_type(participant, topic, qos=self.qos_profile.to_dds(self.user_data))
+
+
 @dataclass(frozen=True, slots=True)
 class MessageInfo:
     """Metadata of a received message.
@@ -31,10 +55,7 @@ class DdsWriter:
 
     Args:
         participant: domain participant of Cyclone DDS.
-        topic: DDS name of the topic.
-        sample_type: class of the samples, see `wbc.ros.dds_types`.
-        qos_profile: quality of service.
-        user_data: USER_DATA of the endpoint, visible to others at discovery.
+        config: properties of the writer.
 
     Attributes:
         dds: the data writer of Cyclone DDS.
@@ -42,21 +63,11 @@ class DdsWriter:
         gid: 16-byte id.
     """
 
-    def __init__(
-        self,
-        participant: Any,
-        topic: str,
-        sample_type: Any,
-        qos_profile: QoSProfile,
-        user_data: str,
-    ) -> None:
+    def __init__(self, participant: Any, config: EndpointConfig) -> None:
         from cyclonedds.pub import DataWriter
-        from cyclonedds.topic import Topic
 
-        self._sample = sample_type()
-        self.dds = DataWriter(
-            participant, Topic(participant, topic, sample_type), qos=qos_profile.to_dds(user_data)
-        )
+        self._sample = config.sample_type()
+        self.dds = config.create(DataWriter, participant)
         self.handle = _unsigned(self.dds.instance_handle)
         self.gid: bytes = self.dds.guid.bytes
 
@@ -79,9 +90,9 @@ class DdsWriter:
         """Handles of the matched readers."""
         return [_unsigned(handle) for handle in self.dds.get_matched_subscriptions()]
 
-    def matched_user_data(self, handle: int) -> dict[str, str] | None:
-        """Return the USER_DATA of a matched reader; None if it has left."""
-        return _user_data(self.dds.get_matched_subscription_data(handle))
+    def matched_user_data(self) -> dict[int, dict[str, str]]:
+        """Return the USER_DATA of the matched readers, by their handles."""
+        return _user_data(self.matched, self.dds.get_matched_subscription_data)
 
 
 class DdsReader:
@@ -93,21 +104,11 @@ class DdsReader:
         condition: read condition for a wait set, true while there are samples.
     """
 
-    def __init__(
-        self,
-        participant: Any,
-        topic: str,
-        sample_type: Any,
-        qos_profile: QoSProfile,
-        user_data: str,
-    ) -> None:
+    def __init__(self, participant: Any, config: EndpointConfig) -> None:
         from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState
         from cyclonedds.sub import DataReader
-        from cyclonedds.topic import Topic
 
-        self.dds = DataReader(
-            participant, Topic(participant, topic, sample_type), qos=qos_profile.to_dds(user_data)
-        )
+        self.dds = config.create(DataReader, participant)
         self.gid: bytes = self.dds.guid.bytes
         any_state = SampleState.Any | ViewState.Any | InstanceState.Any
         self.condition = ReadCondition(self.dds, any_state)
@@ -128,9 +129,9 @@ class DdsReader:
         """Handles of the matched writers."""
         return [_unsigned(handle) for handle in self.dds.get_matched_publications()]
 
-    def matched_user_data(self, handle: int) -> dict[str, str] | None:
-        """Return the USER_DATA of a matched writer; None if it has left."""
-        return _user_data(self.dds.get_matched_publication_data(handle))
+    def matched_user_data(self) -> dict[int, dict[str, str]]:
+        """Return the USER_DATA of the matched writers, by their handles."""
+        return _user_data(self.matched, self.dds.get_matched_publication_data)
 
     def close(self) -> None:
         """Leave DDS at once."""
@@ -148,8 +149,9 @@ def parse_user_data(qos: Any) -> dict[str, str]:
     return {key: value for key, separator, value in items if separator}
 
 
-def _user_data(endpoint: Any) -> dict[str, str] | None:
-    return None if endpoint is None else parse_user_data(endpoint.qos)
+def _user_data(handles: list[int], discovery_data: Any) -> dict[int, dict[str, str]]:
+    found = ((handle, discovery_data(handle)) for handle in handles)
+    return {handle: parse_user_data(one.qos) for handle, one in found if one is not None}
 
 
 def _unsigned(handle: int) -> int:

@@ -9,7 +9,6 @@ from typing import Any, Protocol
 from wbc.ros.dds_endpoints import DdsReader
 
 _MAX_WAIT = 0.1  # s: Ctrl-C takes effect at least as often
-_PENDING_WAIT = 0.005  # s
 
 
 class Waitable(Protocol):
@@ -20,10 +19,6 @@ class Waitable(Protocol):
     """
 
     reader: DdsReader
-
-    @property
-    def has_pending(self) -> bool:
-        """Whether `execute` shall be called soon, with or without new messages."""
 
     def execute(self) -> None:
         """Process what has been received, without blocking."""
@@ -89,15 +84,12 @@ class Executor:
     def spin_once(self, timeout_sec: float) -> None:
         """Wait for messages or a timer, at most `timeout_sec` s, and run what is due."""
         now = time.monotonic()
-        if any(waitable.has_pending for waitable in self._waitables):
-            timeout_sec = min(timeout_sec, _PENDING_WAIT)
+        self._timers = [timer for timer in self._timers if not timer.is_canceled()]
         wait = min([timeout_sec, *(timer.next_call - now for timer in self._timers)])
-        received = self._wait_set.wait(int(1e9 * max(wait, 0.0)))
-        for waitable in tuple(self._waitables):
-            if received or waitable.has_pending:
+        if self._wait_set.wait(int(1e9 * max(wait, 0.0))):
+            for waitable in tuple(self._waitables):
                 waitable.execute()
         now = time.monotonic()
-        self._timers = [timer for timer in self._timers if not timer.is_canceled()]
         for timer in tuple(self._timers):
             if timer.next_call <= now and not timer.is_canceled():
                 timer.call(now)

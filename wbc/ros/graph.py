@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from wbc.ros import names
-from wbc.ros.dds_endpoints import DdsReader, parse_user_data
+from wbc.ros.dds_endpoints import DdsReader, EndpointConfig, parse_user_data
 from wbc.ros.discovery import TOPIC, NodeEntities
 from wbc.ros.graph_snapshot import EndpointType, GraphSnapshot, TopicEndpointInfo
 from wbc.ros.qos import DISCOVERY_INFO_OF_ALL, QoSProfile
@@ -29,8 +29,6 @@ class Graph:
         reader: DDS reader of the discovery messages.
     """
 
-    has_pending = False
-
     def __init__(self, node: Node) -> None:
         from cyclonedds.builtin import (
             BuiltinDataReader,
@@ -46,9 +44,8 @@ class Graph:
             EndpointType.PUBLISHER: BuiltinDataReader(dds, BuiltinTopicDcpsPublication),
             EndpointType.SUBSCRIPTION: BuiltinDataReader(dds, BuiltinTopicDcpsSubscription),
         }
-        self.reader = DdsReader(
-            dds, TOPIC, form.dds_type(), DISCOVERY_INFO_OF_ALL, form.user_data()
-        )
+        config = EndpointConfig(TOPIC, form.dds_type(), DISCOVERY_INFO_OF_ALL, form.user_data())
+        self.reader = DdsReader(dds, config)
         self._nodes: dict[bytes, tuple[NodeEntities, ...]] = {}  # by participant
         node.add_waitable(self)
 

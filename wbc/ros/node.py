@@ -10,6 +10,7 @@ from typing import Any
 from wbc.closeable import Closeable
 from wbc.messages import Message
 from wbc.ros import names
+from wbc.ros.dds_endpoints import EndpointConfig
 from wbc.ros.dds_types import raw_dds_type
 from wbc.ros.errors import RosError
 from wbc.ros.executor import Executor, Timer, Waitable
@@ -131,8 +132,10 @@ class Node(Closeable):
         Raises:
             InvalidName: the name of the topic is invalid.
         """
-        sample_type = raw_dds_type(dds_type_name)
-        subscription = RawSubscription(self, sample_type, topic, callback, qos_profile)
+        name = self.resolve_topic_name(topic)
+        dds_name, sample_type = names.dds_topic_name(names.TOPIC, name), raw_dds_type(dds_type_name)
+        config = EndpointConfig(dds_name, sample_type, QoSProfile.of(qos_profile))
+        subscription = RawSubscription(self, config, name, callback)
         self.add_waitable(subscription)
         return subscription
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
 from wbc.errors import did_you_mean
@@ -26,37 +25,16 @@ _FLOAT_RANGE = message_type("rcl_interfaces/msg/FloatingPointRange")
 _INTEGER_RANGE = message_type("rcl_interfaces/msg/IntegerRange")
 
 
-class ParameterType(IntEnum):
-    """Type of a parameter's value, as in `rcl_interfaces/msg/ParameterType`."""
-
-    NOT_SET = 0
-    BOOL = 1
-    INTEGER = 2
-    DOUBLE = 3
-    STRING = 4
-    BYTE_ARRAY = 5
-    BOOL_ARRAY = 6
-    INTEGER_ARRAY = 7
-    DOUBLE_ARRAY = 8
-    STRING_ARRAY = 9
-
-    def __str__(self) -> str:
-        return self.name.lower().replace("_", " ")
-
-
-#: Field of `ParameterValue` and type in Python, of the types that a parameter can have.
-_FIELDS: dict[ParameterType, tuple[str, type]] = {
-    ParameterType.BOOL: ("bool_value", bool),
-    ParameterType.INTEGER: ("integer_value", int),
-    ParameterType.DOUBLE: ("double_value", float),
-    ParameterType.STRING: ("string_value", str),
-    ParameterType.DOUBLE_ARRAY: ("double_array_value", tuple),
+#: Numbers of all types, by their names in lower case.
+_TYPE_NUMBERS: dict[str, int] = {
+    name.removeprefix("PARAMETER_").lower(): number
+    for name, number in vars(message_type("rcl_interfaces/msg/ParameterType")).items()
+    if name.startswith("PARAMETER_")
 }
-#: Integers are also accepted where numbers are expected.
-_INTEGERS = {
-    ParameterType.DOUBLE: (ParameterType.INTEGER, "integer_value"),
-    ParameterType.DOUBLE_ARRAY: (ParameterType.INTEGER_ARRAY, "integer_array_value"),
-}
+#: Types that a parameter can have, with the type of the value in Python.
+_TYPES = {"bool": bool, "integer": int, "double": float, "string": str, "double_array": tuple}
+#: Integers are accepted where numbers are expected.
+_INTEGER_TYPES = {"double": "integer", "double_array": "integer_array"}
 
 
 @dataclass
@@ -80,10 +58,15 @@ class NodeParameter:
     on_change: Callable[[Any], None] = field(default=lambda _: None)
 
     @property
-    def type(self) -> ParameterType:
-        """Type of the value; NOT_SET if no parameter can have such a value."""
-        kinds = (kind for kind, (_, python) in _FIELDS.items() if type(self.value) is python)
-        return next(kinds, ParameterType.NOT_SET)
+    def type_name(self) -> str:
+        """Name of its type in lower case; "not_set" if no parameter can have such a value."""
+        names = (name for name, python in _TYPES.items() if type(self.value) is python)
+        return next(names, "not_set")
+
+    @property
+    def type(self) -> int:
+        """Number of its type, a constant of `rcl_interfaces/msg/ParameterType`."""
+        return _TYPE_NUMBERS[self.type_name]
 
     def parse(self, message: Message) -> Any:
         """Return the value of a `ParameterValue`, if this parameter may be set to it.
@@ -93,13 +76,11 @@ class NodeParameter:
         """
         if self.read_only:
             raise ValueError(f"{self.name} is read-only")
-        name, python = _FIELDS[self.type]
-        integer, integer_name = _INTEGERS.get(self.type, (None, ""))
-        if message.type == integer:
-            name = integer_name
-        elif message.type != self.type:
-            raise ValueError(f"{self.name} is of type {self.type}, not {_type_name(message.type)}")
-        value = getattr(message, name)
+        names = (name for name, number in _TYPE_NUMBERS.items() if number == message.type)
+        name = next(names, f"unknown ({message.type})")
+        if name not in (self.type_name, _INTEGER_TYPES.get(self.type_name)):
+            raise ValueError(f"{self.name} is of type {self.type_name}, not {name}")
+        value, python = getattr(message, f"{name}_value"), _TYPES[self.type_name]
         value = tuple(float(number) for number in value) if python is tuple else python(value)
         self.check(value)
         return value
@@ -123,7 +104,7 @@ class NodeParameter:
 
     def to_message(self) -> Message:
         """Return the value as `ParameterValue`."""
-        fields = {_FIELDS[self.type][0]: self.value} if self.type in _FIELDS else {}
+        fields = {} if self.value is None else {f"{self.type_name}_value": self.value}
         return _VALUE(type=self.type, **fields)
 
     def descriptor(self) -> Message:
@@ -136,7 +117,7 @@ class NodeParameter:
         )
         if self.bounds is not None:
             low, high = self.bounds
-            if self.type == ParameterType.INTEGER:
+            if self.type_name == "integer":
                 limits = _INTEGER_RANGE(from_value=int(low), to_value=int(high))
                 descriptor.integer_range = [limits]
             else:
@@ -170,7 +151,7 @@ class ParameterServer:
         """Add a parameter; see `Node.declare_parameter`."""
         if parameter.name in self._parameters:
             raise RosError(f"parameter '{parameter.name}' is already declared")
-        if parameter.type is ParameterType.NOT_SET:
+        if parameter.type_name == "not_set":
             raise RosError(
                 f"parameter '{parameter.name}' = {parameter.value!r}: use a bool, int, float, str "
                 "or tuple of floats"
@@ -243,8 +224,3 @@ class ParameterServer:
         ]
         self._events.publish(event)
         return _RESULT(successful=True)
-
-
-def _type_name(number: int) -> str:
-    known = number in ParameterType._value2member_map_
-    return str(ParameterType(number)) if known else f"unknown ({number})"

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from wbc.ros.dds_endpoints import DdsReader, DdsWriter
+from wbc.ros.dds_endpoints import DdsReader, DdsWriter, EndpointConfig
 from wbc.ros.dds_types import import_cyclonedds
 from wbc.ros.discovery import TOPIC, DiscoveryFormat, NodeEntities
 from wbc.ros.network import Network
-from wbc.ros.qos import LATCHED, QoSProfile
+from wbc.ros.qos import LATCHED
 
 
 class Participant:
@@ -43,23 +43,20 @@ class Participant:
         self.guid: bytes = self.dds.guid.bytes
         self.discovery_format = form = DiscoveryFormat.from_environment()
         self._writers: list[DdsWriter] = []  # Cyclone DDS removes writers without a reference
-        self._discovery = DdsWriter(self.dds, TOPIC, form.dds_type(), LATCHED, form.user_data())
+        config = EndpointConfig(TOPIC, form.dds_type(), LATCHED, form.user_data())
+        self._discovery = DdsWriter(self.dds, config)
         self._announce(NodeEntities(namespace, name))
 
-    def create_writer(
-        self, topic: str, sample_type: Any, qos_profile: QoSProfile, user_data: str
-    ) -> DdsWriter:
-        """Create a writer that belongs to the node; see `DdsWriter` for the arguments."""
-        writer = DdsWriter(self.dds, topic, sample_type, qos_profile, user_data)
+    def create_writer(self, config: EndpointConfig) -> DdsWriter:
+        """Create a writer that belongs to the node."""
+        writer = DdsWriter(self.dds, config)
         self._writers.append(writer)
         self._announce(replace(self._entities, writers=(*self._entities.writers, writer.gid)))
         return writer
 
-    def create_reader(
-        self, topic: str, sample_type: Any, qos_profile: QoSProfile, user_data: str
-    ) -> DdsReader:
-        """Create a reader that belongs to the node; see `DdsWriter` for the arguments."""
-        reader = DdsReader(self.dds, topic, sample_type, qos_profile, user_data)
+    def create_reader(self, config: EndpointConfig) -> DdsReader:
+        """Create a reader that belongs to the node."""
+        reader = DdsReader(self.dds, config)
         self._announce(replace(self._entities, readers=(*self._entities.readers, reader.gid)))
         return reader
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from wbc.messages import Message, MessageError, message_type
-from wbc.ros.dds_endpoints import DdsReader, DdsWriter, MessageInfo
+from wbc.ros.dds_endpoints import EndpointConfig, MessageInfo
 from wbc.ros.dds_types import dds_service_type, with_header, without_header
 from wbc.ros.errors import ResponseTimeout, RosError
 from wbc.ros.names import REPLY, REQUEST, dds_topic_name
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 _REPLY_TIMEOUT = 1.0  # s that a reply waits until DDS has matched its client
+_RETRY_PERIOD = 0.005  # s
 _CLIENT_ID, _SERVICE_ID = "clientid", "serviceid"  # keys of USER_DATA
 
 
@@ -56,20 +57,24 @@ class _ServiceEndpoints:
         writes: str,
         reads: str,
     ) -> None:
+        self._node = node
         self.service_name, self.srv_type = node.resolve_topic_name(srv_name), srv_type
         self.request_type = message_type(f"{srv_type}_Request")
         self.response_type = message_type(f"{srv_type}_Response")
         self.invalid_count = 0
         identity = f"{id_key}={'.'.join(f'{byte:x}' for byte in uuid.uuid4().bytes)};"
 
-        def endpoint(prefix: str) -> tuple[str, Any, QoSProfile, str]:
+        def config(prefix: str) -> EndpointConfig:
             kind = self.request_type if prefix == REQUEST else self.response_type
-            name = dds_topic_name(prefix, self.service_name)
+            name, sample_type = (
+                dds_topic_name(prefix, self.service_name),
+                dds_service_type(kind.type_name),
+            )
             user_data = f"{identity}typehash={kind.type_hash()};"
-            return name, dds_service_type(kind.type_name), qos_profile, user_data
+            return EndpointConfig(name, sample_type, qos_profile, user_data)
 
-        self.writer = node.participant.create_writer(*endpoint(writes))
-        self.reader = node.participant.create_reader(*endpoint(reads))
+        self.writer = node.participant.create_writer(config(writes))
+        self.reader = node.participant.create_reader(config(reads))
 
     def _received(self, kind: type[Message]) -> Iterator[tuple[int, int, Any, MessageInfo]]:
         """Yield client, sequence number, message and metadata of all that has been received."""
@@ -129,45 +134,39 @@ class Service(_ServiceEndpoints):
         qos_profile: QoSProfile,
     ) -> None:
         self._callback = callback
-        self._pending: list[tuple[float, ServiceReply, bytes]] = []
         self._matched_clients: set[int] = set()
         super().__init__(node, srv_type, srv_name, qos_profile, _SERVICE_ID, REPLY, REQUEST)
 
-    @property
-    def has_pending(self) -> bool:
-        """Whether replies wait until DDS has matched their clients."""
-        return bool(self._pending)
-
     def execute(self) -> None:
-        """Send pending replies and respond to the received requests."""
-        pending, self._pending = self._pending, []
-        for deadline, reply, data in pending:
-            self._send(deadline, reply, data)
+        """Respond to the received requests."""
         for client, number, request, info in self._received(self.request_type):
             self._callback(request, ServiceReply(self, client, number, info.writer))
 
     def send_response(self, reply: ServiceReply, response: Message) -> None:
         """Send a response; see `ServiceReply.send`."""
         data = with_header(response.encode(), reply.client, reply.number)
-        self._send(time.monotonic() + _REPLY_TIMEOUT, reply, data)
+        deadline = time.monotonic() + _REPLY_TIMEOUT
 
-    def _send(self, deadline: float, reply: ServiceReply, data: bytes) -> None:
-        matched = self._is_client_matched(reply.writer)
-        if matched:
-            self.writer.write(data)
-        elif matched is None and time.monotonic() < deadline:
-            self._pending.append((deadline, reply, data))
+        def try_to_send() -> None:
+            matched = self._is_client_matched(reply.writer)
+            if matched:
+                self.writer.write(data)
+            if matched is not None or time.monotonic() > deadline:
+                timer.cancel()
+
+        timer = self._node.create_timer(_RETRY_PERIOD, try_to_send)
+        try_to_send()
 
     def _is_client_matched(self, writer: int) -> bool | None:
         """Return whether the client receives replies; None: not yet; False: it has left."""
         if writer in self._matched_clients:
             return True
-        user_data = self.reader.matched_user_data(writer)
+        user_data = self.reader.matched_user_data().get(writer)
         if user_data is None:
             return False
         client = user_data.get(_CLIENT_ID)
-        readers = (self.writer.matched_user_data(handle) for handle in self.writer.matched)
-        if client and not any(client == (r or {}).get(_CLIENT_ID) for r in readers):
+        readers = self.writer.matched_user_data().values()
+        if client and all(reader.get(_CLIENT_ID) != client for reader in readers):
             return None
         self._matched_clients.add(writer)
         return True
@@ -176,22 +175,18 @@ class Service(_ServiceEndpoints):
 class Client(_ServiceEndpoints):
     """Sends requests to a service; created by `Node.create_client`."""
 
-    has_pending = False
-
     def __init__(self, node: Node, srv_type: str, srv_name: str, qos_profile: QoSProfile) -> None:
-        self._node = node
         self._number = 0
         self._futures: dict[int, Future[Any]] = {}  # by sequence number
         super().__init__(node, srv_type, srv_name, qos_profile, _CLIENT_ID, REQUEST, REPLY)
 
     def service_is_ready(self) -> bool:
         """Return whether there is a server that receives requests and whose replies arrive."""
-
-        def services(endpoint: DdsWriter | DdsReader) -> set[str]:
-            matched = (endpoint.matched_user_data(handle) for handle in endpoint.matched)
-            return {(user_data or {}).get(_SERVICE_ID, "") for user_data in matched}
-
-        return bool(services(self.writer) & services(self.reader))
+        servers, repliers = (
+            {user_data.get(_SERVICE_ID, "") for user_data in endpoint.matched_user_data().values()}
+            for endpoint in (self.writer, self.reader)
+        )
+        return bool(servers & repliers)
 
     def wait_for_service(self, timeout_sec: float) -> bool:
         """Spin the node until the service is ready; return whether it is, after `timeout_sec` s."""

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from wbc.messages import Message, MessageError, message_type
-from wbc.ros.dds_endpoints import MessageInfo
+from wbc.ros.dds_endpoints import EndpointConfig, MessageInfo
 from wbc.ros.dds_types import dds_type
 from wbc.ros.errors import RosError
 from wbc.ros.names import TOPIC, dds_topic_name
@@ -39,12 +39,8 @@ class Publisher:
         self.topic_name = node.resolve_topic_name(topic)
         self.qos_profile = QoSProfile.of(qos_profile)
         self.msg_type = _message_class(msg_type)
-        self.writer = node.participant.create_writer(
-            dds_topic_name(TOPIC, self.topic_name),
-            dds_type(self.msg_type.type_name),
-            self.qos_profile,
-            f"typehash={self.msg_type.type_hash()};",
-        )
+        config = _endpoint_config(self.topic_name, self.msg_type, self.qos_profile)
+        self.writer = node.participant.create_writer(config)
 
     def publish(self, msg: Message | bytes | memoryview) -> None:
         """Send a message.
@@ -81,23 +77,12 @@ class RawSubscription:
         reader: the DDS reader.
     """
 
-    has_pending = False
-
     def __init__(
-        self,
-        node: Node,
-        sample_type: Any,
-        topic: str,
-        callback: Callable[..., object],
-        qos_profile: QoSProfile | int,
-        user_data: str = "",
+        self, node: Node, config: EndpointConfig, topic_name: str, callback: Callable[..., object]
     ) -> None:
-        self.topic_name = node.resolve_topic_name(topic)
-        self.qos_profile = QoSProfile.of(qos_profile)
+        self.topic_name, self.qos_profile = topic_name, config.qos_profile
         self._callback = _with_info(callback)
-        self.reader = node.participant.create_reader(
-            dds_topic_name(TOPIC, self.topic_name), sample_type, self.qos_profile, user_data
-        )
+        self.reader = node.participant.create_reader(config)
 
     def execute(self) -> None:
         """Pass on the received messages."""
@@ -131,9 +116,9 @@ class Subscription(RawSubscription):
         self.msg_type = _message_class(msg_type)
         self.invalid_count = 0
         self._next_warning = 0.0
-        sample_type = dds_type(self.msg_type.type_name)
-        user_data = f"typehash={self.msg_type.type_hash()};"
-        super().__init__(node, sample_type, topic, callback, qos_profile, user_data)
+        name = node.resolve_topic_name(topic)
+        config = _endpoint_config(name, self.msg_type, QoSProfile.of(qos_profile))
+        super().__init__(node, config, name, callback)
 
     def _receive(self, data: bytes, info: MessageInfo) -> None:
         try:
@@ -156,6 +141,13 @@ class Subscription(RawSubscription):
 
 def _message_class(msg_type: str | type[Message]) -> type[Message]:
     return message_type(msg_type) if isinstance(msg_type, str) else msg_type
+
+
+def _endpoint_config(
+    topic_name: str, msg_type: type[Message], qos_profile: QoSProfile
+) -> EndpointConfig:
+    dds_name, sample_type = dds_topic_name(TOPIC, topic_name), dds_type(msg_type.type_name)
+    return EndpointConfig(dds_name, sample_type, qos_profile, f"typehash={msg_type.type_hash()};")
 
 
 def _with_info(callback: Callable[..., object]) -> Callable[[Any, MessageInfo], object]:

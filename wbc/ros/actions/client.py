@@ -39,7 +39,11 @@ class ClientGoalHandle:
         Raises:
             ResponseTimeout: the server did not respond in time.
         """
-        return self._client.cancel_goal(self, timeout_sec)
+        client = self._client.cancel_client
+        request = client.request_type()
+        request.goal_info.goal_id.uuid = list(self.goal_id)
+        response = client.call(request, timeout_sec)
+        return any(bytes(info.goal_id.uuid) == self.goal_id for info in response.goals_canceling)
 
     def wait_for_result(self, timeout_sec: float) -> bool:
         """Spin the node until the goal is finished; return whether it is."""
@@ -58,6 +62,7 @@ class ActionClient:
         node: the node.
         action_name: fully qualified name of the action.
         goal_type: class of the goals.
+        cancel_client: client of the service that cancels goals.
     """
 
     def __init__(self, node: Node, action_type: str, action_name: str) -> None:
@@ -70,12 +75,12 @@ class ActionClient:
             f"{action_type}_FeedbackMessage", f"{prefix}/feedback", self._on_feedback
         )
         self._send = node.create_client(f"{action_type}_SendGoal", f"{prefix}/send_goal")
-        self._cancel = node.create_client(CANCEL_SERVICE, f"{prefix}/cancel_goal")
+        self.cancel_client = node.create_client(CANCEL_SERVICE, f"{prefix}/cancel_goal")
         self._result = node.create_client(f"{action_type}_GetResult", f"{prefix}/get_result")
 
     def server_is_ready(self) -> bool:
         """Return whether there is a server for the action."""
-        return all(c.service_is_ready() for c in (self._send, self._cancel, self._result))
+        return all(c.service_is_ready() for c in (self._send, self.cancel_client, self._result))
 
     def wait_for_server(self, timeout_sec: float) -> bool:
         """Spin the node until there is a server for the action; return whether there is."""
@@ -114,13 +119,6 @@ class ActionClient:
         else:
             del self._callbacks[handle.goal_id]
         return handle
-
-    def cancel_goal(self, handle: ClientGoalHandle, timeout_sec: float) -> bool:
-        """Ask the server to cancel a goal; see `ClientGoalHandle.cancel_goal`."""
-        request = self._cancel.request_type()
-        request.goal_info.goal_id.uuid = list(handle.goal_id)
-        response = self._cancel.call(request, timeout_sec)
-        return any(bytes(info.goal_id.uuid) == handle.goal_id for info in response.goals_canceling)
 
     def _on_feedback(self, message: Any) -> None:
         callback = self._callbacks.get(bytes(message.goal_id.uuid))

@@ -54,12 +54,25 @@ class ServerGoalHandle:
 
     def publish_feedback(self, feedback: Message) -> None:
         """Publish feedback."""
-        self._server.publish_feedback(self, feedback)
+        publisher = self._server.feedback_publisher
+        publisher.publish(publisher.msg_type(goal_id=self.info.goal_id, feedback=feedback))
 
     def finish(self, status: GoalStatus, result: Message) -> None:
         """Finish the goal as SUCCEEDED, CANCELED or ABORTED; ignored if it is finished."""
-        if not self.status.terminal:
-            self._server.finish(self, status, result)
+        if self.status.terminal:
+            return
+        self.status, self.result, self.finished_at = status, result, time.monotonic()
+        self._server.publish_status()
+        for reply in self.pending:
+            self.send_result(reply)
+
+    def send_result(self, reply: ServiceReply) -> None:
+        """Respond to a request for the result as soon as the goal is finished."""
+        if self.result is None:
+            self.pending.append(reply)
+        else:
+            response_type = reply.service.response_type
+            reply.send(response_type(status=self.status, result=self.result))
 
 
 class ActionServer:
@@ -79,6 +92,7 @@ class ActionServer:
         goal_type: class of the goals.
         result_type: class of the results.
         feedback_type: class of the feedback.
+        feedback_publisher: publisher of the feedback.
         goals: handles of the known goals, by id.
     """
 
@@ -100,39 +114,37 @@ class ActionServer:
         self.feedback_type = message_type(f"{action_type}_Feedback")
         self.goals: dict[bytes, ServerGoalHandle] = {}
         prefix = f"{node.resolve_topic_name(action_name)}/_action"
-        self._send_goal = node.create_deferred_service(
+        node.create_deferred_service(
             f"{action_type}_SendGoal", f"{prefix}/send_goal", self._on_goal
         )
         node.create_service(CANCEL_SERVICE, f"{prefix}/cancel_goal", self._on_cancel)
-        self._get_result = node.create_deferred_service(
+        node.create_deferred_service(
             f"{action_type}_GetResult", f"{prefix}/get_result", self._on_result
         )
-        self._feedback = node.create_publisher(
+        self.feedback_publisher = node.create_publisher(
             f"{action_type}_FeedbackMessage", f"{prefix}/feedback"
         )
         self._status = node.create_publisher(_STATUS_ARRAY, f"{prefix}/status", LATCHED)
-        self._publish_status()
+        self.publish_status()
 
     def _on_goal(self, request: Any, reply: ServiceReply) -> None:
         goal_id = bytes(request.goal_id.uuid)
         self._remove_expired()
         accepted = goal_id not in self.goals and self._goal_callback(request.goal)
-        reply.send(self._send_goal.response_type(accepted=accepted, stamp=stamp_now()))
+        reply.send(reply.service.response_type(accepted=accepted, stamp=stamp_now()))
         if not accepted:
             return
         goal = self.goals[goal_id] = ServerGoalHandle(self, goal_id, request.goal, reply)
         goal.status = GoalStatus.EXECUTING
-        self._publish_status()
+        self.publish_status()
         self._handle_accepted_callback(goal)
 
     def _on_result(self, request: Any, reply: ServiceReply) -> None:
         goal = self.goals.get(bytes(request.goal_id.uuid))
         if goal is None:
-            reply.send(self._get_result.response_type(status=GoalStatus.UNKNOWN))
-        elif goal.result is not None:
-            reply.send(self._get_result.response_type(status=goal.status, result=goal.result))
+            reply.send(reply.service.response_type(status=GoalStatus.UNKNOWN))
         else:
-            goal.pending.append(reply)
+            goal.send_result(reply)
 
     def _on_cancel(self, request: Any, response: Any) -> Any:
         """Cancel all goals, one goal, or those accepted before some time; see `CancelGoal`."""
@@ -152,30 +164,17 @@ class ActionServer:
                 if not goal.status.terminal:
                     goal.status = GoalStatus.CANCELING
                 response.goals_canceling.append(goal.info)
-        self._publish_status()
+        self.publish_status()
         if not response.goals_canceling:
             response.return_code = response.ERROR_REJECTED
         return response
-
-    def publish_feedback(self, goal: ServerGoalHandle, feedback: Message) -> None:
-        """Publish feedback; see `ServerGoalHandle.publish_feedback`."""
-        message = self._feedback.msg_type(goal_id=goal.info.goal_id, feedback=feedback)
-        self._feedback.publish(message)
-
-    def finish(self, goal: ServerGoalHandle, status: GoalStatus, result: Message) -> None:
-        """Finish a goal; see `ServerGoalHandle.finish`."""
-        goal.status, goal.result = status, result
-        goal.finished_at = time.monotonic()
-        self._publish_status()
-        pending, goal.pending = goal.pending, []
-        for reply in pending:
-            reply.send(self._get_result.response_type(status=status, result=result))
 
     def _remove_expired(self) -> None:
         oldest = time.monotonic() - _RESULT_TIMEOUT
         self.goals = {key: goal for key, goal in self.goals.items() if goal.finished_at > oldest}
 
-    def _publish_status(self) -> None:
+    def publish_status(self) -> None:
+        """Publish the status of all goals."""
         goals = self.goals.values()
         self._status.publish(
             _STATUS_ARRAY(status_list=[_STATUS(goal_info=g.info, status=g.status) for g in goals])
