@@ -35,13 +35,13 @@ def test_ticks_on_schedule_are_not_late(lateness):
     assert lateness(5.0 + 0.002 * np.arange(100), 0.002) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_each_tick_is_as_late_as_it_was_held_up(lateness):
+def test_lateness_of_a_tick_equals_its_delay(lateness):
     held_up = np.zeros(100)
     held_up[[0, 40, 41]] = 1e-3, 3e-3, 1e-4  # the first one, too
     assert lateness(0.002 * np.arange(100) + held_up, 0.002) == pytest.approx(held_up, abs=1e-9)
 
 
-def test_schedule_begins_anew_after_a_long_hold_up(lateness):
+def test_schedule_restarts_after_a_long_delay(lateness):
     asked = 0.002 * np.arange(100)
     asked[50:] += 0.1
     late = lateness(asked, 0.002)

@@ -69,7 +69,7 @@ def test_a_robot_written_as_a_urdf_is_the_same_robot(name):
         assert np.abs(placement.homogeneous - data.oMf[index].homogeneous).max() < 1e-12
 
 
-def test_a_case_survives_its_files(case, tmp_path):
+def test_a_case_is_read_back_unchanged_from_its_files(case, tmp_path):
     case.save(tmp_path / "case")
     again = Case.load(tmp_path / "case")
     for name, value in vars(case.ticks).items():
@@ -108,7 +108,7 @@ def test_the_ratio_is_ours_over_theirs_round_by_round():
     assert found.p50 == found.median_of_rounds == 0.5
 
 
-def test_the_sway_keeps_its_limits_and_reaches_them(case, found):
+def test_sway_case_reaches_the_torque_limits_and_keeps_them(case, found):
     answers = found.columns[case.name, "wbc"].answers
     assert answers["ok"].all()
     assert (np.abs(answers["tau"]) <= case.limits.torque * (1.0 + 1e-9)).all()
@@ -126,7 +126,7 @@ def test_active_rows_count_joints_at_their_torque_limit(case, found):
     assert (count >= none).all()
 
 
-def test_agreement_tells_how_far_answers_are_apart(case, found):
+def test_agreement_measures_the_distance_between_solutions(case, found):
     ours = found.columns[case.name, "wbc"].answers
     same = agreement(case, ours, ours)
     assert same.acceleration.max == same.com.max == same.torque.max == same.wrench.max == 0.0
@@ -143,7 +143,7 @@ def test_agreement_tells_how_far_answers_are_apart(case, found):
     assert near.com.median == pytest.approx(0.5, rel=1e-4)
 
 
-def test_both_configurations_of_ours_take_turns(case, found, capsys):
+def test_both_configurations_of_the_controller_are_measured_in_turn(case, found, capsys):
     for library in OURS:
         column = found.columns[case.name, library.key]
         assert not column.failed
@@ -179,7 +179,9 @@ def test_a_library_that_raises_is_reported_and_the_others_run(case, tmp_path, ca
     assert comparison.figures(case.name, "wbc") is not None
 
 
-def test_an_environment_is_made_once_until_its_list_changes(tmp_path, monkeypatch, capsys):
+def test_an_environment_is_created_once_until_its_requirements_change(
+    tmp_path, monkeypatch, capsys
+):
     commands = []
 
     def run(command, **_):
@@ -208,7 +210,7 @@ def test_an_environment_is_made_once_until_its_list_changes(tmp_path, monkeypatc
             environments.prepare("some", tmp_path / "envs")
 
 
-def test_a_peer_without_environment_goes_missing_and_the_others_run(monkeypatch, tmp_path):
+def test_a_peer_without_environment_is_skipped_and_the_others_run(monkeypatch, tmp_path):
     def prepare(name, folder):
         if name == "tsid":
             raise environments.EnvironmentFailedError("tsid: no wheels today")
@@ -230,7 +232,7 @@ def test_every_requirement_of_a_peer_is_pinned(name):
     assert all(len(line.split("==")) == 2 for line in packages)
 
 
-def test_tick_hands_over_to_the_comparison():
+def test_tick_benchmark_with_peers_runs_the_comparison():
     command = [sys.executable, str(BENCHMARKS / "tick.py"), "--peers", "--help"]
     said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     assert "--rounds" in said

@@ -73,7 +73,7 @@ def test_a_wrench_is_in_the_cone_exactly_when_corner_forces_can_make_it(X, Y, mu
         assert representable(centre + scale * reach * side) is inside
 
 
-def test_the_rows_are_called_what_they_are():
+def test_cone_rows_have_descriptive_labels():
     X, Y, mu = 0.1, 0.05, 0.5
     cone = wrench_cone(X, Y, mu)
     assert len(CONE_LABELS) == len(cone)
@@ -100,7 +100,7 @@ def test_the_pyramid_lies_within_the_friction_cone():
 
 @some
 @given(st.sampled_from(("talos", "g1")), st.integers(0, 2**31))
-def test_the_motion_rows_bring_the_frame_to_rest(name, seed):
+def test_motion_rows_bring_the_contact_frame_to_rest(name, seed):
     bot = robot(name)
     state = random_state(bot, seed)
     contact = wbc.SurfaceContact("right_sole", 0.1, 0.05, damping=17.0)
@@ -116,7 +116,7 @@ def test_the_motion_rows_bring_the_frame_to_rest(name, seed):
     np.testing.assert_allclose(got, -17.0 * v, atol=1e-9)
 
 
-def test_a_sole_becomes_a_contact_less_its_margin():
+def test_a_sole_contact_is_smaller_by_its_margin():
     sole = robot("talos").sole("left")
     contact = wbc.SurfaceContact.from_sole(sole, margin=0.01, friction=0.5)
     assert contact.frame == "left_sole"
@@ -147,7 +147,7 @@ def test_a_changed_friction_changes_the_cone():
         ({"half_width": 0.0}, "half_width 0.0 must be positive.*PointContact"),
     ],
 )
-def test_a_contact_that_makes_no_sense_is_refused(change, text):
+def test_an_invalid_contact_is_refused(change, text):
     values = {"half_length": 0.1, "half_width": 0.05, **change}
     with pytest.raises(ContactError, match=text):
         wbc.SurfaceContact("left_sole", **values)

@@ -33,7 +33,7 @@ def soles(kind, bot):
 
 
 @FORMULATIONS
-def test_a_cone_may_have_more_rows_than_the_librarys(formulation):
+def test_a_user_defined_cone_may_have_more_than_sixteen_rows(formulation):
     bot = robot("talos")
     state = standing_state(bot, 4)
     control = controller(bot, soles(SixteenSidedSole, bot), formulation=formulation)
@@ -77,7 +77,7 @@ def test_contacts_of_three_to_six_components_have_one_optimum_in_all_formulation
         ({"cone_labels": ("one",)}, "1 cone_labels for 6 rows"),
     ],
 )
-def test_a_contact_whose_parts_do_not_fit_is_refused(change, text):
+def test_a_contact_of_inconsistent_sizes_is_refused(change, text):
     kind = type("Bad", (LineContact,), change)
     control = wbc.WholeBodyController(robot("talos"))
     with pytest.raises(ContactError, match=text):

@@ -63,7 +63,9 @@ def test_momentum_changes_by_the_wrenches_and_gravity(name, contacts, seed):
 
 @some
 @given(robots, st.sampled_from(CONTACT_SETS), seeds)
-def test_exact_contacts_move_as_told_and_forces_stay_in_their_cones(name, contacts, seed):
+def test_exact_contacts_meet_their_acceleration_and_forces_stay_in_their_cones(
+    name, contacts, seed
+):
     bot = robot(name)
     state = standing_state(bot, seed)
     control = controller(bot, contacts)
@@ -109,7 +111,7 @@ def test_without_contacts_the_robot_falls_freely(name):
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_at_rest_the_robot_stands_still(name):
+def test_a_robot_at_rest_stays_at_rest(name):
     bot = robot(name)
     state = bot.standing()
     # Talos' grippers stand on their stops: within the margin that position limits keep.
@@ -122,7 +124,7 @@ def test_at_rest_the_robot_stands_still(name):
 
 @few
 @given(robots, seeds)
-def test_an_exact_task_holds_exactly_whatever_the_others_want(name, seed):
+def test_an_exact_task_is_met_whatever_the_weighted_tasks(name, seed):
     bot = robot(name)
     state = standing_state(bot, seed)
     control = controller(bot, "left")
@@ -140,7 +142,7 @@ def test_an_exact_task_holds_exactly_whatever_the_others_want(name, seed):
     np.testing.assert_allclose(got, wanted, atol=1e-7)
 
 
-def test_the_heavier_of_two_opposite_tasks_wins_in_proportion():
+def test_opposite_tasks_compromise_in_proportion_to_their_weights():
     bot = robot("talos")
     state = bot.standing()
 
@@ -158,7 +160,7 @@ def test_the_heavier_of_two_opposite_tasks_wins_in_proportion():
     assert lift(1e4, 3e4) == pytest.approx(-0.5, abs=1e-2)
 
 
-def test_a_row_of_weight_zero_has_no_say():
+def test_a_row_of_zero_weight_has_no_effect():
     bot = robot("talos")
     state = standing_state(bot, 4)
     plain = controller(bot, "both")
@@ -179,7 +181,7 @@ def test_targets_one_period_ahead_follow_the_acceleration():
 
 
 @pytest.mark.parametrize("contacts", ["both", "left exact, right soft", "left"])
-def test_the_torques_do_not_depend_on_where_the_scene_is(contacts):
+def test_torques_do_not_depend_on_position_and_heading(contacts):
     bot = robot("talos")
     state = standing_state(bot, 7)
     move = pin.SE3(pin.rpy.rpyToMatrix(0.0, 0.0, np.pi / 2), np.array([100.0, -60.0, 0.0]))
@@ -200,7 +202,7 @@ def test_the_torques_do_not_depend_on_where_the_scene_is(contacts):
     np.testing.assert_allclose(taus[1], taus[0], atol=1e-9)
 
 
-def test_bad_use_is_refused_with_the_cure():
+def test_invalid_calls_are_refused_with_the_cure():
     bot = robot("talos")
     with pytest.raises(WbcError, match=r"dt = 0.0 must be positive"):
         wbc.WholeBodyController(bot, dt=0.0)
@@ -249,7 +251,7 @@ def test_bad_use_is_refused_with_the_cure():
         (lambda c: c.step(None), StateError, "NoneType is no state"),
     ],
 )
-def test_things_of_the_wrong_type_are_refused_before_anything_changes(use, error, text):
+def test_arguments_of_the_wrong_type_are_refused_without_changes(use, error, text):
     control = controller(robot("talos"), "both")
     tasks, contacts = list(control.tasks), control.contacts
     with pytest.raises(error, match=text):
@@ -272,7 +274,7 @@ def test_a_posture_target_that_is_not_finite_is_refused_or_named():
     assert np.isfinite(command.tau).all()
 
 
-def test_two_contacts_of_one_frame_are_told_apart_by_name():
+def test_two_contacts_of_one_frame_are_distinguished_by_name():
     bot = robot("talos")
     control = controller(bot, [*contact_set(bot, "left"), wbc.PointContact("right_sole")])
     assert set(control.step(bot.standing()).wrenches) == {"left_sole", "right_sole"}

@@ -38,7 +38,7 @@ def assert_identical(ours: list[wbc.Command], theirs: list[wbc.Command]) -> None
 
 @pytest.mark.parametrize("copied", COPIES.values(), ids=COPIES)
 @pytest.mark.parametrize("formulation", list(wbc.Formulation))
-def test_a_copy_goes_on_bit_for_bit_and_shares_nothing(copied, formulation):
+def test_a_copied_controller_continues_bit_identically_and_shares_nothing(copied, formulation):
     control = controller(robot("talos"), "both", solver="wbc", formulation=formulation)
     drive(control, range(3))
     other = copied(control)
@@ -55,7 +55,7 @@ def test_the_copy_of_a_controller_shares_its_robot():
 
 
 @pytest.mark.parametrize("solver", ["daqp", "osqp", "piqp"])
-def test_with_other_solvers_a_copy_agrees_to_their_tolerance(solver):
+def test_a_copied_controller_with_another_solver_agrees_within_its_tolerance(solver):
     control = controller(robot("talos"), "both", solver=solver)
     drive(control, range(2))
     other = copy.deepcopy(control)
@@ -63,13 +63,13 @@ def test_with_other_solvers_a_copy_agrees_to_their_tolerance(solver):
         np.testing.assert_allclose(a.tau, b.tau, atol=1e-3)
 
 
-def test_gains_of_a_copied_task_are_still_changed_through_their_check_only():
+def test_gains_of_a_copied_task_are_still_checked():
     task = copy.deepcopy(wbc.ComTask())
     with pytest.raises(ValueError, match="read-only"):
         task.weight[0] = -1.0
 
 
-def test_a_pickled_controller_goes_on_in_another_process(tmp_path):
+def test_a_pickled_controller_continues_in_another_process(tmp_path):
     control = controller(robot("talos"), "both", solver="wbc", formulation=wbc.Formulation.COMPILED)
     drive(control, range(3))
     (tmp_path / "controller").write_bytes(pickle.dumps(control))

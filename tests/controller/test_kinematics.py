@@ -94,7 +94,7 @@ def test_jacobians_are_derivatives_of_com_and_frame_position(name, seed):
 
 @few
 @given(robots, seeds)
-def test_biases_are_derivatives_at_constant_velocity(name, seed):
+def test_bias_accelerations_are_derivatives_at_zero_acceleration(name, seed):
     bot = robot(name)
     state = random_state(bot, seed)
     kin = wbc.Kinematics(bot, state)
@@ -127,7 +127,7 @@ def test_an_updated_workspace_equals_a_fresh_one(name):
     )
 
 
-def test_what_was_read_survives_the_next_update():
+def test_arrays_read_before_an_update_stay_unchanged():
     bot = robot("talos")
     kin = wbc.Kinematics(bot, random_state(bot, 1))
     kept = (kin.mass_matrix, kin.J_com, kin.p_com, kin.frame("torso_2_link").homogeneous)
@@ -156,7 +156,7 @@ def test_a_missing_frame_lists_near_names():
         (lambda q, v: (np.zeros_like(q), v), r"quaternion of length 0"),
     ],
 )
-def test_a_bad_state_is_refused_with_the_entry_named(change, text):
+def test_an_invalid_state_is_refused_with_the_entry_named(change, text):
     bot = robot("talos")
     state = bot.standing()
     bad = wbc.State(*change(state.q, state.v))
@@ -172,7 +172,7 @@ def _with(x: np.ndarray, index: int, value: float) -> np.ndarray:
     return changed
 
 
-def test_a_rotated_and_moved_scene_moves_the_kinematics():
+def test_kinematics_are_equivariant_to_position_and_heading():
     bot = robot("talos")
     state = random_state(bot, 5)
     move = pin.SE3(pin.rpy.rpyToMatrix(0.0, 0.0, np.pi / 2), np.array([100.0, -50.0, 3.0]))

@@ -49,7 +49,7 @@ import wbc
         ),
     ],
 )
-def test_repr_says_what_it_is_with_units(make, text):
+def test_repr_states_the_main_values_with_units(make, text):
     assert repr(make(robot("talos"))) == text
 
 

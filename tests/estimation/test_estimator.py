@@ -98,7 +98,7 @@ def test_without_noise_the_estimate_is_nearly_exact():
     np.testing.assert_array_equal(e["joints"], 0.0)
 
 
-def test_the_gyro_bias_is_found():
+def test_gyro_bias_is_estimated():
     r = robot()
     trial = swaying()
     estimator = Estimator(r)
@@ -107,7 +107,7 @@ def test_the_gyro_bias_is_found():
     np.testing.assert_allclose(estimator.filter.gyro_bias, trial.gyro_bias, atol=4e-4)
 
 
-def test_a_large_constant_gyro_bias_is_found_from_standing_soles():
+def test_large_gyro_bias_is_estimated_from_standing_soles():
     r = robot()
     trial = swaying()
     bias = np.array([0.01, -0.015, 0.02])
@@ -121,7 +121,7 @@ def test_a_large_constant_gyro_bias_is_found_from_standing_soles():
     assert np.degrees(np.abs(e["attitude"][1500:])).max() < 1.0
 
 
-def test_the_vertical_accelerometer_bias_is_found():
+def test_vertical_accelerometer_bias_is_estimated():
     r = robot()
     trial = swaying()
     estimator = Estimator(r)
@@ -150,7 +150,7 @@ def test_a_wrong_first_tilt_is_corrected():
     assert np.degrees(np.abs(e[2000:, :2])).max() < 0.3
 
 
-def test_a_slipping_sole_does_not_bend_the_bias():
+def test_slipping_sole_does_not_disturb_the_bias_estimate():
     r = robot()
     trial = swaying()
     turned = 0.0
@@ -174,7 +174,7 @@ def test_a_slipping_sole_does_not_bend_the_bias():
     assert off[1] > 0.015
 
 
-def test_the_filter_knows_how_wrong_it_is():
+def test_estimation_errors_agree_with_the_filters_covariance():
     r = robot()
     trial = swaying()
     estimator = Estimator(r)
@@ -187,7 +187,7 @@ def test_the_filter_knows_how_wrong_it_is():
     assert sigma[3:6].max() < 0.02
 
 
-def test_the_estimate_turns_and_moves_with_the_scene():
+def test_estimate_is_equivariant_to_position_and_heading():
     r = robot()
     trial = swaying(duration=2.0)
     away = Trial(
@@ -206,7 +206,7 @@ def test_the_estimate_turns_and_moves_with_the_scene():
         np.testing.assert_allclose(roll_pitch_yaw(b), roll_pitch_yaw(expected), atol=1e-8)
 
 
-def test_it_follows_a_robot_that_stands_far_away_and_turned():
+def test_estimate_follows_a_robot_far_from_the_origin_and_turned():
     trial = swaying(far=True, duration=3.0)
     e = errors(trial, follow(Estimator(robot()), trial))
     assert np.abs(e["place"]).max() < 0.01
@@ -214,7 +214,7 @@ def test_it_follows_a_robot_that_stands_far_away_and_turned():
 
 
 @pytest.mark.parametrize("hint", [None, ("left_sole", "right_sole")])
-def test_without_foot_sensors_the_kinematics_or_the_caller_tell_contacts(hint):
+def test_without_foot_sensors_contacts_come_from_kinematics_or_the_caller(hint):
     r = robot()
     trial = swaying(duration=3.0)
     estimator = Estimator(r)
@@ -241,7 +241,7 @@ def test_contacts_switch_with_hysteresis():
     assert seen == [True, True, True, False, False, False, True]
 
 
-def test_a_fall_through_the_air_is_integrated():
+def test_free_fall_is_integrated_from_the_imu():
     r = robot()
     start = moved(r.standing(), (0.0, 0.0, 1.0), 0.0)
     with Mujoco(r, noise=SensorNoise.none(), ground_truth=True) as plant:
@@ -260,7 +260,7 @@ def test_a_fall_through_the_air_is_integrated():
     np.testing.assert_allclose(state.v[:3], truth.v[:3], atol=0.02)
 
 
-def test_the_exact_state_is_never_looked_at():
+def test_estimator_never_reads_the_ground_truth():
     r = robot()
     trial = swaying(duration=2.0)
     lied = [
@@ -273,7 +273,7 @@ def test_the_exact_state_is_never_looked_at():
     np.testing.assert_array_equal(last.q, follow(Estimator(r), trial)[-1].q)
 
 
-def test_ground_truth_estimator_hands_on_the_truth_or_says_that_there_is_none():
+def test_ground_truth_estimator_returns_the_true_state_or_an_error():
     r = robot()
     with Mujoco(r, ground_truth=True) as plant:
         run(plant, 0.02, JointPDController(r))
@@ -295,7 +295,7 @@ def _with(array: np.ndarray, index: int, value: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("field", ["joint_position", "joint_velocity", "gyro", "accelerometer"])
-def test_bad_readings_are_named(field):
+def test_invalid_readings_are_refused_by_name(field):
     estimator = Estimator(robot())
     m = swaying(duration=2.0).measurements[0]
     reading = getattr(m, field)
@@ -305,7 +305,7 @@ def test_bad_readings_are_named(field):
         estimator.update(dataclasses.replace(m, **{field: _with(reading, 1, np.nan)}))
 
 
-def test_bad_foot_wrenches_and_contacts_are_named():
+def test_invalid_foot_wrenches_and_contacts_are_refused_by_name():
     estimator = Estimator(robot())
     m = swaying(duration=2.0).measurements[0]
     for wrench in (None, np.zeros(3), np.full(6, np.nan)):
@@ -318,13 +318,13 @@ def test_bad_foot_wrenches_and_contacts_are_named():
         estimator.update(m, contacts=("middle_sole",))
 
 
-def test_a_bad_start_is_refused():
+def test_an_invalid_initial_state_is_refused():
     r = robot()
     with pytest.raises(StateError):
         Estimator(r).reset(State(np.zeros(3), np.zeros(r.nv)))
 
 
-def test_the_state_is_the_callers_own():
+def test_returned_state_is_not_changed_by_later_updates():
     estimator = Estimator(robot())
     trial = swaying(duration=2.0)
     first = estimator.update(trial.measurements[0]).state
@@ -337,7 +337,7 @@ def test_the_state_is_the_callers_own():
 
 
 @pytest.mark.parametrize("yaw", [0.0, 3.0, -3.0])
-def test_the_orientation_is_the_quaternion_with_positive_w(yaw):
+def test_estimated_quaternion_has_positive_w(yaw):
     r = robot()
     start = moved(r.standing(), (1.0, 2.0, 0.0), yaw)
     estimator = Estimator(r)
@@ -349,12 +349,12 @@ def test_the_orientation_is_the_quaternion_with_positive_w(yaw):
 
 
 @pytest.mark.parametrize("dt", [0.0, -0.002, np.nan, np.inf])
-def test_a_period_that_is_none_is_refused(dt):
+def test_invalid_control_period_is_refused(dt):
     with pytest.raises(MeasurementError, match="dt = "):
         Estimator(robot(), dt)
 
 
-def test_deviations_and_thresholds_that_are_none_are_refused():
+def test_invalid_deviations_and_thresholds_are_refused():
     with pytest.raises(MeasurementError, match="gyro = -1"):
         EstimatorNoise(gyro=-1.0)
     with pytest.raises(MeasurementError, match="correct_every = 0"):
@@ -363,7 +363,7 @@ def test_deviations_and_thresholds_that_are_none_are_refused():
         ContactTrigger(on=0.1, off=0.2)
 
 
-def test_a_measurement_and_an_estimate_are_readable():
+def test_repr_of_measurement_and_estimate_states_values_with_units():
     r = robot()
     m = swaying(duration=2.0).measurements[5]
     assert "32 joints" in repr(m)
@@ -387,7 +387,7 @@ pickle.dump(np.array([np.concatenate([s.q, s.v]) for s in states]), sys.stdout.b
 """
 
 
-def test_without_numba_the_numbers_are_the_same():
+def test_estimate_is_the_same_without_numba():
     measurements = swaying(duration=2.0).measurements[:60]
     done = subprocess.run(
         [sys.executable, "-c", WITHOUT_NUMBA],

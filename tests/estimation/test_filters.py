@@ -28,7 +28,7 @@ def filled(seed: int = 0) -> tuple[InvariantFilter, np.ndarray, np.ndarray]:
     return f, h, F
 
 
-def test_landing_puts_the_foot_where_the_legs_see_it():
+def test_touchdown_places_the_foot_by_forward_kinematics():
     f, h, F = filled()
     f.land(1, h[1], F[1])
     np.testing.assert_allclose(f.vectors[3], f.p + f.R @ h[1], atol=1e-12)
@@ -42,7 +42,7 @@ def test_landing_puts_the_foot_where_the_legs_see_it():
 
 
 @pytest.mark.parametrize("feet", [(0,), (1,), (0, 1)])
-def test_a_correction_is_the_textbook_kalman_update(feet):
+def test_correction_equals_the_textbook_kalman_update(feet):
     f, _, _ = filled()
     random = np.random.default_rng(1)
     rows = list(feet)
@@ -118,7 +118,7 @@ def test_errors_propagate_as_the_linear_model_says():
     assert np.abs(after - before).max() > 3e-9, "the step changes the error"
 
 
-def test_a_foot_in_the_air_leaves_the_rest_certain():
+def test_foot_in_the_air_keeps_the_covariance_of_the_other_foot():
     f, _, _ = filled()
     noise = f.P[9:12, 9:12].copy()
     f.propagate(np.zeros(3), np.array([0.0, 0.0, 9.81]), np.array([0.0, 5.0]))
@@ -127,7 +127,7 @@ def test_a_foot_in_the_air_leaves_the_rest_certain():
     assert grown > 0.0
 
 
-def test_joint_filter_smooths_and_follows():
+def test_joint_filter_reduces_noise_and_follows_the_motion():
     random = np.random.default_rng(3)
     dt, n = 0.002, 3000
     time = dt * np.arange(n)
@@ -182,7 +182,7 @@ def test_stationary_gain_is_a_fixed_point_of_the_riccati_equation():
     np.testing.assert_allclose(A @ after @ A.T + np.outer(kick, kick), P, rtol=1e-6)
 
 
-def test_the_less_a_sole_carries_the_less_it_is_trusted():
+def test_slip_factor_grows_as_a_sole_carries_less():
     trigger = ContactTrigger()
     factors = [trigger.slip_factor(share) for share in (0.8, 0.4, 0.2, 0.05, 0.0)]
     assert factors[0] == factors[1] == 1.0

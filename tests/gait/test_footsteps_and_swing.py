@@ -79,7 +79,7 @@ def test_dcm_error_decays_with_the_gain() -> None:
 
 
 @given(speeds, points, angles, st.sampled_from(["left", "right"]))
-def test_two_steps_carry_the_body_by_the_commanded_velocity(
+def test_two_steps_move_the_com_at_the_commanded_velocity(
     velocity: Velocity, at: complex, yaw: float, side: str
 ) -> None:
     sign = lateral_sign(side)
@@ -123,7 +123,7 @@ def test_velocity_that_is_not_finite_is_refused(bad: float) -> None:
         Velocity(bad, 0.0, 0.0).clamped(GAIT)
 
 
-def test_gait_parameter_that_makes_no_sense_is_named() -> None:
+def test_invalid_gait_parameter_is_refused_by_name() -> None:
     with pytest.raises(GaitError, match=r"single_support = -1"):
         replace(GAIT, single_support=-1.0)
     with pytest.raises(GaitError, match="least_width"):
@@ -131,7 +131,7 @@ def test_gait_parameter_that_makes_no_sense_is_named() -> None:
 
 
 @pytest.mark.parametrize("name", ["talos", "g1", "romeo", "simple_humanoid"])
-def test_gait_scales_to_every_robot(name: str) -> None:
+def test_default_gait_scales_to_every_robot(name: str) -> None:
     robot = wbc.load(name)
     gait = GaitParameters.for_robot(robot)
     assert 0.3 < gait.single_support < 0.8
@@ -161,7 +161,7 @@ def test_swing_foot_lands_on_its_target_with_the_touchdown_speed(
     assert top == pytest.approx(max(0.0, step_up) + 0.06, abs=3e-3)
 
 
-def test_swing_foot_that_finds_no_ground_keeps_descending() -> None:
+def test_swing_foot_without_touchdown_keeps_descending() -> None:
     target = Placement(0.2 + 0j, 0.0)
     swing = SwingFoot(Placement(0j, 0.0), target, 0.5, 0.06, 0.05)
     for _ in range(350):
@@ -171,7 +171,7 @@ def test_swing_foot_that_finds_no_ground_keeps_descending() -> None:
 
 
 @given(points, st.floats(0.1, 0.6))
-def test_moving_the_target_bends_the_swing_without_a_jump(shift: complex, when: float) -> None:
+def test_moved_target_changes_the_swing_path_continuously(shift: complex, when: float) -> None:
     first, moved = Placement(0.3 + 0j, 0.0), Placement(0.3 + 0.02 * shift, 0.1)
     swing = SwingFoot(Placement(0j, 0.0), first, 0.6, 0.06, 0.05)
     last_v = swing.motion.velocity.copy()
@@ -196,7 +196,7 @@ def test_swing_path_for_display_ends_at_the_target() -> None:
 
 
 @pytest.mark.parametrize("ticks", [0, 10, 100, 250])
-def test_path_is_the_way_that_the_swing_foot_then_goes(ticks: int) -> None:
+def test_swing_path_for_display_equals_the_later_motion(ticks: int) -> None:
     swing = SwingFoot(
         Placement(0j, 0.0, 0.0), Placement(0.3 + 0.1j, 0.2, 0.02), 0.6, 0.06, touchdown_speed=0.05
     )

@@ -23,7 +23,7 @@ from wbc.gait.leg_workspace import LegWorkspace
         ("simple_humanoid", ("left_knee", "right_knee")),
     ],
 )
-def test_knees_are_found_and_long_steps_lower_the_body(name: str, knees: tuple[str, str]) -> None:
+def test_knees_are_found_and_long_steps_lower_the_com(name: str, knees: tuple[str, str]) -> None:
     robot = wbc.load(name)
     reach = LegWorkspace(robot)
     assert tuple(robot.joint_names[k] for k in reach.knees) == knees
@@ -39,7 +39,7 @@ def test_knees_that_carry_little_more_than_the_robot_allow_only_short_steps() ->
     assert GaitParameters.for_robot(talos).max_step == pytest.approx(0.51 * talos.com_height)
 
 
-def test_reach_is_the_distance_from_hip_to_ankle_with_a_bent_knee() -> None:
+def test_leg_reach_is_the_distance_from_hip_to_ankle_with_a_bent_knee() -> None:
     robot = wbc.load("simple_humanoid")
     data = robot.model.createData()
     q = robot.q_nominal.copy()

@@ -34,7 +34,7 @@ feet = st.builds(Placement, st.builds(complex, errors, errors), st.floats(-3.0, 
 
 
 @given(st.lists(st.tuples(feet, velocities, st.sampled_from(["left", "right"])), max_size=4))
-def test_arrival_dcm_known_in_the_foots_axes_is_that_of_the_steps_in_the_world(
+def test_arrival_dcm_from_foot_axes_equals_that_from_world_footsteps(
     asked: list[tuple[Placement, Velocity, str]],
 ) -> None:
     preview = FootstepPreview(GAIT, [])
@@ -46,7 +46,7 @@ def test_arrival_dcm_known_in_the_foots_axes_is_that_of_the_steps_in_the_world(
         assert preview.arrival_dcm(foot, side, velocity, 3) == pytest.approx(expected, abs=1e-12)
 
 
-def test_given_footsteps_stay_in_the_world_when_the_foot_is_measured_elsewhere() -> None:
+def test_given_footsteps_stay_fixed_in_the_world_when_the_measured_foot_moves() -> None:
     given_steps = [
         PlannedFootstep("right", Placement(0.2 - HALF * 1j, 0.0)),
         PlannedFootstep("left", Placement(0.2 + HALF * 1j, 0.0)),
@@ -80,7 +80,7 @@ class ConstantZmp:
         return []
 
 
-def test_walker_follows_a_planner_of_ones_own() -> None:
+def test_walker_follows_a_user_defined_planner() -> None:
     robot = wbc.load("simple_humanoid")
     walker = wbc.Walker(robot, planner=ConstantZmp(0.02 - 0.03j))
     walker.velocity = (0.3, 0.0, 0.0)  # which this planner ignores

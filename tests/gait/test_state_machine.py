@@ -66,7 +66,7 @@ class Ground:
 LEFT, BOTH = frozenset({"left"}), frozenset({"left", "right"})
 
 
-def test_nothing_happens_without_a_command() -> None:
+def test_robot_stands_without_a_velocity_command() -> None:
     ground = Ground()
     ground.run(1.0, Velocity(), None)
     assert ground.state.phase is Phase.STAND
@@ -75,7 +75,7 @@ def test_nothing_happens_without_a_command() -> None:
     assert ground.reference().dcm_velocity == 0j
 
 
-def test_feet_alternate_and_a_stop_ends_with_both_side_by_side() -> None:
+def test_feet_alternate_and_end_side_by_side_after_a_stop() -> None:
     ground = Ground()
     ground.run(3.0, WALK, None)
     assert ground.state.steps >= 3
@@ -98,14 +98,14 @@ def test_swing_ends_early_when_the_foot_meets_the_ground() -> None:
     assert ground.state.duration == pytest.approx(GAIT.double_support + saved, abs=3 * DT)
 
 
-def test_contact_of_a_foot_that_just_left_is_no_touchdown() -> None:
+def test_contact_of_a_foot_right_after_lift_off_is_no_touchdown() -> None:
     ground = Ground()
     ground.run(GAIT.first_transfer + 0.1 * GAIT.single_support, WALK, LEFT)
     ground.run(0.1 * GAIT.single_support, WALK, BOTH)
     assert ground.state.phase is Phase.SWING
 
 
-def test_swing_goes_on_until_the_ground_is_found() -> None:
+def test_swing_continues_until_touchdown() -> None:
     ground = Ground()
     unloaded = LEFT
     ground.run(GAIT.first_transfer + GAIT.single_support + 0.1, WALK, unloaded)
@@ -146,7 +146,7 @@ def test_planned_dcm_moves_with_its_own_velocity_from_phase_to_phase() -> None:
     st.builds(Velocity, st.floats(-0.3, 0.5), st.floats(-0.1, 0.1), st.floats(-0.3, 0.3)),
 )
 @settings(max_examples=25)
-def test_another_velocity_takes_effect_within_the_step_and_without_a_jump(
+def test_new_velocity_changes_the_plan_within_the_step_and_continuously(
     when: float, wanted: Velocity
 ) -> None:
     ground = Ground()
@@ -170,7 +170,7 @@ def test_another_velocity_takes_effect_within_the_step_and_without_a_jump(
             assert abs(state.landing.point - landing) < 1.5 * DT  # 1.5 m/s
 
 
-def test_velocity_command_that_jumps_from_tick_to_tick_does_not_shake_the_plan() -> None:
+def test_alternating_velocity_commands_change_the_plan_continuously() -> None:
     ground, rng, asked = Ground(), np.random.default_rng(0), []
     ground.run(1.0, WALK, None)
     for _ in range(round(2.0 / DT)):
@@ -181,7 +181,7 @@ def test_velocity_command_that_jumps_from_tick_to_tick_does_not_shake_the_plan()
     assert np.percentile(np.abs(np.diff(asked)), 99) < 6e-3
 
 
-def test_command_to_stop_shortens_the_present_step_and_the_next_one_is_the_last() -> None:
+def test_stop_command_shortens_the_present_step_and_makes_the_next_the_last() -> None:
     stopped, went_on = Ground(), Ground()
     for ground, wanted in ((stopped, Velocity()), (went_on, WALK)):
         ground.run(GAIT.first_transfer + 0.1 * GAIT.single_support, WALK, None)
@@ -194,7 +194,7 @@ def test_command_to_stop_shortens_the_present_step_and_the_next_one_is_the_last(
     assert stopped.state.phase is Phase.STAND
 
 
-def test_a_higher_swing_counts_for_a_foot_on_its_way_up() -> None:
+def test_new_step_height_applies_to_a_foot_that_is_still_rising() -> None:
     ground = Ground()
     ground.run(GAIT.first_transfer + 0.2 * GAIT.single_support, WALK, None)
     ground.machine.change_gait(replace(GAIT, swing_height=2.0 * GAIT.swing_height))

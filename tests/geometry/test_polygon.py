@@ -60,7 +60,7 @@ def test_clamped_point_lies_within_the_margin_and_is_nearest(
 
 
 @given(points, points, angles, angles, points, st.floats(0.0, 1.0))
-def test_what_is_near_the_line_between_two_soles_is_on_their_polygon(
+def test_points_near_the_line_between_two_soles_are_in_their_polygon(
     left: complex, right: complex, left_yaw: float, right_yaw: float, off: complex, along: float
 ) -> None:
     margin = 0.02
@@ -97,7 +97,7 @@ def test_inscribed_rectangle_is_the_largest() -> None:
     assert (x1 - x0) * (y1 - y0) == pytest.approx(2.0, rel=2e-3)
 
 
-def test_points_on_a_line_have_neither_rectangle_nor_area() -> None:
+def test_collinear_points_have_neither_rectangle_nor_area() -> None:
     hull = convex_hull([0j, 1 + 1j, 2 + 2j])
     x0, x1, y0, y1 = inscribed_rectangle(hull)
     assert (x1 - x0, y1 - y0) == (0, 0)

@@ -15,7 +15,7 @@ ROBOTS = ("talos", "g1", "simple_humanoid", "romeo", "icub")
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_hands_reach_positions_where_some_posture_of_the_arms_had_them(name):
+def test_hands_reach_positions_taken_from_reachable_postures(name):
     one, random = robot(name), np.random.default_rng(4)
     ik = PostureIK(one)
     arms = ik.upper_body.both_arms()
@@ -38,7 +38,7 @@ def test_hands_reach_positions_where_some_posture_of_the_arms_had_them(name):
             )
 
 
-def test_a_place_out_of_reach_is_missed_by_what_is_left():
+def test_a_target_out_of_reach_is_missed_by_its_distance_to_the_workspace():
     ik = PostureIK(robot("talos"))
     arm = ik.upper_body.arm("left")
     far = ik.frame_position(arm.shoulder) + np.array([arm.length + 1.0, 0.0, 0.0])
@@ -49,7 +49,7 @@ def test_a_place_out_of_reach_is_missed_by_what_is_left():
 
 
 @pytest.mark.parametrize("name", ["talos", "g1", "simple_humanoid"])
-def test_a_squat_lowers_the_com_and_nothing_else(name):
+def test_a_squat_changes_only_the_com_height(name):
     ik = PostureIK(robot(name))
     down = np.array([0.0, 0.0, -0.1 * robot(name).leg_length])
     pose = ik.solve(PostureObjective(com=down, strict_trunk=True, strict_com=True))
@@ -77,6 +77,6 @@ def test_static_torques_hold_the_robot_still(name):
     assert one_leg.ratio > need.ratio
 
 
-def test_the_support_is_the_rectangle_around_both_soles():
+def test_support_half_size_spans_both_soles():
     half = support_half_size(robot("simple_humanoid"))
     assert half == pytest.approx([0.11, 0.15], abs=0.002)

@@ -35,7 +35,7 @@ def lift(control, state, acceleration=3.0):
 
 
 @FORMULATIONS
-def test_a_limit_of_ones_own_holds_and_is_read_anew_each_tick(formulation):
+def test_a_user_defined_limit_holds_and_is_evaluated_every_tick(formulation):
     bot = robot("talos")
     limit = ComAcceleration(0.5)
     control = controller(bot, "both", formulation=formulation)
@@ -50,7 +50,7 @@ def test_a_limit_of_ones_own_holds_and_is_read_anew_each_tick(formulation):
 
 @FORMULATIONS
 @pytest.mark.parametrize("contacts", ["both", "left", "points", "left exact, right soft"])
-def test_a_limit_on_contact_forces_holds_whatever_carries_them(formulation, contacts):
+def test_a_limit_on_contact_forces_holds_for_any_contacts(formulation, contacts):
     bot = robot("talos")
     control = controller(bot, contacts, formulation=formulation)
     control.set_limits((*control.limits, VerticalForce(bot, 0.9)))
@@ -89,7 +89,7 @@ def test_a_limit_that_is_not_finite_gives_safe_torques_and_its_name(formulation)
 
 
 @FORMULATIONS
-def test_a_limit_that_fails_to_write_is_named(formulation):
+def test_a_limit_whose_write_fails_is_named(formulation):
     class Broken(ComAcceleration):
         def write(self, kin, rows):
             rows.A[0] = np.zeros(3)
@@ -121,7 +121,7 @@ class Speed:
         ([ComAcceleration(1.0), ComAcceleration(2.0)], "two limits are named 'CoM acceleration'"),
     ],
 )
-def test_what_the_controller_does_not_understand_is_refused_and_changes_nothing(limits, text):
+def test_an_object_that_is_no_limit_is_refused_without_changes(limits, text):
     with pytest.raises(LimitError, match=text):
         wbc.WholeBodyController(robot("talos"), limits=limits)
     control = wbc.WholeBodyController(robot("talos"))
@@ -140,7 +140,7 @@ def test_a_torque_limit_of_another_robot_is_refused():
     ("options", "text"),
     [({"size": 0}, "at least one row"), ({"size": 2, "labels": ("x",)}, "1 labels for 2 rows")],
 )
-def test_a_limit_with_impossible_rows_is_refused(options, text):
+def test_a_limit_with_invalid_rows_is_refused(options, text):
     class Own(ComAcceleration):
         def __init__(self):
             Limit.__init__(self, "own", unit="m", **options)

@@ -44,7 +44,7 @@ def push_to_the_limit(
     st.floats(0.0, 1.0),
     st.booleans(),
 )
-def test_a_joint_pushed_at_its_limit_stops_before_it_with_the_braking_counted_on(
+def test_a_joint_pushed_towards_its_limit_stops_within_the_assumed_braking(
     dt, braking, speed, downwards
 ):
     bot = robot(BOT)
@@ -95,7 +95,7 @@ def test_the_bounds_change_with_noise_no_faster_than_the_docstring_says():
 
 @many
 @given(st.floats(-0.5, 2.0), st.floats(-20.0, 20.0))
-def test_bounds_never_ask_for_more_than_the_braking_and_never_cross_alone(distance, speed):
+def test_bounds_stay_within_the_braking_acceleration_and_do_not_cross(distance, speed):
     bot = robot(BOT)
     limit = wbc.JointPositionLimit(bot, braking=20.0)
     q = limit.upper - distance
@@ -107,7 +107,7 @@ def test_bounds_never_ask_for_more_than_the_braking_and_never_cross_alone(distan
         assert (low <= high).all()
 
 
-def test_a_joint_beyond_its_limit_comes_back_gently():
+def test_a_joint_beyond_its_limit_returns_within_the_braking_acceleration():
     bot = robot(BOT)
     limit = wbc.JointPositionLimit(bot, braking=20.0)
     qs, a = push_to_the_limit(limit, limit.upper + 0.1, np.zeros(bot.na), 0.002, 1000)
@@ -116,7 +116,7 @@ def test_a_joint_beyond_its_limit_comes_back_gently():
     assert (qs - limit.upper).min() > -0.01
 
 
-def test_an_unlimited_joint_is_free():
+def test_a_joint_without_limits_has_infinite_bounds():
     bot = robot(BOT)
     limit = wbc.JointPositionLimit(bot)
     limit.lower, limit.upper = np.full(bot.na, -np.inf), np.full(bot.na, np.inf)
@@ -138,7 +138,7 @@ def test_a_velocity_limit_is_approached_without_overshoot(dt, start):
     np.testing.assert_allclose(v, 2.0, atol=1e-6)
 
 
-def test_the_velocity_limit_does_not_ask_for_more_than_the_braking():
+def test_the_velocity_limit_stays_within_the_braking_acceleration():
     bot = robot(BOT)
     limit = wbc.JointVelocityLimit(bot, 2.0, braking=30.0)
     low, high = bounds_at(limit, np.zeros(bot.na), np.full(bot.na, 50.0))
@@ -147,7 +147,7 @@ def test_the_velocity_limit_does_not_ask_for_more_than_the_braking():
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_a_whole_robot_told_to_go_beyond_its_stops_stops_before_them(name):
+def test_a_controller_with_targets_beyond_the_limits_stops_before_them(name):
     """In free fall, integrating the command itself: every joint is driven outwards."""
     import pinocchio as pin
 
@@ -174,7 +174,7 @@ def test_a_whole_robot_told_to_go_beyond_its_stops_stops_before_them(name):
     assert arrived[np.isfinite(end)].mean() > 0.6
 
 
-def test_limits_that_exclude_each_other_meet_in_the_middle():
+def test_limits_that_exclude_each_other_are_bounded_by_their_mean():
     bot = robot(BOT)
     position = wbc.JointPositionLimit(bot, braking=20.0)
     limits = [position, wbc.JointAccelerationLimit(bot, 5.0)]
@@ -203,7 +203,7 @@ def test_limits_that_exclude_each_other_meet_in_the_middle():
         (lambda b: wbc.JointPositionLimit(b, recovery=0.01), r"recovery 0\.01 s must not be below"),
     ],
 )
-def test_a_limit_that_makes_no_sense_is_refused(make, text):
+def test_an_invalid_limit_is_refused(make, text):
     with pytest.raises(LimitError, match=text):
         make(robot(BOT))
 

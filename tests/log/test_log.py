@@ -73,7 +73,7 @@ def walk(tmp_path_factory):
     return g1, path, report
 
 
-def test_what_was_computed_with_is_kept_bit_by_bit(humanoid, made_up):
+def test_state_torques_and_balance_are_logged_bit_by_bit(humanoid, made_up):
     ticks, log = made_up
     run = LoggedRun(log)
     assert (run["q"] == [t.estimate.state.q for t in ticks]).all()
@@ -87,7 +87,7 @@ def test_what_was_computed_with_is_kept_bit_by_bit(humanoid, made_up):
     np.testing.assert_allclose(run.time, [t.time for t in ticks], atol=1e-9)
 
 
-def test_the_rest_is_kept_in_single_precision(made_up):
+def test_sensors_and_targets_are_logged_in_single_precision(made_up):
     ticks, log = made_up
     for topic, field, values in (
         ("/joint_targets", "position", [t.command.q_target for t in ticks]),
@@ -101,7 +101,7 @@ def test_the_rest_is_kept_in_single_precision(made_up):
         assert (log.numbers(topic, field) == np.array(values, np.float32)).all(), (topic, field)
 
 
-def test_ground_truth_is_kept_where_there_is_one(made_up):
+def test_ground_truth_is_logged_if_the_plant_has_it(made_up):
     ticks, log = made_up
     stamps = log.stamps("/ground_truth/odom")
     logged = log.numbers("/ground_truth/odom", "pose.pose.position")
@@ -121,7 +121,7 @@ def test_quantities_that_are_not_sent_in_every_tick_keep_their_latest_value(made
     assert np.isnan(run["commanded_wrench/left_sole"][30:]).all()
 
 
-def test_timing_status_and_explanation_of_every_tick(made_up):
+def test_timing_status_and_explanation_of_every_tick_are_logged(made_up):
     ticks, log = made_up
     run = LoggedRun(log)
     assert run["tick"].tolist() == list(range(TICKS))
@@ -136,7 +136,7 @@ def test_timing_status_and_explanation_of_every_tick(made_up):
     assert [bool(s) for s in statuses] == [t.command.status is not Status.OK for t in ticks]
 
 
-def test_commanded_wrenches_of_any_contact(made_up):
+def test_commanded_wrenches_of_any_contact_are_logged(made_up):
     ticks, log = made_up
     left = LoggedRun(log)["commanded_wrench/left_sole"]
     assert (left[:30] == [t.command.wrenches["left_sole"] for t in ticks[:30]]).all()
@@ -148,7 +148,7 @@ def test_commanded_wrenches_of_any_contact(made_up):
     assert (logged == [t.command.wrenches["left hand/grip"] for t in ticks[30:]]).all()
 
 
-def test_plans_are_kept_thirty_times_a_second(made_up):
+def test_contact_plans_are_logged_thirty_times_a_second(made_up):
     ticks, log = made_up
     run = LoggedRun(log)
     assert run.plan_stamps.tolist() == [0, 34_000_000, 68_000_000, 102_000_000]
@@ -163,7 +163,7 @@ def test_plans_are_kept_thirty_times_a_second(made_up):
     assert [p.position.x for p in right.poses] == [plan.footsteps[1].position[0]]
 
 
-def test_a_snapshot_of_a_log_is_what_a_viewer_was_shown(humanoid, made_up):
+def test_a_snapshot_of_a_log_equals_that_of_the_tick(humanoid, made_up):
     ticks, log = made_up
     snapshot = LoggedRun(log).snapshot(17)
     assert (snapshot.q == ticks[17].estimate.state.q).all()
@@ -173,7 +173,7 @@ def test_a_snapshot_of_a_log_is_what_a_viewer_was_shown(humanoid, made_up):
     assert snapshot.status is ticks[17].command.status
 
 
-def test_parameters_and_versions_are_kept(made_up):
+def test_parameters_and_versions_are_logged(made_up):
     _, log = made_up
     assert log.tables["versions"]["wbc"] == wbc.__version__
     assert log.tables["versions"]["pin"].startswith("3.")
@@ -193,7 +193,7 @@ def test_a_log_describes_its_robot(humanoid, made_up):
     assert log.first("/robot_description").data == humanoid.urdf_path.read_text("utf-8")
 
 
-def test_a_centre_of_pressure_comes_from_both_feet(humanoid, tmp_path):
+def test_logged_centre_of_pressure_is_that_of_both_feet(humanoid, tmp_path):
     left, right = (sole.name for sole in humanoid.soles)
     state = humanoid.standing()
     rng = np.random.default_rng(1)
@@ -241,7 +241,7 @@ def test_a_walk_is_logged_tick_by_tick_with_its_report(walk):
     np.testing.assert_allclose(run["com"][400], com, atol=1e-9)
 
 
-def test_logging_changes_nothing_in_a_run(walk):
+def test_logging_does_not_change_a_run(walk):
     g1, path, _ = walk
     walker = wbc.Walker(g1)
     walker.velocity = (0.2, 0.0, 0.1)
@@ -296,7 +296,7 @@ def test_the_reference_reader_finds_order_schemas_and_checksums(walk):
         assert {a.name for a in reader.iter_attachments()} == set(log.files)
 
 
-def test_a_reader_that_is_not_python_finds_the_same(walk):
+def test_the_javascript_reader_reads_the_same_messages(walk):
     node = shutil.which("node")
     need(node, "node is not installed")
     folder = Path(os.environ.get("WBC_NODE_MODULES", ROOT / "tests" / "npm"))
@@ -316,7 +316,7 @@ def test_a_reader_that_is_not_python_finds_the_same(walk):
     np.testing.assert_array_equal(found["values"], log.numbers("/joint_states", "effort"))
 
 
-def test_a_reset_plant_goes_on_in_the_same_log(humanoid, tmp_path):
+def test_a_log_continues_after_a_reset_of_the_plant(humanoid, tmp_path):
     rng = np.random.default_rng(2)
     path = tmp_path / "twice.mcap"
     with StreamedLog(path, humanoid) as log:
@@ -340,7 +340,7 @@ def test_a_controller_without_telemetry_is_logged(humanoid, tmp_path):
     assert np.isnan(run["dcm_error"]).all()
 
 
-def test_a_plant_that_has_lost_itself_is_logged_to_the_end(humanoid, tmp_path):
+def test_a_plant_with_a_nan_state_is_logged_to_the_end(humanoid, tmp_path):
     rng = np.random.default_rng(2)
     path = tmp_path / "lost.mcap"
     with StreamedLog(path, humanoid) as log:
@@ -355,7 +355,7 @@ def test_a_plant_that_has_lost_itself_is_logged_to_the_end(humanoid, tmp_path):
     assert (np.diff(run.time) >= 0.0).all()
 
 
-def test_wrong_sizes_are_named(humanoid, tmp_path):
+def test_arrays_of_wrong_size_are_refused_by_name(humanoid, tmp_path):
     rng = np.random.default_rng(2)
     tick = random_tick(humanoid, rng, 0.0)
     bad = replace(tick.command, tau=tick.command.tau[:3])
@@ -364,7 +364,7 @@ def test_wrong_sizes_are_named(humanoid, tmp_path):
         log.record(replace(tick, command=bad))
 
 
-def test_a_path_that_cannot_be_written_is_said_before_the_run(humanoid, tmp_path):
+def test_an_unwritable_path_is_an_error_before_the_run(humanoid, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(LogError, match="give another path"):
         StreamedLog(tmp_path / "file" / "run.mcap", humanoid)
@@ -373,7 +373,7 @@ def test_a_path_that_cannot_be_written_is_said_before_the_run(humanoid, tmp_path
 
 
 @pytest.mark.parametrize("content", [b"", b"no log", b"\x89MCAP0\r\n"])
-def test_what_is_no_log_is_refused(tmp_path, content):
+def test_a_file_that_is_no_log_is_refused(tmp_path, content):
     path = tmp_path / "no.mcap"
     path.write_bytes(content)
     with pytest.raises(LogError, match=r"no\.mcap"):
@@ -382,7 +382,7 @@ def test_what_is_no_log_is_refused(tmp_path, content):
         LoggedRun.read(tmp_path / "none.mcap")
 
 
-def test_an_unknown_topic_or_field_is_told_with_what_there_is(made_up):
+def test_an_unknown_topic_or_field_is_refused_with_the_known_ones(made_up):
     _, log = made_up
     with pytest.raises(LogError, match="did you mean '/joint_states'"):
         log.numbers("/joint_state", "position")
@@ -390,7 +390,7 @@ def test_an_unknown_topic_or_field_is_told_with_what_there_is(made_up):
         log.numbers("/joint_states", "force")
 
 
-def test_ticks_that_are_overwritten_are_counted_and_told(humanoid, tmp_path, caplog):
+def test_overwritten_ticks_are_counted_and_reported(humanoid, tmp_path, caplog):
     rng = np.random.default_rng(2)
     path = tmp_path / "slow.mcap"
     log = StreamedLog(path, humanoid, capacity=32)
@@ -422,7 +422,7 @@ print(sorted({"mcap", "zstandard", "mujoco", "meshcat", "matplotlib"} & set(sys.
     assert "[]" in result.stdout or "give another path" in result.stderr
 
 
-def test_every_logged_type_is_one_of_ros_or_our_own(walk):
+def test_every_logged_type_is_of_ros_or_of_wbc_msgs(walk):
     _, path, _ = walk
     packages = {name.split("/")[0] for name in Log(path).topics.values()}
     assert packages <= {

@@ -93,7 +93,7 @@ def own_counts(path):
     return {topic: len(log.stamps(topic)) for topic in log.topics}
 
 
-def test_a_killed_run_leaves_a_whole_log_with_every_tick(tmp_path):
+def test_a_killed_run_leaves_a_complete_log_with_every_tick(tmp_path):
     path = tmp_path / "killed.mcap"
     with endless(path, 300) as (process, writer):
         process.send_signal(signal.SIGKILL)
@@ -107,7 +107,7 @@ def test_a_killed_run_leaves_a_whole_log_with_every_tick(tmp_path):
     assert reference_counts(path) == own_counts(path)
 
 
-def test_a_killed_writer_loses_less_than_a_second_and_the_run_goes_on(humanoid, tmp_path, caplog):
+def test_a_killed_writer_loses_less_than_a_second_and_the_run_continues(humanoid, tmp_path, caplog):
     rng = np.random.default_rng(0)
     path = tmp_path / "writer.mcap"
     log = StreamedLog(path, humanoid)
@@ -127,7 +127,7 @@ def test_a_killed_writer_loses_less_than_a_second_and_the_run_goes_on(humanoid, 
     assert reference_counts(path) == own_counts(path)
 
 
-def test_when_everything_is_killed_the_log_is_read_up_to_its_last_second(tmp_path):
+def test_a_log_is_readable_up_to_its_last_second_when_both_processes_are_killed(tmp_path):
     path = tmp_path / "all.mcap"
     with endless(path, 800) as (process, writer):
         os.kill(writer, signal.SIGKILL)
@@ -162,7 +162,7 @@ def whole(humanoid, tmp_path_factory):
     return path
 
 
-def test_a_log_that_is_cut_anywhere_can_be_read_and_repaired(whole, tmp_path):
+def test_a_log_truncated_anywhere_can_be_read_and_repaired(whole, tmp_path):
     data = whole.read_bytes()
     last = -1
     for size in np.linspace(9, len(data) - 1, 30).astype(int):
@@ -179,7 +179,7 @@ def test_a_log_that_is_cut_anywhere_can_be_read_and_repaired(whole, tmp_path):
     assert last == sum(own_counts(whole).values())
 
 
-def test_a_log_with_a_damaged_chunk_is_read_up_to_there(whole, tmp_path):
+def test_a_log_with_a_damaged_chunk_is_read_up_to_the_damage(whole, tmp_path):
     from mcap.reader import make_reader
 
     with whole.open("rb") as file:
@@ -194,13 +194,13 @@ def test_a_log_with_a_damaged_chunk_is_read_up_to_there(whole, tmp_path):
     assert len(run) < 90
 
 
-def test_a_whole_log_is_not_touched_by_repair(whole, tmp_path):
+def test_repair_does_not_change_a_complete_log(whole, tmp_path):
     path = Path(shutil.copy(whole, tmp_path))
     repair(path)
     assert path.read_bytes() == whole.read_bytes()
 
 
-def test_what_is_no_log_is_not_repaired(tmp_path):
+def test_repair_refuses_a_file_that_is_no_log(tmp_path):
     path = tmp_path / "notes.txt"
     path.write_bytes(b"dear diary, " * 10)
     with pytest.raises(LogError, match="is not an MCAP file"):
@@ -235,7 +235,7 @@ def check_after_full_disk(path, caplog, said):
     assert reference_counts(path) == own_counts(path)
 
 
-def test_a_file_that_may_not_grow_ends_the_log_and_not_the_run(humanoid, tmp_path, caplog):
+def test_a_file_size_limit_ends_the_log_and_not_the_run(humanoid, tmp_path, caplog):
     path = tmp_path / "limited.mcap"
     log = StreamedLog(path, humanoid)
     resource.prlimit(log.log.pid, resource.RLIMIT_FSIZE, (600_000, 600_000))
@@ -261,7 +261,7 @@ def test_a_full_disk_ends_the_log_and_not_the_run(humanoid, tmp_path, caplog):
         subprocess.run(["umount", str(disk)], check=True)
 
 
-def test_a_disk_without_any_room_is_said_before_the_run(humanoid):
+def test_a_full_disk_is_an_error_before_the_run(humanoid):
     with pytest.raises(LogError, match="No space left on device"):
         StreamedLog("/dev/full", humanoid)
 
@@ -280,7 +280,7 @@ def test_a_stopped_writer_never_blocks_the_run(humanoid, tmp_path):
     assert log.log.dropped == 2900
 
 
-def test_a_script_that_never_closes_its_log_leaves_it_whole(tmp_path):
+def test_a_script_that_never_closes_its_log_leaves_it_complete(tmp_path):
     code = """
 import sys
 import numpy as np

@@ -58,7 +58,7 @@ def line(axes, label):
     return found
 
 
-def test_the_picture_from_above_has_the_way_and_the_places_of_the_soles(walk, axes):
+def test_top_view_plot_shows_the_path_and_the_footsteps(walk, axes):
     run, report = walk
     draw_top_view(axes, run)
     np.testing.assert_array_equal(line(axes, "CoM").get_xydata(), run["com"][:, :2])
@@ -79,7 +79,7 @@ def test_the_picture_from_above_has_the_way_and_the_places_of_the_soles(walk, ax
     assert inside.any(axis=1).mean() > 0.95
 
 
-def test_the_picture_over_time_has_reference_and_error(walk, axes):
+def test_balance_plot_shows_reference_and_error(walk, axes):
     run, report = walk
     draw_coordinate(axes, run, 1)
     np.testing.assert_array_equal(line(axes, "DCM reference").get_xdata(), run.time)
@@ -90,7 +90,7 @@ def test_the_picture_over_time_has_reference_and_error(walk, axes):
     assert text.get_text() == f"rms {report.dcm_error_rms_mm:.1f} mm"
 
 
-def test_the_pictures_of_torques_have_the_report_s_peak(walk, axes):
+def test_torque_plots_show_the_peak_of_the_report(walk, axes):
     run, report = walk
     draw_torques(axes, run)
     highest = max(one.get_ydata().max() for one in axes.get_lines() if len(one.get_xdata()) > 2)
@@ -102,7 +102,7 @@ def test_the_pictures_of_torques_have_the_report_s_peak(walk, axes):
     assert axes.get_yticklabels()[-1].get_text() in run.robot_info.joints
 
 
-def test_the_picture_of_tick_times_has_period_median_and_failures(folder):
+def test_tick_time_plot_shows_period_median_and_failures(folder):
     humanoid = robot()
     rng = np.random.default_rng(0)
     path = folder / "failures.mcap"
@@ -126,7 +126,7 @@ def test_the_picture_of_tick_times_has_period_median_and_failures(folder):
     assert mark.get_x() == pytest.approx(0.02)
 
 
-def test_all_pictures_come_in_one_call(walk, tmp_path, capsys):
+def test_one_call_makes_all_plots(walk, tmp_path, capsys):
     from PIL import Image
 
     run, _ = walk
@@ -140,7 +140,7 @@ def test_all_pictures_come_in_one_call(walk, tmp_path, capsys):
         assert (picture < 200).mean() > 0.01, "there is hardly anything on it"
 
 
-def test_a_log_without_balance_is_drawn_all_the_same(tmp_path):
+def test_a_log_without_balance_quantities_is_plotted(tmp_path):
     humanoid = robot()
     rng = np.random.default_rng(0)
     path = tmp_path / "plain.mcap"
@@ -151,18 +151,18 @@ def test_a_log_without_balance_is_drawn_all_the_same(tmp_path):
     assert all(p.stat().st_size > 1000 for p in paths)
 
 
-def test_a_folder_that_cannot_be_written_is_told(walk, tmp_path):
+def test_an_unwritable_folder_is_an_error_with_its_path(walk, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(LogError, match="give another folder"):
         plot(walk[0], tmp_path / "file")
 
 
-def test_spans_of_true_values():
+def test_intervals_of_true_values_are_found():
     assert spans(np.array([1, 1, 0, 1, 0, 0, 1], bool)) == [(0, 2), (3, 4), (6, 7)]
     assert spans(np.zeros(3, bool)) == []
 
 
-def test_the_same_run_twice_is_the_same(walk, folder, capsys):
+def test_diff_of_two_identical_runs_is_empty(walk, folder, capsys):
     run, _ = walk
     logged_walk(folder / "again.mcap", seconds=0.5)
     again = LoggedRun.read(folder / "again.mcap")
@@ -173,7 +173,7 @@ def test_the_same_run_twice_is_the_same(walk, folder, capsys):
     assert "The runs are equal at all 750 common ticks" in capsys.readouterr().out
 
 
-def test_other_gains_part_runs_in_what_is_commanded(walk, folder, capsys):
+def test_diff_of_runs_with_other_gains_begins_in_the_commands(walk, folder, capsys):
     run, _ = walk
     path = folder / "gains.mcap"
     logged_walk(path, seconds=0.4, gains=replace(wbc.WalkerGains(), trunk_kp=81.0))
@@ -193,7 +193,7 @@ def test_other_gains_part_runs_in_what_is_commanded(walk, folder, capsys):
     assert "Run 2 ends earlier" in told
 
 
-def test_a_push_parts_runs_in_what_is_measured_when_it_comes(walk, folder):
+def test_diff_of_a_pushed_run_begins_in_the_measurements_at_the_push(walk, folder):
     run, _ = walk
     path = folder / "push.mcap"
     logged_walk(path, seconds=0.4, push=(0.3, (0.0, 2.0, 0.0)))
@@ -223,7 +223,7 @@ def shifted_knee(tick):
     return replace(tick, command=replace(tick.command, tau=tau))
 
 
-def test_a_difference_is_told_with_its_joint_its_time_and_its_size(tmp_path):
+def test_diff_states_joint_time_and_size_of_a_difference(tmp_path):
     a = made_up(tmp_path / "a.mcap")
     b = made_up(tmp_path / "b.mcap", shifted_knee)
     (divergence,) = compare(a, b).divergences
@@ -235,7 +235,7 @@ def test_a_difference_is_told_with_its_joint_its_time_and_its_size(tmp_path):
     assert compare(a, b, tolerance=1e-3).divergences == ()
 
 
-def test_a_number_that_only_one_run_knows_is_a_difference(tmp_path):
+def test_a_value_that_is_nan_in_one_run_only_is_a_difference(tmp_path):
     a = made_up(tmp_path / "a.mcap")
     b = made_up(
         tmp_path / "b.mcap",
@@ -246,13 +246,13 @@ def test_a_number_that_only_one_run_knows_is_a_difference(tmp_path):
     assert np.isnan(divergence.b)
 
 
-def test_logs_of_different_robots_are_not_compared(walk, tmp_path):
+def test_diff_refuses_logs_of_different_robots(walk, tmp_path):
     other = made_up(tmp_path / "other.mcap", ticks=3)
     with pytest.raises(LogError, match="robots with different joints cannot be compared"):
         compare(walk[0], other)
 
 
-def test_wbc_log_tells_what_is_in_a_log(walk, capsys):
+def test_wbc_log_prints_the_content_of_a_log(walk, capsys):
     run, _ = walk
     assert main(["log", str(run.log.path)]) == 0
     told = capsys.readouterr().out
@@ -262,7 +262,7 @@ def test_wbc_log_tells_what_is_in_a_log(walk, capsys):
     assert wbc.__version__ in told
 
 
-def test_wbc_log_repairs_a_copy_and_leaves_the_log_alone(walk, tmp_path, capsys):
+def test_wbc_log_repairs_a_copy_without_changing_the_log(walk, tmp_path, capsys):
     run, _ = walk
     broken = tmp_path / "broken.mcap"
     data = run.log.path.read_bytes()
@@ -278,14 +278,14 @@ def test_wbc_log_repairs_a_copy_and_leaves_the_log_alone(walk, tmp_path, capsys)
 
 
 @pytest.mark.parametrize("command", ["plot", "log", "replay"])
-def test_a_log_that_is_not_there_is_one_line(command, capsys):
+def test_a_missing_log_is_an_error_of_one_line(command, capsys):
     assert main([command, "nowhere.mcap"]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert "nowhere.mcap" in error
 
 
-def test_a_run_of_the_command_leaves_its_log(tmp_path, capsys):
+def test_wbc_walk_writes_its_log(tmp_path, capsys):
     path = tmp_path / "deep" / "stand.mcap"
     arguments = ["stand", "--robot", "g1", "--duration", "0.3", "--no-view", "--log", str(path)]
     assert main(arguments) == 0
@@ -317,7 +317,7 @@ def test_the_robot_of_a_log_is_found_by_name_or_path(walk, tmp_path):
         logged_robot(info, "simple_humanoid")
 
 
-def test_a_replayed_log_becomes_a_page(walk, tmp_path, capsys):
+def test_wbc_replay_writes_a_log_as_a_page(walk, tmp_path, capsys):
     run, _ = walk
     path = tmp_path / "walk.html"
     assert main(["replay", str(run.log.path), "--html", str(path)]) == 0

@@ -32,7 +32,7 @@ def keeps_limits(report: Report) -> bool:
 
 
 @pytest.mark.parametrize("name", ["talos", "g1"])
-def test_robot_jumps_clear_and_lands_standing(name):
+def test_robot_jumps_with_the_clearance_and_lands_standing(name):
     report = run_motions(robot(name), [JUMP], seed=3)
     assert report.survived
     assert keeps_limits(report)
@@ -63,21 +63,21 @@ def interrupt_in(phase: JumpPhase) -> Report:
     return run_motions(robot("simple_humanoid"), [JUMP], seed=2, before_tick=interrupt)
 
 
-def test_interrupted_crouch_ends_standing_without_a_jump():
+def test_interrupted_crouch_returns_to_standing_without_a_jump():
     report = interrupt_in(JumpPhase.CROUCH)
     assert report.survived
     assert keeps_limits(report)
     assert report.flights == ()
 
 
-def test_an_interrupted_flight_is_finished():
+def test_jump_interrupted_in_flight_is_completed():
     report = interrupt_in(JumpPhase.FLIGHT)
     assert report.survived
     assert keeps_limits(report)
     assert len(report.flights) == 1
 
 
-def test_pushed_in_the_air_it_puts_its_soles_where_they_catch_it():
+def test_push_in_flight_moves_the_landing_place_to_keep_balance():
     push = 0.03 * robot("simple_humanoid").mass  # N·s, forward
 
     def shove(_: float, player: MotionPlayer, plant: Mujoco) -> None:
@@ -100,7 +100,7 @@ def test_pushed_in_the_air_it_puts_its_soles_where_they_catch_it():
     assert flight.landing_error_mm > 4.0, "it landed ahead of where it left"
 
 
-def test_the_override_is_observed_while_it_flies():
+def test_player_forwards_the_telemetry_of_an_override():
     player = MotionPlayer(robot("simple_humanoid"), motions=[])
     context = player.context
     controller = JumpController(context.robot, JUMP.plan(context.robot), context.dt)
@@ -111,7 +111,7 @@ def test_the_override_is_observed_while_it_flies():
     assert player.dcm_error == controller.dcm_error
 
 
-def test_it_is_solved_by_the_walkers_solver():
+def test_jump_controller_uses_the_walkers_solver():
     body_of = robot("simple_humanoid")
     player = MotionPlayer(body_of, walker=Walker(body_of, solver="daqp"))
     player.play(JUMP)

@@ -121,7 +121,7 @@ def test_torques_in_the_air_need_no_force_from_outside(name):
     [(0.7, 0.0, (0.8, 0.9, -9.81), 0.0), (0.8, -0.9, (0.65, 0.0, 0.0), -9.0)],
     ids=["push-off", "landing"],
 )
-def test_stroke_ends_where_and_as_it_should(start, speed, end, begin):
+def test_stroke_profile_meets_its_boundary_conditions(start, speed, end, begin):
     profile = stroke(start, speed, end, begin)
     np.testing.assert_allclose(profile.at(0.0), (start, speed, begin), atol=1e-12)
     np.testing.assert_allclose(profile.at(profile.duration), end, atol=1e-9)
@@ -133,14 +133,14 @@ def test_stroke_ends_where_and_as_it_should(start, speed, end, begin):
     [stroke(0.7, 0.0, (0.8, 0.9, -9.81)), MinimumJerk(0.3, 0.7, 0.8), HopProfile(0.16, 0.05, 0.1)],
     ids=lambda c: type(c).__name__,
 )
-def test_velocity_and_acceleration_are_derivatives(curve):
+def test_velocity_and_acceleration_of_a_profile_are_derivatives_of_its_position(curve):
     h = 1e-5
     for t in np.linspace(0.1, 0.9, 7) * curve.duration:
         before, now, after = (np.array(curve.at(t + s)) for s in (-h, 0.0, h))
         np.testing.assert_allclose((after - before)[:2] / (2 * h), now[1:], rtol=1e-5, atol=1e-4)
 
 
-def test_hop_leaves_the_ground_smoothly_clears_it_and_comes_down_slowly():
+def test_foot_path_in_flight_starts_smoothly_clears_the_ground_and_lands_slowly():
     hop = HopProfile(0.16, 0.05, 0.1)
     np.testing.assert_allclose(hop.at(0.0), 0.0, atol=1e-12)
     assert hop.at(0.08)[0] == pytest.approx(0.05, abs=0.002)
@@ -189,14 +189,14 @@ def test_plan_is_ballistic_and_clears_what_was_asked(name):
 
 
 @pytest.mark.parametrize("name", ["g1", "simple_humanoid"])
-def test_no_plan_takes_off_faster_than_the_bound(name):
+def test_take_off_speed_of_every_plan_is_within_the_bound(name):
     bound = take_off_bound(robot(name), jump_paths(robot(name)))
     for clearance in (0.05, 0.1):
         assert plan_jump(robot(name), clearance).speed <= bound.speed
     assert bound.rise == pytest.approx(bound.speed**2 / (2 * robot(name).gravity))
 
 
-def test_bound_grows_with_the_torques():
+def test_take_off_bound_grows_with_the_torque_limits():
     name = "simple_humanoid"
     paths = jump_paths(robot(name))
     speeds = [take_off_bound(limited(name, f), paths).speed for f in (0.15, 0.3, 0.6, 1.0)]
@@ -204,7 +204,7 @@ def test_bound_grows_with_the_torques():
     assert speeds[0] < 0.6 < 2.0 < speeds[-1]
 
 
-def test_bound_is_what_the_named_joint_sets():
+def test_take_off_bound_is_set_by_the_named_joint():
     """Raising the named limit raises the bound; raising any other joint's does less."""
     name = "simple_humanoid"
     bot = limited(name, 0.25)
@@ -222,7 +222,7 @@ def test_bound_is_what_the_named_joint_sets():
     assert max(gains.values()) > 0.0
 
 
-def test_weak_robot_is_told_the_bound_and_the_limiting_joint():
+def test_jump_beyond_the_bound_is_refused_with_bound_and_limiting_joint():
     weak = limited("simple_humanoid", 0.4)
     with pytest.raises(JumpTooHigh, match=r"m/s at most.*knee.*ask for \d+ mm") as told:
         Jump(clearance=0.2).check(weak)
@@ -234,19 +234,19 @@ def test_weak_robot_is_told_the_bound_and_the_limiting_joint():
     )
 
 
-def test_robot_that_cannot_even_rise_is_told_so():
+def test_jump_of_a_robot_too_weak_to_rise_is_refused():
     with pytest.raises(JumpTooHigh, match="cannot rise from any crouch for the torque of") as told:
         plan_jump(limited("simple_humanoid", 0.04), 0.05)
     assert told.value.bound.speed == 0.0
 
 
-def test_robot_with_slow_legs_is_bound_by_their_velocity():
+def test_take_off_of_a_robot_with_slow_legs_is_bounded_by_joint_velocity():
     with pytest.raises(JumpTooHigh, match="velocity") as told:
         plan_jump(robot("romeo"), 0.03)
     assert told.value.bound.quantity == "velocity"
 
 
 @pytest.mark.parametrize("clearance", [0.0, -0.1, float("nan"), float("inf")])
-def test_senseless_clearance_is_refused(clearance):
+def test_invalid_clearance_is_refused(clearance):
     with pytest.raises(MotionError, match="clearance"):
         Jump(clearance=clearance).check(robot("simple_humanoid"))

@@ -137,13 +137,13 @@ def test_an_error_of_a_script_is_logged_with_its_traceback(robot, caplog):
 
 
 @pytest.mark.parametrize("place", [(0.07, 0.0, 0.0), (-0.05, 0.05, -0.05), (0.0, 0.1, 0.0)])
-def test_a_fast_command_within_the_support_takes_the_time_that_it_needs(robot, place):
+def test_fast_com_move_within_the_support_takes_the_time_it_needs(robot, place):
     player, report = play(robot, com_to(*place), 4.0)
     assert player.aborted_motions == ()
     assert report.survived, report.fell_why
 
 
-def test_a_foot_held_far_out_is_brought_back_before_it_is_put_down(robot):
+def test_foot_held_far_out_returns_before_it_is_put_down(robot):
     def script(context):
         yield from context.feet.lift("left", 0.15)
         yield from context.feet.move_foot(forward=0.1, left=0.2, up=0.2)
@@ -208,7 +208,7 @@ def reference(support=lambda: SQUARE):
 
 @given(x=st.floats(-0.085, 0.085), y=st.floats(-0.085, 0.085), duration=st.floats(0.0, 3.0))
 @settings(max_examples=50)
-def test_on_an_accepted_path_the_zmp_stays_on_the_soles(x, y, duration):
+def test_accepted_com_path_keeps_the_zmp_within_the_soles(x, y, duration):
     com = reference()
     com.move_to([x, y, 0.0], duration)
     while not com.arrived:
@@ -218,7 +218,7 @@ def test_on_an_accepted_path_the_zmp_stays_on_the_soles(x, y, duration):
 
 
 @given(angle=st.floats(0.0, 6.3), distance=st.floats(0.13, 10.0))
-def test_a_position_off_the_soles_is_refused_and_nothing_moves(angle, distance):
+def test_com_target_outside_the_support_is_refused_without_motion(angle, distance):
     com = reference()
     with pytest.raises(MotionError, match="soles support"):
         com.move_to([distance * np.cos(angle), distance * np.sin(angle), 0.0], 5.0)
@@ -228,7 +228,7 @@ def test_a_position_off_the_soles_is_refused_and_nothing_moves(angle, distance):
 
 @given(speed=st.floats(0.02, 0.07))
 @settings(max_examples=30)
-def test_a_path_is_refused_while_there_is_time_to_return(speed):
+def test_com_path_is_refused_while_the_robot_can_still_return(speed):
     com, ticks = reference(), 0
 
     def advance():

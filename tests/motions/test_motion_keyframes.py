@@ -28,7 +28,7 @@ def written(folder: Path, text: str, name: str = "frames.csv") -> Path:
     return path
 
 
-def test_csv_and_yaml_say_the_same(tmp_path):
+def test_csv_and_yaml_files_give_the_same_plan(tmp_path):
     csv = written(
         tmp_path,
         "# a comment\n"
@@ -84,7 +84,7 @@ def test_csv_and_yaml_say_the_same(tmp_path):
         ("time [s], a [deg]\r\n1, 2\r\n1e9, 3\r\n", (3, 1), "at most 600 s"),
     ],
 )
-def test_bad_csv_is_refused_with_line_and_column(tmp_path, text, where, what):
+def test_invalid_csv_is_refused_with_line_and_column(tmp_path, text, where, what):
     with pytest.raises(KeyframeError, match=what) as refused:
         read_keyframes(written(tmp_path, text))
     assert str(refused.value).startswith(f"frames.csv:{where[0]}:{where[1]}: ")
@@ -115,13 +115,13 @@ def test_bad_csv_is_refused_with_line_and_column(tmp_path, text, where, what):
         ),
     ],
 )
-def test_bad_yaml_is_refused_with_line_and_column(tmp_path, text, where, what):
+def test_invalid_yaml_is_refused_with_line_and_column(tmp_path, text, where, what):
     with pytest.raises(KeyframeError, match=what) as refused:
         read_keyframes(written(tmp_path, text, "frames.yaml"))
     assert str(refused.value).startswith(f"frames.yaml:{where[0]}:{where[1]}: ")
 
 
-def test_what_spreadsheets_add_does_no_harm(tmp_path):
+def test_marks_added_by_spreadsheets_are_ignored(tmp_path):
     path = tmp_path / "frames.csv"
     path.write_bytes(b'\xef\xbb\xbf"time [s]","a [deg]"\r\n"1","90"\r\n')
     (frame,) = read_keyframes(path)
@@ -132,7 +132,7 @@ def test_what_spreadsheets_add_does_no_harm(tmp_path):
         read_keyframes(path)
 
 
-def test_files_that_cannot_be_read_are_refused(tmp_path, monkeypatch):
+def test_unreadable_keyframe_files_are_refused(tmp_path, monkeypatch):
     with pytest.raises(MotionError, match="cannot read"):
         read_keyframes(tmp_path / "none.csv")
     with pytest.raises(MotionError, match=r"must end in \.csv"):
@@ -179,14 +179,16 @@ def test_files_that_cannot_be_read_are_refused(tmp_path, monkeypatch):
         ),
     ],
 )
-def test_what_the_robot_cannot_do_is_refused_before_it_starts(tmp_path, text, where, what):
+def test_keyframes_beyond_the_robots_limits_are_refused_before_the_start(
+    tmp_path, text, where, what
+):
     path = written(tmp_path, text)
     with pytest.raises(KeyframeError, match=what) as refused:
         Keyframes(file=str(path)).check(robot("simple_humanoid"))
     assert str(refused.value).startswith(f"frames.csv:{where[0]}:{where[1]}: ")
 
 
-def test_a_motion_beyond_the_torques_is_refused(tmp_path):
+def test_keyframes_beyond_the_torque_limits_are_refused(tmp_path):
     path = written(tmp_path, "time [s], neck [deg]\n0.45, 80\n1, 0\n")
     Keyframes(file=str(path)).check(robot("simple_humanoid"))
     weak = wbc.load("simple_humanoid")
@@ -195,7 +197,7 @@ def test_a_motion_beyond_the_torques_is_refused(tmp_path):
         Keyframes(file=str(path)).check(weak)
 
 
-def test_a_plan_passes_its_keyframes_from_standing_to_rest(tmp_path):
+def test_plan_passes_its_keyframes_from_standing_to_rest(tmp_path):
     one = robot("simple_humanoid")
     path = written(
         tmp_path,
@@ -222,7 +224,7 @@ def test_a_plan_passes_its_keyframes_from_standing_to_rest(tmp_path):
     assert plan.posture.derivatives(3.0)[1] == pytest.approx(np.zeros(one.na))
 
 
-def test_a_posture_of_the_legs_moves_the_com_with_it(tmp_path):
+def test_posture_of_the_legs_moves_the_com_reference(tmp_path):
     one = robot("simple_humanoid")
     ik = PostureIK(one)
     down = ik.solve(
@@ -238,7 +240,7 @@ def test_a_posture_of_the_legs_moves_the_com_with_it(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["greeting.yaml", "robot_dance.csv"])
-def test_the_examples_files_are_sound(name):
+def test_keyframe_files_of_the_examples_are_valid(name):
     Keyframes(file=str(ROOT / "examples" / "motions" / "keyframes" / name)).check(
         robot("simple_humanoid")
     )

@@ -55,7 +55,7 @@ def torques(robot, motion, ticks=60):
 
 
 @pytest.mark.parametrize("motion", [Squat(depth=4.0), Wave(), Look()], ids=lambda m: m.name)
-def test_what_is_unpacked_is_played_alike_and_not_planned_again(robot, motion, monkeypatch):
+def test_unpacked_motion_plays_identically_without_planning_again(robot, motion, monkeypatch):
     data = pack(motion, robot)
     assert len(data) < 5000  # the robot stays at home
     expected = torques(robot, motion)
@@ -80,12 +80,12 @@ def test_plans_that_cannot_be_pickled_are_refused_with_the_cure(robot):
         pack(Hum(), robot)
 
 
-def test_what_a_robot_cannot_do_is_not_packed(robot):
+def test_motion_that_the_robot_refuses_is_not_packed(robot):
     with pytest.raises(MotionError, match="clearance"):
         pack(Jump(clearance=-1.0), robot)
 
 
-def test_a_push_that_is_asked_for_is_due_once_in_world_axes(robot):
+def test_requested_push_is_granted_once_in_world_axes(robot):
     player = MotionPlayer(robot)
     state = robot.standing()
     state.q[3:7] = 0.0, 0.0, np.sin(np.pi / 4), np.cos(np.pi / 4)  # heading +y

@@ -24,7 +24,7 @@ from wbc.motions.engine import parse_motion
         ("keyframes 'file=my wave.csv'", Keyframes(file="my wave.csv")),
     ],
 )
-def test_a_line_of_text_means_a_motion(text, motion):
+def test_text_is_parsed_into_the_motion_it_describes(text, motion):
     assert parse_motion(text, MOTIONS) == motion
 
 
@@ -48,12 +48,12 @@ def test_a_line_of_text_means_a_motion(text, motion):
         ("keyframes 'file=a", "cannot be read"),
     ],
 )
-def test_a_line_that_means_none_is_refused_with_the_reason(text, why):
+def test_text_that_describes_no_motion_is_refused_with_the_reason(text, why):
     with pytest.raises(MotionError, match=why):
         parse_motion(text, MOTIONS)
 
 
 @given(st.text(max_size=40) | st.text(max_size=30).map(lambda rest: f"squat {rest}"))
-def test_whatever_is_said_is_a_motion_or_is_refused(text):
+def test_any_text_is_parsed_or_refused_with_a_motion_error(text):
     with contextlib.suppress(MotionError):
         assert type(parse_motion(text, MOTIONS)) in MOTIONS

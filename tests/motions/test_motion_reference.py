@@ -40,7 +40,7 @@ orders = st.lists(
 
 @many
 @given(orders)
-def test_value_velocity_and_acceleration_never_jump_whatever_is_commanded(script):
+def test_reference_and_its_derivatives_stay_continuous_under_random_targets(script):
     x = reference()
     for kind, place, duration, ticks in script:
         if kind == "go":
@@ -57,7 +57,7 @@ def test_value_velocity_and_acceleration_never_jump_whatever_is_commanded(script
             assert np.abs(x.acceleration - acceleration).max() < JERK * DT
 
 
-def test_going_from_rest_keeps_the_limits_and_ends_at_rest_where_it_was_told():
+def test_move_from_rest_keeps_its_limits_and_ends_at_rest_at_the_target():
     x = reference()
     time = x.move_to(np.array([0.8, -0.2]), 0.1)
     assert time > 0.1  # the limits ask for more
@@ -72,7 +72,7 @@ def test_going_from_rest_keeps_the_limits_and_ends_at_rest_where_it_was_told():
     assert 0.8 < max(speed / 1.0, acceleration / 4.0) < 1.02
 
 
-def test_a_path_is_followed_exactly_once_the_blend_is_over():
+def test_path_is_followed_exactly_after_the_blend():
     x = reference()
     x.follow(circle, blend=0.5)
     for k in range(1, 500):
@@ -85,7 +85,7 @@ def test_a_path_is_followed_exactly_once_the_blend_is_over():
     assert not x.arrived
 
 
-def test_a_path_with_a_corner_asks_for_no_endless_acceleration():
+def test_path_with_a_corner_keeps_the_acceleration_bounded():
     x = reference(1)
     x.follow(lambda t: np.array([0.2 * abs(t - 0.7)]), blend=0.2)
     for _ in range(600):
@@ -93,7 +93,7 @@ def test_a_path_with_a_corner_asks_for_no_endless_acceleration():
         assert abs(x.acceleration[0]) < 25.0
 
 
-def test_nonsense_is_refused():
+def test_invalid_targets_and_paths_are_refused():
     x = reference()
     with pytest.raises(MotionError, match=r"2 numbers was given \(3,\)"):
         x.move_to(np.zeros(3))

@@ -129,7 +129,7 @@ def test_hands_wave_above_the_shoulders_while_it_walks():
     assert sum(a > 0.0 for a in above) * 0.002 > 2.0
 
 
-def test_hands_reach_positions_and_a_note_tells_what_is_out_of_reach():
+def test_hands_reach_positions_and_a_note_names_those_out_of_reach():
     report = run_motions(
         robot("simple_humanoid"), [Reach(random=2, place_seed=5, hold=0.4)], seed=2
     )
@@ -159,7 +159,7 @@ class TwoSteps(Motion):
         context.note(f"waited {context.time - began:.2f} s")
 
 
-def test_a_motion_waits_for_touchdowns():
+def test_motion_script_waits_for_touchdowns():
     report = run_motions(robot("simple_humanoid"), [TwoSteps()], seed=1)
     assert_clean(report)
     first, second, waited = report.notes
@@ -176,7 +176,7 @@ def test_steps_in_place_stay_in_place():
     assert np.hypot(*report.displacement_m) < 0.03
 
 
-def test_the_open_loop_pattern_may_fall_and_the_report_says_when():
+def test_fall_of_the_open_loop_pattern_is_reported_with_its_time():
     report = run_motions(robot("simple_humanoid"), [Sine()])
     assert not report.survived
     assert 1.0 < report.fell_at_s < 10.0
@@ -236,7 +236,7 @@ def answer(player: MotionPlayer, order: Callable[[], None], estimate: wbc.Estima
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="a tick is tried out in a forked process")
-def test_at_no_tick_of_any_motion_does_a_command_change_a_torque_by_more_than_the_bound():
+def test_interrupting_or_blending_any_motion_keeps_torque_steps_within_the_bound():
     one, random, asked = robot("simple_humanoid"), np.random.default_rng(7), {}
     for motion in OTHERS:
         motion.prepare(one)
@@ -273,7 +273,7 @@ def test_at_no_tick_of_any_motion_does_a_command_change_a_torque_by_more_than_th
     assert sum(asked.values()) > 150
 
 
-def test_changing_contacts_keeps_forces_and_torques_where_they_are():
+def test_changing_contacts_keeps_forces_and_torques_continuous():
     one = robot("simple_humanoid")
     player = MotionPlayer(one, motions=[Mixture()])
     quiet = wbc.sim.SensorNoise.none()
@@ -340,7 +340,7 @@ def test_motions_play_in_order_and_one_may_replace_another():
     assert seen == ["sway", "squat"]  # what waited is forgotten
 
 
-def test_the_player_walks_like_the_walker():
+def test_player_walks_identically_to_the_walker():
     one = robot("simple_humanoid")
     player = MotionPlayer(one)
 
@@ -376,7 +376,7 @@ def test_motions_that_a_robot_cannot_do_are_refused_with_the_bound():
         Wave(walk=np.nan).prepare(robot("talos"))
 
 
-def test_commands_at_the_wrong_moment_are_refused():
+def test_foot_commands_in_the_wrong_stance_are_refused():
     context = MotionPlayer(robot("simple_humanoid")).context
     with pytest.raises(MotionError, match="no foot is lifted"):
         next(context.feet.move_foot())
@@ -407,7 +407,7 @@ class OffsetPlayer(MotionPlayer):
         return replace(promised, com=promised.com + np.array([0.03, 0.0, 0.0]))
 
 
-def test_the_evaluator_compares_references_with_the_truth():
+def test_evaluator_compares_references_with_the_true_state():
     one = robot("simple_humanoid")
     player, evaluator = OffsetPlayer(one), RunEvaluator()
     with Mujoco(one, seed=0) as plant:

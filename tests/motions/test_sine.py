@@ -13,7 +13,7 @@ ROBOTS = ("talos", "g1", "simple_humanoid", "romeo", "icub")
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_the_sine_pattern_finds_its_fifteen_joints(name):
+def test_sine_pattern_finds_its_fifteen_joints(name):
     one = robot(name)
     joints, missing = match_joints(one)
     assert {*joints, *missing} == set(pattern(0.0))
@@ -27,7 +27,7 @@ def test_the_sine_pattern_finds_its_fifteen_joints(name):
         assert sign * data.J[3 + axis, 6 + index] > 0.6
 
 
-def test_the_sine_pattern_is_the_tutorials():
+def test_sine_pattern_equals_that_of_the_tutorial():
     now = pattern(0.5)
     right, left = np.sin(0.5), np.sin(0.5 + np.pi)
     assert now["torso_yaw"] == pytest.approx(0.1 * np.sin(1.0))

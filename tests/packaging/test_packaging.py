@@ -58,7 +58,7 @@ def everything_installed_for(names: set[str]) -> set[str]:
     return seen
 
 
-def test_the_core_asks_for_what_it_says():
+def test_core_and_extras_require_the_stated_packages():
     assert set(CORE) <= requirements()
     assert "mujoco" not in requirements()
     assert "mujoco" in requirements("sim")
@@ -88,7 +88,7 @@ def test_every_package_that_is_imported_is_declared():
         assert brought_by & declared, f"{package} comes with {brought_by}: declare one of them"
 
 
-def test_nothing_under_the_gpl_in_core_or_all():
+def test_no_dependency_of_core_or_all_is_under_the_gpl():
     names = everything_installed_for(requirements("all"))
     assert len(names) > len(CORE)
     assert "quadprog" not in names
@@ -103,14 +103,14 @@ def test_nothing_under_the_gpl_in_core_or_all():
             )
 
 
-def test_our_own_licence_is_apache():
+def test_licence_of_the_project_is_apache():
     assert PROJECT["license"] == "Apache-2.0"
     text = (ROOT / "LICENSE").read_text("utf-8")
     assert "Apache License" in text
     assert "END OF TERMS AND CONDITIONS" in text
 
 
-def test_the_version_is_stated_once_and_the_changelog_begins_with_it_or_what_follows():
+def test_version_is_stated_once_and_the_changelog_begins_with_it_or_unreleased():
     assert "version" in PROJECT["dynamic"]
     changelog = (ROOT / "CHANGELOG.md").read_text("utf-8")
     newest = re.search(r"^## (.+)$", changelog, re.MULTILINE).group(1)
@@ -137,21 +137,21 @@ def loaded(code: str) -> set[str]:
     return set(done.stdout.split())
 
 
-def test_import_brings_no_other_package():
+def test_import_wbc_loads_only_core_packages():
     assert loaded("import wbc") == set()
 
 
-def test_loading_a_robot_brings_no_solver_and_no_controller():
+def test_loading_a_robot_imports_no_solver_and_no_controller():
     assert loaded("import wbc; wbc.load('simple_humanoid')") == set()
 
 
-def test_simulator_comes_without_viewer():
+def test_simulator_imports_no_viewer():
     assert loaded("import wbc; wbc.sim.Mujoco").isdisjoint(
         {"meshcat", "tornado", "wbc.runtime.loop"}
     )
 
 
-def test_every_public_name_is_there():
+def test_every_public_name_can_be_imported():
     for name in wbc.__all__:
         assert getattr(wbc, name) is not None
     assert set(wbc.__all__) <= set(dir(wbc))
@@ -159,7 +159,7 @@ def test_every_public_name_is_there():
         _ = wbc.nosuch
 
 
-def test_every_module_that_the_readme_names_is_there_after_a_bare_import():
+def test_every_module_named_in_the_readme_is_available_after_import_wbc():
     text = (ROOT / "README.md").read_text("utf-8")
     names = {match.split(".")[1] for match in re.findall(r"wbc\.[a-zA-Z]+", text)}
     names -= {"mcap"}  # a file's ending
@@ -182,7 +182,7 @@ def wheel(tmp_path_factory):
     return folder / "installed"
 
 
-def test_the_wheel_brings_the_page_the_licence_and_the_command(wheel):
+def test_wheel_contains_the_page_the_licence_and_the_command(wheel):
     assert list(wheel.glob("wbc/view/page/*.html"))
     assert list(wheel.glob("wbc-*.dist-info/licenses/LICENSE"))
     assert "wbc = wbc.cli:main" in next(wheel.glob("*.dist-info/entry_points.txt")).read_text()

@@ -20,7 +20,7 @@ def test_no_two_classes_share_a_name():
     assert {name: files for name, files in places.items() if len(files) > 1} == {}
 
 
-def test_the_picture_of_the_rooms_shows_the_imports_of_today():
+def test_picture_of_the_rooms_shows_the_present_imports():
     script = ROOT / "docs" / "draw_rooms.py"
     done = subprocess.run([sys.executable, script, "--check"], cwd=ROOT)
     assert done.returncode == 0, "run  python docs/draw_rooms.py"

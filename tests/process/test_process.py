@@ -23,7 +23,7 @@ def write(ring, value):
     ring.publish()
 
 
-def test_a_ring_gives_records_in_order_and_never_half_of_one():
+def test_a_ring_delivers_complete_records_in_order():
     ring = SharedRing(2, capacity=16)
     reader = RingReader(SharedRing(2, capacity=16, descriptor=os.dup(ring.descriptor)), first=0)
     for i in range(5):
@@ -46,7 +46,7 @@ def test_a_ring_drops_the_oldest_for_a_slow_reader_and_counts_them():
     assert reader.lost == 12
 
 
-def test_the_latest_record_of_a_ring_comes_once():
+def test_the_latest_record_of_a_ring_is_returned_once():
     ring = SharedRing(1, capacity=4)
     reader = RingReader(ring)
     assert reader.latest() is None
@@ -81,7 +81,7 @@ def test_a_child_gets_a_descriptor_with_a_message(tmp_path):
 @pytest.mark.parametrize(
     "module", ["view.server", "log.writer", "live.server", "ros.bridge.server"]
 )
-def test_a_child_whose_parent_dies_before_its_order_is_whole_ends_silently(module, said):
+def test_a_child_whose_parent_dies_while_configuring_it_ends_silently(module, said):
     if module.startswith("ros"):
         pytest.importorskip("cyclonedds")
     ours, theirs = socket.socketpair()
@@ -116,7 +116,9 @@ def commands(folder):
     [(signal.SIGKILL, -signal.SIGKILL, True), (signal.SIGINT, 130, False)],
     ids=["killed at its first child", "interrupted at its last"],
 )
-def test_whoever_ends_while_it_starts_leaves_no_child_and_no_traceback(tmp_path, sign, code, early):
+def test_a_parent_that_ends_while_starting_a_child_leaves_no_child_and_no_traceback(
+    tmp_path, sign, code, early
+):
     for package in ("mujoco", "cyclonedds", "mcap"):
         pytest.importorskip(package)
     running = []

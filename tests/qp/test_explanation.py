@@ -50,7 +50,7 @@ def assert_safe(command: wbc.Command, bot: wbc.Robot) -> None:
 
 @pytest.mark.parametrize("formulation", list(wbc.Formulation))
 @pytest.mark.parametrize("solver", ["daqp", "osqp"])
-def test_torques_too_weak_for_an_exact_task_are_named(formulation, solver):
+def test_explanation_names_torque_limits_that_an_exact_task_exceeds(formulation, solver):
     bot = robot("talos")
     limits = [wbc.TorqueLimit(bot)]
     control = controller(bot, "left", formulation=formulation, solver=solver, limits=limits)
@@ -64,7 +64,7 @@ def test_torques_too_weak_for_an_exact_task_are_named(formulation, solver):
     assert_safe(command, bot)
 
 
-def test_two_exact_tasks_that_contradict_each_other_are_both_named():
+def test_explanation_names_both_of_two_contradictory_exact_tasks():
     bot = robot("g1")
     control = controller(bot, "both")
     for name, a in (("up", 1.0), ("down", -1.0)):
@@ -77,7 +77,7 @@ def test_two_exact_tasks_that_contradict_each_other_are_both_named():
     assert_safe(command, bot)
 
 
-def test_a_contact_that_must_push_harder_than_the_joints_allow_is_named():
+def test_explanation_names_a_contact_force_beyond_the_torque_limits():
     bot = robot("simple_humanoid")
     contact = sole_contact(bot, "left")
     contact.min_force = 1e5
@@ -88,7 +88,7 @@ def test_a_contact_that_must_push_harder_than_the_joints_allow_is_named():
     assert_safe(command, bot)
 
 
-def test_bounds_that_cross_are_named():
+def test_explanation_names_bounds_that_exclude_each_other():
     bot = robot("simple_humanoid")
     control = controller(bot, "left exact, right soft")
     control.contacts[1].min_force, control.contacts[1].max_force = 50.0, 20.0
@@ -100,7 +100,7 @@ def test_bounds_that_cross_are_named():
 
 @few
 @given(robots, seeds, st.floats(0.01, 0.3))
-def test_weak_motors_give_a_solution_or_a_named_conflict(name, seed, strength):
+def test_weak_motors_give_a_solution_or_an_explained_conflict(name, seed, strength):
     bot = robot(name)
     control = controller(bot, "left", limits=[wbc.TorqueLimit(bot, scale=strength)])
     heavy = control.add(wbc.ComTask(priority=0, name="hold the trunk up"))
@@ -114,7 +114,7 @@ def test_weak_motors_give_a_solution_or_a_named_conflict(name, seed, strength):
         assert_safe(command, bot)
 
 
-def test_blocks_that_have_no_part_in_the_conflict_are_left_out():
+def test_explanation_omits_rows_that_do_not_conflict():
     bot = robot("talos")
     control = controller(bot, "both")
     control.add(wbc.PositionTask(bot.torso, priority=0, name="bystander"))
@@ -128,7 +128,7 @@ def test_blocks_that_have_no_part_in_the_conflict_are_left_out():
 
 @many
 @given(st.integers(2, 8), st.integers(1, 12), seeds)
-def test_explain_agrees_with_a_linear_program_on_feasibility(n, m, seed):
+def test_explanation_agrees_with_a_linear_program_on_feasibility(n, m, seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, n, m)
     rows = np.vstack((np.eye(problem.bounded, n), problem.C))
@@ -144,7 +144,7 @@ def test_explain_agrees_with_a_linear_program_on_feasibility(n, m, seed):
 
 @many
 @given(st.integers(2, 8), st.integers(2, 12), seeds)
-def test_the_violations_are_a_certificate_of_infeasibility(n, m, seed):
+def test_violations_of_an_infeasible_qp_certify_its_infeasibility(n, m, seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, n, m)
     elastic = ElasticRows(problem)
@@ -173,7 +173,7 @@ def random_problem(rng: np.random.Generator, n: int, m: int) -> Problem:
     )
 
 
-def test_when_the_solver_gives_up_the_torques_fade_and_damp_within_limits():
+def test_failed_solves_give_fading_damping_torques_within_limits():
     bot = robot("talos")
     control = controller(bot, "both")
     state = standing_state(bot, 1, speed=0.3)
@@ -228,7 +228,7 @@ NAN = np.nan
     ],
 )
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_a_task_or_contact_that_turned_nan_gives_a_safe_command_that_names_it(spoil, culprit):
+def test_a_nan_in_a_task_or_contact_gives_a_safe_command_that_names_it(spoil, culprit):
     bot = robot("talos")
     control = controller(bot, "left exact, right soft")
     control.add(wbc.PositionTask(bot.torso, priority=0, name="exact"))
@@ -243,7 +243,7 @@ def test_a_task_or_contact_that_turned_nan_gives_a_safe_command_that_names_it(sp
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-def test_the_controller_recovers_once_a_nan_target_is_mended():
+def test_controller_recovers_once_a_nan_target_is_corrected():
     bot = robot("talos")
     control = controller(bot, "both")
     state = standing_state(bot, 3)
@@ -259,7 +259,7 @@ def test_the_controller_recovers_once_a_nan_target_is_mended():
     ("attribute", "value"),
     [("target", np.zeros(2)), ("velocity", np.zeros((3, 3))), ("acceleration", "fast")],
 )
-def test_an_attribute_of_the_wrong_shape_names_the_task_and_what_was_set(attribute, value):
+def test_an_attribute_of_the_wrong_shape_is_refused_with_task_and_attribute(attribute, value):
     bot = robot("talos")
     control = controller(bot, "both")
     control.step(bot.standing())
@@ -268,7 +268,7 @@ def test_an_attribute_of_the_wrong_shape_names_the_task_and_what_was_set(attribu
         control.step(bot.standing())
 
 
-def test_a_spoilt_contact_attribute_names_the_contact():
+def test_an_invalid_contact_attribute_is_refused_with_the_contacts_name():
     bot = robot("talos")
     control = controller(bot, contact_set(bot, "left"))
     control.contacts[0].damping = "much"

@@ -131,7 +131,7 @@ def random_tasks(bot, rng):
 
 @some
 @given(st.sampled_from(ROBOTS), st.sampled_from(CONTACTS), seeds)
-def test_the_compiled_program_equals_numpys(name, contacts, seed):
+def test_compiled_kernels_equal_their_numpy_counterparts(name, contacts, seed):
     bot, rng = robot(name), np.random.default_rng(seed)
     limits = [wbc.TorqueLimit(bot), wbc.JointPositionLimit(bot), wbc.JointVelocityLimit(bot)]
     limits = [x for x in (*limits, Half(bot)) if rng.random() < 0.8]
@@ -173,7 +173,7 @@ def log3_kernel():
 
 @given(st.floats(0.0, np.pi - 1e-7), seeds)
 @settings(max_examples=200)
-def test_the_kernels_rotation_error_turns_one_rotation_into_the_other(angle, seed):
+def test_rotation_error_of_the_kernel_maps_one_rotation_to_the_other(angle, seed):
     rng = np.random.default_rng(seed)
     axis = rng.normal(size=3)
     S = pin.exp3(rng.normal(size=3))
@@ -236,7 +236,7 @@ def test_the_compiled_solver_meets_the_optimality_conditions(n, rows, tight, see
 
 @some
 @given(st.integers(2, 20), seeds)
-def test_the_compiled_solver_knows_rows_that_cannot_hold_together(n, seed):
+def test_compiled_solver_recognises_infeasible_rows(n, seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, n, 6, n, 0, 0.0)
     solver = make_solver("wbc")
@@ -247,7 +247,7 @@ def test_the_compiled_solver_knows_rows_that_cannot_hold_together(n, seed):
     assert solver.solve(problem).outcome is Outcome.INFEASIBLE
 
 
-def test_without_numba_everything_runs_and_says_what_it_costs():
+def test_without_numba_the_controller_runs_and_warns_of_the_cost():
     code = """
 import sys, warnings
 sys.modules["numba"] = None

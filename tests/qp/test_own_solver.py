@@ -42,7 +42,7 @@ FORMULATIONS = pytest.mark.parametrize("formulation", list(wbc.Formulation))
     ],
     ids=["an array", "read-only", "float32", "strided", "a list"],
 )
-def test_whatever_array_a_solver_returns_is_used(formulation, alter, tolerance):
+def test_solutions_in_any_array_layout_or_precision_are_used(formulation, alter, tolerance):
     bot = robot("talos")
     state = standing_state(bot, 5)
     own = controller(bot, "both", solver=Altered(alter), formulation=formulation).step(state)
@@ -61,7 +61,7 @@ def test_whatever_array_a_solver_returns_is_used(formulation, alter, tolerance):
     ],
     ids=["NaN", "too short", "one number"],
 )
-def test_an_answer_that_is_none_leads_to_safe_torques(formulation, alter, detail):
+def test_an_invalid_solution_of_a_solver_leads_to_safe_torques(formulation, alter, detail):
     bot = robot("talos")
     control = controller(bot, "both", solver=Altered(alter), formulation=formulation)
     command = control.step(standing_state(bot, 5))
@@ -70,7 +70,7 @@ def test_an_answer_that_is_none_leads_to_safe_torques(formulation, alter, detail
     assert np.isfinite(command.tau).all()
 
 
-def test_a_solver_that_finds_nothing_says_why():
+def test_a_solver_that_fails_gives_its_reason():
     class Empty:
         def solve(self, problem):
             return Solution(np.zeros(problem.g.size), Outcome.FAILED, detail="out of iterations")
@@ -82,7 +82,7 @@ def test_a_solver_that_finds_nothing_says_why():
 
 
 @pytest.mark.parametrize("solver", [42, object(), Altered], ids=["number", "object", "class"])
-def test_what_is_no_solver_is_refused_with_the_protocol(solver):
+def test_an_object_that_is_no_solver_is_refused_with_the_protocol(solver):
     with pytest.raises(WbcError, match=r"neither a name nor an object.*solve\(problem\)"):
         wbc.WholeBodyController(robot("talos"), solver=solver)
 

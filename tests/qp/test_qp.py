@@ -126,7 +126,7 @@ def test_a_changed_weight_target_or_friction_counts_from_the_next_tick():
     assert force[2] <= 600.0 + 1e-6
 
 
-def test_priority_and_softness_may_change_between_ticks():
+def test_priority_and_contact_softness_may_change_between_ticks():
     bot = robot("talos")
     state = standing_state(bot, 3)
     control = controller(bot, "both")
@@ -140,7 +140,7 @@ def test_priority_and_softness_may_change_between_ticks():
 
 @few
 @given(robots, seeds)
-def test_saying_the_same_thing_twice_exactly_is_no_conflict_even_far_away(name, seed):
+def test_identical_exact_tasks_do_not_conflict_even_far_from_their_target(name, seed):
     bot = robot(name)
     state = standing_state(bot, seed, speed=0.3)
     state.q[:3] += (300.0, -200.0, 10.0)

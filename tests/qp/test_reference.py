@@ -45,7 +45,7 @@ def faults(kind: str, solver: str | None, formulation: wbc.Formulation | None = 
         for kind in KINDS
     ],
 )
-def test_every_tick_is_the_proved_optimum_or_the_proved_conflict(solver, kind):
+def test_every_tick_finds_the_certified_optimum_or_infeasibility(solver, kind):
     assert faults(kind, solver) == []
 
 
@@ -53,11 +53,11 @@ def test_every_tick_is_the_proved_optimum_or_the_proved_conflict(solver, kind):
     "kind", ["any contacts", "exact tasks", "switching contacts", "own limits and contacts"]
 )
 @pytest.mark.parametrize("formulation", [wbc.Formulation.REDUCED, wbc.Formulation.FULL])
-def test_the_readable_formulations_have_the_same_optimum(kind, formulation):
+def test_reduced_and_full_formulation_find_the_certified_optimum(kind, formulation):
     assert faults(kind, DEFAULT, formulation) == []
 
 
-def test_the_sample_holds_what_it_is_meant_to_hold():
+def test_random_sample_has_enough_problems_of_each_class_and_exact_certificates():
     classes = {kind: [r for c in sample(kind) for r in references(c)] for kind in KINDS}
     counts = {
         c: sum(r.problem_class is c for rs in classes.values() for r in rs) for c in ProblemClass
@@ -76,7 +76,7 @@ def test_the_sample_holds_what_it_is_meant_to_hold():
     assert max(p.violation for p in proofs) < 1e-12
 
 
-def test_without_contacts_the_robot_falls_whatever_came_before():
+def test_without_contacts_the_com_accelerates_with_gravity_after_any_contacts():
     falls = 0
     for case in sample("switching contacts"):
         runner, control = CaseRunner(case), CaseRunner(case).controller()
@@ -94,7 +94,7 @@ def test_without_contacts_the_robot_falls_whatever_came_before():
     assert falls >= 2
 
 
-def test_the_assessment_notices_small_mistakes():
+def test_comparison_detects_small_errors_of_a_command():
     case = next(
         c for c in sample("any contacts") if references(c)[0].problem_class is ProblemClass.SOLVABLE
     )
@@ -110,7 +110,7 @@ def test_the_assessment_notices_small_mistakes():
         assert compare(case, 0, known, other).fault
 
 
-def test_the_assessment_requires_a_conflict_to_be_reported_and_explained():
+def test_comparison_requires_infeasibility_to_be_reported_and_explained():
     case, known = next(
         (c, references(c)[0])
         for c in sample("infeasible")

@@ -71,7 +71,7 @@ def test_daqp_meets_the_optimality_conditions_to_rounding(contacts):
         assert residual < 1e-7 * np.abs(problem.g).max()
 
 
-def test_osqp_keeps_its_workspace_and_comes_close():
+def test_osqp_reuses_its_workspace_within_its_tolerance():
     bot = robot("simple_humanoid")
     ours, osqp = controller(bot, "both"), controller(bot, "both", solver="osqp")
     for seed in range(4):
@@ -86,7 +86,7 @@ def test_osqp_keeps_its_workspace_and_comes_close():
 
 
 @pytest.mark.parametrize("solver", ["daqp", "osqp", *EXACT])
-def test_an_infeasible_problem_is_no_solution_and_the_next_one_is_solved(solver):
+def test_a_solver_reports_an_infeasible_problem_and_solves_the_next(solver):
     if solver not in ("daqp", "osqp", *installed()):
         pytest.skip(f"{solver} is not installed")
     chosen = make_solver(solver)
@@ -98,7 +98,7 @@ def test_an_infeasible_problem_is_no_solution_and_the_next_one_is_solved(solver)
     np.testing.assert_allclose(chosen.solve(good).x, [1.0, 2.0], atol=1e-5)
 
 
-def test_bounds_that_meet_for_a_while_do_not_stick():
+def test_bounds_that_coincide_for_some_ticks_become_inequalities_again():
     """DAQP marks a row whose bounds are equal as an equality; it must forget that."""
     chosen = make_solver("daqp")
     for lb, ub, x in (([-9, -9], [9, 9], 5.0), ([1, -9], [1, 9], 1.0), ([-9, -9], [9, 9], 5.0)):
@@ -107,7 +107,7 @@ def test_bounds_that_meet_for_a_while_do_not_stick():
 
 
 @pytest.mark.parametrize("scale", [1e-8, 1.0, 1e8])
-def test_daqp_does_not_mind_the_scale_of_the_cost(scale):
+def test_daqp_solution_does_not_depend_on_the_scale_of_the_cost(scale):
     """Its tolerances are absolute: heavy tasks must not make it overlook a light row."""
     problem = little_problem(lb=[-np.inf, -np.inf, -1.0], ub=[np.inf, np.inf, 1.0])
     problem.C *= 1e-3
@@ -118,7 +118,7 @@ def test_daqp_does_not_mind_the_scale_of_the_cost(scale):
     np.testing.assert_allclose(make_solver("daqp").solve(problem).x, [0.5, 0.5], atol=1e-6)
 
 
-def test_a_singular_cost_is_no_reason_to_give_up():
+def test_daqp_solves_a_problem_with_a_singular_cost():
     problem = little_problem(lb=[-1.0, -1.0, -np.inf], ub=[1.0, 1.0, np.inf])
     problem.H[1, 1] = 0.0
     solution = make_solver("daqp").solve(problem)
@@ -146,13 +146,13 @@ def test_an_unknown_solver_is_refused_with_near_names():
         wbc.WholeBodyController(robot("talos"), solver="dapq")
 
 
-def test_osqp_missing_says_how_to_get_it(monkeypatch):
+def test_missing_osqp_is_an_error_with_its_pip_command(monkeypatch):
     monkeypatch.setitem(sys.modules, "osqp", None)
     with pytest.raises(SolverNotFound, match=r"'osqp' needs 'osqp'.*pip install osqp"):
         make_solver("osqp")
 
 
-def test_a_problem_on_which_daqp_goes_round_in_circles_is_solved():
+def test_a_problem_on_which_daqp_cycles_is_solved():
     # Recorded from G1 walking sideways, at the end of a weight transfer: the leaving foot may
     # bear 1 N at the most, and its cone's rows all but coincide.
     stored = np.load(Path(__file__).parents[1] / "data" / "cycling_qp.npz")

@@ -24,23 +24,21 @@ def turned(robot: wbc.Robot, rotation: np.ndarray) -> wbc.State:
 
 
 @given(st.sampled_from(ROBOTS), st.lists(angles, min_size=3, max_size=3))
-def test_attitude_is_the_turn_away_from_standing(robot: wbc.Robot, rpy: list[float]) -> None:
+def test_attitude_is_the_rotation_relative_to_standing(robot: wbc.Robot, rpy: list[float]) -> None:
     rotation = pin.rpy.rpyToMatrix(*rpy)
     found = pin.Quaternion(np.array(attitude(robot, turned(robot, rotation)))).matrix()
     assert found == pytest.approx(rotation, abs=1e-9)
 
 
 @given(st.sampled_from(ROBOTS), angles)
-def test_heading_counts_from_where_the_robot_looks_when_standing(
-    robot: wbc.Robot, yaw: float
-) -> None:
+def test_heading_is_zero_in_the_standing_posture(robot: wbc.Robot, yaw: float) -> None:
     state = turned(robot, pin.utils.rotate("z", yaw))
     assert heading(robot, state) == pytest.approx(yaw, abs=1e-9)
     assert fall_reason(robot, state) == ""
 
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=lambda r: r.name)
-def test_fall_is_told_by_tilt_and_by_height(robot: wbc.Robot) -> None:
+def test_fall_is_detected_by_tilt_and_by_height(robot: wbc.Robot) -> None:
     assert "tilted by 60°" in fall_reason(robot, turned(robot, pin.utils.rotate("x", np.pi / 3)))
     assert "tilted by 90°" in fall_reason(robot, turned(robot, pin.utils.rotate("y", -np.pi / 2)))
     low = robot.standing()

@@ -19,7 +19,7 @@ def test_a_sound_robot_has_no_findings():
     assert check(SIMPLE) == []
 
 
-def test_the_chapters_minimal_robot_is_diagnosed():
+def test_minimal_tutorial_robot_gets_its_findings():
     findings = check(CHAPTER)
     assert codes(findings) == {
         ("singular-mass-matrix", "right_thigh"),
@@ -117,7 +117,9 @@ DEFECTS = [  # code, subject, severity, replacements
 
 
 @pytest.mark.parametrize(("code", "subject", "severity", "replacements"), DEFECTS)
-def test_a_defect_is_found_and_named(tmp_path, code, subject, severity, replacements):
+def test_each_defect_gives_its_finding_with_the_subject(
+    tmp_path, code, subject, severity, replacements
+):
     findings = check(changed(tmp_path, *replacements))
     found = [f for f in findings if (f.code, f.subject) == (code, subject)]
     assert len(found) == 1, codes(findings)
@@ -128,7 +130,7 @@ def test_a_defect_is_found_and_named(tmp_path, code, subject, severity, replacem
 
 
 @pytest.mark.parametrize(("code", "subject", "severity", "replacements"), DEFECTS)
-def test_an_error_of_the_doctor_is_what_load_refuses(
+def test_load_refuses_what_the_doctor_reports_as_an_error(
     tmp_path, code, subject, severity, replacements
 ):
     """With errors there is no robot; without any there is one, and it is finite."""
@@ -176,7 +178,7 @@ def test_all_defects_of_a_file_are_found_at_once_and_the_worst_comes_first(tmp_p
     assert ranks == sorted(ranks)
 
 
-def test_a_package_that_resolves_nowhere_is_one_finding_and_can_be_told(tmp_path):
+def test_an_unresolved_package_is_one_finding_and_can_be_given(tmp_path):
     mesh = '<mesh filename="package://lost/{}.stl"/>'
     path = changed(
         tmp_path,
@@ -194,13 +196,13 @@ def test_a_package_that_resolves_nowhere_is_one_finding_and_can_be_told(tmp_path
     assert {code for code, _ in codes(found)} == {"empty-mesh"}
 
 
-def test_feet_that_are_stated_wrong_are_found():
+def test_wrongly_stated_feet_are_findings():
     (finding,) = check(SIMPLE, left_foot="left_fot", right_foot="right_foot")
     assert finding.code == "feet-not-found"
     assert "'left_foot'" in finding.cure
 
 
-def test_a_foot_that_cannot_be_made_flat_is_found(tmp_path):
+def test_a_foot_that_cannot_be_made_flat_is_a_finding(tmp_path):
     """Without ankles a foot whose sole is cut at an angle stays at that angle."""
     old = '<collision><origin xyz="0.04 0 -0.06"/>'
     new = '<collision><origin xyz="0.04 0 -0.06" rpy="0.2 0 0"/>'
@@ -213,23 +215,23 @@ def test_a_foot_that_cannot_be_made_flat_is_found(tmp_path):
     assert "sole-not-flat" not in {code for code, _ in codes(check(path, **FEET))}
 
 
-def test_a_stretched_leg_is_rank_deficient():
+def test_a_stretched_leg_is_a_finding():
     straight = {"left_knee": 0.0, "right_knee": 0.0}
     robot = wbc.robot.load("simple_humanoid", nominal_posture=straight)
     assert ("rank-deficient-leg", "left_foot") in codes(robot.check())
 
 
-def test_a_posture_beyond_a_limit_is_found():
+def test_a_posture_beyond_a_limit_is_a_finding():
     robot = wbc.robot.load("simple_humanoid", nominal_posture={"left_elbow": -0.4})
     assert ("posture-beyond-limit", "left_elbow") in codes(robot.check())
 
 
-def test_exchanged_feet_are_found():
+def test_exchanged_feet_are_a_finding():
     robot = wbc.robot.load(SIMPLE, left_foot="right_foot", right_foot="left_foot")
     assert ("backward-base", "base_link") in codes(robot.check())
 
 
-def test_point_feet_are_found():
+def test_point_feet_are_a_finding():
     robot = wbc.robot.load("bolt", left_foot="FL_FOOT", right_foot="FR_FOOT")
     found = codes(robot.check())
     assert {("point-foot", "FL_FOOT"), ("point-foot", "FR_FOOT")} <= found
@@ -238,7 +240,7 @@ def test_point_feet_are_found():
     assert "rank-deficient-leg" not in {code for code, _ in found}
 
 
-def test_what_a_data_file_states_is_not_complained_about(tmp_path):
+def test_values_stated_in_a_data_file_give_no_findings(tmp_path):
     changed(tmp_path, ('effort="10"', 'effort="0"'), name="r.urdf")
     data = tmp_path / "r.toml"
     data.write_text('urdf = "r.urdf"\n[effort_limits]\nneck = 9\n')
@@ -250,7 +252,7 @@ def test_the_projects_robots_have_no_errors(name):
     assert {finding.severity for finding in wbc.robot.load(name).check()} <= {"warning", "note"}
 
 
-def test_icubs_known_defects_are_found():
+def test_known_defects_of_icub_are_findings():
     found = codes(wbc.robot.load("icub").check())
     assert ("backward-base", "base_link") in found
     assert len([subject for code, subject in found if code == "non-physical-inertia"]) >= 7
@@ -264,7 +266,7 @@ def test_a_finding_prints_as_one_line_with_its_cure():
         assert finding.cure in text
 
 
-def test_a_sole_that_is_wider_than_long_is_found():
+def test_a_sole_wider_than_long_is_a_finding():
     """The meshes of iCub are turned unless their up axis is respected."""
     found = codes(wbc.robot.load("icub_reduced").check())
     assert {("wide-sole", "l_sole"), ("wide-sole", "r_sole")} <= found
@@ -272,7 +274,7 @@ def test_a_sole_that_is_wider_than_long_is_found():
 
 
 @pytest.mark.parametrize("name", ["g1", "simple_humanoid", "alexander_v1.lowerBodyOnly"])
-def test_what_is_called_sound_can_stand(name):
+def test_a_robot_without_findings_stands_with_feasible_torques(name):
     robot = wbc.robot.load(name)
     assert robot.check() == []
     assert {fact.name for fact in robot.facts} >= {"left sole", "right sole", "nominal posture"}

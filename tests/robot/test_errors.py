@@ -26,7 +26,7 @@ def test_an_error_is_the_same_in_another_process(error):
     assert isinstance(again, errors.WbcError)
 
 
-def test_names_that_do_not_exist_come_with_similar_ones():
+def test_unknown_names_are_refused_with_similar_ones():
     assert "did you mean 'left_knee'" in str(ALL[0])
     assert str(ALL[0]).startswith("Robot.frame_id: the model has no frame 'left_kne'")
     assert "'left_elbow'" in str(ALL[1])

@@ -21,7 +21,7 @@ def without_velocity_limit(folder):
     return changed(folder, ('velocity="8"', 'velocity="0"'))
 
 
-def test_copies_are_the_robot_itself():
+def test_copy_of_a_robot_returns_the_same_object():
     robot = wbc.robot.load("simple_humanoid")
     assert copy.copy(robot) is robot
     assert copy.deepcopy(robot) is robot

@@ -78,12 +78,12 @@ def test_a_data_file_of_the_users_own_loads(tmp_path):
         ("urdf = 'gone.urdf'", "cannot read .*gone.urdf"),
     ],
 )
-def test_a_wrong_data_file_is_named(tmp_path, text, complaint):
+def test_an_invalid_data_file_is_refused_with_the_key(tmp_path, text, complaint):
     with pytest.raises(RobotDescriptionError, match=complaint):
         wbc.robot.load(write(tmp_path, text))
 
 
-def test_what_the_caller_states_goes_before_the_data_file():
+def test_arguments_of_load_override_the_data_file():
     robot = wbc.robot.load("simple_humanoid", name="other", torso="head", armature=0.3, imu="torso")
     assert (robot.name, robot.torso, robot.imu) == ("other", "head", "torso")
     assert (robot.model.armature[6:] == 0.3).all()
@@ -134,7 +134,7 @@ def test_an_srdf_gives_the_posture(tmp_path):
         wbc.robot.load(text, **FEET)
 
 
-def test_a_toppling_posture_is_brought_back_and_said_to_be(tmp_path):
+def test_a_posture_with_the_com_off_the_soles_is_corrected_with_a_finding(tmp_path):
     """Ankles bent alone lean the robot far forward of its feet."""
     lean = {"left_ankle_pitch": -0.3, "right_ankle_pitch": -0.3}
     robot = wbc.robot.load("simple_humanoid", nominal_posture=lean)
@@ -143,7 +143,7 @@ def test_a_toppling_posture_is_brought_back_and_said_to_be(tmp_path):
     assert "unbalanced-posture" not in {finding.code for finding in robot.check()}
 
 
-def test_addresses_resolve_through_packages_files_and_neighbours(tmp_path):
+def test_mesh_addresses_resolve_through_packages_files_and_neighbours(tmp_path):
     package = tmp_path / "ws" / "my_robot"
     (package / "meshes").mkdir(parents=True)
     (package / "urdf").mkdir()
@@ -197,7 +197,7 @@ def test_a_continuous_joint_has_one_coordinate_and_no_limits(tmp_path):
     assert np.isfinite(robot.q_nominal).all()
 
 
-def test_a_base_bolted_to_the_world_floats(tmp_path):
+def test_a_base_fixed_to_the_world_becomes_floating(tmp_path):
     anchor = (
         '<link name="world"/><joint name="bolt" type="{}"><parent link="world"/>'
         '<child link="base_link"/><origin xyz="0 0 3"/></joint></robot>'
@@ -272,7 +272,7 @@ def test_a_wheel_installed_elsewhere_finds_its_robots(tmp_path):
     assert done.stdout.splitlines()[1].split()[1] == "32"
 
 
-def test_a_robot_is_called_as_its_urdf_its_data_file_or_the_caller_says(tmp_path):
+def test_robot_name_comes_from_the_caller_the_data_file_or_the_urdf(tmp_path):
     urdf = changed(tmp_path, ('<robot name="simple_humanoid"', '<robot name="Walter"'))
     assert wbc.robot.load(urdf, **FEET).name == "Walter"
     assert wbc.robot.load(urdf, **FEET, name="Wanda").name == "Wanda"
@@ -285,7 +285,7 @@ def test_a_robot_is_called_as_its_urdf_its_data_file_or_the_caller_says(tmp_path
     assert wbc.robot.load(nameless, **FEET).name == "plain"
 
 
-def test_what_is_stated_about_a_joint_that_is_fixed_does_not_matter():
+def test_values_stated_for_a_fixed_joint_are_ignored():
     robot = wbc.robot.load(
         "simple_humanoid", fixed_joints=["*_elbow"], armature={"left_elbow": 0.1}
     )

@@ -20,7 +20,7 @@ else:
 PAGE = (ROBOTS.parent / "docs" / "robots.md").read_text()
 
 
-def test_the_page_lists_exactly_the_keys_of_a_data_file():
+def test_data_file_page_lists_exactly_the_keys():
     documented = re.findall(r"^\| `(\w+)` \|", PAGE, flags=re.MULTILINE)
     assert sorted(documented) == sorted(KEYS)
 
@@ -33,11 +33,11 @@ def test_load_takes_every_key_but_the_urdf_and_its_docstring_explains_each():
 
 
 @pytest.mark.parametrize("block", re.findall(r"```toml\n(.*?)```", PAGE, flags=re.DOTALL))
-def test_every_example_of_the_page_is_accepted(block):
+def test_every_example_of_the_data_file_page_loads(block):
     check_values(tomllib.loads(block), "docs/robots.md")
 
 
-def test_the_examples_of_the_page_use_every_key():
+def test_examples_of_the_data_file_page_use_every_key():
     blocks = "".join(re.findall(r"```toml\n(.*?)```", PAGE, flags=re.DOTALL))
     used = set(re.findall(r"^\[?(\w+)", blocks, flags=re.MULTILINE))
     assert set(KEYS) - {"name"} <= used

@@ -27,7 +27,7 @@ def test_missing_file_is_not_found():
         wbc.robot.load("/nowhere.urdf")
 
 
-def test_a_folder_is_no_robot(tmp_path):
+def test_a_folder_as_robot_file_is_refused(tmp_path):
     with pytest.raises(RobotDescriptionError, match="folder"):
         wbc.robot.load(tmp_path)
 
@@ -57,7 +57,7 @@ def test_a_malformed_file_names_its_line(tmp_path, content, complaint):
     assert "bad.urdf" in str(caught.value)
 
 
-def test_latin_1_bytes_are_a_malformed_file(tmp_path):
+def test_a_latin_1_file_is_refused_as_malformed(tmp_path):
     path = tmp_path / "latin.urdf"
     path.write_bytes("<robot name='é'/>".encode("latin-1"))
     with pytest.raises(RobotDescriptionError, match="malformed"):
@@ -81,12 +81,12 @@ def test_latin_1_bytes_are_a_malformed_file(tmp_path):
         ('"neck" type="revolute"', '"neck" type="floating"', "only the base may float"),
     ],
 )
-def test_a_wrong_element_is_named(tmp_path, old, new, complaint):
+def test_an_invalid_urdf_element_is_refused_by_name(tmp_path, old, new, complaint):
     with pytest.raises(RobotDescriptionError, match=complaint):
         load(changed(tmp_path, (old, new)))
 
 
-def test_a_link_on_no_joint_is_named(tmp_path):
+def test_an_unconnected_link_is_refused_by_name(tmp_path):
     path = changed(tmp_path, (element("joint", "neck"), ""))
     with pytest.raises(RobotDescriptionError, match=r"'head' are no joint's child"):
         load(path)
@@ -116,19 +116,19 @@ def test_a_loop_apart_from_the_base_is_refused(tmp_path):
         load(path)
 
 
-def test_massless_ends_make_no_nan_but_an_error_that_names_the_link(tmp_path):
+def test_massless_end_links_are_refused_by_name(tmp_path):
     path = changed(tmp_path, (inertial("head"), ""))
     with pytest.raises(RobotDescriptionError, match=r"'neck' \(moves link 'head'\).*<inertial>"):
         load(path)
     assert load(path, fixed_joints=["neck"]).na == 19
 
 
-def test_a_massless_base_below_a_heavy_torso_is_no_mistake(tmp_path):
+def test_a_massless_base_below_a_heavy_torso_is_accepted(tmp_path):
     robot = load(changed(tmp_path, (inertial("base_link"), "")))
     assert robot.mass == pytest.approx(54.6 - 7, abs=1e-3)
 
 
-def test_the_chapters_minimal_robot_is_refused_by_name():
+def test_minimal_tutorial_robot_is_refused_with_the_massless_link():
     with pytest.raises(RobotDescriptionError, match="'right_thigh'"):
         wbc.robot.load(CHAPTER)
 
@@ -161,12 +161,12 @@ def test_the_chapters_minimal_robot_is_refused_by_name():
         ({"respect_up_axis": "yes"}, "true or false"),
     ],
 )
-def test_a_wrong_statement_is_named(stated, complaint):
+def test_an_invalid_argument_of_load_is_refused_by_name(stated, complaint):
     with pytest.raises(RobotDescriptionError, match=complaint):
         wbc.robot.load("simple_humanoid", **stated)
 
 
-def test_feet_that_nobody_names_are_asked_for():
+def test_a_robot_without_recognised_feet_asks_for_their_names():
     with pytest.raises(RobotDescriptionError, match="state both, left_foot=… and right_foot=…"):
         wbc.robot.load("solo12")
     with pytest.raises(RobotDescriptionError, match="right_foot is not; state both"):
@@ -216,7 +216,7 @@ def wheel(side: str) -> str:
     )
 
 
-def test_wheels_for_feet_are_refused_by_name_with_the_cure(tmp_path):
+def test_wheels_as_feet_are_refused_by_name_with_the_cure(tmp_path):
     path = changed(tmp_path, ("</robot>", wheel("left") + wheel("right") + "</robot>"))
     feet = {"left_foot": "left_wheel", "right_foot": "right_wheel"}
     text = r"the foot 'left_wheel' is a wheel.*'left_axle'.*fixed_joints=\['left_axle'\]"
@@ -230,7 +230,7 @@ def test_wheels_for_feet_are_refused_by_name_with_the_cure(tmp_path):
     assert wbc.robot.load(path, **FEET).soles[0].link == "left_foot"
 
 
-def test_legs_without_a_knee_load_and_the_doctor_and_the_walker_say_so():
+def test_legs_without_a_knee_load_with_a_finding_and_a_walker_error():
     fixed = ("*_knee", "*_ankle_pitch")
     robot = wbc.robot.load("simple_humanoid", fixed_joints=fixed)
     assert ("no-knee", "left_foot") in codes(robot.check())

@@ -39,7 +39,7 @@ def robot(request):
     return wbc.robot.load(request.param, **HUMANOIDS[request.param])
 
 
-def test_it_stands_on_level_soles(robot):
+def test_example_robot_stands_on_level_soles(robot):
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.q_nominal)
     for sole in robot.soles:
@@ -51,7 +51,7 @@ def test_it_stands_on_level_soles(robot):
     assert robot.com_height > 0.15
 
 
-def test_its_dynamics_are_finite_and_invertible(robot):
+def test_example_robot_has_finite_invertible_dynamics(robot):
     model, data = robot.model, robot.model.createData()
     M = pin.crba(model, data, robot.q_nominal)
     M = np.triu(M) + np.triu(M, 1).T
@@ -60,7 +60,7 @@ def test_its_dynamics_are_finite_and_invertible(robot):
     assert np.isfinite(acceleration).all()
 
 
-def test_every_body_is_physical(robot):
+def test_example_robot_has_physical_inertias(robot):
     for body in list(robot.model.inertias)[1:]:
         assert body.mass > 0
         moments = np.linalg.eigvalsh(body.inertia)
@@ -68,12 +68,12 @@ def test_every_body_is_physical(robot):
         assert moments[2] <= (moments[0] + moments[1]) * (1 + 1e-5)
 
 
-def test_every_joint_has_one_coordinate(robot):
+def test_example_robot_has_one_coordinate_per_joint(robot):
     assert robot.nq - 7 == robot.nv - 6 == robot.na == len(robot.joint_names)
     assert not np.isnan(robot.q_nominal).any()
 
 
-def test_the_guess_of_feet_is_said_to_be_one():
+def test_guessed_feet_are_derived_facts():
     facts = {fact.name: fact for fact in wbc.robot.load("icub_reduced").facts}
     assert facts["left foot"].value == "l_sole"
     assert facts["left foot"].origin == "derived"

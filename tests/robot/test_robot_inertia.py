@@ -54,16 +54,16 @@ def test_repair_does_not_depend_on_the_axes(moments, angles):
     ("mass", "moments"),
     [(1, (0.1, 0.1, 0.3)), (1, (-0.1, 0.1, 0.1)), (0, (0.1, 0.1, 0.1)), (-1, (0.1, 0.1, 0.1))],
 )
-def test_what_no_body_can_have_is_refused(mass, moments):
+def test_inertia_that_no_body_can_have_is_refused(mass, moments):
     assert not is_physical(mass, np.diag(moments))
 
 
-def test_nan_is_not_physical():
+def test_inertia_with_nan_is_not_physical():
     assert not is_physical(1.0, np.full((3, 3), np.nan))
     assert not is_physical(np.nan, np.eye(3))
 
 
-def test_the_model_is_repaired_for_both_engines_and_says_so(tmp_path):
+def test_model_inertias_are_repaired_for_pinocchio_and_mujoco_with_a_finding(tmp_path):
     wrong = inertial("head").replace('ixx="0.015488"', 'ixx="0.9"')
     path = changed(tmp_path, (inertial("head"), wrong))
     robot = wbc.robot.load(path, **FEET)
@@ -73,7 +73,7 @@ def test_the_model_is_repaired_for_both_engines_and_says_so(tmp_path):
     assert robot.mass == pytest.approx(54.6)
 
 
-def test_sound_robots_are_left_as_they_are():
+def test_physical_inertias_are_not_changed():
     assert not wbc.robot.load("talos").findings
     assert not wbc.robot.load("g1").findings
     # Two of Romeo's arm bodies break the triangle inequality.

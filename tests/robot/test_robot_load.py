@@ -56,7 +56,7 @@ def test_standing_has_flat_soles_on_the_ground_around_the_origin_facing_x(robot)
     assert not state.v.any()
 
 
-def test_standing_is_a_fresh_state_each_time(robot):
+def test_standing_returns_a_new_state_each_time(robot):
     state = robot.standing()
     state.q[0] = 7.0
     assert robot.standing().q[0] != 7.0
@@ -92,7 +92,7 @@ def test_mass_matrix_is_positive_definite_without_armature(robot):
     assert np.linalg.eigvalsh(M)[0] > 1e-6
 
 
-def test_the_model_is_what_pinocchio_reads_itself(robot):
+def test_model_equals_pinocchios_own(robot):
     """Cleaning the document changes nothing that a sound file says."""
     model = robot.model
     plain = pin.buildModelFromUrdf(str(robot.urdf_path), pin.JointModelFreeFlyer())
@@ -110,7 +110,7 @@ def test_the_model_is_what_pinocchio_reads_itself(robot):
     np.testing.assert_allclose(model.velocityLimit, plain.velocityLimit)
 
 
-def test_the_shapes_are_what_pinocchio_reads_itself():
+def test_shapes_equal_pinocchios_own():
     robot = wbc.robot.load("simple_humanoid")
     plain = pin.buildGeomFromUrdf(robot.model, str(robot.urdf_path), pin.VISUAL)
     ours = robot.visual_model.geometryObjects
@@ -166,7 +166,7 @@ def test_soles_are_operational_frames_on_the_feet(robot):
         assert robot.model.existBodyName(sole.link)
 
 
-def test_names_lead_to_indices_and_wrong_ones_to_near_names(robot):
+def test_names_give_indices_and_unknown_ones_similar_names(robot):
     for i, name in enumerate(robot.joint_names):
         assert robot.joint_index(name) == i
         assert robot.model.joints[robot.model.getJointId(name)].idx_v == i + 6
@@ -180,7 +180,7 @@ def test_names_lead_to_indices_and_wrong_ones_to_near_names(robot):
         robot.sole("middle_sole")
 
 
-def test_facts_say_what_was_stated_and_what_derived(robot):
+def test_facts_distinguish_stated_and_derived_values(robot):
     facts = {fact.name: fact for fact in robot.facts}
     assert facts["left foot"].origin == "stated"
     assert facts["left sole"].origin == "derived"
@@ -189,7 +189,7 @@ def test_facts_say_what_was_stated_and_what_derived(robot):
     assert "mm from the soles' midpoint" in facts["nominal posture"].value
 
 
-def test_loading_is_quick_because_meshes_wait():
+def test_loading_a_robot_reads_no_meshes():
     wbc.robot.load("talos")
     begin = time.thread_time()
     robot = wbc.robot.load("talos")
@@ -200,7 +200,7 @@ def test_loading_is_quick_because_meshes_wait():
     assert loaded - begin < 0.5 * (time.thread_time() - loaded)
 
 
-def test_two_loads_share_nothing():
+def test_two_loaded_robots_share_no_data():
     one, other = wbc.robot.load("simple_humanoid"), wbc.robot.load("simple_humanoid")
     mass = other.model.inertias[1].mass
     one.model.inertias[1] = pin.Inertia.Random()

@@ -46,7 +46,7 @@ def test_a_posture_that_states_no_leg_joint_stands_on_bent_knees():
     assert stands(robot)
 
 
-def test_a_posture_that_states_every_leg_joint_but_not_flat_is_corrected_and_says_so():
+def test_a_full_leg_posture_without_flat_soles_is_corrected_with_a_finding():
     stated = {
         f"{side}_{joint}": value
         for side in ("left", "right")

@@ -45,7 +45,7 @@ def placements(robot, **joints):
     return {frame.name: data.oMf[i] for i, frame in enumerate(robot.model.frames)}
 
 
-def test_it_has_the_chapters_joints_and_links(robot):
+def test_simple_humanoid_has_the_tutorials_joints_and_links(robot):
     assert len(CHAPTER) == 15
     assert set(robot.joint_names) == CHAPTER | ADDED
     assert set(read_urdf(SIMPLE).links) >= LINKS
@@ -81,7 +81,7 @@ def volume(shape):
     return np.pi * radius**2 * floats(shape, "length", (0,))[0]
 
 
-def test_each_inertia_is_that_of_its_shape_as_a_solid():
+def test_each_inertia_of_simple_humanoid_is_that_of_its_solid_shape():
     for name, link in read_urdf(SIMPLE).links.items():
         inertia, shape = link.find("inertial/inertia"), link.find("collision/geometry")[0]
         mass = floats(link.find("inertial/mass"), "value", (0,))[0]
@@ -94,7 +94,7 @@ def test_each_inertia_is_that_of_its_shape_as_a_solid():
         assert 400 < mass / volume(shape) < 4000, name
 
 
-def test_its_proportions_are_a_humans(robot):
+def test_simple_humanoid_has_human_proportions(robot):
     frames = placements(robot)
     sole = frames["left_sole"].translation[2]
     height = frames["head"].translation[2] + 0.13 + 0.11 - sole
@@ -131,7 +131,7 @@ def test_left_and_right_mirror_each_other(robot):
             assert robot.q_max[left] == robot.q_max[right]
 
 
-def test_it_can_wave_above_its_shoulders(robot):
+def test_simple_humanoid_reaches_above_its_shoulders(robot):
     frames = placements(
         robot, right_shoulder_pitch=-1.57, right_shoulder_roll=-1.57, right_elbow=1.57
     )
@@ -143,7 +143,7 @@ def test_it_can_wave_above_its_shoulders(robot):
         assert robot.q_min[i] < value < robot.q_max[i]
 
 
-def test_it_can_squat_to_half_its_leg(robot):
+def test_simple_humanoid_squats_to_half_its_leg_length(robot):
     frames = placements(robot, left_hip_pitch=-1.25, left_knee=2.2, left_ankle_pitch=-0.95)
     high = placements(robot)
     drop = (high["left_thigh"].translation - high["left_foot"].translation)[2] - (
@@ -152,7 +152,7 @@ def test_it_can_squat_to_half_its_leg(robot):
     assert drop > 0.35
 
 
-def test_efforts_are_a_humans(robot):
+def test_simple_humanoid_has_human_torque_limits(robot):
     effort = dict(zip(robot.joint_names, robot.tau_max, strict=True))
     assert 150 <= effort["left_knee"] <= 250
     assert 100 <= effort["left_ankle_pitch"] <= 180
@@ -161,5 +161,5 @@ def test_efforts_are_a_humans(robot):
     assert ((robot.v_max >= 6) & (robot.v_max <= 12)).all()
 
 
-def test_the_doctor_finds_nothing(robot):
+def test_simple_humanoid_has_no_findings(robot):
     assert robot.check() == []

@@ -64,7 +64,7 @@ def test_a_foot_that_stands_tilted_snaps_to_its_own_flat_side(lean):
     assert fit.half_length == pytest.approx(0.1, abs=1e-6)
 
 
-def test_spheres_touch_below_their_centres():
+def test_sole_of_sphere_feet_lies_below_the_centres():
     centres = np.array([[0.1, 0.03, 0], [0.1, -0.03, 0], [-0.1, 0.03, 0], [-0.1, -0.03, 0.0]])
     fit = fit_sole(
         FootSurface(centres, np.full(4, 0.005), "collision"),
@@ -134,7 +134,7 @@ def test_soles_are_found_under_feet_that_are_far_from_level_in_the_zero_position
         assert theirs.half_length == pytest.approx(ours.half_length, abs=1e-9)
 
 
-def test_a_link_that_is_called_like_a_sole_keeps_its_name(tmp_path):
+def test_a_link_named_like_a_sole_keeps_its_name(tmp_path):
     link = (
         '<link name="left_sole"/><joint name="left_sole_fixed" type="fixed">'
         '<parent link="left_foot"/><child link="left_sole"/><origin xyz="0 0 -0.08"/></joint>'

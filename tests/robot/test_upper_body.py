@@ -31,7 +31,7 @@ def test_arms_are_found_on_both_sides_and_end_in_hands(name):
         assert np.linalg.norm(place - shoulder) <= arm.length + 1e-9
 
 
-def test_head_and_waist_are_what_the_models_have():
+def test_head_and_waist_joints_are_found_in_the_models():
     talos, g1, own = (UpperBody.of(robot(n)) for n in ("talos", "g1", "simple_humanoid"))
     assert [robot("talos").joint_names[j] for j in talos.head.joints] == [
         "head_1_joint",
@@ -50,7 +50,7 @@ def test_head_and_waist_are_what_the_models_have():
     assert g1.hips_share(np.array([0.0, 0.4, 0.0])) == pytest.approx([0.0, 0.2, 0.0])
 
 
-def test_a_missing_arm_is_said():
+def test_a_missing_arm_is_an_error_that_names_it():
     upper_body = UpperBody.of(robot("talos"))
     lame = UpperBody(upper_body.robot, upper_body.arms[:1], None, (), np.zeros((3, 2)))
     with pytest.raises(MotionError, match=r"no right arm \(it has: left\)"):

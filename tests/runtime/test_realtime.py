@@ -83,7 +83,7 @@ def run(robot: wbc.Robot, **options: object) -> tuple[wbc.Report, Still]:
     return wbc.run(still, still, 0.02, estimator=estimator, **options), still
 
 
-def test_everything_is_given_back_after_a_run(robot):
+def test_system_settings_are_restored_after_a_run(robot):
     before = system_state()
     _, still = run(robot, real_time=True)
     assert still.seen is not None
@@ -93,7 +93,7 @@ def test_everything_is_given_back_after_a_run(robot):
     assert system_state() == before
 
 
-def test_everything_is_given_back_after_an_error_in_mid_tick(robot):
+def test_system_settings_are_restored_after_an_error_in_mid_tick(robot):
     before = system_state()
 
     def trip(_: float) -> None:
@@ -104,7 +104,7 @@ def test_everything_is_given_back_after_an_error_in_mid_tick(robot):
     assert system_state() == before
 
 
-def test_run_that_does_not_wait_asks_for_nothing_but_quiet(robot, capsys):
+def test_run_not_in_real_time_only_pauses_garbage_collection(robot, capsys):
     before = system_state()
     report, still = run(robot)
     assert {k for k in before if still.seen[k] != before[k]} == {"collector"}
@@ -112,7 +112,7 @@ def test_run_that_does_not_wait_asks_for_nothing_but_quiet(robot, capsys):
     assert capsys.readouterr().err == ""
 
 
-def test_conditions_are_told_before_the_first_tick_and_in_the_report(robot):
+def test_loop_conditions_are_reported_before_the_first_tick_and_in_the_report(robot):
     told: list[tuple[LoopConditions, float]] = []
     still = Still(robot)
     report = wbc.run(
@@ -130,7 +130,7 @@ def test_conditions_are_told_before_the_first_tick_and_in_the_report(robot):
     assert len(conditions.granted) + len(conditions.refused) == len(conditions.requests)
 
 
-def test_conditions_go_to_standard_error_when_nobody_else_is_told(robot, capsys):
+def test_loop_conditions_are_printed_to_standard_error_by_default(robot, capsys):
     report, _ = run(robot, real_time=True)
     shown = capsys.readouterr()
     assert shown.err == report.loop_conditions + "\n"
@@ -138,7 +138,7 @@ def test_conditions_go_to_standard_error_when_nobody_else_is_told(robot, capsys)
 
 
 @linux
-def test_refusals_are_told_with_their_cure_and_the_run_goes_on(robot, monkeypatch):
+def test_refused_requests_are_reported_with_their_cure_and_the_run_continues(robot, monkeypatch):
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})  # with one it is not asked for
     monkeypatch.setattr(os, "sched_setscheduler", refuse)
     monkeypatch.setattr(os, "setpriority", refuse)
@@ -152,7 +152,7 @@ def test_refusals_are_told_with_their_cure_and_the_run_goes_on(robot, monkeypatc
 
 
 @linux
-def test_only_processor_is_not_taken_from_everybody_else(monkeypatch):
+def test_real_time_priority_is_refused_on_a_single_processor(monkeypatch):
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0})
     policy = os.sched_getscheduler(0)
     with real_time_thread(RealTime()) as conditions:
@@ -161,7 +161,7 @@ def test_only_processor_is_not_taken_from_everybody_else(monkeypatch):
 
 
 @linux
-def test_priority_and_lock_are_not_asked_for_when_not_wanted():
+def test_priority_and_memory_lock_are_not_requested_when_disabled():
     before = system_state()
     with real_time_thread(
         RealTime(priority=0, lock_memory=False, switch_interval=0.001)
@@ -185,7 +185,7 @@ def test_processes_that_the_loop_starts_have_ordinary_priority():
     assert int(child.stdout.split()[1]) >= 0
 
 
-def test_collector_that_was_off_or_frozen_stays_so():
+def test_disabled_or_frozen_garbage_collection_stays_so_after_a_run():
     gc.disable()
     gc.freeze()
     try:
@@ -200,12 +200,12 @@ def test_collector_that_was_off_or_frozen_stays_so():
 
 
 @pytest.mark.parametrize("wrong", [{"priority": 100}, {"priority": -1}, {"switch_interval": 0.0}])
-def test_senseless_wishes_are_refused_by_name(wrong):
+def test_invalid_real_time_settings_are_refused_by_name(wrong):
     with pytest.raises(WbcError, match=next(iter(wrong))):
         RealTime(**wrong)
 
 
-def test_description_names_what_was_refused_and_why():
+def test_description_of_loop_conditions_names_refusals_and_reasons():
     conditions = LoopConditions(
         (SystemRequest("a", True), SystemRequest("b", False, "needs c"), SystemRequest("d", False))
     )
@@ -222,7 +222,7 @@ def test_clock_never_begins_a_period_early():
     assert (clock.lateness >= 0.0).all()
 
 
-def test_clock_counts_a_hold_up_and_does_not_race_to_catch_up():
+def test_clock_counts_a_delay_and_does_not_shorten_later_periods():
     dt = 0.001
     clock = Clock(dt, 10)
     clock.wait()

@@ -92,7 +92,7 @@ def robot() -> wbc.Robot:
     return wbc.load("simple_humanoid")
 
 
-def test_controller_of_ones_own_stands_in_mujoco(robot: wbc.Robot) -> None:
+def test_user_defined_controller_stands_in_mujoco(robot: wbc.Robot) -> None:
     controller = HoldPosture(robot)
     with Mujoco(robot, noise=SensorNoise.none()) as plant:
         report = wbc.run(controller, plant, 1.0)
@@ -102,7 +102,7 @@ def test_controller_of_ones_own_stands_in_mujoco(robot: wbc.Robot) -> None:
     assert report.distance_m < 0.05
 
 
-def test_walker_runs_in_a_plant_of_ones_own(robot: wbc.Robot) -> None:
+def test_walker_runs_in_a_user_defined_plant(robot: wbc.Robot) -> None:
     plant = FrozenPlant(robot)
     report = wbc.run(wbc.Walker(robot), plant, 0.2)
     assert report.survived
@@ -128,14 +128,14 @@ def test_observers_see_every_tick_and_thirty_contact_plans_a_second(robot: wbc.R
     assert last.telemetry.dcm_error < 0.05
 
 
-def test_a_controller_that_tells_nothing_has_unknown_telemetry(robot: wbc.Robot) -> None:
+def test_controller_without_telemetry_has_unknown_telemetry(robot: wbc.Robot) -> None:
     album = Album()
     wbc.run(HoldPosture(robot), FrozenPlant(robot), 0.02, observers=[album])
     assert np.isnan(album.ticks[-1].telemetry.dcm).all()
     assert all(tick.contact_plan is None for tick in album.ticks)
 
 
-def test_other_control_periods_than_the_plants_are_refused(robot: wbc.Robot) -> None:
+def test_control_periods_that_differ_from_the_plants_are_refused(robot: wbc.Robot) -> None:
     with pytest.raises(wbc.WbcError, match=r"Walker\.dt = 0\.002 s differs .* 0\.004 s"):
         wbc.run(wbc.Walker(robot, dt=0.002), FrozenPlant(robot, dt=0.004), 0.1)
     estimator = wbc.Estimator(robot, 0.001)
@@ -143,7 +143,7 @@ def test_other_control_periods_than_the_plants_are_refused(robot: wbc.Robot) -> 
         wbc.run(wbc.Walker(robot), FrozenPlant(robot), 0.1, estimator=estimator)
 
 
-def test_real_time_takes_as_long_as_it_says(robot: wbc.Robot) -> None:
+def test_real_time_run_takes_its_duration_of_wall_time(robot: wbc.Robot) -> None:
     plant = FrozenPlant(robot, dt=0.01)
     begun = time.perf_counter()
     report = wbc.run(HoldPosture(robot), plant, 0.5, real_time=True)
@@ -166,14 +166,14 @@ def test_callback_may_change_commands_and_end_the_run(robot: wbc.Robot) -> None:
     assert times == sorted(times)
 
 
-def test_progress_is_told_about_ten_times_a_second(robot: wbc.Robot) -> None:
+def test_progress_is_reported_about_ten_times_a_second(robot: wbc.Robot) -> None:
     told = []
     wbc.run(HoldPosture(robot), FrozenPlant(robot), 1.0, progress=told.append)
     assert 9 <= len(told) <= 11
     assert told[-1].duration == 1.0
 
 
-def test_failed_ticks_are_counted_and_explained(robot: wbc.Robot) -> None:
+def test_report_counts_failed_ticks_and_explains_the_first(robot: wbc.Robot) -> None:
     class Failing(HoldPosture):
         def step(self, estimate: wbc.Estimate) -> wbc.Command:
             c = super().step(estimate)
@@ -211,7 +211,7 @@ def test_duration_must_be_positive(robot: wbc.Robot) -> None:
         wbc.run(HoldPosture(robot), FrozenPlant(robot), 0.0)
 
 
-def test_the_cruise_speed_of_a_short_walk_is_that_of_its_fastest_part() -> None:
+def test_cruise_speed_of_a_short_walk_is_that_of_its_fastest_part() -> None:
     time = np.arange(0.0, 4.0, 0.1)
     x = 0.3 * np.clip(time - 1.0, 0.0, 2.0)  # 2 s at 0.3 m/s between two rests
     sway = 0.02 * np.sin(2.0 * np.pi * time / 1.6)
@@ -220,21 +220,21 @@ def test_the_cruise_speed_of_a_short_walk_is_that_of_its_fastest_part() -> None:
     assert mean < cruise
 
 
-def test_a_robot_that_stands_travels_no_distance() -> None:
+def test_distance_of_a_swaying_base_is_nearly_zero() -> None:
     rng = np.random.default_rng(0)
     distance, mean, cruise = _distance_and_speeds(1e-3 * rng.normal(size=(3000, 2)))
     assert distance < 0.01
     assert (mean, cruise) == (0.0, 0.0)
 
 
-def test_a_report_shows_its_result() -> None:
+def test_repr_of_a_report_states_its_result() -> None:
     text = repr(
         wbc.run(HoldPosture(robot_ := wbc.load("simple_humanoid")), FrozenPlant(robot_), 0.1)
     )
     assert text.startswith("Report(simple_humanoid: survived 0.1 s; 0.00 m, 0 steps")
 
 
-def test_physics_that_diverges_is_reported_as_such_with_the_figures_of_before(
+def test_diverged_physics_are_reported_with_the_figures_of_the_ticks_before(
     robot: wbc.Robot,
 ) -> None:
     with Mujoco(robot, noise=SensorNoise.none()) as plant:

@@ -95,7 +95,7 @@ def test_every_quantity_of_a_tick_arrives_bit_by_bit(humanoid):
     assert snapshot.telemetry.phase == "left"
 
 
-def test_the_contact_plan_stays_until_the_next_one(humanoid):
+def test_contact_plan_stays_in_the_records_until_the_next_one(humanoid):
     stream = TickStream(humanoid)
     reader = reader_of(stream)
     first = full_tick(humanoid)
@@ -104,7 +104,7 @@ def test_the_contact_plan_stays_until_the_next_one(humanoid):
     assert_same_plan(contact_plan_of(reader.latest()), first.contact_plan)
 
 
-def test_what_is_unknown_is_nan_or_absent(humanoid):
+def test_unknown_quantities_are_nan_or_absent(humanoid):
     stream = TickStream(humanoid)
     reader = reader_of(stream)
     stream.write(full_tick(humanoid))
@@ -120,7 +120,7 @@ def test_what_is_unknown_is_nan_or_absent(humanoid):
     assert text_of(record) == ""
 
 
-def test_what_exceeds_a_bound_is_left_out(humanoid):
+def test_rows_beyond_a_bound_are_left_out_of_the_record(humanoid):
     stream = TickStream(humanoid)
     reader = reader_of(stream)
     plan = ContactPlan(
@@ -190,7 +190,7 @@ def test_a_reader_finishes_one_stream_before_it_takes_from_the_next(humanoid):
     assert reader.lost == 2
 
 
-def test_contacts_that_change_are_read_by_their_present_names(humanoid):
+def test_changed_contacts_are_read_by_their_new_names(humanoid):
     stream = TickStream(humanoid)
     reader = reader_of(stream)
     for names in (("left_sole", "right_sole"), ("right_sole",), ("hand", "left_sole")):
@@ -202,7 +202,7 @@ def test_contacts_that_change_are_read_by_their_present_names(humanoid):
             np.testing.assert_array_equal(stored[name], wrench)
 
 
-def test_one_writer_and_two_readers_each_at_its_own_pace(humanoid):
+def test_two_readers_read_one_stream_at_their_own_pace(humanoid):
     stream = TickStream(humanoid)
     every, latest = reader_of(stream), reader_of(stream)
     for k in range(10):
@@ -242,7 +242,7 @@ def test_a_declared_quantity_is_read_by_its_name(humanoid):
     assert column.label(0) == f"joint_power: {humanoid.joint_names[0]}, W"
 
 
-def test_a_quantity_whose_function_fails_is_nan_and_said_once(humanoid, caplog):
+def test_a_quantity_whose_function_fails_is_nan_and_logged_once(humanoid, caplog):
     broken = Quantity("broken", lambda tick: 1 / 0, "fails")
     stream = TickStream(humanoid, [broken])
     reader = reader_of(stream)
@@ -253,7 +253,7 @@ def test_a_quantity_whose_function_fails_is_nan_and_said_once(humanoid, caplog):
     assert sum("broken" in record.getMessage() for record in caplog.records) == 1
 
 
-def test_a_name_that_exists_is_refused(humanoid):
+def test_a_quantity_with_an_existing_name_is_refused(humanoid):
     with pytest.raises(SchemaError, match="'tau' is declared twice"):
         TickStream(humanoid, [Quantity("tau", "command.tau", "again", size="na")])
 
@@ -264,7 +264,7 @@ def test_an_unknown_quantity_is_refused_with_a_suggestion(humanoid):
         stream.schema.column("joint_postion")
 
 
-def test_a_snapshot_comes_back_unchanged(humanoid):
+def test_a_snapshot_written_to_a_stream_is_read_back_unchanged(humanoid):
     stream = TickStream(humanoid)
     reader = reader_of(stream)
     tick = full_tick(humanoid)
@@ -280,7 +280,7 @@ def test_a_snapshot_comes_back_unchanged(humanoid):
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="no /proc here")
-def test_a_stream_that_nobody_holds_leaves_no_descriptor(humanoid):
+def test_an_unreferenced_stream_closes_its_descriptor(humanoid):
     before = len(list(Path("/proc/self/fd").iterdir()))
     for _ in range(3):
         TickStream(humanoid, capacity=4).write(full_tick(humanoid))

@@ -65,7 +65,7 @@ def test_mass_matrix_bias_and_forward_dynamics_agree_with_pinocchio(name):
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_a_reset_is_read_back_exactly(name):
+def test_reset_state_is_read_back_exactly(name):
     r = robot(name)
     state = random_state(r, np.random.default_rng(2))
     with Mujoco(r) as plant:
@@ -77,7 +77,7 @@ def test_a_reset_is_read_back_exactly(name):
 
 @settings(max_examples=30)
 @given(seed=st.integers(0, 2**32 - 1), order=st.permutations(list(range(6))))
-def test_conventions_round_trip_for_any_joint_order(seed, order):
+def test_conversion_to_mujoco_and_back_is_exact_for_any_joint_order(seed, order):
     random = np.random.default_rng(seed)
     q, v = random.standard_normal(13), random.standard_normal(12)
     q[3:7] /= np.linalg.norm(q[3:7])
@@ -135,12 +135,12 @@ def test_free_fall_conserves_momentum_and_energy():
     assert abs(energy_after - energy) < 5e-3 * kinetic
 
 
-def test_importing_the_room_does_not_import_mujoco():
+def test_importing_wbc_sim_does_not_import_mujoco():
     code = "import sys, wbc.sim; sys.exit('mujoco' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-def test_a_missing_mujoco_is_named_with_its_cure(monkeypatch):
+def test_missing_mujoco_is_an_error_with_its_pip_command(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(MissingExtra, match=r"wbc\[sim\]"):
         Mujoco(robot())
@@ -150,6 +150,6 @@ def test_a_missing_mujoco_is_named_with_its_cure(monkeypatch):
     "times",
     [{"dt": 0.0025}, {"timestep": 0.0}, {"latency": 0.0005}, {"dt": 0.0}, {"latency": -0.001}],
 )
-def test_times_that_do_not_fit_are_refused(times):
+def test_times_that_are_no_multiple_of_the_timestep_are_refused(times):
     with pytest.raises(PlantError):
         Mujoco(robot(), **times)

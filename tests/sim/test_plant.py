@@ -23,7 +23,7 @@ def momentum(r, state: State) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", ["talos", "g1", "romeo", "simple_humanoid"])
-def test_the_ground_carries_the_weight_of_a_standing_robot(name):
+def test_ground_forces_carry_the_weight_of_a_standing_robot(name):
     r = robot(name)
     hold = JointPDController(r)
     weight = 9.81 * r.mass
@@ -62,7 +62,7 @@ def test_foot_sensors_agree_with_the_contact_forces():
             np.testing.assert_allclose(plant.foot_forces[sole.name], wrench, atol=1.0)
 
 
-def test_the_first_measurement_is_that_of_standing_still():
+def test_first_measurement_is_that_of_standing_still():
     r = robot()
     with Mujoco(r, noise=QUIET) as plant:
         m = plant.measure()
@@ -92,7 +92,7 @@ def test_a_push_delivers_its_impulse(frame, duration):
     np.testing.assert_allclose(gained, impulse + fall, atol=0.05)
 
 
-def test_a_scheduled_push_waits_and_ends():
+def test_a_scheduled_push_acts_only_in_its_interval():
     r = robot()
     with Mujoco(r, noise=QUIET) as plant:
         plant.reset(moved(r.standing(), (0.0, 0.0, 5.0), 0.0))
@@ -105,7 +105,7 @@ def test_a_scheduled_push_waits_and_ends():
         np.testing.assert_allclose(forces, [0.0] * 10 + [300.0] * 5 + [0.0] * 5)
 
 
-def test_pushes_that_make_no_sense_are_refused():
+def test_invalid_pushes_are_refused():
     with Mujoco(robot()) as plant:
         with pytest.raises(PlantError, match="impulse"):
             plant.push([1.0, 2.0])
@@ -155,14 +155,14 @@ def test_latency_delays_commands_by_whole_physics_steps():
         assert plant.torque[0] == 0.2
 
 
-def test_a_bad_start_is_refused():
+def test_an_invalid_initial_state_is_refused():
     r = robot()
     with Mujoco(r) as plant, pytest.raises(StateError, match="quaternion"):
         plant.reset(State(np.zeros(r.nq), np.zeros(r.nv)))
 
 
 @pytest.mark.parametrize("terrain", [Flat(), Tiles(extent=2.0)])
-def test_the_same_run_a_hundred_metres_away_and_turned(terrain):
+def test_run_does_not_depend_on_position_and_heading_of_the_start(terrain):
     r = robot()
     hold = JointPDController(r)
     ends = []
@@ -201,7 +201,7 @@ def test_tiles_carry_a_robot_at_their_height_and_leave_the_start_flat():
         assert max(abs(p[2]) for p, _ in plant.contacts()) < 1e-3
 
 
-def test_a_tile_holds_a_foot():
+def test_a_sole_on_a_slab_has_contacts_at_its_surface():
     r = robot()
 
     class Slab:
@@ -218,7 +218,7 @@ def test_a_tile_holds_a_foot():
 
 
 @pytest.mark.parametrize("place", [(0.0, 0.0), (7.3, -4.1), (11.9, 11.9), (30.0, 0.0)])
-def test_the_tiles_about_the_robot_are_there_wherever_it_went(place):
+def test_tiles_near_the_robot_are_in_the_physics_wherever_it_is(place):
     """Only the tiles near the robot are in the physics: none of those may be missing."""
     r = robot()
     tiles = Tiles(height=0.03, size=0.3, extent=12.0, seed=5)
@@ -243,7 +243,7 @@ def test_the_tiles_about_the_robot_are_there_wherever_it_went(place):
             assert 0.2 - distance == pytest.approx(height, abs=1e-9)
 
 
-def test_feet_meet_each_other_unless_told_to_pass_through():
+def test_feet_collide_unless_disabled():
     r = robot()
     q = r.standing().q.copy()
     for i, name in enumerate(r.joint_names):
@@ -261,7 +261,7 @@ def test_feet_meet_each_other_unless_told_to_pass_through():
     assert counts[1] > 0
 
 
-def test_divergence_is_told():
+def test_divergence_is_an_error_with_time_and_cure():
     r = robot()
     state = r.standing()
     with Mujoco(r) as plant:

@@ -28,7 +28,7 @@ pytest.importorskip("mujoco")
         ({"seed": 0.5}, "seed = 0.5"),
     ],
 )
-def test_bad_arguments_are_named_with_their_value(arguments, message):
+def test_invalid_arguments_are_refused_with_name_and_value(arguments, message):
     with pytest.raises(PlantError, match=message):
         Mujoco(robot(), **arguments)
 

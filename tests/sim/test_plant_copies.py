@@ -28,7 +28,7 @@ def trace(plant: Mujoco, hold: JointPDController, ticks: int) -> np.ndarray:
 
 @pytest.mark.parametrize("duplicate", [copy.deepcopy, lambda p: pickle.loads(pickle.dumps(p))])
 @pytest.mark.parametrize("terrain", [None, Tiles(height=0.01, size=0.3, clearing=0.0)])
-def test_a_copy_goes_on_bit_by_bit_with_noise_pushes_and_latency(duplicate, terrain):
+def test_copied_plant_continues_bit_identically_with_noise_pushes_and_latency(duplicate, terrain):
     r = robot()
     hold = JointPDController(r)
     with Mujoco(r, terrain=terrain, seed=5, latency=0.003) as plant:
@@ -44,7 +44,7 @@ def test_a_copy_goes_on_bit_by_bit_with_noise_pushes_and_latency(duplicate, terr
         np.testing.assert_array_equal(trace(other, hold, 20), trace(plant, hold, 20))
 
 
-def test_a_copy_is_independent_and_starts_over_as_the_original_does():
+def test_copied_plant_is_independent_and_resets_like_the_original():
     r = robot()
     hold = JointPDController(r)
     with Mujoco(r, seed=5) as plant:

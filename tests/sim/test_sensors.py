@@ -24,7 +24,7 @@ def imu_rotation(r, state: State) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", ["talos", "g1", "romeo"])
-def test_the_imu_of_a_robot_at_rest_reads_gravity_upwards(name):
+def test_imu_of_a_robot_at_rest_measures_gravity_upwards(name):
     r = robot(name)
     with Mujoco(r, noise=QUIET) as plant:
         run(plant, 2.0, JointPDController(r))
@@ -74,7 +74,7 @@ def test_the_accelerometer_reads_the_mean_specific_force_of_the_period():
 
 
 @pytest.mark.parametrize("name", ["talos", "g1"])
-def test_the_accelerometer_reads_what_the_forces_of_the_step_do(name):
+def test_accelerometer_reading_agrees_with_the_forces_of_the_step(name):
     r = robot(name)
     random = np.random.default_rng(7)
     imu, data = r.frame_id(r.imu), r.model.createData()
@@ -168,18 +168,18 @@ def test_scaled_noise_scales_every_deviation():
     assert SensorNoise().scaled(0.0) == QUIET
 
 
-def test_perfect_sensors_are_perfect():
+def test_sensors_without_noise_read_the_exact_values():
     exact = np.arange(18.0)
     np.testing.assert_array_equal(NoiseGenerator(QUIET, 3, 1, 0).add_to(exact), exact)
 
 
 @pytest.mark.parametrize("field", ["height", "size", "extent"])
-def test_tiles_of_no_size_are_refused(field):
+def test_tiles_of_zero_size_are_refused(field):
     with pytest.raises(PlantError, match=field):
         Tiles(**{field: 0.0})
 
 
-def test_readings_do_not_depend_on_where_the_robot_is():
+def test_readings_do_not_depend_on_position_and_heading():
     r = robot()
     hold = JointPDController(r)
     readings = []

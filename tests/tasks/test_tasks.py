@@ -115,7 +115,7 @@ def test_angular_momentum_approaches_its_target(name, seed):
 
 @few
 @given(robots, st.sampled_from(["com", "position", "orientation", "pose", "posture"]), seeds)
-def test_references_of_velocity_and_acceleration_shift_the_wish(name, kind, seed):
+def test_velocity_and_acceleration_references_are_fed_forward(name, kind, seed):
     bot = robot(name)
     state = random_state(bot, seed)
     kin = wbc.Kinematics(bot, state)
@@ -129,7 +129,7 @@ def test_references_of_velocity_and_acceleration_shift_the_wish(name, kind, seed
 
 
 @pytest.mark.parametrize("kind", ["com", "position", "orientation", "pose"])
-def test_without_a_target_a_task_holds_where_it_first_was(kind):
+def test_a_task_without_target_holds_its_initial_value(kind):
     bot = robot("talos")
     there, later = random_state(bot, 1), random_state(bot, 2)
     task = {
@@ -148,12 +148,12 @@ def test_without_a_target_a_task_holds_where_it_first_was(kind):
     assert np.abs(error(task, kin)).max() > 1e-2
 
 
-def test_damping_is_critical_unless_told():
+def test_damping_is_critical_by_default():
     task = wbc.ComTask(kp=np.array([4.0, 9.0, 0.0]))
     np.testing.assert_allclose(task.kd, [4.0, 6.0, 0.0])
 
 
-def test_a_posture_may_weigh_joints_by_name():
+def test_posture_weights_can_be_given_by_joint_name():
     bot = robot("simple_humanoid")
     task = wbc.PostureTask(bot, weight={"neck": 2.0, "left_knee": 0.5})
     assert task.weight[bot.joint_index("neck")] == 2.0
@@ -186,12 +186,12 @@ def test_a_posture_may_weigh_joints_by_name():
         (lambda b: setattr(wbc.ComTask(), "kp", "stiff"), "kp"),
     ],
 )
-def test_a_task_that_makes_no_sense_is_refused(wrong, text):
+def test_an_invalid_task_is_refused(wrong, text):
     with pytest.raises(TaskError, match=text):
         wrong(robot("simple_humanoid"))
 
 
-def test_gains_cannot_be_changed_past_the_check():
+def test_changed_gains_are_validated():
     task = wbc.ComTask()
     with pytest.raises(ValueError, match="read-only"):
         task.weight[0] = -1.0
@@ -205,7 +205,7 @@ def test_missing_frames_and_joints_list_near_names():
         wbc.PostureTask(bot, joints=["left_kne"])
 
 
-def test_a_task_of_a_users_own_is_added_like_any_other():
+def test_a_user_defined_task_is_added_like_any_other():
     class HeadDown(wbc.Task):
         """`q̈_neck = −kp q_neck`, by hand."""
 

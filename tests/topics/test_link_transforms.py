@@ -30,7 +30,7 @@ def test_every_joint_moves_one_link(robot):
     assert sorted(joints) == list(range(robot.na))
 
 
-def test_links_are_where_pinocchio_has_them(robot):
+def test_link_transforms_equal_pinocchios(robot):
     rng = np.random.default_rng(0)
     every = links(robot)
     moving = [link for link in every if link.joint is not None]

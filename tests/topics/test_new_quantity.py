@@ -33,7 +33,7 @@ def run(robot, tmp_path_factory):
     return LoggedRun.read(path)
 
 
-def test_it_is_in_the_log_under_its_name_with_its_unit_and_labels(run, robot):
+def test_own_quantity_is_logged_with_its_name_unit_and_labels(run, robot):
     column, power = run.quantities["joint_power"], run["joint_power"]
     assert (column.unit, column.labels) == ("W", robot.joint_names)
     np.testing.assert_allclose(power, run["tau"] * run["v"][:, 6:], rtol=1e-12)
@@ -42,21 +42,21 @@ def test_it_is_in_the_log_under_its_name_with_its_unit_and_labels(run, robot):
     assert run.log.topics["/wbc/total_power"] == "std_msgs/msg/Float64"
 
 
-def test_every_quantity_of_the_library_is_in_the_log_too(run):
+def test_every_quantity_of_the_library_is_logged(run):
     names = {"q", "v", "tau", "com", "dcm", "zmp", "foot_wrench/left_sole", "heading", "true_q"}
     assert names <= set(run.quantities)
     with pytest.raises(LogError, match="no quantity 'torque'"):
         run["torque"]
 
 
-def test_it_is_plotted_by_its_name(run, tmp_path):
+def test_own_quantity_is_plotted_by_its_name(run, tmp_path):
     pytest.importorskip("matplotlib")
     (path,) = plot(run, tmp_path, quantities=["joint_power"])
     assert path.name == "run_joint_power.png"
     assert path.stat().st_size > 10_000
 
 
-def test_the_page_offers_it(robot):
+def test_live_page_offers_an_own_quantity(robot):
     source = SeriesSource()
     source.attach(TickStream(robot, [POWER, TOTAL]).schema)
     assert f"joint_power: {robot.joint_names[3]}, W" in source.labels
@@ -82,7 +82,7 @@ def test_points_and_odometry_of_the_log_are_in_the_frame_of_ros(run):
     )
 
 
-def test_a_ros_node_hears_it(robot):
+def test_ros_node_publishes_an_own_quantity(robot):
     pytest.importorskip("cyclonedds")
     from rostools import PATIENCE, new_domain, node
 

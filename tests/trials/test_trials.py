@@ -31,7 +31,7 @@ def test_a_circle_turns_by_its_curvature():
 
 @pytest.mark.parametrize("make", [forward, sideways, turn, circle])
 @pytest.mark.parametrize("speed", [0.0, math.nan, math.inf])
-def test_a_scenario_that_never_ends_is_refused(make, speed):
+def test_a_scenario_of_zero_or_infinite_speed_is_refused(make, speed):
     with pytest.raises(GaitError, match="finite and not zero"):
         make(1.0, speed)
 

@@ -112,7 +112,7 @@ def busy(robot, time=0.0, q=None, status=Status.OK):
     return Snapshot(time, q, wrenches, telemetry, plan, status, "all is well")
 
 
-def test_the_page_shows_the_robot_and_every_mark(robot, live):
+def test_page_shows_the_robot_and_every_marker(robot, live):
     viewer, page = live
     see(page, viewer, busy(robot))
     full = picture(page)
@@ -143,7 +143,7 @@ def test_the_page_follows_the_configuration_and_the_status(robot, live):
     assert page.evaluate("element('status-light').title") == "failed"
 
 
-def test_the_camera_goes_with_the_robot(robot, live):
+def test_camera_of_the_page_follows_the_robot(robot, live):
     viewer, page = live
     hidden = ("stage", "trail")
     see(page, viewer, Snapshot(0.0, robot.q_nominal))
@@ -158,7 +158,7 @@ def test_the_camera_goes_with_the_robot(robot, live):
     assert changed(here, picture(page)) < 0.01
 
 
-def test_a_page_that_is_opened_again_shows_the_present(robot, live):
+def test_a_page_opened_again_shows_the_present_state(robot, live):
     viewer, page = live
     snapshot = busy(robot, 1e6)
     viewer.show(snapshot)
@@ -166,7 +166,7 @@ def test_a_page_that_is_opened_again_shows_the_present(robot, live):
     page.wait_for_function("wbc.ready && wbc.time === 1e6")
 
 
-def test_meshes_arrive_whole(page):
+def test_meshes_arrive_complete_at_the_page(page):
     robot = wbc.load("romeo")
     with Meshcat(robot, port=0, announce=False) as viewer:
         page.goto(viewer.url)
@@ -181,7 +181,7 @@ def test_meshes_arrive_whole(page):
         assert changed(full, picture(page)) > 0.04
 
 
-def test_a_robot_without_shapes_is_seen_all_the_same(robot, page, tmp_path):
+def test_a_robot_without_shapes_is_visible(robot, page, tmp_path):
     text = robot.urdf_path.read_text()
     text = re.sub(r"<visual.*?</visual>", "", text, flags=re.S)
     bare = tmp_path / "bare.urdf"

@@ -58,12 +58,12 @@ print(sorted({"meshcat", "mujoco", "tornado", "umsgpack", "zmq"} & set(sys.modul
     assert result.stdout.splitlines()[-1] == "[]"
 
 
-def test_the_page_is_served(viewer):
+def test_viewer_serves_its_page(viewer):
     with urllib.request.urlopen(viewer.url) as answer:
         assert "simple_humanoid" in answer.read().decode()
 
 
-def test_only_this_machine_can_reach_the_page(viewer):
+def test_page_is_served_to_this_machine_only(viewer):
     port = int(viewer.url.split(":")[2].split("/")[0])
     # Another address of the loopback interface: taken only by servers that listen on all.
     with pytest.raises(OSError), socket.create_connection(("127.0.0.2", port), timeout=1):  # noqa: PT011
@@ -74,7 +74,7 @@ def test_only_this_machine_can_reach_the_page(viewer):
         urllib.request.urlopen(request)
 
 
-def test_closing_ends_the_process_soon(robot):
+def test_closing_the_viewer_ends_its_process(robot):
     viewer = Meshcat(robot, port=0, announce=False)
     viewer.show(Snapshot(0.0, robot.q_nominal))
     start = time.monotonic()
@@ -90,7 +90,7 @@ def test_two_viewers_live_side_by_side(robot, viewer):
         assert other.url != viewer.url
 
 
-def test_a_port_that_is_taken_is_said(robot):
+def test_a_port_in_use_is_refused_by_number(robot):
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
@@ -105,7 +105,7 @@ def test_a_rate_must_be_positive(robot, make):
         make(robot, rate=0.0)
 
 
-def test_a_dead_viewer_does_not_harm_the_loop_and_is_reported_once(robot, viewer, caplog):
+def test_an_ended_viewer_does_not_affect_the_loop_and_is_reported_once(robot, viewer, caplog):
     os.kill(viewer.pid, signal.SIGKILL)
     wait_until(lambda: not viewer.alive)
     with caplog.at_level(logging.WARNING):
@@ -147,7 +147,7 @@ os.kill(os.getpid(), signal.SIGKILL)
     wait_until(lambda: gone(int(result.stdout)))
 
 
-def test_a_script_that_never_closes_leaves_nothing_behind():
+def test_a_script_that_never_closes_the_viewer_leaves_no_process():
     code = """
 import wbc
 from wbc.view import Meshcat
@@ -159,7 +159,7 @@ print(viewer.pid)
     wait_until(lambda: gone(int(result.stdout)))
 
 
-def test_what_is_shared_has_no_name_that_could_be_left_behind(viewer):
+def test_shared_memory_leaves_no_file(viewer):
     maps = Path(f"/proc/{viewer.pid}/maps")
     if not maps.exists():
         pytest.skip("no /proc here")
@@ -193,19 +193,19 @@ def test_a_recording_keeps_its_own_rate_and_copies(robot):
     assert [s.q[0] for s in recording.frames] == pytest.approx(0.04 * np.arange(51))
 
 
-def test_a_recording_begins_anew_with_a_new_run(robot):
+def test_a_recording_restarts_with_a_new_run(robot):
     recording = Recording(robot)
     for k in (*range(10), *range(5)):
         recording.show(Snapshot(0.1 * k, robot.q_nominal))
     assert len(recording) == 5
 
 
-def test_a_recording_of_nothing_is_refused(robot, tmp_path):
+def test_an_empty_recording_is_refused(robot, tmp_path):
     with pytest.raises(ViewerError, match="nothing was recorded"):
         Recording(robot).save(tmp_path / "none.html")
 
 
-def test_a_recording_that_cannot_be_written_says_where(robot, tmp_path):
+def test_a_recording_that_cannot_be_written_is_an_error_with_its_path(robot, tmp_path):
     recording = Recording(robot)
     recording.show(Snapshot(0.0, robot.q_nominal))
     (tmp_path / "file").touch()

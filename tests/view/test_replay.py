@@ -51,7 +51,7 @@ def timeline():
     return Glide(wbc.load("simple_humanoid"))
 
 
-def test_a_jump_brings_its_history_along(timeline):
+def test_seeking_replays_the_preceding_snapshots(timeline):
     times = [s.time for s in up_to(timeline, 7.0, None, 2.0)]
     assert times[0] == pytest.approx(5.0, abs=0.07)
     assert times[-1] == 7.0
@@ -63,7 +63,7 @@ def test_a_jump_brings_its_history_along(timeline):
     assert [s.time for s in up_to(timeline, 99.0, 11.99, 2.0)] == [12.0]
 
 
-def test_a_page_gets_what_changed(timeline):
+def test_a_page_receives_only_the_changed_poses(timeline):
     replay_scene = Replay(timeline.robot, timeline).new_scene()
     first = replay_scene.frame(5.0)
     assert len(first["nodes"]) == len(replay_scene.scene.nodes)
@@ -77,7 +77,7 @@ def test_a_page_gets_what_changed(timeline):
         replay_scene.frame(float("nan"))
 
 
-def test_a_jump_back_shows_the_same_as_the_first_time(timeline):
+def test_seeking_backwards_shows_the_same_frame_as_before(timeline):
     replay_scene = Replay(timeline.robot, timeline).new_scene()
     replay_scene.frame(4.0)
     before = replay_scene.scene.poses.copy()
@@ -89,7 +89,7 @@ def test_a_jump_back_shows_the_same_as_the_first_time(timeline):
     np.testing.assert_allclose(replay_scene.scene.poses[visible], before[visible], atol=1e-9)
 
 
-def test_thinned_strips_keep_their_peaks():
+def test_thinned_time_series_keep_their_peaks():
     values = np.zeros(10_000)
     values[[123, 9_999]] = (5.0, 3.0)
     values[500:700] = np.nan
@@ -133,21 +133,21 @@ Replay(timeline.robot, timeline, port=0, series=[series]).serve(lambda url: prin
     process.stdout.close()
 
 
-def test_ctrl_c_ends_a_replay_without_a_word(served):
+def test_ctrl_c_ends_a_replay_without_output(served):
     process, url = served
     assert url.startswith("http://127.0.0.1:")
     process.send_signal(signal.SIGINT)
     assert process.wait(10.0) == 0
 
 
-def test_other_sites_cannot_reach_in(served):
+def test_requests_of_other_sites_are_refused(served):
     _, url = served
     request = urllib.request.Request(url, headers={"Host": "example.org"})
     with pytest.raises(urllib.error.HTTPError):
         urllib.request.urlopen(request)
 
 
-def test_a_page_that_talks_nonsense_is_answered_and_goes_on(served):
+def test_invalid_messages_of_a_page_are_answered_and_ignored(served):
     from tornado.httpclient import HTTPRequest
     from tornado.websocket import websocket_connect
 
@@ -178,7 +178,7 @@ def test_a_page_that_talks_nonsense_is_answered_and_goes_on(served):
 
 
 @pytest.mark.browser
-def test_the_player_plays_seeks_and_steps(served):
+def test_replay_page_plays_seeks_and_steps(served):
     need_browser()
     _, url = served
     with new_page(400, 300) as page:
@@ -207,7 +207,7 @@ def test_the_player_plays_seeks_and_steps(served):
 
 
 @pytest.mark.browser
-def test_a_video_has_the_recordings_frames_and_they_move(timeline, tmp_path):
+def test_a_video_has_the_recordings_frames_with_motion(timeline, tmp_path):
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
     need_browser()
     recording = Recording(timeline.robot, rate=5.0)
@@ -233,7 +233,7 @@ def test_a_video_of_an_odd_size_is_refused(tmp_path):
         Video(tmp_path / "timeline.mp4", 321, 240)
 
 
-def test_a_missing_encoder_is_named_with_its_pip_command(tmp_path, monkeypatch):
+def test_a_missing_encoder_is_an_error_with_its_pip_command(tmp_path, monkeypatch):
     import importlib.util
     import shutil
 
@@ -261,7 +261,7 @@ def test_a_video_that_fails_leaves_no_file(tmp_path):
     assert not video.path.exists()
 
 
-def test_serving_can_be_told_when_it_is_ready(timeline):
+def test_on_ready_is_called_once_the_replay_is_served(timeline):
     ready = threading.Event()
     replay = Replay(timeline.robot, timeline, port=0)
 

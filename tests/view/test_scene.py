@@ -94,7 +94,7 @@ def test_the_centre_of_pressure_of_a_shifted_vertical_force_is_the_shift():
     np.testing.assert_array_equal(centre_of_pressure(np.zeros(6)), np.zeros(3))
 
 
-def test_marks_stand_at_their_points_and_unknown_ones_are_hidden(robot, scene):
+def test_markers_are_at_their_points_and_unknown_ones_are_hidden(robot, scene):
     dcm, zmp = np.array([0.1, 0.02, 0.0]), np.array([-0.03, 0.04, 0.0])
     scene.update(Snapshot(0.0, robot.q_nominal, telemetry=Telemetry(dcm=dcm, zmp=zmp)))
     (row,) = seen(scene, "balance/zmp")
@@ -107,7 +107,7 @@ def test_marks_stand_at_their_points_and_unknown_ones_are_hidden(robot, scene):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_two_stretched_right_angles_cover_a_triangle(seed):
+def test_triangle_is_covered_by_two_scaled_right_triangles(seed):
     corners = np.column_stack([np.random.default_rng(seed).normal(size=(3, 2)), np.zeros(3)])
     rows = np.zeros((2, 10))
     lay_triangle(rows, *corners)
@@ -148,7 +148,7 @@ def test_planned_footsteps_are_drawn_by_side(robot, scene):
     np.testing.assert_allclose(heading, [np.cos(0.3), np.sin(0.3), 0.0], atol=1e-9)
 
 
-def test_a_sole_that_lands_leaves_a_print(robot, scene):
+def test_a_touchdown_leaves_a_footprint(robot, scene):
     loaded = {"left_sole": np.array([0, 0, 0.5 * scene.proportions.weight, 0, 0, 0])}
     q = robot.q_nominal.copy()
     scene.update(Snapshot(0.0, q, loaded))
@@ -163,7 +163,7 @@ def test_a_sole_that_lands_leaves_a_print(robot, scene):
     assert len(seen(scene, "footsteps/made_right")) == 0
 
 
-def test_a_time_that_goes_back_begins_a_new_run(robot, scene):
+def test_an_earlier_time_begins_a_new_run(robot, scene):
     q = robot.q_nominal.copy()
     for k in range(30):
         q[0] += 0.05
@@ -173,7 +173,7 @@ def test_a_time_that_goes_back_begins_a_new_run(robot, scene):
     assert len(seen(scene, "trail/")) == 0
 
 
-def test_the_trail_is_bounded(robot, scene):
+def test_trail_has_a_bounded_length(robot, scene):
     q = robot.q_nominal.copy()
     for k in range(400):
         q[0] += 0.05
@@ -183,7 +183,7 @@ def test_the_trail_is_bounded(robot, scene):
     assert trail[:, 0].max() > q[0] - 0.2
 
 
-def test_the_camera_follows_smoothly_and_the_floor_in_whole_tiles(robot, scene):
+def test_camera_follows_smoothly_and_the_floor_moves_by_whole_tiles(robot, scene):
     q = robot.q_nominal.copy()
     aims = []
     for k in range(60):
@@ -198,7 +198,7 @@ def test_the_camera_follows_smoothly_and_the_floor_in_whole_tiles(robot, scene):
 
 
 @pytest.mark.parametrize("status", list(Status))
-def test_the_status_light_tells_the_status(robot, scene, status):
+def test_status_light_has_the_colour_of_the_status(robot, scene, status):
     scene.update(Snapshot(0.0, robot.q_nominal, status=status))
     lit = [n.path for n, row in zip(scene.nodes, scene.poses, strict=True) if row[7] > 0]
     assert [path for path in lit if path.startswith("status_light/")] == [
@@ -206,14 +206,14 @@ def test_the_status_light_tells_the_status(robot, scene, status):
     ]
 
 
-def test_a_configuration_that_is_not_finite_moves_nothing(robot, scene):
+def test_a_configuration_that_is_not_finite_keeps_the_scene(robot, scene):
     scene.update(Snapshot(0.0, robot.q_nominal))
     before = scene.poses.copy()
     assert not scene.update(Snapshot(0.1, np.full(robot.nq, np.nan)))
     np.testing.assert_array_equal(scene.poses, before)
 
 
-def test_wrong_numbers_cost_only_their_own_mark(robot, scene):
+def test_non_finite_values_hide_only_their_own_marker(robot, scene):
     bad = ContactPlan(
         footsteps=(Footstep("left", np.zeros(3), np.nan),), support=np.full((4, 3), np.nan)
     )
@@ -223,7 +223,7 @@ def test_wrong_numbers_cost_only_their_own_mark(robot, scene):
     assert len(seen(scene, "balance/com")) == 2
 
 
-def test_terrain_is_drawn_as_one_body(robot):
+def test_terrain_is_drawn_as_one_object(robot):
     boxes = np.array([[1.0, 0, 0.01, 0.2, 0.2, 0.01], [1.4, 0, 0.02, 0.2, 0.2, 0.02]])
     scene = Scene(robot, boxes)
     flat = Scene(robot)

@@ -38,7 +38,7 @@ CUBE = """<?xml version="1.0"?>
 </COLLADA>"""
 
 
-def test_collada_keeps_places_units_and_colours(tmp_path):
+def test_collada_keeps_placements_units_and_colours(tmp_path):
     path = tmp_path / "quad.dae"
     path.write_text(CUBE)
     (part,) = read_collada(path)
@@ -50,7 +50,7 @@ def test_collada_keeps_places_units_and_colours(tmp_path):
 
 
 @pytest.mark.parametrize("text", ["no xml", "<COLLADA/>", CUBE.replace("#quad", "#none")])
-def test_a_broken_collada_is_refused(tmp_path, text):
+def test_an_invalid_collada_file_is_refused(tmp_path, text):
     path = tmp_path / "broken.dae"
     path.write_text(text)
     with pytest.raises(ValueError, match=r".+"):
@@ -58,7 +58,7 @@ def test_a_broken_collada_is_refused(tmp_path, text):
 
 
 @pytest.mark.parametrize("name", ["romeo", "icub"])
-def test_collada_meshes_fill_the_same_space_as_pinocchios(name):
+def test_collada_meshes_have_the_same_extent_as_pinocchios(name):
     robot = wbc.load(name)
     for thing in robot.visual_model.geometryObjects:
         parts = read_collada(thing.meshPath)
@@ -80,7 +80,7 @@ def test_edges_of_a_box_stay_sharp():
     assert np.all(np.einsum("ij,ij->i", flat, normals[index[:, 0]]) > 0.99)
 
 
-def test_a_ball_becomes_smooth():
+def test_faces_of_a_sphere_are_shaded_smoothly():
     u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 40, endpoint=False), np.linspace(0.1, 3.0, 20))
     points = np.stack([np.sin(v) * np.cos(u), np.sin(v) * np.sin(u), np.cos(v)], -1).reshape(-1, 3)
     i, j = (k.ravel() for k in np.meshgrid(np.arange(40), np.arange(19)))
@@ -91,7 +91,7 @@ def test_a_ball_becomes_smooth():
     assert np.einsum("ij,ij->i", normals, vertices).min() > 0.97
 
 
-def test_faces_without_area_and_crowded_tips_do_no_harm():
+def test_degenerate_faces_get_finite_normals():
     rim = np.array([[np.cos(t), np.sin(t), 0.0] for t in np.linspace(0, 6.2, 200)])
     points = np.concatenate([rim, [[0, 0, 1.0]]])
     faces = np.array([(k, k + 1, 200) for k in range(199)] + [(0, 0, 1)])
@@ -109,7 +109,7 @@ def test_terrain_boxes_point_outwards():
     np.testing.assert_allclose(vertices[:24].max(0), [1.5, 2.4, 3.3])
 
 
-def test_the_ellipsoid_has_the_inertia_that_it_stands_for():
+def test_ellipsoid_of_a_link_has_the_links_inertia():
     radii = np.array([0.3, 0.2, 0.1])
     moments = 0.2 * (radii @ radii - radii**2)
     inertia = pin.Inertia(1.0, np.array([0.1, 0, 0]), np.diag(moments))

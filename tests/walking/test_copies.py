@@ -60,7 +60,7 @@ pickle.dump([loop.run({TICKS}) for loop in loops], sys.stdout.buffer)
 
 
 @pytest.mark.parametrize("name", ["talos", "g1"])
-def test_a_walk_forked_at_random_ticks_goes_on_bit_by_bit_here_and_in_another_process(name):
+def test_copies_of_a_walk_continue_bit_identically_here_and_in_another_process(name):
     loop = walking(name)
     ticks = np.sort(np.random.default_rng(3).choice(650, 5, replace=False)).tolist()
     torques, pickled = np.empty((0, loop.walker.robot.na)), []
@@ -85,7 +85,7 @@ def test_a_walk_forked_at_random_ticks_goes_on_bit_by_bit_here_and_in_another_pr
         np.testing.assert_array_equal(other, original, err_msg=f"pickled at {tick}")
 
 
-def test_what_is_saved_of_a_loop_is_small():
+def test_pickled_loop_is_small():
     loop = walking("talos")
     loop.run(5)
     robot = len(pickle.dumps(loop.walker.robot))

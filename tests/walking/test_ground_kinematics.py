@@ -24,7 +24,7 @@ def _random_state(robot: wbc.Robot, seed: int) -> wbc.State:
     return wbc.State(q, rng.standard_normal(robot.nv))
 
 
-def test_soles_and_com_are_those_of_the_kinematics(robot: wbc.Robot) -> None:
+def test_soles_and_com_equal_those_of_the_kinematics(robot: wbc.Robot) -> None:
     kin = Kinematics(robot, robot.standing())
     ground = GroundKinematics(kin)
     for seed in range(5):

@@ -31,7 +31,9 @@ times = st.floats(0.0, 0.6)
 
 
 @given(errors, errors, times)
-def test_shift_makes_up_for_what_the_ankles_cannot(x: float, y: float, remaining: float) -> None:
+def test_footstep_shift_compensates_a_dcm_error_beyond_the_ankles(
+    x: float, y: float, remaining: float
+) -> None:
     shift = footstep_adjustment(complex(x, y), OMEGA, remaining, REACH)
     for error, reach, moved in ((x, REACH[0], shift.real), (y, REACH[1], shift.imag)):
         # The pendulum's error under the strongest push-back of the ankle, e' = ω (e − m).
@@ -42,12 +44,12 @@ def test_shift_makes_up_for_what_the_ankles_cannot(x: float, y: float, remaining
 
 
 @given(st.floats(0.05, 0.6))
-def test_errors_that_the_ankles_catch_leave_the_footstep_alone(remaining: float) -> None:
+def test_dcm_errors_within_the_ankles_reach_do_not_shift_the_footstep(remaining: float) -> None:
     caught = 0.99 * REACH[1] * (1.0 - math.exp(-OMEGA * remaining))
     assert footstep_adjustment(complex(0.0, caught), OMEGA, remaining, REACH) == 0j
 
 
-def test_bias_of_the_com_is_found_from_the_centre_of_pressure() -> None:
+def test_com_bias_is_estimated_from_the_centre_of_pressure() -> None:
     random, bias, omega, dt = np.random.default_rng(2), ComBiasEstimator(), 3.3, 0.002
     sway = 2.0 * np.pi * 0.5
     for k in range(4000):
@@ -61,7 +63,7 @@ def test_bias_of_the_com_is_found_from_the_centre_of_pressure() -> None:
     assert turned == pytest.approx(1j * found, abs=1e-12)
 
 
-def test_without_foot_sensors_no_bias_is_taken_off() -> None:
+def test_without_foot_sensors_the_com_bias_is_zero() -> None:
     bias = ComBiasEstimator()
     assert all(bias.update(0.002, 0.1 + 0.1j, None, 3.3, 0.3) == 0j for _ in range(10))
 
@@ -96,7 +98,7 @@ def test_landing_place_moves_in_the_tick_that_decides_it() -> None:
 
 
 @pytest.mark.parametrize("name", ["talos", "g1"])
-def test_bias_of_an_accelerometer_does_not_move_the_com_of_a_standing_robot(name: str) -> None:
+def test_accelerometer_bias_does_not_move_the_com_of_a_standing_robot(name: str) -> None:
     robot = wbc.load(name)
     walker = wbc.Walker(robot)
     noise = replace(SensorNoise.none(), accelerometer_bias=0.1)

@@ -92,7 +92,7 @@ def test_robot_survives_a_push_while_standing() -> None:
 
 
 @pytest.mark.parametrize("again", [1.95, 2.1, 2.25])
-def test_a_wish_to_go_on_in_the_last_step_waits_until_the_robot_stands(again: float) -> None:
+def test_velocity_commanded_in_the_last_step_takes_effect_after_standing(again: float) -> None:
     robot = wbc.load("simple_humanoid")
     walker = wbc.Walker(robot)
     forward = (0.4 * walker.gait.max_velocity[0], 0.0, 0.0)
@@ -141,7 +141,7 @@ def test_walker_follows_given_footsteps() -> None:
 
 
 @pytest.mark.parametrize("name", ["talos", "g1"])
-def test_torques_do_not_depend_on_where_the_scene_is(name: str) -> None:
+def test_walking_torques_do_not_depend_on_position_and_heading(name: str) -> None:
     robot = wbc.load(name)
     move = pin.SE3(pin.utils.rotate("z", math.pi / 2), np.array([80.0, -60.0, 0.0]))
     here, there = wbc.Walker(robot), wbc.Walker(robot)
@@ -185,7 +185,7 @@ def _moved(robot: wbc.Robot, state: wbc.State, move: pin.SE3) -> wbc.State:
     return wbc.State(q, state.v.copy())
 
 
-def test_walking_goes_by_time_without_foot_sensors() -> None:
+def test_walking_without_foot_sensors_switches_phases_by_time() -> None:
     robot = wbc.load("simple_humanoid")
     walker = wbc.Walker(robot)
     with Mujoco(robot, ground_truth=True) as plant:
@@ -201,7 +201,7 @@ def test_walking_goes_by_time_without_foot_sensors() -> None:
     assert truth.q[2] > 0.8 * robot.q_nominal[2]
 
 
-def test_velocity_beyond_the_gait_is_clamped_and_said() -> None:
+def test_velocity_beyond_the_gait_is_clamped_with_a_warning() -> None:
     walker = wbc.Walker(wbc.load("talos"))
     with pytest.warns(wbc.VelocityClamped, match=r"talos.*clamped to"):
         walker.velocity = (3.0, 0.0, 0.0)
@@ -211,7 +211,7 @@ def test_velocity_beyond_the_gait_is_clamped_and_said() -> None:
         walker.velocity = (0.3, 0.0, 0.1)
 
 
-def test_bad_input_names_what_is_wrong() -> None:
+def test_invalid_input_is_refused_with_name_and_value() -> None:
     robot = wbc.load("talos")
     walker = wbc.Walker(robot)
     state = robot.standing()
@@ -232,7 +232,7 @@ def test_bad_input_names_what_is_wrong() -> None:
         walker.follow([wbc.Footstep("left", np.zeros(3), 0.0)] * 2)
 
 
-def test_telemetry_shows_the_step_in_the_making() -> None:
+def test_telemetry_shows_the_present_step() -> None:
     robot = wbc.load("talos")
     walker = wbc.Walker(robot)
     seen = set()
@@ -254,7 +254,7 @@ def test_telemetry_shows_the_step_in_the_making() -> None:
     assert {"double", "left"} <= seen
 
 
-def test_footsteps_beyond_reach_are_refused_and_the_step_is_named() -> None:
+def test_footsteps_beyond_reach_are_refused_with_the_step_named() -> None:
     walker = wbc.Walker(wbc.load("talos"))
 
     def step(side: str, x: float, y: float, yaw: float = 0.0) -> wbc.Footstep:
@@ -280,7 +280,7 @@ def test_footsteps_beyond_reach_are_refused_and_the_step_is_named() -> None:
             walker.follow(footsteps)
 
 
-def test_walker_says_what_it_is_doing() -> None:
+def test_repr_of_the_walker_states_phase_and_velocity() -> None:
     walker = wbc.Walker(wbc.load("talos"))
     walker.velocity = (0.3, 0.0, 0.0)
     assert repr(walker) == (
