@@ -130,7 +130,7 @@ sys.exit(main(sys.argv[2:]))
 """
 
 
-@pytest.mark.parametrize("module", ["pinocchio", "wbc.cli.walk", "mujoco"])
+@pytest.mark.parametrize("module", ["wbc.cli.entry", "wbc.cli.stand", "pinocchio", "mujoco"])
 def test_ctrl_c_during_an_import_is_silent(module):
     done = subprocess.run(
         [sys.executable, "-c", INTERRUPTED_IMPORT, module, *STAND],

@@ -13,7 +13,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Args:
         arguments: the arguments of the command line; those of `sys.argv` by default.
     """
-    with exit_on_interrupt():  # the import takes most of a second
+    with exit_on_interrupt():
         from wbc.cli.entry import run
     return run(arguments)
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import argparse
 import math
-from typing import Any
+from pathlib import Path
 
-from wbc.cli.exit_codes import FAILED, SUCCESS
-from wbc.cli.formatting import output_width, paragraph, table
-from wbc.cli.parser import number
+from wbc.cli.exit_code import ExitCode
+from wbc.cli.formatting import paragraph, table
 from wbc.log.diff import Difference, Divergence, compare
 from wbc.log.run import LoggedRun
 
@@ -22,30 +20,18 @@ _CAUSES = {
 }
 
 
-def add_to(subcommands: Any) -> None:
-    """Add the subcommand."""
-    parser = subcommands.add_parser(
-        "diff",
-        help="find where two logged runs diverge",
-        description="Compares two logs tick by tick: when they diverge, in which quantity first, "
-        "and by how much. Exit code 0: the logs are equal; 1: they differ.",
-    )
-    parser.add_argument("first", metavar="LOG1")
-    parser.add_argument("second", metavar="LOG2")
-    parser.add_argument(
-        "--tolerance",
-        type=number,
-        default=0.0,
-        metavar="X",
-        help="largest difference to ignore, in SI units (default: 0)",
-    )
-    parser.set_defaults(execute=execute)
+def diff(log1: Path, log2: Path, *, tolerance: float = 0.0) -> ExitCode:
+    """Compare two logs tick by tick: when they diverge, in which quantity first, and by how much.
 
+    Exit code 0: the logs are equal; 1: they differ.
 
-def execute(options: argparse.Namespace) -> int:
-    """Compare; return the exit code."""
-    first, second = LoggedRun.read(options.first), LoggedRun.read(options.second)
-    difference = compare(first, second, options.tolerance)
+    Args:
+        log1: path of a log.
+        log2: path of the other log.
+        tolerance: largest difference to ignore, in SI units.
+    """
+    first, second = LoggedRun.read(log1), LoggedRun.read(log2)
+    difference = compare(first, second, tolerance)
     print(f"1  {first.log.path}: {first.title}\n2  {second.log.path}: {second.title}\n")
     print(_verdict(difference))
     if difference.divergences:
@@ -54,7 +40,7 @@ def execute(options: argparse.Namespace) -> int:
         rows = [(n, a or "—", b or "—") for n, (a, b) in difference.parameters.items()]
         print(f"\n{table(('parameter', 'in 1', 'in 2'), [tuple(map(_short, r)) for r in rows])}")
     same = not difference.divergences and difference.ends[0] == difference.ends[1]
-    return SUCCESS if same else FAILED
+    return ExitCode.SUCCESS if same else ExitCode.FAILED
 
 
 def _verdict(difference: Difference) -> str:
@@ -69,7 +55,7 @@ def _verdict(difference: Difference) -> str:
             f"{first.stage} quantity:\n"
             f"{first.label}: {_value(first.a)} against {_value(first.b)}, {gap}."
         )
-        lines.append(paragraph(f"→ {_CAUSES[first.stage]}", 0, output_width()))
+        lines.append(paragraph(f"→ {_CAUSES[first.stage]}"))
     one, other = difference.ends
     if one != other:
         lines.append(

@@ -2,24 +2,34 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import sys
 import traceback
 from collections.abc import Sequence
 
 import wbc
-from wbc.cli import diff, doctor, live, log, motion, plot, replay, robots, ros2, stand, view, walk
-from wbc.cli.exit_codes import (
-    BAD_INPUT,
-    FAILED,
-    INTERNAL_ERROR,
-    INTERRUPTED,
-    OUTPUT_FAILED,
-    SUCCESS,
-)
+from wbc.cli.exit_code import ExitCode
+from wbc.cli.interrupt import exit_on_interrupt
 from wbc.cli.output import OutputError, standard_streams
-from wbc.cli.parser import Parser
+from wbc.cli.parser import Parser, set_command
 from wbc.errors import WbcError
+
+#: Name and summary of each subcommand. Only the module of the one that runs is imported.
+_SUBCOMMANDS = {
+    "walk": "walk in MuJoCo, shown in the browser, with a report",
+    "stand": "stand in MuJoCo, with pushes if you like",
+    "motion": "sway, squat, wave, reach and more in MuJoCo",
+    "live": "drive a robot in MuJoCo from the browser",
+    "view": "show a robot in the browser",
+    "replay": "replay a log in the browser, or write a video of it",
+    "plot": "draw the standard plots of a log",
+    "diff": "find where two logged runs diverge",
+    "log": "print the contents of a log, or repair an interrupted one",
+    "robots": "list the robots that can be loaded by name, or the properties of a robot",
+    "doctor": "check a robot description",
+    "ros2": "run a ROS 2 node or inspect the ROS graph",
+}
 
 _EPILOG = """\
 exit codes:
@@ -53,38 +63,40 @@ def run(arguments: Sequence[str] | None = None) -> int:
         arguments: the arguments of the command line; those of `sys.argv` by default.
 
     Returns:
-        The exit code, see `wbc.cli.exit_codes`.
+        The exit code, see `wbc.cli.exit_code`.
     """
     # MuJoCo renders nothing here, and without a renderer its import takes half the time.
     os.environ.setdefault("MUJOCO_GL", "disable")
     with standard_streams() as stdout:
-        code = _dispatch(arguments)
-        stdout.flush()
-        if stdout.failed:
+        code = _dispatch(sys.argv[1:] if arguments is None else arguments)
+        sys.stdout.flush()
+        if stdout.lost_output:
             print(f"wbc: cannot write to standard output: {stdout.error}", file=sys.stderr)
-            code = OUTPUT_FAILED if code in (SUCCESS, FAILED) else code
+            if code in (ExitCode.SUCCESS, ExitCode.FAILED):
+                code = ExitCode.OUTPUT_FAILED
     return code
 
 
-def _dispatch(arguments: Sequence[str] | None) -> int:
+def _dispatch(arguments: Sequence[str]) -> int:
     try:
-        options = _parser().parse_args(arguments)
-        code: int = options.execute(options)
-        return code
+        options = _parser(arguments).parse_args(arguments)
+        return int(options.execute(options) or ExitCode.SUCCESS)
     except SystemExit as end:  # argparse: --help, --version, bad usage
-        return SUCCESS if end.code is None else end.code if isinstance(end.code, int) else BAD_INPUT
+        return int(end.code or ExitCode.SUCCESS)
     except WbcError as error:
         print(f"wbc: {' '.join(str(error).split())}", file=sys.stderr)
-        return OUTPUT_FAILED if isinstance(error, OutputError) else BAD_INPUT
+        failed = isinstance(error, OutputError)
+        return ExitCode.OUTPUT_FAILED if failed else ExitCode.BAD_INPUT
     except KeyboardInterrupt:
-        return INTERRUPTED
+        return ExitCode.INTERRUPTED
     except Exception:
         traceback.print_exc()
         print("wbc: this is an error in wbc; please report it", file=sys.stderr)
-        return INTERNAL_ERROR
+        return ExitCode.INTERNAL_ERROR
 
 
-def _parser() -> Parser:
+def _parser(arguments: Sequence[str]) -> Parser:
+    """Return the parser, which has the options of the subcommand that the arguments name."""
     parser = Parser(
         prog="wbc",
         description="Whole-body kinematics and control of humanoids on Pinocchio.",
@@ -92,6 +104,14 @@ def _parser() -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"wbc {wbc.__version__}")
     subcommands = parser.add_subparsers(title="subcommands", metavar="SUBCOMMAND", required=True)
-    for module in (walk, stand, motion, live, view, replay, plot, diff, log, robots, doctor, ros2):
-        module.add_to(subcommands)
+    chosen = next((text for text in arguments if not text.startswith("-")), None)
+    for name, summary in _SUBCOMMANDS.items():
+        subcommand = subcommands.add_parser(name, help=summary)
+        if name == chosen:
+            with exit_on_interrupt():  # the import takes up to a second
+                module = importlib.import_module(f"wbc.cli.{name}")
+            if hasattr(module, "add_verbs"):
+                module.add_verbs(subcommand)
+            else:
+                set_command(subcommand, getattr(module, name))
     return parser

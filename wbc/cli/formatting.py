@@ -1,4 +1,4 @@
-"""Tables and paragraphs of text."""
+"""Tables and paragraphs of text, as wide as the terminal."""
 
 from __future__ import annotations
 
@@ -11,14 +11,9 @@ from collections.abc import Sequence
 _MIN_COLUMN = 12  # characters
 
 
-def terminal_width() -> int | None:
+def _terminal_width() -> int | None:
     """Return the width of the terminal, characters; None if standard output is no terminal."""
     return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
-
-
-def output_width() -> int:
-    """Return the width for paragraphs: that of the terminal, between 40 and 100 characters."""
-    return max(40, min(terminal_width() or 80, 100))
 
 
 def table(
@@ -33,8 +28,10 @@ def table(
         head: titles of the columns.
         rows: texts of each row.
         right: indices of the columns to align to the right.
-        width: width to which the widest columns are wrapped, characters; None for no limit.
+        width: width to which the widest columns are wrapped, characters; by default that of the
+            terminal, and unlimited if standard output is none.
     """
+    width = width or _terminal_width()
     widths = [max(len(row[k]) for row in (head, *rows)) for k in range(len(head))]
     gaps = 2 * (len(widths) - 1)
     while width is not None and sum(widths) + gaps > width and max(widths) > _MIN_COLUMN:
@@ -54,7 +51,8 @@ def table(
     return "\n".join([*lines(head), "─" * (sum(widths) + gaps), *body])
 
 
-def paragraph(text: str, indent: int, width: int) -> str:
-    """Wrap a text to lines of a given width, each indented by a number of spaces."""
+def paragraph(text: str, indent: int = 0) -> str:
+    """Wrap a text to the terminal's width, within 40 and 100 characters, and indent its lines."""
+    width = max(40, min(_terminal_width() or 80, 100))
     blank = " " * indent
     return textwrap.fill(text, width, initial_indent=blank, subsequent_indent=blank)

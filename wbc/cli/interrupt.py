@@ -5,10 +5,10 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
-from collections.abc import Iterator
-from types import FrameType
+from collections.abc import Callable, Iterator
+from typing import Any
 
-INTERRUPTED = 130  #: exit code after Ctrl-C: 128 + SIGINT, as in shells
+from wbc.cli.exit_code import ExitCode
 
 
 @contextlib.contextmanager
@@ -18,7 +18,7 @@ def exit_on_interrupt() -> Iterator[None]:
     For imports: a `KeyboardInterrupt` inside the initialization of an extension module may be
     turned into another error, or be printed and dropped.
     """
-    with _handler(lambda *_: os._exit(INTERRUPTED)):
+    with _handler(lambda *_: os._exit(ExitCode.INTERRUPTED)):
         yield
 
 
@@ -31,7 +31,7 @@ def graceful_interrupt() -> Iterator[list[int]]:
     """
     received: list[int] = []
 
-    def record(signum: int, _: FrameType | None) -> None:
+    def record(signum: int, _: object) -> None:
         if received:
             raise KeyboardInterrupt
         received.append(signum)
@@ -41,9 +41,9 @@ def graceful_interrupt() -> Iterator[list[int]]:
 
 
 @contextlib.contextmanager
-def _handler(handler: object) -> Iterator[None]:
+def _handler(handler: Callable[[int, Any], None]) -> Iterator[None]:
     try:
-        previous = signal.signal(signal.SIGINT, handler)  # type: ignore[arg-type]
+        previous = signal.signal(signal.SIGINT, handler)
     except ValueError:  # signals reach the main thread only
         yield
         return

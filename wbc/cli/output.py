@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import codecs
 import contextlib
-import errno
 import io
-import os
 import sys
 from collections.abc import Iterator
-from typing import TextIO, cast
+from typing import Any
 
 from wbc.errors import WbcError
 
@@ -22,14 +21,31 @@ _ASCII = str.maketrans(
 )  # fmt: skip
 
 
+def _similar_characters(error: UnicodeError) -> tuple[str, int]:
+    """Replace what an encoding lacks by similar characters; an error handler of `codecs`."""
+    assert isinstance(error, UnicodeEncodeError)
+    text = error.object[error.start : error.end].translate(_ASCII)
+    return text.encode("ascii", "replace").decode(), error.end
+
+
+codecs.register_error("wbc.similar", _similar_characters)
+
+
 class OutputError(WbcError):
     """A result cannot be written to its file."""
 
 
-class OutputStream(io.TextIOBase):
-    """A text stream that records a failure instead of raising it, and discards what follows.
+@contextlib.contextmanager
+def writing_results() -> Iterator[None]:
+    """Raise the errors of the block as `OutputError`."""
+    try:
+        yield
+    except WbcError as error:
+        raise OutputError(str(error)) from error
 
-    Characters that the encoding of the stream lacks are replaced by similar ones in ASCII.
+
+class OutputStream(io.RawIOBase):
+    """A stream of bytes that records a failure instead of raising it, and discards what follows.
 
     Args:
         stream: the stream to write to; None if the process has none.
@@ -38,66 +54,36 @@ class OutputStream(io.TextIOBase):
         error: the first failure, or None.
     """
 
-    def __init__(self, stream: TextIO | None) -> None:
-        self._stream = stream
+    def __init__(self, stream: Any) -> None:
+        buffer = getattr(stream, "buffer", None)
+        # Unbuffered: what is buffered would fail once more when the interpreter ends.
+        self._raw = getattr(buffer, "raw", buffer)
         self.error: OSError | None = None
-
-    @property
-    def closed(self) -> bool:
-        """Whether nothing can be written any more."""
-        return self._stream is None or self._stream.closed or self.error is not None
-
-    @property
-    def encoding(self) -> str:  # type: ignore[override]
-        """Encoding of the stream."""
-        return getattr(self._stream, "encoding", None) or "utf-8"
-
-    def isatty(self) -> bool:
-        """Return whether the stream is a terminal."""
-        return not self.closed and cast(TextIO, self._stream).isatty()
-
-    def fileno(self) -> int:
-        """Return the file descriptor of the stream."""
-        if self._stream is None:
-            raise OSError(errno.EBADF, "the stream is closed")
-        return self._stream.fileno()
 
     def writable(self) -> bool:
         """Return True."""
         return True
 
-    def write(self, text: str) -> int:
-        """Write a text; return its length."""
-        if not self.closed:
-            stream = cast(TextIO, self._stream)
-            try:
-                try:
-                    stream.write(text)
-                except UnicodeEncodeError:
-                    text = text.translate(_ASCII)
-                    stream.write(text.encode(self.encoding, "replace").decode(self.encoding))
-            except OSError as error:
-                self._fail(error)
-        return len(text)
+    def isatty(self) -> bool:
+        """Return whether the stream is a terminal."""
+        return self._raw is not None and self._raw.isatty()
 
-    def flush(self) -> None:
-        """Flush the stream."""
-        if not self.closed:
-            try:
-                cast(TextIO, self._stream).flush()
-            except OSError as error:
-                self._fail(error)
+    def fileno(self) -> int:
+        """Return the file descriptor of the stream."""
+        return super().fileno() if self._raw is None else self._raw.fileno()
 
-    def _fail(self, error: OSError) -> None:
-        self.error = error
-        # What is buffered would fail once more when the interpreter ends.
-        with contextlib.suppress(OSError, ValueError):
-            null = os.open(os.devnull, os.O_WRONLY)
-            os.dup2(null, self.fileno())
-            os.close(null)
+    def write(self, data: Any) -> int:
+        """Write bytes; return how many."""
+        if self._raw is not None and self.error is None:
+            try:
+                written: int = self._raw.write(data)
+                return written
+            except OSError as error:
+                self.error = error
+        return len(data)
 
     @property
-    def failed(self) -> bool:
+    def lost_output(self) -> bool:
         """Whether output was lost; a reader that has closed its pipe has what it wants."""
         return self.error is not None and not isinstance(self.error, BrokenPipeError)
 
@@ -107,11 +93,17 @@ def standard_streams() -> Iterator[OutputStream]:
     """Replace `sys.stdout` and `sys.stderr` by streams that do not raise; yields the former."""
     stdout, stderr = OutputStream(sys.stdout), OutputStream(sys.stderr)
     with (
-        contextlib.redirect_stdout(cast(TextIO, stdout)),
-        contextlib.redirect_stderr(cast(TextIO, stderr)),
+        contextlib.redirect_stdout(_text(stdout, sys.stdout)) as out,
+        contextlib.redirect_stderr(_text(stderr, sys.stderr)) as err,
     ):
         try:
             yield stdout
         finally:
-            stdout.flush()
-            stderr.flush()
+            out.flush()
+            err.flush()
+
+
+def _text(stream: OutputStream, original: Any) -> io.TextIOWrapper:
+    encoding = getattr(original, "encoding", None) or "utf-8"
+    buffer = io.BufferedWriter(stream)
+    return io.TextIOWrapper(buffer, encoding, errors="wbc.similar", line_buffering=True)

@@ -2,51 +2,32 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Literal
 
-from wbc.log.plots import KINDS, plot
+from wbc.cli.argument_types import Argument
+from wbc.log import plots
 from wbc.log.run import LoggedRun
 
 
-def add_to(subcommands: Any) -> None:
-    """Add the subcommand."""
-    parser = subcommands.add_parser(
-        "plot",
-        help="draw the standard plots of a log",
-        description="Plots CoM, DCM and ZMP with the footsteps, from above and over time, the "
-        "torques with their limits, and the tick times.",
-    )
-    parser.add_argument(
-        "log", metavar="LOG", help="path of a log, see --log of the other subcommands"
-    )
-    parser.add_argument(
-        "--out",
-        type=Path,
-        metavar="FOLDER",
-        help="folder of the plots (default: the folder of the log)",
-    )
-    parser.add_argument(
-        "--format",
-        choices=[kind[1:] for kind in KINDS],
-        default="png",
-        help="file format (default: png)",
-    )
-    parser.add_argument(
-        "--signal",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="plot this quantity of the tick over time instead of the standard plots, e.g. tau or "
-        "foot_wrench/left_sole; may be repeated",
-    )
-    parser.set_defaults(execute=execute)
+def plot(
+    log: Path,
+    *,
+    out: Annotated[Path | None, Argument("FOLDER", Path)] = None,
+    format: Literal["png", "pdf", "svg"] = "png",
+    signal: Annotated[tuple[str, ...], Argument("NAME")] = (),
+) -> None:
+    """Plot CoM, DCM and ZMP with the footsteps, the torques with their limits, and the tick times.
 
+    CoM, DCM and ZMP are drawn from above and over time.
 
-def execute(options: argparse.Namespace) -> int:
-    """Plot; return the exit code."""
-    folder = options.out if options.out is not None else Path(options.log).parent
-    for path in plot(LoggedRun.read(options.log), folder, f".{options.format}", options.signal):
+    Args:
+        log: path of a log, see --log of the other subcommands.
+        out: folder of the plots (default: the folder of the log).
+        format: file format.
+        signal: plot this quantity of the tick over time instead of the standard plots, e.g. tau
+            or foot_wrench/left_sole.
+    """
+    run, folder = LoggedRun.read(log), out or log.parent
+    for path in plots.plot(run, folder, f".{format}", signal):
         print(path.resolve())
-    return 0

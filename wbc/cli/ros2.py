@@ -2,21 +2,36 @@
 
 from __future__ import annotations
 
-import argparse
+import functools
+import math
+import os
 import time
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
 
-from wbc.cli import ros2_walk
-from wbc.cli.parser import number, seconds
-from wbc.cli.ros2_options import add_verb, count, network
-from wbc.errors import WbcError
+from wbc.cli import teleoperated_run
+from wbc.cli.argument_types import Argument, Seconds, number, positive_number, whole_number
+from wbc.cli.exit_code import ExitCode
+from wbc.cli.parser import Function, Parser, set_command
+from wbc.cli.simulation import Session, Simulation, SimulationOptions
+from wbc.errors import WbcError, did_you_mean
+from wbc.robot.registry import data_file_folder
+from wbc.ros import DurabilityPolicy, Network, Node, QoSProfile, ReliabilityPolicy, RosError
+from wbc.ros.bridge import Bridge
+from wbc.ros.graph_snapshot import TopicInfo
+from wbc.ros.joint_publisher import JointPublisher
+from wbc.ros.message_yaml import get_field, to_yaml
+from wbc.ros.names import is_hidden
+from wbc.ros.rate_statistics import RateStatistics
+from wbc.ros.rosout import log_to_rosout
+from wbc.teleop import CommandHandler
+from wbc.view import Meshcat
 
-if TYPE_CHECKING:
-    from wbc.ros import Node, QoSProfile
-    from wbc.ros.graph_snapshot import TopicEndpointInfo, TopicInfo
+Domain = Annotated[int, Argument("ID", functools.partial(whole_number, high=232))]
+Rate = Annotated[float, Argument("HZ", number)]
 
 _DESCRIPTION = """\
-Runs ROS 2 nodes over DDS (Cyclone DDS) and inspects the ROS graph, without a ROS installation.
+Run ROS 2 nodes over DDS (Cyclone DDS) and inspect the ROS graph, without a ROS installation.
 
 The network is the loopback interface unless --interface or one of these environment variables
 selects another: ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_LOCALHOST_ONLY,
@@ -25,136 +40,118 @@ use the same interface.
 """
 
 
-def add_to(subcommands: Any) -> None:
-    """Add the subcommand."""
-    parser = subcommands.add_parser(
-        "ros2",
-        help="run a ROS 2 node or inspect the ROS graph",
-        description=_DESCRIPTION,
-    )
-    verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
-    nodes = add_verb(verbs, "nodes", "list the nodes", _nodes)
-    topics = add_verb(verbs, "topics", "list the topics", _topics)
-    services = add_verb(verbs, "services", "list the services", _services)
-    for listing in (nodes, topics, services):
-        listing.add_argument("--all", action="store_true", help="include hidden names")
-    info = add_verb(verbs, "info", "print the publishers and subscriptions of a topic", _info)
-    echo = add_verb(verbs, "echo", "print the messages of a topic", _echo)
-    echo.add_argument("--field", metavar="PATH", help="print one field only, e.g. position[3]")
-    echo.add_argument("-n", type=count, metavar="N", help="stop after N messages")
-    hz = add_verb(verbs, "hz", "measure the rate at which messages of a topic arrive", _hz)
-    hz.add_argument("-n", type=count, metavar="N", help="stop after N measurements")
-    hz.add_argument(
-        "--window",
-        type=count,
-        default=1000,
-        metavar="N",
-        help="number of messages to evaluate (default: 1000)",
-    )
-    for verb in (info, echo, hz):
-        verb.add_argument("topic", metavar="TOPIC", help="e.g. /joint_states")
-        verb.add_argument(
-            "--wait",
-            type=seconds,
-            default=5.0,
-            metavar="S",
-            help="time to wait for the topic to appear, s (default: 5)",
-        )
-    publisher = add_verb(
-        verbs,
-        "joint-publisher",
-        "publish a pattern of fifteen joints",
-        _joint_publisher,
-    )
-    publisher.add_argument(
-        "--rate", type=number, default=50.0, metavar="HZ", help="1 to 500 Hz (default: 50)"
-    )
-    publisher.add_argument("--duration", type=seconds, metavar="S", help="stop after S seconds")
-    ros2_walk.add_to(verbs)
-    add_verb(verbs, "uri", "print the CYCLONEDDS_URI for a ROS 2 system on this network", _uri)
+@dataclass(frozen=True)
+class NetworkOptions:
+    """Without these options the environment variables of ROS 2 select the network.
+
+    Attributes:
+        domain: DDS domain (default: ROS_DOMAIN_ID, or 0).
+        interface: network interface, by name or address (default: loopback).
+    """
+
+    title: ClassVar[str] = "network"
+
+    domain: Domain | None = None
+    interface: Annotated[str | None, Argument("NAME")] = None
+
+    def network(self) -> Network:
+        """Return the network that options and environment select."""
+        return Network.from_environment(self.domain, self.interface)
+
+    def introspection_node(self) -> Node:
+        """Return a node that listings hide by its leading underscore, as the tools of ROS 2 do."""
+        return Node(f"_wbc_ros2_{os.getpid()}", network=self.network())
 
 
-def _introspection_node(options: argparse.Namespace) -> Node:
-    import os
+@dataclass(frozen=True)
+class TopicOptions:
+    """A topic, and the network where it is.
 
-    from wbc.ros import Node
+    Attributes:
+        topic: e.g. /joint_states.
+        network: where the topic is.
+        wait: time to wait for the topic to appear, s.
+    """
 
-    # The leading underscore hides it from listings, as it does for the tools of ROS 2.
-    return Node(f"_wbc_ros2_{os.getpid()}", network=network(options))
+    topic: str
+    network: NetworkOptions
+    wait: Seconds = 5.0
 
-
-def _nodes(options: argparse.Namespace) -> int:
-    with _introspection_node(options) as node:
-        _print_names(options, dict.fromkeys(node.graph.settle().nodes, ""))
-    return 0
-
-
-def _topics(options: argparse.Namespace) -> int:
-    with _introspection_node(options) as node:
+    def find(self, node: Node) -> TopicInfo:
+        """Wait for the topic; return it with all endpoints, whose QoS is then known."""
+        name = node.resolve_topic_name(self.topic)
+        node.graph.wait_for(lambda graph: name in graph.topics(), self.wait)
         topics = node.graph.settle().topics()
-        _print_names(options, {name: ", ".join(topic.types) for name, topic in topics.items()})
-    return 0
+        if name not in topics:
+            near = did_you_mean(name, topics)
+            raise RosError(f"no node publishes or subscribes to '{name}'{near}")
+        return topics[name]
 
 
-def _services(options: argparse.Namespace) -> int:
-    with _introspection_node(options) as node:
-        _print_names(options, node.graph.settle().services())
-    return 0
+def _nodes(network: NetworkOptions, *, all: bool = False) -> None:
+    """List the nodes.
+
+    Args:
+        network: the network.
+        all: include hidden names.
+    """
+    with network.introspection_node() as node:
+        _print_names(dict.fromkeys(node.graph.settle().nodes, ""), all)
 
 
-def _print_names(options: argparse.Namespace, types: dict[str, str]) -> None:
-    from wbc.ros.names import is_hidden
+def _topics(network: NetworkOptions, *, all: bool = False) -> None:
+    """List the topics.
 
+    Args:
+        network: the network.
+        all: include hidden names.
+    """
+    with network.introspection_node() as node:
+        topics = node.graph.settle().topics()
+        _print_names({name: ", ".join(topic.types) for name, topic in topics.items()}, all)
+
+
+def _services(network: NetworkOptions, *, all: bool = False) -> None:
+    """List the services.
+
+    Args:
+        network: the network.
+        all: include hidden names.
+    """
+    with network.introspection_node() as node:
+        _print_names(node.graph.settle().services(), all)
+
+
+def _print_names(types: dict[str, str], hidden: bool) -> None:
     for name, type_name in types.items():
-        if options.all or not is_hidden(name):
+        if hidden or not is_hidden(name):
             print(f"{name} [{type_name}]" if type_name else name)
 
 
-def _uri(options: argparse.Namespace) -> int:
-    print(network(options).xml())
-    return 0
+def _uri(network: NetworkOptions) -> None:
+    """Print the CYCLONEDDS_URI for a ROS 2 system on this network."""
+    print(network.network().xml())
 
 
-def _info(options: argparse.Namespace) -> int:
-    with _introspection_node(options) as node:
-        topic = _find_topic(options, node)
-        print(f"{topic.name}: {', '.join(topic.types)}")
-        for what, endpoints in (
-            ("publishers", topic.publishers),
-            ("subscriptions", topic.subscriptions),
-        ):
-            print(f"\n{what}: {len(endpoints)}")
-            for endpoint in endpoints:
-                print(_endpoint_text(endpoint))
-    return 0
-
-
-def _endpoint_text(endpoint: TopicEndpointInfo) -> str:
-    return (
-        f"  {endpoint.node or '(unknown node)'}\n"
-        f"    type hash: {endpoint.type_hash or 'not announced'}\n"
-        f"    quality of service: {endpoint.qos_profile}\n"
-        f"    endpoint id: {endpoint.gid.hex('.')}"
-    )
-
-
-def _find_topic(options: argparse.Namespace, node: Node) -> TopicInfo:
-    """Wait for the topic; return it with all endpoints, whose quality of service is then known."""
-    from wbc.errors import did_you_mean
-    from wbc.ros import RosError
-
-    name = node.resolve_topic_name(options.topic)
-    node.graph.wait_for(lambda graph: name in graph.topics(), options.wait)
-    topics = node.graph.settle().topics()
-    if name not in topics:
-        raise RosError(f"no node publishes or subscribes to '{name}'{did_you_mean(name, topics)}")
-    return topics[name]
+def _info(topic: TopicOptions) -> None:
+    """Print the publishers and subscriptions of a topic."""
+    with topic.network.introspection_node() as node:
+        found = topic.find(node)
+    print(f"{found.name}: {', '.join(found.types)}")
+    for what in ("publishers", "subscriptions"):
+        endpoints = getattr(found, what)
+        print(f"\n{what}: {len(endpoints)}")
+        for endpoint in endpoints:
+            print(
+                f"  {endpoint.node or '(unknown node)'}\n"
+                f"    type hash: {endpoint.type_hash or 'not announced'}\n"
+                f"    quality of service: {endpoint.qos_profile}\n"
+                f"    endpoint id: {endpoint.gid.hex('.')}"
+            )
 
 
 def _compatible_qos(topic: TopicInfo) -> QoSProfile:
     """Return the strictest quality of service that all publishers of a topic offer."""
-    from wbc.ros import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-
     offered = [publisher.qos_profile for publisher in topic.publishers]
     reliable = bool(offered) and all(qos.reliable for qos in offered)
     transient_local = bool(offered) and all(qos.transient_local for qos in offered)
@@ -165,67 +162,144 @@ def _compatible_qos(topic: TopicInfo) -> QoSProfile:
     )
 
 
-def _type_name(topic: TopicInfo) -> str:
-    from wbc.ros import RosError
+def _echo(
+    topic: TopicOptions,
+    *,
+    field: Annotated[str | None, Argument("PATH")] = None,
+    count: Annotated[float, Argument("N", positive_number, "-n")] = math.inf,
+) -> None:
+    """Print the messages of a topic.
 
-    if len(topic.types) != 1:
-        raise RosError(f"'{topic.name}' has more than one type: {', '.join(topic.types)}")
-    return topic.types[0]
-
-
-def _echo(options: argparse.Namespace) -> int:
-    from wbc.ros.message_yaml import get_field, to_yaml
-
+    Args:
+        topic: the topic.
+        field: print one field only, e.g. position[3].
+        count: stop after N messages.
+    """
     printed = 0
 
     def show(message: Any) -> None:
         nonlocal printed
-        if options.n is not None and printed >= options.n:
+        if printed >= count:
             return
         try:
-            value = message if options.field is None else get_field(message, options.field)
+            value = message if field is None else get_field(message, field)
         except LookupError as error:
             raise WbcError(str(error)) from error
-        print(f"{to_yaml(value)}\n---", flush=True)
+        print(f"{to_yaml(value)}\n---")
         printed += 1
 
-    with _introspection_node(options) as node:
-        topic = _find_topic(options, node)
-        node.create_subscription(_type_name(topic), topic.name, show, _compatible_qos(topic))
-        node.spin_until(lambda: options.n is not None and printed >= options.n)
-    return 0
+    with topic.network.introspection_node() as node:
+        found = topic.find(node)
+        if len(found.types) != 1:
+            raise RosError(f"'{found.name}' has more than one type: {', '.join(found.types)}")
+        node.create_subscription(found.types[0], found.name, show, _compatible_qos(found))
+        node.spin_until(lambda: printed >= count)
 
 
-def _hz(options: argparse.Namespace) -> int:
-    from wbc.ros.rate_statistics import RateStatistics
+def _hz(
+    topic: TopicOptions,
+    *,
+    count: Annotated[float, Argument("N", positive_number, "-n")] = math.inf,
+    window: Annotated[int, Argument("N", positive_number)] = 1000,
+) -> None:
+    """Measure the rate at which messages of a topic arrive.
 
-    statistics = RateStatistics(options.window)
-    with _introspection_node(options) as node:
-        topic = _find_topic(options, node)
+    Args:
+        topic: the topic.
+        count: stop after N measurements.
+        window: number of messages to evaluate.
+    """
+    statistics = RateStatistics(window)
+    with topic.network.introspection_node() as node:
+        found = topic.find(node)
         node.create_raw_subscription(
-            topic.dds_type_name,
-            topic.name,
+            found.dds_type_name,
+            found.name,
             lambda _, info: statistics.add(time.monotonic(), info.size),
-            _compatible_qos(topic),
+            _compatible_qos(found),
         )
         # A publisher may not have discovered this subscription yet.
-        node.spin_until(lambda: statistics.hz > 0.0, options.wait)
+        node.spin_until(lambda: statistics.hz > 0.0, topic.wait)
         shown = 0
-        while options.n is None or shown < options.n:
+        while shown < count:
             node.spin(timeout_sec=1.0)
-            print(statistics.summary(), flush=True)
+            print(statistics.summary())
             shown += 1
-    return 0
 
 
-def _joint_publisher(options: argparse.Namespace) -> int:
-    from wbc.robot.registry import data_file_folder
-    from wbc.ros import Node
-    from wbc.ros.joint_publisher import JointPublisher
-    from wbc.ros.rosout import log_to_rosout
+def _joint_publisher(
+    network: NetworkOptions, *, rate: Rate = 50.0, duration: Seconds = math.inf
+) -> None:
+    """Publish a pattern of fifteen joints.
 
-    with Node("joint_publisher", network=network(options)) as node, log_to_rosout(node):
-        JointPublisher(node, options.rate, data_file_folder() / "simple_humanoid.urdf")
-        print(f"[INFO] [joint_publisher]: Joint publisher started at {options.rate} Hz", flush=True)
-        node.spin(timeout_sec=options.duration or float("inf"))
-    return 0
+    Args:
+        network: the network.
+        rate: rate of /joint_states, 1 to 500 Hz.
+        duration: stop after S seconds.
+    """
+    with Node("joint_publisher", network=network.network()) as node, log_to_rosout(node):
+        JointPublisher(node, rate, data_file_folder() / "simple_humanoid.urdf")
+        print(f"[INFO] [joint_publisher]: Joint publisher started at {rate} Hz")
+        node.spin(timeout_sec=duration)
+
+
+def _walk(
+    simulation: SimulationOptions,
+    network: NetworkOptions,
+    *,
+    rate: Rate = 50.0,
+    view: bool = False,
+    as_fast_as_possible: bool = False,
+    sim_time: bool = False,
+    duration: Seconds = teleoperated_run.DURATION,
+) -> ExitCode:
+    """Simulate a robot that a ROS 2 system drives.
+
+    Args:
+        simulation: robot and ground.
+        network: the network.
+        rate: rate of /joint_states, 1 to 500 Hz; the node's parameter update_rate.
+        view: show the robot in the browser.
+        as_fast_as_possible: run faster than real time.
+        sim_time: stamp messages with the time of /clock, for nodes with use_sim_time; the node's
+            parameter use_sim_time.
+        duration: duration, s.
+    """
+    simulated = Simulation(simulation)
+    robot = simulated.robot
+
+    def connect(handler: CommandHandler, session: Session) -> Bridge:
+        if view:
+            viewer = Meshcat(robot, boxes=simulated.boxes)
+            session.observers.append(session.stack.enter_context(viewer))
+        bridge = Bridge(handler, network=network.network(), update_rate=rate, use_sim_time=sim_time)
+        session.stack.enter_context(bridge)
+        print(f"[INFO] [wbc]: {robot.name} is ready; listening on /cmd_vel. Press Ctrl-C to stop.")
+        return bridge
+
+    # The loop keeps the time, which need not be that of the wall clock.
+    return teleoperated_run.run(
+        simulated, duration, connect, owns_clock=False, real_time=not as_fast_as_possible
+    )
+
+
+_VERBS: dict[str, Function] = {
+    "nodes": _nodes,
+    "topics": _topics,
+    "services": _services,
+    "info": _info,
+    "echo": _echo,
+    "hz": _hz,
+    "joint-publisher": _joint_publisher,
+    "walk": _walk,
+    "uri": _uri,
+}
+
+
+def add_verbs(parser: Parser) -> None:
+    """Add the verbs."""
+    parser.description = _DESCRIPTION
+    verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
+    for name, command in _VERBS.items():
+        summary = (command.__doc__ or "").partition(".\n")[0]
+        set_command(verbs.add_parser(name, help=summary[:1].lower() + summary[1:]), command)

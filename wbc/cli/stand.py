@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
-import argparse
-from typing import Any
-
-from wbc.cli import simulation
-from wbc.cli.velocity_schedule import VelocitySchedule
-
-_DURATION = 5.0  # s
+from wbc.cli.argument_types import Seconds
+from wbc.cli.exit_code import ExitCode
+from wbc.cli.scripted_run import RunOptions, ScriptedRun
 
 
-def add_to(subcommands: Any) -> None:
-    """Add the subcommand."""
-    parser = subcommands.add_parser(
-        "stand",
-        help="stand in MuJoCo, with pushes if you like",
-        description="Simulates a standing robot in MuJoCo under torque control and prints a "
-        "report.",
-    )
-    simulation.add_options(parser, f"{_DURATION:g}")
-    parser.set_defaults(execute=execute)
+def stand(run: RunOptions, *, duration: Seconds = 5.0) -> ExitCode:
+    """Simulate a standing robot in MuJoCo under torque control and print a report.
 
-
-def execute(options: argparse.Namespace) -> int:
-    """Stand; return the exit code."""
-    run = simulation.SimulatedRun(options)
-    return run.walk(VelocitySchedule(()), options.duration or _DURATION)
+    Args:
+        run: robot, ground and pushes.
+        duration: duration, s.
+    """
+    return ScriptedRun(run, duration).walk([])

@@ -2,51 +2,79 @@
 
 from __future__ import annotations
 
-import argparse
-from typing import Any
+from typing import Annotated
 
-from wbc.cli import simulation, velocity_schedule
-from wbc.cli.parser import number
+from wbc.cli.argument_types import Argument, Seconds, number
+from wbc.cli.exit_code import ExitCode
+from wbc.cli.scripted_run import RunOptions, Schedule, ScriptedRun, Velocity
+from wbc.errors import WbcError
 
 _DURATION = 10.0  # s
 _DEFAULT_SPEED = 0.3  # m/s, but at most
 _SPEED_FRACTION = 0.4  # of the maximum speed
+_INITIAL_STAND = 1.0  # s of standing before the first step
+_FINAL_STAND = 3.0  # s for the last steps, and to stand
+#: The segments of `--tour`: duration, s, and the fractions of the robot's maximum velocity.
+_TOUR = (
+    (6.0, (0.5, 0.0, 0.0)),  # forward
+    (7.0, (0.4, 0.0, 0.5)),  # a curve
+    (5.0, (0.0, 0.5, 0.0)),  # to the left
+    (4.0, (0.0, 0.0, -0.6)),  # a turn in place
+    (4.0, (-0.35, 0.0, 0.0)),  # backward
+)
+#: Duration of a tour, including the initial and final standing, s.
+TOUR_DURATION = _INITIAL_STAND + sum(duration for duration, _ in _TOUR) + _FINAL_STAND
 
 
-def add_to(subcommands: Any) -> None:
-    """Add the subcommand."""
-    parser = subcommands.add_parser(
-        "walk",
-        help="walk in MuJoCo, shown in the browser, with a report",
-        description="Simulates a walking robot in MuJoCo under torque control and prints a report. "
-        "The robot stands for a second, walks, and stops in time to end standing.",
-    )
-    commands = parser.add_mutually_exclusive_group()
-    commands.add_argument(
-        "--velocity",
-        nargs=3,
-        type=number,
-        metavar=("VX", "VY", "WZ"),
-        help="forward and left velocity, m/s, and turn to the left, rad/s (default: forward at a "
-        "moderate speed)",
-    )
-    commands.add_argument(
-        "--tour",
-        action="store_true",
-        help="walk forward, in a curve, sideways, turn in place, and walk backward",
-    )
-    simulation.add_options(parser, f"{_DURATION:g}; tour: {velocity_schedule.TOUR_DURATION:g}")
-    parser.set_defaults(execute=execute)
+def walk(
+    run: RunOptions,
+    *,
+    velocity: Annotated[Velocity | None, Argument(("VX", "VY", "WZ"), number)] = None,
+    tour: bool = False,
+    duration: Seconds | None = None,
+) -> ExitCode:
+    """Simulate a walking robot in MuJoCo under torque control and print a report.
 
+    The robot stands for a second, walks, and stops in time to end standing.
 
-def execute(options: argparse.Namespace) -> int:
-    """Walk; return the exit code."""
-    run = simulation.SimulatedRun(options)
-    max_velocity = run.walker.gait.max_velocity
-    if options.tour:
-        duration = options.duration or velocity_schedule.TOUR_DURATION
-        return run.walk(velocity_schedule.tour(max_velocity), duration)
+    Args:
+        run: robot, ground and pushes.
+        velocity: forward and left velocity, m/s, and turn to the left, rad/s (default: forward at
+            a moderate speed).
+        tour: walk forward, in a curve, sideways, turn in place, and walk backward.
+        duration: duration, s (default: 10; tour: 30).
+    """
+    if tour and velocity is not None:
+        raise WbcError("--tour and --velocity exclude each other; give one of them")
+    duration = duration or (TOUR_DURATION if tour else _DURATION)
+    scripted = ScriptedRun(run, duration)
+    max_velocity = scripted.walker.gait.max_velocity
+    if tour:
+        return scripted.walk(tour_schedule(max_velocity))
     default = (min(_DEFAULT_SPEED, _SPEED_FRACTION * max_velocity[0]), 0.0, 0.0)
-    duration = options.duration or _DURATION
-    velocity = tuple(options.velocity or default)
-    return run.walk(velocity_schedule.walk(velocity, duration), duration)
+    return scripted.walk(walk_schedule(velocity or default, duration))
+
+
+def walk_schedule(velocity: Velocity, duration: float) -> Schedule:
+    """Return a schedule that stands, walks at one velocity and stands again.
+
+    Args:
+        velocity: forward and left, m/s, and turn, rad/s.
+        duration: duration of the whole schedule, s.
+    """
+    start = min(_INITIAL_STAND, 0.1 * duration)
+    return [(start, velocity), (duration - min(_FINAL_STAND, 0.3 * duration), (0.0, 0.0, 0.0))]
+
+
+def tour_schedule(max_velocity: Velocity) -> Schedule:
+    """Return a schedule that walks forward, in a curve, sideways, in place and backward.
+
+    Args:
+        max_velocity: maximum forward, sideways (m/s) and turning velocity (rad/s) of the gait.
+    """
+    time, schedule = _INITIAL_STAND, []
+    for duration, fractions in (*_TOUR, (_FINAL_STAND, (0.0, 0.0, 0.0))):
+        forward, left, turn = (f * v for f, v in zip(fractions, max_velocity, strict=True))
+        schedule.append((time, (forward, left, turn)))
+        time += duration
+    return schedule

@@ -7,8 +7,8 @@ import pytest
 
 import wbc
 from wbc.cli import main
-from wbc.cli.parser import Parser
-from wbc.cli.robot_options import add_model_options, load_arguments
+from wbc.cli.model_options import ModelOptions
+from wbc.cli.parser import Parser, set_command
 
 FEET = ("--left-foot", "left_foot", "--right-foot", "right_foot")
 NAMED = ("walk", "stand", "live", "view", "robots", "doctor")
@@ -20,9 +20,13 @@ def urdf():
 
 
 def load(name: str, *options: str) -> wbc.Robot:
+    def command(model: ModelOptions) -> wbc.Robot:
+        return model.load(name)
+
     parser = Parser()
-    add_model_options(parser)
-    return wbc.load(name, **load_arguments(parser.parse_args(options)))
+    set_command(parser, command)
+    parsed = parser.parse_args(options)
+    return parsed.execute(parsed)
 
 
 def test_limits_and_armature_are_those_of_the_options(urdf):

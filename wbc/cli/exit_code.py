@@ -1,0 +1,14 @@
+"""Exit codes of the `wbc` command."""
+
+from enum import IntEnum
+
+
+class ExitCode(IntEnum):
+    """What the exit code of a command tells."""
+
+    SUCCESS = 0
+    FAILED = 1  #: the robot fell, the model has errors, the logs differ
+    BAD_INPUT = 2
+    OUTPUT_FAILED = 3  #: standard output or a file could not be written
+    INTERNAL_ERROR = 70  #: an error in the library; EX_SOFTWARE of sysexits.h
+    INTERRUPTED = 130  #: by Ctrl-C: 128 + SIGINT, as in shells
