@@ -2,7 +2,7 @@
 
 - publishing: CPU time per message in the thread that publishes and in the whole process (DDS has
   threads of its own), with a subscriber in another process. "Anew" encodes a message object each
-  time, "template" fills numbers into a serialized message, as the robot's node does.
+  time, "bytes" sends a serialized message, as the robot's node does.
 - the loop: CPU time per tick of the copy into shared memory and of receiving commands, at
   500 Hz, with the robot's node publishing everything.
 - latency: latency from the stamp in one process to the callback in another, and loss, of joint
@@ -24,14 +24,15 @@ from typing import Any
 import numpy as np
 
 import wbc
-from wbc.messages import Template, message_type
+from wbc.messages import message_type
 from wbc.motions import MotionPlayer
 from wbc.ros import Network, Node, QoSProfile
 from wbc.ros.bridge import Bridge
+from wbc.ros.stamp import stamp_now
 from wbc.runtime.stream import TickStream
 from wbc.runtime.tick import Tick
 from wbc.teleop import CommandHandler
-from wbc.topics.link_transforms import MovingLinks, links
+from wbc.topics.link_transforms import LinkPoses, links
 
 Row = dict[str, float | str]
 JOINTS = 32
@@ -73,11 +74,10 @@ def publishing(domain: int, number: int) -> list[Row]:
             node.spin_until(
                 lambda publisher=publisher: publisher.get_subscription_count() > 0, 20.0
             )
-            template = Template(message)
+            data = message.encode()
 
-            def from_template(publisher: Any = publisher, template: Any = template) -> None:
-                template.stamp(time.time())
-                publisher.publish(template.data)
+            def from_bytes(publisher: Any = publisher, data: bytes = data) -> None:
+                publisher.publish(data)
 
             def anew(publisher: Any = publisher, message: Any = message) -> None:
                 publisher.publish(message)
@@ -85,9 +85,9 @@ def publishing(domain: int, number: int) -> list[Row]:
             rows.append(
                 {
                     "what": name,
-                    "bytes": len(template.data),
+                    "bytes": len(data),
                     **each("anew", anew, number // 10),
-                    **each("template", from_template, number),
+                    **each("bytes", from_bytes, number),
                 }
             )
             peer.terminate()
@@ -142,8 +142,8 @@ def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
             end = time.thread_time_ns()
             commands[i], records[i], both[i] = middle - start, end - middle, end - start
         gc.enable()
-    moving = MovingLinks([link for link in links(robot) if link.joint is not None])
-    kinematics = each("tf", lambda: moving.at(estimate.state.q[7:]), 2000)["tf_us"]
+    poses = LinkPoses(robot, [link for link in links(robot) if link.moves])
+    kinematics = each("tf", lambda: poses.at(estimate.state.q), 2000)["tf_us"]
     rows = [
         {"what": what, **spread(1e-3 * values)}
         for what, values in (
@@ -207,8 +207,7 @@ def swallow(domain: str, topic: str, type_name: str) -> None:
 def stream(domain: str, number: str) -> None:
     """Publish numbered joint states at 500 Hz."""
     with Node("streamer", network=Network(int(domain))) as node:
-        template = Template(joint_state())
-        position = template.view("position")
+        message = joint_state()
         publisher = node.create_publisher("sensor_msgs/msg/JointState", "joint_states")
         node.spin_until(lambda: publisher.get_subscription_count() > 0)
         due = time.perf_counter()
@@ -216,9 +215,9 @@ def stream(domain: str, number: str) -> None:
             due += 1.0 / RATE
             while (left := due - time.perf_counter()) > 0.0:
                 time.sleep(left)
-            position[0] = i
-            template.stamp(time.time())
-            publisher.publish(template.data)
+            message.position[0] = i
+            message.header.stamp = stamp_now()
+            publisher.publish(message)
         node.spin()
 
 

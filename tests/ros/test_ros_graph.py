@@ -11,7 +11,7 @@ import time
 
 import numpy as np
 import pytest
-from rostools import PATIENCE, Hearer, Peer, environment, new_domain, node, rosbags_store
+from rostools import PATIENCE, Hearer, Peer, environment, new_domain, node
 
 import wbc
 from wbc.cli import main
@@ -314,8 +314,3 @@ def test_nodes_are_told_in_the_form_of_the_distribution(distribution, size):
     assert message.node_entities_info_seq[0].node_name == "legs"
     assert bytes(store.serialize_cdr(message, kind)) == data
     assert form.decode(data)[1][0] == node_entry
-
-
-def test_rosbags_knows_every_type_that_a_node_may_have():
-    store = pytest.importorskip("rosbags") and rosbags_store()
-    assert "nav2_msgs/action/NavigateToPose_FeedbackMessage" in store.fielddefs

@@ -16,11 +16,11 @@ from rostools import (
     configuration,
     new_domain,
     node,
-    rosbags_store,
     some_message,
+    used_types,
 )
 
-from wbc.messages import available_types, message_type, type_hash
+from wbc.messages import message_type
 from wbc.ros import QoSProfile, RosError
 from wbc.ros.qos import LATCHED, ReliabilityPolicy
 
@@ -77,25 +77,17 @@ def echo():
         yield made
 
 
-@pytest.fixture(scope="module")
-def store():
-    pytest.importorskip("rosbags")
-    return rosbags_store()
-
-
 @pytest.mark.parametrize("name", KNOWN_HASHES)
 def test_types_have_the_hashes_that_ros_gives_them(name):
-    assert type_hash(name) == f"RIHS01_{KNOWN_HASHES[name]}"
+    assert message_type(name).type_hash() == f"RIHS01_{KNOWN_HASHES[name]}"
 
 
-def test_every_type_comes_back_from_another_process_as_rosbags_writes_it(echo, store):
-    """Bytes that rosbags wrote go out, are decoded and encoded there, and come back the same."""
+def test_every_type_comes_back_from_another_process_as_it_was_sent(echo):
+    """Bytes go out, are decoded and encoded there, and come back the same."""
     expected, heard, writers = {}, {}, []
-    for seed, name in enumerate(available_types()):
+    for seed, name in enumerate(used_types()):
         topic = name.replace("/", "_").lower()
-        own = some_message(name, seed).encode()
-        data = bytes(store.serialize_cdr(store.deserialize_cdr(own, name), name))
-        assert data == own, name
+        data = some_message(name, seed).encode()
         writers.append((echo.create_publisher(name, f"forth/{topic}"), data))
         expected[name] = data
         dds_name = message_type(name).dds_name()
@@ -151,6 +143,7 @@ BAD = {
     "of another encoding": b"\x00\x07\x00\x00" + GOOD[4:],
     "with a length beyond its end": GOOD[:20] + b"\xff\xff\xff\x7f" + GOOD[24:],
     "of ones": GOOD[:4] + b"\xff" * 400,
+    "longer": GOOD + b"more" * 1000,
     "at random": GOOD[:4] + os.urandom(200),
 }
 
@@ -173,14 +166,6 @@ def test_what_is_no_message_is_skipped(rogue, what):
     assert listener.spin_until(lambda: len(heard) >= 2, PATIENCE)
     listener.spin(timeout_sec=0.05)
     assert [m.position.tolist() for m in heard.messages] == [[0.5], [0.5]]
-
-
-def test_what_comes_after_a_message_is_ignored(rogue):
-    peer, listener = rogue
-    heard = Hearer(listener, KIND, "longer")
-    peer.tell(f"longer {(GOOD + b'more' * 1000).hex()}")
-    assert heard.wait().position.tolist() == [0.5]
-    assert heard.infos[0].size == len(GOOD) + 4000
 
 
 def test_a_message_of_another_type_is_not_published(pair):

@@ -10,15 +10,17 @@ import os
 import select
 import signal
 import sys
-import time
 from typing import Any
 
-from wbc.messages import Template, available_types, message_type
+from rostools import used_types
+
+from wbc.messages import message_type
 from wbc.ros import Network, Node, QoSProfile, RosError
 from wbc.ros.actions import ActionClient, ActionServer, GoalStatus, ServerGoalHandle
 from wbc.ros.dds_endpoints import DdsWriter, EndpointConfig
 from wbc.ros.dds_types import raw_dds_type
 from wbc.ros.qos import DEFAULT, LATCHED
+from wbc.ros.stamp import stamp_now
 
 PATIENCE = 20_000_000_000  # ns
 ACTION = "nav2_msgs/action/NavigateToPose"
@@ -38,7 +40,7 @@ def echo(node: Node) -> None:
 
     The replies are latched, because their subscriber may be discovered after the publisher.
     """
-    for name in available_types():
+    for name in used_types():
         topic = name.replace("/", "_").lower()
         back = node.create_publisher(name, f"back/{topic}", LATCHED)
         node.create_subscription(name, f"forth/{topic}", lambda m, _, back=back: back.publish(m))
@@ -115,17 +117,16 @@ def count(node: Node, rate: str, number: str, depth: str = "10") -> None:
     kind = message_type("sensor_msgs/msg/JointState")
     zeros = [0.0] * 32
     names = [f"joint_{i}" for i in range(32)]
-    template = Template(kind(name=names, position=zeros, velocity=zeros, effort=zeros))
-    position = template.view("position")
+    message: Any = kind(name=names, position=zeros, velocity=zeros, effort=zeros)
     publisher = node.create_publisher(kind.type_name, "joint_states", QoSProfile(depth=int(depth)))
     sent = 0
 
     def publish() -> None:
         nonlocal sent
         if sent < int(number):
-            position[0] = sent
-            template.stamp(time.time())
-            publisher.publish(template.data)
+            message.position[0] = sent
+            message.header.stamp = stamp_now()
+            publisher.publish(message)
             sent += 1
 
     ready()

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from wbc.messages import available_types, get_definition, message_type, schema_text
-from wbc.messages.definition import PRIMITIVES, Field, Multiplicity
+from wbc.messages import message_type
+from wbc.messages.typestore import number_dtype, typestore
 from wbc.ros import Network, Node
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -197,53 +197,38 @@ SHORT_LIVED = configuration("Discovery/LeaseDuration", "3 s")
 
 def some_message(name: str, seed: int) -> Any:
     """Return a message with a random value in every field."""
+    from rosbags.interfaces import Nodetype
+
     rng = np.random.default_rng(seed)
 
-    def value(field: Field) -> Any:
-        if field.multiplicity is Multiplicity.ONE:
-            return one(field)
-        most = min(field.size, 3) if field.multiplicity is Multiplicity.BOUNDED else 3
-        count = (
-            field.size
-            if field.multiplicity is Multiplicity.ARRAY
-            else int(rng.integers(1, most + 1))
-        )
-        values = [one(field) for _ in range(count)]
-        plain = field.nested or field.type == "string"
-        return values if plain else np.array(values, PRIMITIVES[field.type])
+    def value(desc: Any) -> Any:
+        match desc:
+            case Nodetype.NAME, name:
+                return some_message(name, int(rng.integers(1 << 30)))
+            case Nodetype.BASE, ("string", _):
+                return "".join(rng.choice(list("abc äß€\n'"), rng.integers(0, 8)))
+            case Nodetype.BASE, (primitive, _):
+                dtype = number_dtype(primitive)
+                if dtype.kind == "f":
+                    return dtype.type(rng.normal()).item()
+                if dtype.kind == "b":
+                    return bool(rng.integers(2))
+                limits = np.iinfo(dtype)
+                return int(rng.integers(limits.min, limits.max, dtype=dtype, endpoint=True))
+            case Nodetype.ARRAY, (element, size):
+                return [value(element) for _ in range(size)]
+            case Nodetype.SEQUENCE, (element, size):
+                return [value(element) for _ in range(rng.integers(1, min(size or 3, 3) + 1))]
+        raise AssertionError(desc)
 
-    def one(field: Field) -> Any:
-        if field.nested:
-            return some_message(field.type, int(rng.integers(1 << 30)))
-        if field.type == "string":
-            return "".join(rng.choice(list("abc äß€\n'"), rng.integers(0, 8)))
-        dtype = np.dtype(PRIMITIVES[field.type])
-        if dtype.kind == "f":
-            return dtype.type(rng.normal()).item()
-        if dtype.kind == "b":
-            return bool(rng.integers(2))
-        limits = np.iinfo(dtype)
-        return int(rng.integers(limits.min, limits.max, dtype=dtype, endpoint=True))
-
-    fields = {field.name: value(field) for field in get_definition(name).fields}
-    return message_type(name)(**fields)
+    return message_type(name)(**{f: value(d) for f, d in typestore().fielddefs[name][1]})
 
 
-def rosbags_store() -> Any:
-    """Return the type store of `rosbags`, completed by the library's own schemas."""
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
-
-    store = get_typestore(Stores.ROS2_JAZZY)
-    for name in available_types():
-        if name in store.fielddefs:
-            continue
-        found = get_types_from_msg(schema_text(name), name)
-        own = next(iter(found))  # services are filed under `pkg/srv/msg/`
-        store.register(
-            {
-                name if key == own else key: value
-                for key, value in found.items()
-                if key == own or key not in store.fielddefs
-            }
-        )
-    return store
+def used_types() -> list[str]:
+    """Return all types of the packages whose messages the library uses."""
+    packages = {
+        *("action_msgs", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "nav2_msgs"),
+        *("nav_msgs", "play_motion2_msgs", "rcl_interfaces", "rmw_dds_common", "rosgraph_msgs"),
+        *("sensor_msgs", "std_msgs", "std_srvs", "tf2_msgs", "trajectory_msgs", "wbc_msgs"),
+    }
+    return sorted(name for name in typestore().fielddefs if name.split("/")[0] in packages)

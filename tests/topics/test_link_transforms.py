@@ -7,8 +7,9 @@ import pinocchio as pin
 import pytest
 
 import wbc
+from wbc.messages import message_type
 from wbc.robot import available
-from wbc.topics.link_transforms import MovingLinks, links
+from wbc.topics.link_transforms import Link, LinkPoses, fixed_link_transforms, links
 
 
 @pytest.fixture(scope="module", params=available())
@@ -26,25 +27,24 @@ def test_every_link_but_the_root_has_one_parent(robot):
 
 
 def test_every_joint_moves_one_link(robot):
-    joints = [link.joint for link in links(robot) if link.joint is not None]
-    assert sorted(joints) == list(range(robot.na))
+    assert sum(link.moves for link in links(robot)) == robot.na
 
 
 def test_link_transforms_equal_pinocchios(robot):
     rng = np.random.default_rng(0)
-    every = links(robot)
-    moving = [link for link in every if link.joint is not None]
     model, data = robot.model, robot.model.createData()
     q = robot.q_nominal.copy()
     q[7:] += rng.uniform(-1.0, 1.0, robot.na)
+    moving = [link for link in links(robot) if link.moves]
+    poses = dict(zip(moving, LinkPoses(robot, moving).at(q), strict=True))
+    static = message_type("tf2_msgs/msg/TFMessage").decode(fixed_link_transforms(robot).data)
+    for one in static.transforms:
+        x, turn = one.transform.translation, one.transform.rotation
+        link = Link(one.child_frame_id, one.header.frame_id, moves=False)
+        poses[link] = np.array([x.x, x.y, x.z, turn.x, turn.y, turn.z, turn.w])
+    assert set(poses) == set(links(robot))
     pin.framesForwardKinematics(model, data, q)
-    poses = dict(zip((m.name for m in moving), MovingLinks(moving).at(q[7:]), strict=True))
-    for link in every:
-        local = (
-            pin.XYZQUATToSE3(poses[link.name])
-            if link.joint is not None
-            else link.before * link.after
-        )
-        placed = data.oMf[robot.frame_id(link.parent)] * local
+    for link, pose in poses.items():
+        placed = data.oMf[robot.frame_id(link.parent)] * pin.XYZQUATToSE3(pose)
         expected = data.oMf[robot.frame_id(link.name)]
         assert np.allclose(placed.homogeneous, expected.homogeneous, atol=1e-9), link.name

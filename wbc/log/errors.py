@@ -11,11 +11,12 @@ class LogError(WbcError):
     """A log cannot be written, read or parsed; the message names the file and the remedy."""
 
 
-def require_mcap() -> None:
-    """Check that the package `mcap` is installed, without importing it.
+def require_packages() -> None:
+    """Check that the packages `mcap` and `rosbags` are installed, without importing them.
 
     Raises:
-        MissingExtra: It is not installed.
+        MissingExtra: One of them is not installed.
     """
-    if importlib.util.find_spec("mcap") is None:
-        raise MissingExtra("mcap", "log")
+    for package in ("mcap", "rosbags"):
+        if importlib.util.find_spec(package) is None:
+            raise MissingExtra(package, "log")

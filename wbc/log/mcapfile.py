@@ -18,8 +18,8 @@ from mcap.writer import Writer
 
 import wbc
 from wbc.log.metadata import Metadata
-from wbc.messages import schema_text, type_hash
-from wbc.topics import MessageTopic, TickBatch
+from wbc.messages import message_type
+from wbc.topics import LatchedTopic, MessageTopic, TickBatch
 
 _CHUNK_SIZE = 1 << 24  # bytes; chunks end by `commit`, and by their size only after a long delay
 _QOS = (
@@ -101,10 +101,10 @@ class McapFile:
     def _channel(self, topic: MessageTopic) -> int:
         """Return the number of a topic's channel, which is registered at its first message."""
         if topic.name not in self._channels:
-            durability, depth = (1, 1) if topic.latched else (2, 10)
+            durability, depth = (1, 1) if isinstance(topic, LatchedTopic) else (2, 10)
             metadata = {
                 "offered_qos_profiles": _QOS.format(durability=durability, depth=depth),
-                "topic_type_hash": type_hash(topic.type_name),
+                "topic_type_hash": message_type(topic.type_name).type_hash(),
             }
             self._channels[topic.name] = self._writer.register_channel(
                 "/" + topic.name.lstrip("/"), "cdr", self._schema(topic.type_name), metadata
@@ -113,7 +113,7 @@ class McapFile:
 
     def _schema(self, type_name: str) -> int:
         if type_name not in self._schemas:
-            text = schema_text(type_name).encode()
+            text = message_type(type_name).schema().encode()
             self._schemas[type_name] = self._writer.register_schema(type_name, "ros2msg", text)
         return self._schemas[type_name]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from wbc.errors import did_you_mean
-from wbc.log.errors import LogError, require_mcap
+from wbc.log.errors import LogError, require_packages
 from wbc.log.robot_info import RobotInfo
 from wbc.log.topic_table import TopicTable
 from wbc.messages import Message
@@ -28,11 +28,11 @@ class Log:
 
     Raises:
         LogError: The file does not exist, or is not an MCAP file of ROS 2 messages.
-        MissingExtra: `mcap` is not installed.
+        MissingExtra: `mcap` or `rosbags` is not installed.
     """
 
     def __init__(self, path: str | Path) -> None:
-        require_mcap()
+        require_packages()
         self.path = Path(path)
         self.complete = False
         self.tables: dict[str, dict[str, str]] = {}
@@ -75,7 +75,7 @@ class Log:
         return self._table(topic).numbers(field)
 
     def messages(self, topic: str) -> list[Message]:
-        """Return the messages of a topic whose messages are kept whole (see `Table`).
+        """Return the messages of a topic.
 
         Raises:
             LogError: there are no messages of that topic.

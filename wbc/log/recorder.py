@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wbc.log.config import LogConfig
-from wbc.log.errors import LogError, require_mcap
+from wbc.log.errors import LogError, require_packages
 from wbc.log.metadata import Metadata, run_metadata
 from wbc.log.recovery import repair
 from wbc.log.status import LogStatus
@@ -50,12 +50,12 @@ class FlightRecorder(ProcessObserver):
             `wbc.runtime.protocols.StreamObserver`.
 
     Raises:
-        MissingExtra: `mcap` is not installed.
+        MissingExtra: `mcap` or `rosbags` is not installed.
         LogError: The file cannot be written, or the process does not start.
     """
 
     def __init__(self, path: str | Path, robot: Robot) -> None:
-        require_mcap()
+        require_packages()
         self.path = Path(path)
         self._robot = robot
         self._status = LogStatus()

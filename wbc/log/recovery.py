@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from wbc.log.errors import LogError, require_mcap
+from wbc.log.errors import LogError, require_packages
 
 
 def repair(path: Path) -> float:
@@ -23,9 +23,9 @@ def repair(path: Path) -> float:
 
     Raises:
         LogError: The file is not an MCAP file, or cannot be written.
-        MissingExtra: `mcap` is not installed.
+        MissingExtra: `mcap` or `rosbags` is not installed.
     """
-    require_mcap()
+    require_packages()
     from wbc.log.data_section import DataSection
 
     try:

@@ -17,11 +17,10 @@ from wbc.runtime.quantities import STATUSES
 from wbc.runtime.schema import ODOM, WRENCH, XYZ, Column, MessageKind, columns_from_json
 from wbc.runtime.snapshot import Snapshot
 from wbc.telemetry import PHASES, SIDES, ContactPlan, Footstep, Telemetry
-from wbc.topics.catalogue import COMPOSITE_FIELDS, column_topic
+from wbc.topics import column_fields
 
 _STATE = "/controller_state"
 _LATE = 1.5  # s; older plans are not shown
-_FIELDS = {"point": "point", "wrench": "wrench", "numbers": "data"}  # by the kind of a message
 _HELD = ("true_q", "true_v", "sole_pose/")  # not sent in every tick: the latest value counts
 _POSE = (*XYZ, "qx", "qy", "qz", "qw")
 
@@ -63,7 +62,7 @@ class LoggedRun:
 
         Raises:
             LogError: See `Log` and `LoggedRun`.
-            MissingExtra: `mcap` is not installed.
+            MissingExtra: `mcap` or `rosbags` is not installed.
         """
         return LoggedRun(Log(path))
 
@@ -220,11 +219,9 @@ def _column(
 
 def _fields(column: Column) -> list[tuple[str, str]]:
     """Return the topics and fields that carry a quantity; none if it is not logged."""
-    if column.message != "composite":
-        return [(f"/{column_topic(column)}", _FIELDS[column.message])]
     if column.name.startswith("sole_pose/"):
         return [(f"/{column.topic}", "pose")]
-    return [(f"/{topic}", field) for topic, field in COMPOSITE_FIELDS.get(column.name, ())]
+    return [(f"/{topic}", field) for topic, field in column_fields(column)]
 
 
 def _xyz(points: list[Message]) -> np.ndarray:

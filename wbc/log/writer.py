@@ -24,7 +24,7 @@ from wbc.runtime.mode import Mode
 from wbc.runtime.record import contact_names
 from wbc.runtime.schema import Schema, columns_to_json
 from wbc.runtime.stream import TickReader
-from wbc.topics import BatchMaker, CommandedWrench, MessageTopic, tick_topics
+from wbc.topics import BatchMaker, MessageTopic, commanded_wrench, tick_topics
 
 _PAUSE = 0.1  # s, between two polls for new ticks
 _CHUNK = 0.4  # s, between the ends of two chunks
@@ -73,7 +73,7 @@ class LogWriter:
             running = records[records["mode"] == Mode.RUNNING]
             for name in sorted(contact_names(running) - self._contacts):
                 self._contacts.add(name)
-                self._topics.append(CommandedWrench(name))
+                self._topics.append(commanded_wrench(name))
             self._file.write(self._batches.batch(running), self._topics)
             self._ticks += len(running)
             self._status.dropped = self.reader.lost

@@ -1,23 +1,11 @@
-"""ROS 2 messages without ROS: definitions, CDR serialization and type hashes.
+"""ROS 2 messages without ROS, on the type system of `rosbags` (extras `log` and `ros2`).
 
-Requires only numpy. `message_type` returns message classes; `Template` serializes a message once
-and then updates its numbers in place.
+`message_type` returns message classes, which serialize to CDR; `message_layout` locates the
+numbers of a serialized message, to write or read many of them at once.
 """
 
-from wbc.messages.errors import MessageError
-from wbc.messages.message import Message, message_type
-from wbc.messages.registry import available_types, get_definition, schema_text
-from wbc.messages.template import Template
-from wbc.messages.type_hash import service_hash, type_hash
+from wbc.messages.layout import message_layout
+from wbc.messages.message import Message, MessageError, message_type
+from wbc.messages.typestore import typestore
 
-__all__ = [
-    "Message",
-    "MessageError",
-    "Template",
-    "available_types",
-    "get_definition",
-    "message_type",
-    "schema_text",
-    "service_hash",
-    "type_hash",
-]
+__all__ = ["Message", "MessageError", "message_layout", "message_type", "typestore"]

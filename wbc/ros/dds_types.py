@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import struct
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wbc.errors import MissingExtra
-from wbc.messages import get_definition
-from wbc.messages.definition import Field, Multiplicity
+from wbc.messages import message_type, typestore
 
-#: What `rmw_cyclonedds` puts before a request or reply: the client and its sequence number.
-HEADER_FIELDS = (Field("client_guid", "uint64"), Field("sequence_number", "int64"))
+if TYPE_CHECKING:
+    from rosbags.interfaces.typing import FieldDesc
+
 _HEADER = struct.Struct("<Qq")
 _CDR_HEADER = 4  # bytes
 
@@ -53,7 +53,7 @@ def dds_type(name: str) -> Any:
     Raises:
         MessageError: there is no such type.
     """
-    return carry_bytes(_structure(name, ()))
+    return carry_bytes(_structure(name, {}))
 
 
 @cache
@@ -66,7 +66,12 @@ def dds_service_type(name: str) -> Any:
     Raises:
         MessageError: there is no such type.
     """
-    return carry_bytes(_structure(name, HEADER_FIELDS))
+    import_cyclonedds()
+    from cyclonedds.idl.types import int64, uint64
+
+    # What `rmw_cyclonedds` puts before a request or reply: the client and its sequence number.
+    header = {"client_guid": uint64, "sequence_number": int64}
+    return carry_bytes(_structure(name, header))
 
 
 @cache
@@ -90,19 +95,17 @@ def raw_dds_type(dds_name: str) -> Any:
 
 @cache
 def _nested_type(name: str) -> Any:
-    return _structure(name, ())
+    return _structure(name, {})
 
 
-def _structure(name: str, header: tuple[Field, ...]) -> Any:
+def _structure(name: str, header: dict[str, Any]) -> Any:
     import_cyclonedds()
     from cyclonedds.idl import make_idl_struct
 
-    package, kind, short = name.split("/")
+    package, kind, short = message_type(name).type_name.split("/")
+    fields = {field: _type(desc) for field, desc in typestore().fielddefs[name][1]}
     return make_idl_struct(
-        f"{short}_",
-        f"{package}.{kind}.dds_.{short}_",
-        {field.name: _type(field) for field in (*header, *get_definition(name).fields)},
-        dataclassify=False,
+        f"{short}_", f"{package}.{kind}.dds_.{short}_", {**header, **fields}, dataclassify=False
     )
 
 
@@ -116,23 +119,24 @@ def carry_bytes(structure: Any) -> Any:
     return structure
 
 
-def _type(field: Field) -> Any:
+def _type(desc: FieldDesc) -> Any:
     from cyclonedds.idl import types
+    from rosbags.interfaces import Nodetype
 
-    element: Any
-    if field.nested:
-        element = _nested_type(field.type)
-    elif field.type == "string":
-        element = types.bounded_str[field.max_length] if field.max_length else str
-    elif field.type == "bool":
-        element = bool
-    else:
-        element = getattr(types, {"byte": "uint8", "char": "uint8"}.get(field.type, field.type))
-    if field.multiplicity is Multiplicity.ARRAY:
-        return types.array[element, field.size]
-    if field.multiplicity is Multiplicity.BOUNDED:
-        return types.sequence[element, field.size]
-    return types.sequence[element] if field.multiplicity is Multiplicity.SEQUENCE else element
+    match desc:
+        case Nodetype.NAME, name:
+            return _nested_type(name)
+        case Nodetype.BASE, ("string", limit):
+            return types.bounded_str[limit] if limit else str
+        case Nodetype.BASE, ("bool", _):
+            return bool
+        case Nodetype.BASE, (primitive, _):
+            return getattr(types, {"byte": "uint8", "char": "uint8"}.get(primitive, primitive))
+        case Nodetype.ARRAY, (element, size):
+            return types.array[_type(element), size]
+        case Nodetype.SEQUENCE, (element, size):
+            return types.sequence[_type(element), size] if size else types.sequence[_type(element)]
+    raise AssertionError(f"a field of an unknown kind: {desc}")
 
 
 def with_header(data: bytes, client: int, number: int) -> bytes:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from wbc.messages import type_hash
+from wbc.messages import message_type
 from wbc.ros.dds_types import carry_bytes
 
 TOPIC = "ros_discovery_info"
@@ -75,7 +75,7 @@ class DiscoveryFormat:
 
     def user_data(self) -> str:
         """Return the USER_DATA of the endpoints: the type hash, introduced with the shorter ids."""
-        return "" if self.gid_size == _LONG_GID else f"typehash={type_hash(TYPE)};"
+        return "" if self.gid_size == _LONG_GID else f"typehash={message_type(TYPE).type_hash()};"
 
     def encode(self, participant: bytes, nodes: tuple[NodeEntities, ...]) -> bytes:
         """Return the serialized message."""

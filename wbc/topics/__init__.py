@@ -5,20 +5,19 @@ The log and the ROS 2 node publish the same topics, from the same declarations: 
 """
 
 from wbc.topics.batch import BatchMaker, TickBatch
-from wbc.topics.catalogue import latched_topics, tick_topics
-from wbc.topics.commanded_wrench import CommandedWrench
-from wbc.topics.latched import LatchedTopic
-from wbc.topics.message_topic import MessageTopic, TopicMessage
+from wbc.topics.catalogue import column_fields, commanded_wrench, latched_topics, tick_topics
 from wbc.topics.numeric import NumericTopic
+from wbc.topics.topic import LatchedTopic, MessageTopic, TopicMessage
 
 __all__ = [
     "BatchMaker",
-    "CommandedWrench",
     "LatchedTopic",
     "MessageTopic",
     "NumericTopic",
     "TickBatch",
     "TopicMessage",
+    "column_fields",
+    "commanded_wrench",
     "latched_topics",
     "tick_topics",
 ]

@@ -38,6 +38,18 @@ class TickBatch:
         """Return the number of ticks."""
         return len(self.records)
 
+    def select(self, ticks: np.ndarray) -> TickBatch:
+        """Return the ticks with some indices."""
+        if len(ticks) == len(self):
+            return self
+        return TickBatch(
+            self.records[ticks],
+            self.stamps[ticks],
+            {name: poses[ticks] for name, poses in self.soles.items()},
+            self.com[ticks],
+            self.cop[ticks],
+        )
+
 
 class BatchMaker:
     """Makes batches of records, with stamps that stay continuous over resets.

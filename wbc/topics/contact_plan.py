@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from wbc.messages import Message, message_type
+from wbc.messages import message_type
 from wbc.runtime.record import contact_plan_of
 from wbc.runtime.schema import ODOM
 from wbc.telemetry import SIDES, ContactPlan, Footstep
 from wbc.topics.batch import TickBatch
-from wbc.topics.message_topic import MessageTopic, TopicMessage
-
-_Header = message_type("std_msgs/Header")
-_Pose = message_type("geometry_msgs/Pose")
+from wbc.topics.topic import MessageTopic, TopicMessage
 
 
 class ContactPlanTopic(MessageTopic):
-    """A topic with one message per new contact plan, about 30 per second."""
+    """A topic with one message per new contact plan, about 30 per second.
 
-    _latest = (0.0, 0.0)  # run and tick of the latest published plan
+    Args:
+        name: Name of the topic.
+        type_name: Type of its messages.
+        fill: Called with a new message and the plan; the header is already set.
+    """
+
+    def __init__(self, name: str, type_name: str, fill: Callable[[Any, ContactPlan], None]) -> None:
+        super().__init__(name, type_name)
+        self._fill = fill
+        self._latest = (0.0, 0.0)  # run and tick of the latest published plan
 
     def messages(self, batch: TickBatch) -> list[TopicMessage]:
         """Return the messages of a batch; see `MessageTopic.messages`."""
@@ -32,78 +38,58 @@ class ContactPlanTopic(MessageTopic):
             if plan == self._latest or np.isnan(plan[1]):
                 continue
             self._latest = plan
-            header = _Header(frame_id=ODOM)
+            message = message_type(self.type_name)()
+            header = message.header
+            header.frame_id = ODOM
             header.stamp.sec, header.stamp.nanosec = divmod(int(batch.stamps[index]), 1_000_000_000)
-            message = self._message(contact_plan_of(records[index]), header)
+            self._fill(message, contact_plan_of(records[index]))
             found.append(TopicMessage(index, message.encode()))
         return found
 
-    @abstractmethod
-    def _message(self, plan: ContactPlan, header: Message) -> Message:
-        """Return the message of one contact plan."""
+
+def contact_plan_topics() -> list[ContactPlanTopic]:
+    """Return the topics of the contact plan."""
+    return [
+        ContactPlanTopic("support_polygon", "geometry_msgs/msg/PolygonStamped", _fill_support),
+        ContactPlanTopic("footsteps", "wbc_msgs/msg/FootstepPlan", _fill_footsteps),
+        # The footsteps of each side once more, as a type that viewers draw.
+        ContactPlanTopic("footsteps/left", "geometry_msgs/msg/PoseArray", _fill_left),
+        ContactPlanTopic("footsteps/right", "geometry_msgs/msg/PoseArray", _fill_right),
+        ContactPlanTopic("swing_path", "nav_msgs/msg/Path", _fill_swing_path),
+    ]
 
 
-class SupportPolygonTopic(ContactPlanTopic):
-    """Publishes the support polygon, with counter-clockwise vertices."""
-
-    name = "support_polygon"
-    type_name = "geometry_msgs/msg/PolygonStamped"
-
-    def _message(self, plan: ContactPlan, header: Message) -> Message:
-        message = message_type(self.type_name)(header=header)
-        point = message_type("geometry_msgs/Point32")
-        message.polygon.points = [point(x=x, y=y, z=z) for x, y, z in plan.support.tolist()]
-        return message
+def _fill_support(message: Any, plan: ContactPlan) -> None:
+    """Fill in the support polygon, with counter-clockwise vertices."""
+    point = message_type("geometry_msgs/msg/Point32")
+    message.polygon.points = [point(x=x, y=y, z=z) for x, y, z in plan.support]
 
 
-class FootstepsTopic(ContactPlanTopic):
-    """Publishes the planned footsteps, the next one first."""
-
-    name = "footsteps"
-    type_name = "wbc_msgs/msg/FootstepPlan"
-
-    def _message(self, plan: ContactPlan, header: Message) -> Message:
-        footstep = message_type("wbc_msgs/Footstep")
-        steps = [footstep(side=SIDES.index(s.side), pose=_pose(s)) for s in plan.footsteps]
-        return message_type(self.type_name)(header=header, footsteps=steps)
+def _fill_footsteps(message: Any, plan: ContactPlan) -> None:
+    """Fill in the planned footsteps, the next one first."""
+    footstep = message_type("wbc_msgs/msg/Footstep")
+    message.footsteps = [
+        footstep(side=SIDES.index(step.side), pose=_pose(step)) for step in plan.footsteps
+    ]
 
 
-class SideFootstepsTopic(ContactPlanTopic):
-    """Publishes the planned footsteps of one side, as a message type that viewers draw.
-
-    Args:
-        side: "left" or "right".
-    """
-
-    type_name = "geometry_msgs/msg/PoseArray"
-
-    def __init__(self, side: str) -> None:
-        self.name = f"footsteps/{side}"
-        self._side = side
-
-    def _message(self, plan: ContactPlan, header: Message) -> Message:
-        poses = [_pose(step) for step in plan.footsteps if step.side == self._side]
-        return message_type(self.type_name)(header=header, poses=poses)
+def _fill_left(message: Any, plan: ContactPlan) -> None:
+    message.poses = [_pose(step) for step in plan.footsteps if step.side == "left"]
 
 
-class SwingPathTopic(ContactPlanTopic):
-    """Publishes the remaining path of the swing sole's centre."""
+def _fill_right(message: Any, plan: ContactPlan) -> None:
+    message.poses = [_pose(step) for step in plan.footsteps if step.side == "right"]
 
-    name = "swing_path"
-    type_name = "nav_msgs/msg/Path"
 
-    def _message(self, plan: ContactPlan, header: Message) -> Message:
-        stamped = message_type("geometry_msgs/PoseStamped")
-        poses = [
-            stamped(header=header, pose=_pose(Footstep("left", point, 0.0)))
-            for point in plan.swing_path
-        ]
-        return message_type(self.type_name)(header=header, poses=poses)
+def _fill_swing_path(message: Any, plan: ContactPlan) -> None:
+    """Fill in the remaining path of the swing sole's centre."""
+    stamped = message_type("geometry_msgs/msg/PoseStamped")
+    steps = (Footstep("left", point, 0.0) for point in plan.swing_path)
+    message.poses = [stamped(header=message.header, pose=_pose(step)) for step in steps]
 
 
 def _pose(step: Footstep) -> Any:
-    pose = _Pose()
-    pose.position.x, pose.position.y, pose.position.z = step.position.tolist()
-    pose.orientation.z = float(np.sin(0.5 * step.yaw))
-    pose.orientation.w = float(np.cos(0.5 * step.yaw))
+    pose = message_type("geometry_msgs/msg/Pose")()
+    pose.position.x, pose.position.y, pose.position.z = step.position
+    pose.orientation.z, pose.orientation.w = np.sin(0.5 * step.yaw), np.cos(0.5 * step.yaw)
     return pose

@@ -6,68 +6,66 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from wbc.messages import Message, Template
+from wbc.messages import Message, message_layout
 from wbc.topics.batch import TickBatch
-from wbc.topics.message_topic import MessageTopic, TopicMessage
+from wbc.topics.topic import MessageTopic, TopicMessage
 
-Columns = Callable[[TickBatch], np.ndarray]
+Values = Callable[[TickBatch], Mapping[str, np.ndarray]]
+_NS = 1_000_000_000  # per second
 
 
 class NumericTopic(MessageTopic):
     """A topic whose message is serialized once and then filled column by column for each batch.
 
+    Ticks at which all its values are NaN have no message.
+
     Args:
         name: Name of the topic.
         message: Message with everything but the numbers; each `stamp` in it is filled in.
-        columns: Maps each field of the message to a function that returns its values for a
-            batch, shape (n, k) or (n,). A field may be a message of numbers, such as a pose.
-        where: Function that returns a mask of the ticks of a batch with a message, shape (n,);
-            all by default.
+        values: Returns the values of a batch by the paths of their fields, shape (n, k) or (n,). A
+            field may be a message of numbers, such as a pose (see `message_layout`).
+        period: Period of the messages, s; 0 publishes every tick.
     """
 
-    def __init__(
-        self,
-        name: str,
-        message: Message,
-        columns: Mapping[str, Columns],
-        where: Callable[[TickBatch], np.ndarray] | None = None,
-    ) -> None:
-        self.name = name
-        self.type_name = message.type_name
-        self._template = template = Template(message)
-        self._columns = [(template.locate(path), numbers) for path, numbers in columns.items()]
-        self._where = where
-        self._stamps = [
-            place
-            for place in template.locations
-            if place.path.endswith(("stamp.sec", "stamp.nanosec"))
-        ]
+    def __init__(self, name: str, message: Message, values: Values, period: float = 0.0) -> None:
+        super().__init__(name, message.type_name)
+        self._serialized = np.frombuffer(message.encode(), np.uint8)
+        self._layout = message_layout(message)
+        self._stamps = [path for path in self._layout.names or () if path.endswith("stamp.sec")]
+        self._values = values
+        self._period = round(1e9 * period)
+        self._due = 0
 
     def messages(self, batch: TickBatch) -> list[TopicMessage]:
         """Return the messages of a batch; see `MessageTopic.messages`."""
-        chosen = np.arange(len(batch))
-        if self._where is not None:
-            chosen = np.flatnonzero(self._where(batch))
-            if not chosen.size:
-                return []
-        rows = self._template.rows(len(chosen))
-        for place, numbers in self._columns:
-            values = numbers(batch)[chosen].reshape(len(chosen), place.count)
-            stop = place.offset + place.count * place.dtype.itemsize
-            rows[:, place.offset : stop] = np.ascontiguousarray(values, place.dtype).view(np.uint8)
-        seconds, nanoseconds = np.divmod(batch.stamps[chosen], 1_000_000_000)
-        for place in self._stamps:
-            part = seconds if place.path.endswith(".sec") else nanoseconds
-            column = np.ascontiguousarray(part, place.dtype).view(np.uint8).reshape(-1, 4)
-            rows[:, place.offset : place.offset + 4] = column
-        data, size = rows.tobytes(), rows.shape[1]
-        return [
-            TopicMessage(
-                int(index), self._finish(batch, int(index), data[k * size : (k + 1) * size])
-            )
-            for k, index in enumerate(chosen)
-        ]
+        ticks = self._ticks_due(batch)
+        if not len(ticks):
+            return []
+        batch = batch.select(ticks)
+        values = self._values(batch)
+        numbers = [one.reshape(len(ticks), -1) for one in values.values()]
+        known = np.isfinite(np.concatenate(numbers, axis=1)).any(axis=1)
+        if not known.all():
+            ticks, batch = ticks[known], batch.select(np.flatnonzero(known))
+            values = {path: one[known] for path, one in values.items()}
+        data = np.tile(self._serialized, (len(ticks), 1))
+        messages = data.view(self._layout)[:, 0]
+        for path, one in values.items():
+            field = messages[path]
+            field[:] = one.reshape(field.shape)
+        seconds, nanoseconds = np.divmod(batch.stamps, _NS)
+        for path in self._stamps:
+            messages[path] = seconds
+            messages[f"{path[:-3]}nanosec"] = nanoseconds
+        return [TopicMessage(k, row.tobytes()) for k, row in zip(ticks.tolist(), data, strict=True)]
 
-    def _finish(self, batch: TickBatch, index: int, data: bytes) -> bytes:
-        """Return the final bytes of a message."""
-        return data
+    def _ticks_due(self, batch: TickBatch) -> np.ndarray:
+        """Return the indices of the ticks of a batch that are due."""
+        if not self._period:
+            return np.arange(len(batch))
+        due = []
+        for tick, stamp in enumerate(batch.stamps.tolist()):
+            if stamp >= self._due:
+                due.append(tick)
+                self._due = stamp - stamp % self._period + self._period
+        return np.array(due, int)

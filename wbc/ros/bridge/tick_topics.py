@@ -15,9 +15,9 @@ from wbc.runtime.record import contact_names
 from wbc.runtime.schema import Schema
 from wbc.topics import (
     BatchMaker,
-    CommandedWrench,
     LatchedTopic,
     MessageTopic,
+    commanded_wrench,
     latched_topics,
     tick_topics,
 )
@@ -52,7 +52,7 @@ class TickTopics:
         self._publishers: dict[str, Publisher] = {}
         self._contacts: set[str] = set()
         for topic in latched_topics(config.robot):
-            self._publisher(topic).publish(topic.encode())
+            self._publisher(topic).publish(topic.data)
 
     @property
     def max_rate(self) -> float:
@@ -76,7 +76,7 @@ class TickTopics:
         """Publish a tick on the topics that are due."""
         for name in sorted(contact_names(tick.record) - self._contacts):
             self._contacts.add(name)
-            wrench = CommandedWrench(name)
+            wrench = commanded_wrench(name)
             self._topics.append((wrench, self._publisher(wrench)))
         update_due = self._update_limiter.is_due(tick.stamp)
         state_due = self._state_limiter.is_due(tick.stamp)
@@ -95,7 +95,7 @@ class TickTopics:
 
     def _publisher(self, topic: MessageTopic) -> Publisher:
         if topic.name not in self._publishers:
-            qos = LATCHED if topic.latched else HIGH_RATE
+            qos = LATCHED if isinstance(topic, LatchedTopic) else HIGH_RATE
             publisher = self._node.create_publisher(topic.type_name, topic.name, qos)
             self._publishers[topic.name] = publisher
         return self._publishers[topic.name]

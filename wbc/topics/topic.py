@@ -1,4 +1,4 @@
-"""The base class of topics made from ticks."""
+"""Topics made from ticks."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import re
 from abc import ABC, abstractmethod
 from typing import NamedTuple
 
+from wbc.messages import Message
 from wbc.topics.batch import TickBatch
 
 
@@ -27,16 +28,34 @@ class MessageTopic(ABC):
     Attributes:
         name: Name of the topic, without a leading slash.
         type_name: Type of its messages.
-        latched: Whether late subscribers receive its single message.
     """
 
-    name: str
-    type_name: str
-    latched: bool = False
+    def __init__(self, name: str, type_name: str) -> None:
+        self.name, self.type_name = name, type_name
 
     @abstractmethod
     def messages(self, batch: TickBatch) -> list[TopicMessage]:
         """Return the messages of a batch of ticks, in order of time."""
+
+
+class LatchedTopic(MessageTopic):
+    """A topic with a single message, which late subscribers receive, too.
+
+    Attributes:
+        data: The message, CDR.
+    """
+
+    def __init__(self, name: str, message: Message) -> None:
+        super().__init__(name, message.type_name)
+        self.data = message.encode()
+        self._sent = False
+
+    def messages(self, batch: TickBatch) -> list[TopicMessage]:
+        """Return the message with the first tick; see `MessageTopic.messages`."""
+        if self._sent or not len(batch):
+            return []
+        self._sent = True
+        return [TopicMessage(0, self.data)]
 
 
 def topic_name(*parts: str) -> str:
