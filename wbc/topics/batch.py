@@ -103,7 +103,7 @@ class BatchMaker:
         stamps = np.empty(len(times), np.int64)
         for k, time in enumerate(times.tolist()):
             if not math.isfinite(time):  # a plant that has diverged
-                time = self._last or 0.0
+                time = (self._last or 0.0) + self._step
             if self._last is not None and time < self._last:
                 self._offset += self._last + self._step - time
             elif self._last is not None:

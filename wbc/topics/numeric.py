@@ -44,7 +44,7 @@ class NumericTopic(MessageTopic):
         batch = batch.select(ticks)
         values = self._values(batch)
         numbers = [one.reshape(len(ticks), -1) for one in values.values()]
-        known = np.isfinite(np.concatenate(numbers, axis=1)).any(axis=1)
+        known = ~np.isnan(np.concatenate(numbers, axis=1)).all(axis=1)
         if not known.all():
             ticks, batch = ticks[known], batch.select(np.flatnonzero(known))
             values = {path: one[known] for path, one in values.items()}
