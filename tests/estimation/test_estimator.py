@@ -303,6 +303,25 @@ def test_invalid_readings_are_refused_by_name(field):
         estimator.update(dataclasses.replace(m, **{field: reading[:-1]}))
     with pytest.raises(MeasurementError, match=rf"{field}\[1\] is nan"):
         estimator.update(dataclasses.replace(m, **{field: _with(reading, 1, np.nan)}))
+    with pytest.raises(MeasurementError, match=f"{field} is None|{field} is missing"):
+        estimator.update(dataclasses.replace(m, **{field: None}))
+    assert not estimator.contacts, "a reading that is refused changes nothing"
+
+
+def test_readings_of_other_number_types_are_taken():
+    m = swaying(duration=2.0).measurements[0]
+    q = m.joint_position.astype(np.float32)
+    other = dataclasses.replace(m, joint_position=q, gyro=np.zeros(3, int))
+    same = dataclasses.replace(m, joint_position=q.astype(float), gyro=np.zeros(3))
+    states = [Estimator(robot()).update(reading).state for reading in (other, same)]
+    np.testing.assert_array_equal(states[0].q, states[1].q)
+
+
+@pytest.mark.parametrize("bad", [np.zeros(7), np.full(38, np.nan), 0.0])
+def test_a_foreseen_acceleration_that_makes_no_sense_is_refused(bad):
+    m = swaying(duration=2.0).measurements[0]
+    with pytest.raises(MeasurementError, match="acceleration is"):
+        Estimator(robot()).update(m, acceleration=bad)
 
 
 def test_invalid_foot_wrenches_and_contacts_are_refused_by_name():

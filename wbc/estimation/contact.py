@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,11 +57,13 @@ class ContactDetector:
         names: of the soles, in the order of all lists here.
         stands: per sole, whether it stands.
         contacts: names of the soles that stand.
+        slip: per sole, the factor on its drift over the last period; 0 for one in the air.
     """
 
     def __init__(self, robot: Robot, trigger: ContactTrigger | None = None) -> None:
         self.names = tuple(sole.name for sole in robot.soles)
         self.trigger = ContactTrigger() if trigger is None else trigger
+        self.slip = np.zeros(len(self.names))
         self._weight = robot.weight
         self.reset()
 
@@ -70,37 +72,49 @@ class ContactDetector:
         self.stands = [False] * len(self.names)
         self.contacts: tuple[str, ...] = ()
 
-    def loads(self, wrenches: Mapping[str, np.ndarray]) -> dict[str, float] | None:
-        """Return the normal force of each sole as a share of the weight; None without wrenches.
+    def update(
+        self, wrenches: Mapping[str, np.ndarray], contacts: Collection[str] | None = None
+    ) -> dict[str, float] | None:
+        """Take in the foot wrenches of a tick; return each sole's share of the robot's weight.
 
         Args:
-            wrenches: sole name -> (6,) wrench from the ground in sole axes; N, N·m.
+            wrenches: sole name -> (6,) wrench from the ground in sole axes; N, N·m. Without any,
+                the soles that stand are taken to carry the same, and `decide` is somebody else's.
+            contacts: names of the soles that stand, instead of deciding by the loads.
 
         Raises:
             MeasurementError: a sole is missing, or a wrench has a wrong shape or is not finite.
+            ContactError: an unknown sole in `contacts`.
         """
-        if not wrenches:
-            return None
-        loads: dict[str, float] = {}
-        for name in self.names:
-            wrench = wrenches.get(name)
-            if wrench is None or wrench.shape != (6,) or not math.isfinite(wrench.dot(wrench)):
-                raise MeasurementError(
-                    f"measurement.foot_wrenches['{name}'] is {wrench!r}: it needs six finite "
-                    "numbers for every sole, or no entries at all without foot sensors"
-                )
-            loads[name] = wrench.item(2) / self._weight
+        given = None if contacts is None else self._validated(contacts)
+        names, before, slip, trigger = self.names, self.stands, self.slip, self.trigger
+        loads: dict[str, float] | None = None
+        if wrenches:
+            stands, loads = [], {}
+            for i, name in enumerate(names):
+                wrench = wrenches.get(name)
+                if wrench is None or wrench.shape != (6,) or not math.isfinite(wrench.dot(wrench)):
+                    raise MeasurementError(
+                        f"measurement.foot_wrenches['{name}'] is {wrench!r}: it needs six finite "
+                        "numbers for every sole, or no entries at all without foot sensors"
+                    )
+                load = loads[name] = wrench.item(2) / self._weight
+                stood = before[i]
+                slip[i] = trigger.slip_factor(load) if stood else 0.0
+                stands.append(load > (trigger.off if stood else trigger.on))
+            self.decide(stands if given is None else given)
+        else:
+            equal = trigger.slip_factor(1.0 / len(names))
+            slip[:] = [equal if stood else 0.0 for stood in before]
+            if given is not None:
+                self.decide(given)
         return loads
 
-    def update(self, loads: Mapping[str, float]) -> None:
-        """Decide by the loads, shares of the weight."""
-        on, off = self.trigger.on, self.trigger.off
-        self.decide(
-            [
-                loads[name] > (off if before else on)
-                for name, before in zip(self.names, self.stands, strict=True)
-            ]
-        )
+    def _validated(self, contacts: Collection[str]) -> list[bool]:
+        unknown = [c for c in contacts if c not in self.names]
+        if unknown:
+            raise ContactError(f"no sole is called '{unknown[0]}'; there are: {list(self.names)}")
+        return [name in contacts for name in self.names]
 
     def decide(self, stands: list[bool]) -> None:
         """Set which soles stand."""

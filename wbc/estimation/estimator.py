@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
+from typing import NoReturn
 
 import numpy as np
 import pinocchio as pin
 
-from wbc.errors import ContactError, MeasurementError
+from wbc.errors import MeasurementError, short_repr
 from wbc.estimation.contact import ContactDetector, ContactTrigger
 from wbc.estimation.estimate import Estimate
 from wbc.estimation.inekf import InvariantFilter
 from wbc.estimation.joints import JointFilter
 from wbc.estimation.kernels.legs import write_state
+from wbc.estimation.kernels.prediction import CORRECTION_DUE, REFUSED, predict
 from wbc.estimation.legs import LegKinematics, leg_covariance
 from wbc.estimation.noise import EstimatorNoise
 from wbc.measurement import Measurement
@@ -101,9 +103,9 @@ class Estimator:
             joint_acceleration,
             joint_surprise,
         )
-        self._joint_shape = (robot.na,)
+        self._no_acceleration = np.zeros(robot.na)
+        self._shapes = ((robot.na,), (robot.na,), (robot.na,), (3,), (3,))
         self._nq, self._nv = robot.nq, robot.nv
-        self._slip = np.zeros(len(robot.soles))
         self.reset(robot.standing())
 
     def __repr__(self) -> str:
@@ -124,13 +126,14 @@ class Estimator:
             StateError: wrong sizes, NaN or a quaternion that is not of unit length.
         """
         state = state.validated(self.robot.model)
-        legs = self._legs
-        legs.update(np.array((state.q[7:], state.v[6:])))
-        base = pin.SE3(pin.Quaternion(state.q[3:7]).toRotationMatrix(), state.q[:3])
-        world = base * legs.T_imu_base.inverse()
-        twist = legs.T_imu_base.act(pin.Motion(state.v[:6])) + legs.relative
-        self.filter.reset(world.rotation, world.rotation @ twist.linear, world.translation)
-        self._joints.reset()
+        model = self.robot.model
+        data = model.createData()
+        pin.forwardKinematics(model, data, state.q, state.v)
+        imu = self.robot.frame_id(self.robot.imu)
+        world = pin.updateFramePlacement(model, data, imu)
+        velocity = pin.getFrameVelocity(model, data, imu, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+        self.filter.reset(world.rotation, velocity.linear, world.translation)
+        self._joints.fresh = True
         self._detector.reset()
 
     def update(
@@ -156,55 +159,54 @@ class Estimator:
             base frame, filtered joints.
 
         Raises:
-            MeasurementError: a wrong size, a reading that is not finite, or foot wrenches of
-                some soles only.
+            MeasurementError: a wrong size, a reading or acceleration that is not finite, or foot
+                wrenches of some soles only.
             ContactError: an unknown sole in `contacts`.
         """
-        q, v, gyro, accelerometer = self._readings(measurement)
-        detector, joints, legs = self._detector, self._joints, self._legs
-        loads = detector.loads(measurement.foot_wrenches)
-        given = None if contacts is None else self._validated_contacts(contacts)
+        detector = self._detector
         before = detector.stands
-        self._set_slip(loads)
-        due = self.filter.propagate(gyro, accelerometer, self._slip)
-        joints.update(q, v, None if acceleration is None else acceleration[6:])
-        legs.update(joints.state)
-        if given is not None:
-            detector.decide(given)
-        elif loads is not None:
-            detector.update(loads)
-        else:
+        loads = detector.update(measurement.foot_wrenches, contacts)
+        outcome = self._predict(measurement, acceleration)
+        if outcome == REFUSED:
+            detector.decide(before)
+            self._refuse(measurement, acceleration)
+        if loads is None and contacts is None:
             detector.decide(self._lowest())
-        self._correct(before, detector.stands, due)
+        self._correct(before, detector.stands, outcome == CORRECTION_DUE)
         return Estimate(self._state(), detector.contacts, loads, measurement.foot_wrenches)
 
-    def _readings(self, measurement: Measurement) -> tuple[np.ndarray, ...]:
-        """Return the readings of joints and IMU as float arrays, validated."""
-        q = np.ascontiguousarray(measurement.joint_position, dtype=float)
-        v = np.ascontiguousarray(measurement.joint_velocity, dtype=float)
-        gyro = np.ascontiguousarray(measurement.gyro, dtype=float)
-        accelerometer = np.ascontiguousarray(measurement.accelerometer, dtype=float)
-        # One sum of squares is finite only if every reading is; what is wrong is found below.
-        if not (
-            q.shape == self._joint_shape
-            and v.shape == self._joint_shape
-            and gyro.shape == (3,)
-            and accelerometer.shape == (3,)
-            and math.isfinite(
-                q.dot(q) + v.dot(v) + gyro.dot(gyro) + accelerometer.dot(accelerometer)
-            )
-        ):
-            self._refuse(measurement)
-        return q, v, gyro, accelerometer
+    def _predict(self, measurement: Measurement, acceleration: np.ndarray | None) -> int:
+        """Take in the readings of joints and IMU; see `predict`."""
+        m, joints, legs = measurement, self._joints, self._legs
+        readings = (m.joint_position, m.joint_velocity, m.gyro, m.accelerometer)
+        try:
+            foreseen = self._no_acceleration if acceleration is None else acceleration[6:]
+            if tuple([x.shape for x in (foreseen, *readings)]) != self._shapes:
+                return REFUSED
+        except (AttributeError, TypeError):
+            return REFUSED
+        update = joints.update_matrix(acceleration is not None)
+        state = (self.filter.record, self._detector.slip, update, joints.state)
+        chains = (legs.links, legs.ends, legs.poses)
+        try:
+            outcome = predict(*state, *chains, foreseen, *readings)
+        except TypeError:  # other numbers than floats, or not contiguous
+            if any(x.dtype.kind not in "fiu" for x in (foreseen, *readings)):
+                return REFUSED
+            floats = [np.ascontiguousarray(x, dtype=float) for x in (foreseen, *readings)]
+            outcome = predict(*state, *chains, *floats)
+        if outcome != REFUSED:
+            joints.fresh = False
+        return int(outcome)
 
-    def _refuse(self, measurement: Measurement) -> None:
-        for name, shape in (
-            ("joint_position", self._joint_shape),
-            ("joint_velocity", self._joint_shape),
-            ("gyro", (3,)),
-            ("accelerometer", (3,)),
-        ):
-            reading = np.asarray(getattr(measurement, name), dtype=float)
+    def _refuse(self, measurement: Measurement, acceleration: np.ndarray | None) -> NoReturn:
+        names = ("joint_position", "joint_velocity", "gyro", "accelerometer")
+        for name, shape in zip(names, self._shapes[1:], strict=True):
+            reading = getattr(measurement, name)
+            if not isinstance(reading, np.ndarray) or reading.dtype.kind not in "fiu":
+                raise MeasurementError(
+                    f"measurement.{name} is {short_repr(reading)}: it must be an array of numbers"
+                )
             if reading.shape != shape:
                 raise MeasurementError(
                     f"measurement.{name} has shape {reading.shape}, the robot needs {shape}"
@@ -215,21 +217,10 @@ class Estimator:
                     f"measurement.{name}[{first}] is {reading[first]}: readings must be finite; "
                     "look at the sensor or its driver"
                 )
-
-    def _set_slip(self, loads: Mapping[str, float] | None) -> None:
-        """Set per sole the factor on its drift; 0 in the air, equal loads without sensors."""
-        detector, slip = self._detector, self._slip
-        equal = 1.0 / len(detector.names)
-        for i, stands in enumerate(detector.stands):
-            load = equal if loads is None else loads[detector.names[i]]
-            slip[i] = detector.trigger.slip_factor(load) if stands else 0.0
-
-    def _validated_contacts(self, contacts: Collection[str]) -> list[bool]:
-        names = self._detector.names
-        unknown = [c for c in contacts if c not in names]
-        if unknown:
-            raise ContactError(f"no sole is called '{unknown[0]}'; there are: {list(names)}")
-        return [name in contacts for name in names]
+        raise MeasurementError(
+            f"acceleration is {short_repr(acceleration)}: give finite numbers of shape "
+            f"({self._nv},), such as those of the last command, or None"
+        )
 
     def _lowest(self) -> list[bool]:
         heights = (self._legs.sole_positions @ self.filter.R[2]).tolist()

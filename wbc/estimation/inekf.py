@@ -31,7 +31,8 @@ class InvariantFilter:
     `r = p + R h − d = ξ_p − ξ_d + noise`, not at all. Moving or rotating the scene
     changes nothing but its coordinates.
 
-    The state is one record, so that a copy or pickle of a filter is small and complete.
+    The state is one record, so that a copy or pickle of a filter is small and complete. The
+    kernel `wbc.estimation.kernels.prediction.predict` propagates it.
 
     Args:
         dt: period of the IMU, s.
@@ -142,18 +143,6 @@ class InvariantFilter:
     def _field(self, name: str) -> np.ndarray:
         field: np.ndarray = self.record[name][0]
         return field
-
-    def propagate(self, gyro: np.ndarray, accelerometer: np.ndarray, slip: np.ndarray) -> bool:
-        """Advance by one period; return whether a correction is due.
-
-        Args:
-            gyro: (3,) at the end of the period, IMU axes, rad/s; the mean with the one before
-                counts. The first one after a reset belongs to the reset's instant: nothing
-                advances.
-            accelerometer: (3,) mean specific force over the period, IMU axes, m/s².
-            slip: (2,) per sole, a factor on its drift; 0 for one in the air.
-        """
-        return bool(kernels.propagate(self.record, gyro, accelerometer, slip))
 
     def land(self, foot: int, h: np.ndarray, F: np.ndarray) -> None:
         """Take a sole as standing where the legs see it now.

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.estimation.kernels.joints import update_joints
-
 
 class JointFilter:
     """One stationary Kalman filter per joint over position and velocity.
@@ -26,8 +24,8 @@ class JointFilter:
         surprise: that of e when an acceleration is foreseen, rad/s².
 
     Attributes:
-        state: (2, na) filtered positions, rad, and velocities, rad/s; the next update overwrites
-            them.
+        state: (2, na) filtered positions, rad, and velocities, rad/s.
+        fresh: the next reading is taken as it is.
     """
 
     def __init__(
@@ -40,38 +38,22 @@ class JointFilter:
         surprise: float,
     ) -> None:
         self.state = np.zeros((2, na))
-        self._zero = np.zeros(na)
-        self._update = _update_matrix(dt, stationary_gain(dt, position, velocity, acceleration))
-        self._foreseen_update = _update_matrix(
-            dt, stationary_gain(dt, position, velocity, surprise)
-        )
-        self._passes = not np.isfinite(acceleration)
-        self._fresh = True
+        self.fresh = True
+        self._pass = _update_matrix(dt, np.eye(2))
+        self._plain = _update_matrix(dt, stationary_gain(dt, position, velocity, acceleration))
+        self._foreseen = self._plain
+        if np.isfinite(acceleration):
+            self._foreseen = _update_matrix(dt, stationary_gain(dt, position, velocity, surprise))
 
-    def reset(self) -> None:
-        """Forget: the next reading is taken as it is."""
-        self._fresh = True
-
-    def update(
-        self,
-        position: np.ndarray,
-        velocity: np.ndarray,
-        acceleration: np.ndarray | None = None,
-    ) -> None:
-        """Take in the readings of one period.
+    def update_matrix(self, foreseen: bool) -> np.ndarray:
+        """Return `U` (2, 5) of this period, `[q, v] ← U [q, v, a, reading of q, reading of v]`.
 
         Args:
-            position: (na,) encoders, rad.
-            velocity: (na,) rad/s.
-            acceleration: (na,) foreseen over the period that ends now, rad/s²; none: zero.
+            foreseen: whether somebody foresees the acceleration a; else a is to be zero.
         """
-        if self._fresh or self._passes:
-            self.state[:] = position, velocity
-            self._fresh = False
-            return
-        update = self._update if acceleration is None else self._foreseen_update
-        foreseen = self._zero if acceleration is None else acceleration
-        update_joints(update, self.state, foreseen, position, velocity)
+        if self.fresh:
+            return self._pass
+        return self._foreseen if foreseen else self._plain
 
 
 def _update_matrix(dt: float, gain: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pinocchio as pin
 
-from wbc.estimation.kernels.legs import LINK, POSES, find_poses
+from wbc.estimation.kernels.legs import LINK, POSES
 from wbc.robot import Robot
 from wbc.robot.joint_axes import joint_axes
 
@@ -15,11 +15,15 @@ from wbc.robot.joint_axes import joint_axes
 class LegKinematics:
     """Poses of base and soles as seen from the IMU, and its motion relative to the base.
 
+    The kernel `wbc.estimation.kernels.prediction.predict` computes them.
+
     Args:
         robot: its model.
 
     Attributes:
-        poses: (1,) record of the type `POSES`, as of the last update.
+        links: records of the type `LINK`: the chain of the IMU, then those of the soles.
+        ends: (3,) index after the last link of each chain.
+        poses: (1,) record of the type `POSES`.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -29,25 +33,9 @@ class LegKinematics:
         chains = [_links(model, axes, imu.parentJoint, imu.placement)]
         chains += [_links(model, axes, s.joint_id, s.placement) for s in robot.soles]
         links = [list(chain) for chain in chains]
-        self._links = np.concatenate([link for chain in links for link in chain])
-        self._ends = np.cumsum([len(chain) for chain in links])
+        self.links = np.concatenate([link for chain in links for link in chain])
+        self.ends = np.cumsum([len(chain) for chain in links])
         self.poses = np.zeros(1, POSES)
-
-    def update(self, joints: np.ndarray) -> None:
-        """Compute `poses` from joint positions and velocities, (2, na), rad and rad/s."""
-        find_poses(self._links, self._ends, joints, self.poses)
-
-    @property
-    def T_imu_base(self) -> pin.SE3:
-        """Base axes to IMU axes."""
-        seen = self.poses[0]
-        return pin.SE3(seen["base_rotation"].copy(), seen["base_position"].copy())
-
-    @property
-    def relative(self) -> pin.Motion:
-        """Twist of the IMU relative to the base, IMU axes; m/s, rad/s."""
-        seen = self.poses[0]
-        return pin.Motion(seen["linear"].copy(), seen["angular"].copy())
 
     @property
     def sole_positions(self) -> np.ndarray:

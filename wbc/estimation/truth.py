@@ -43,9 +43,7 @@ class GroundTruthEstimator:
                 "ground_truth=True delivers it, and no real robot does"
             )
         detector = self._detector
-        loads = detector.loads(measurement.foot_wrenches)
-        if loads is not None:
-            detector.update(loads)
+        loads = detector.update(measurement.foot_wrenches)
         return Estimate(
             measurement.ground_truth, detector.contacts, loads, measurement.foot_wrenches
         )

@@ -189,20 +189,17 @@ def _remove_rounding(f: np.ndarray) -> None:
         _orthogonalise(f, f["F"][foot])
 
 
-@kernel(argument_types(_FILTER, _VECTOR, _VECTOR, np.zeros(FEET)))
-def propagate(
-    filter_: np.ndarray, gyro: np.ndarray, accelerometer: np.ndarray, slip: np.ndarray
-) -> bool:
+@subkernel
+def propagate(f: np.ndarray, gyro: np.ndarray, accelerometer: np.ndarray, slip: np.ndarray) -> bool:
     """Advance by one period; return whether a correction is due.
 
     Args:
-        filter_: (1,) the filter.
+        f: the filter.
         gyro: (3,) at the end of the period, IMU axes, rad/s; the mean with the one before counts.
             The first one after a reset belongs to the reset's instant: nothing advances.
         accelerometer: (3,) mean specific force over the period, IMU axes, m/s².
         slip: per foot, a factor on its drift; 0 for a foot in the air.
     """
-    f = filter_[0]
     dt, R, vectors, last = f["dt"], f["R"], f["vectors"], f["gyro"]
     half, middle, a, force = f["A"], f["B"], f["a"], f["b"]
     for i in range(3):

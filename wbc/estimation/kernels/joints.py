@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.jit.compile import argument_types, kernel
-
-_JOINTS = np.zeros(1)
+from wbc.jit.compile import subkernel
 
 
-@kernel(argument_types(np.zeros((2, 5)), np.zeros((2, 1)), _JOINTS, _JOINTS, _JOINTS))
+@subkernel
 def update_joints(
     U: np.ndarray,
     joints: np.ndarray,

@@ -50,7 +50,6 @@ POSES = np.dtype(
     align=True,
 )
 
-_LINKS = np.zeros(1, LINK)
 _POSES = np.zeros(1, POSES)
 _JOINTS = np.zeros((2, 1))
 _VECTOR = np.zeros(3)
@@ -78,22 +77,17 @@ def _move_along(
             p[i] += angle * moved[i]
 
 
-@kernel(argument_types(_LINKS, np.zeros(1, np.int64), _JOINTS, _POSES))
-def find_poses(
-    links: np.ndarray,
-    ends: np.ndarray,
-    joints: np.ndarray,
-    poses: np.ndarray,
-) -> None:
-    """Fill `poses` from joint positions and velocities.
+@subkernel
+def find_poses(links: np.ndarray, ends: np.ndarray, joints: np.ndarray, out: np.ndarray) -> None:
+    """Compute the poses from joint positions and velocities.
 
     Args:
         links: chain of the IMU, then those of the soles.
         ends: (3,) index after the last link of each chain.
         joints: (2, na) positions, rad or m, and velocities, rad/s or m/s.
-        poses: (1,) result.
+        out: the poses.
     """
-    q, v, out = joints[0], joints[1], poses[0]
+    q, v = joints[0], joints[1]
     work = out["matrices"]
     R, moved = work[3], work[2, 0]
     base_R, base_p = out["base_rotation"], out["base_position"]

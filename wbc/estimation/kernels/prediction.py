@@ -1,0 +1,83 @@
+"""What the estimator does in every tick before it corrects: one call for joints, legs and IMU."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from wbc.estimation.kernels.filter_record import FEET, FILTER
+from wbc.estimation.kernels.inekf import propagate
+from wbc.estimation.kernels.joints import update_joints
+from wbc.estimation.kernels.legs import LINK, POSES, find_poses
+from wbc.jit.compile import argument_types, kernel, subkernel
+
+#: What `predict` returns.
+REFUSED, DONE, CORRECTION_DUE = -1, 0, 1
+
+_VECTOR = np.zeros(1)
+
+
+@subkernel
+def _sum_of_squares(x: np.ndarray) -> float:
+    total = 0.0
+    for i in range(x.size):
+        total += x[i] * x[i]
+    return total
+
+
+@kernel(
+    argument_types(
+        np.zeros(1, FILTER),
+        np.zeros(FEET),
+        np.zeros((2, 5)),
+        np.zeros((2, 1)),
+        np.zeros(1, LINK),
+        np.zeros(1, np.int64),
+        np.zeros(1, POSES),
+        *(_VECTOR,) * 5,
+    )
+)
+def predict(
+    filter_: np.ndarray,
+    slip: np.ndarray,
+    joint_update: np.ndarray,
+    joints: np.ndarray,
+    links: np.ndarray,
+    ends: np.ndarray,
+    poses: np.ndarray,
+    acceleration: np.ndarray,
+    joint_position: np.ndarray,
+    joint_velocity: np.ndarray,
+    gyro: np.ndarray,
+    accelerometer: np.ndarray,
+) -> int:
+    """Advance filter and joints by one period, and compute the legs' poses.
+
+    Args:
+        filter_: (1,) the invariant filter.
+        slip: (FEET,) a factor on the drift of each sole; 0 for one in the air.
+        joint_update: (2, 5), see `update_joints`.
+        joints: (2, na) positions and velocities, rad and rad/s.
+        links: see `find_poses`.
+        ends: see `find_poses`.
+        poses: (1,) result.
+        acceleration: (na,) foreseen for the joints, rad/s².
+        joint_position: (na,) reading, rad.
+        joint_velocity: (na,) reading, rad/s.
+        gyro: (3,) reading, IMU axes, rad/s.
+        accelerometer: (3,) reading, IMU axes, m/s².
+
+    Returns:
+        REFUSED when an entry is not finite, and nothing has changed; CORRECTION_DUE when the
+        filter is to be corrected by the legs; else DONE.
+    """
+    total = _sum_of_squares(joint_position) + _sum_of_squares(joint_velocity)
+    total += _sum_of_squares(gyro) + _sum_of_squares(accelerometer) + _sum_of_squares(acceleration)
+    # Not `isfinite(total)`, which is `total − total == 0` to the compiler: it may reorder the sums.
+    if not total < math.inf:
+        return REFUSED
+    due = propagate(filter_[0], gyro, accelerometer, slip)
+    update_joints(joint_update, joints, acceleration, joint_position, joint_velocity)
+    find_poses(links, ends, joints, poses[0])
+    return CORRECTION_DUE if due else DONE
