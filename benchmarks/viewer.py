@@ -1,9 +1,9 @@
-"""What showing a run costs the loop, and how fast the viewer follows.
+"""Measures the load of the viewer on the control loop, and the viewer's frame rate.
 
-Measured in a loop of the given rate: `show` of a full snapshot to the live viewer (into
-shared memory) and to a recording (into a list), and `due`, which a loop may ask first.
-Then the viewer's own frames per second, as a client that answers at once receives
-them, and with --browser as a headless Chromium draws them (in software: far below a GPU).
+In a loop at the given rate it times `show` of a complete snapshot, for the live viewer (into shared
+memory) and for a recording (into a list). Then it counts the frames per second that a client
+receives which acknowledges each at once, and with --browser those that a headless Chromium draws
+(in software, much slower than with a GPU).
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from wbc.telemetry import ContactPlan, Footstep, Telemetry
 from wbc.view import Meshcat, Recording, Snapshot
 from wbc.view.browser import SOFTWARE, new_browser
 
-Row = dict[str, float | str]
+Measurement = dict[str, float | str]
 
 
 def full_snapshot(robot: wbc.Robot, tick: int, dt: float) -> Snapshot:
-    """A snapshot with everything in it, as a walk makes it."""
+    """Return a snapshot of a walk with all its parts."""
     q = robot.q_nominal.copy()
     q[0] += 0.3 * tick * dt
     q[7:] += 0.05 * np.sin(0.01 * tick)
@@ -50,8 +50,10 @@ def full_snapshot(robot: wbc.Robot, tick: int, dt: float) -> Snapshot:
     return Snapshot(tick * dt, q, wrenches, telemetry, plan, text="0.30 m/s, tick 0.4 ms")
 
 
-def cost(what: str, action: Callable[[Snapshot], object], snapshots: list[Snapshot]) -> Row:
-    """Time of an action in a loop at the snapshots' rate, µs."""
+def time_action(
+    what: str, action: Callable[[Snapshot], object], snapshots: list[Snapshot]
+) -> Measurement:
+    """Time an action, µs, in a loop at the snapshots' rate."""
     dt = snapshots[1].time - snapshots[0].time
     spent = []
     gc.collect()
@@ -72,7 +74,7 @@ def cost(what: str, action: Callable[[Snapshot], object], snapshots: list[Snapsh
 
 
 class Client(threading.Thread):
-    """A page without a picture: it answers every frame at once, and counts."""
+    """A page that draws nothing: it acknowledges every frame at once and counts them."""
 
     def __init__(self, url: str) -> None:
         super().__init__(daemon=True)
@@ -81,7 +83,7 @@ class Client(threading.Thread):
         self.start()
 
     def run(self) -> None:
-        """Connect and listen until the viewer is gone."""
+        """Connect and receive until the viewer has ended."""
         asyncio.run(self._listen())
 
     async def _listen(self) -> None:
@@ -95,27 +97,26 @@ class Client(threading.Thread):
                 await socket.write_message("frame")
 
 
-def frames(robot: wbc.Robot, rate: float, seconds: float) -> Row:
-    """Frames per second that reach a client, and their size."""
+def frames(robot: wbc.Robot, rate: float, seconds: float) -> Measurement:
+    """Measure the frames per second that reach a client, and their size."""
     with Meshcat(robot, port=0, rate=rate, announce=False) as viewer:
         client = Client(viewer.url)
         tick = 0
-        while client.frames < 3:  # the scene is complete, and the show goes on
+        while client.frames < 3:  # until the scene is complete
             viewer.show(full_snapshot(robot, tick := tick + 1, 1.0 / rate))
             time.sleep(1.0 / rate)
         before, nbytes, start = client.frames, client.nbytes, time.perf_counter()
         while time.perf_counter() < start + seconds:
-            if viewer.due(0.0):
-                viewer.show(full_snapshot(robot, tick := tick + 1, 1.0 / rate))
-            time.sleep(0.001)
+            viewer.show(full_snapshot(robot, tick := tick + 1, 1.0 / rate))
+            time.sleep(0.5 / rate)
         count = client.frames - before
         size = (client.nbytes - nbytes) / max(count, 1)
         passed = time.perf_counter() - start
     return {"what": f"frames at {rate:g} Hz", "fps": count / passed, "bytes_per_frame": size}
 
 
-def browser_frames(robot: wbc.Robot, seconds: float) -> Row:
-    """Frames per second that a headless Chromium draws."""
+def browser_frames(robot: wbc.Robot, seconds: float) -> Measurement:
+    """Measure the frames per second that a headless Chromium draws."""
     with new_browser(SOFTWARE) as browser, Meshcat(robot, port=0, announce=False) as viewer:
         page = browser.new_page(viewport={"width": 640, "height": 480})
         viewer.show(full_snapshot(robot, 0, 1 / 30))
@@ -129,37 +130,44 @@ def browser_frames(robot: wbc.Robot, seconds: float) -> Row:
             time.sleep(1 / 30)
         count = page.evaluate("wbc.frames") - before
         passed = time.perf_counter() - start
-    row: Row = {"what": "headless Chromium, 640 x 480", "fps": count / passed}
+    row: Measurement = {"what": "headless Chromium, 640 x 480", "fps": count / passed}
     return {**row, "complete_after_s": complete}
 
 
-def recorded(robot: wbc.Robot, seconds: float) -> Row:
-    """Making the file of a recording."""
+def recording_file(robot: wbc.Robot, seconds: float) -> Measurement:
+    """Time the writing of a recording's file."""
     recording = Recording(robot)
     for tick in range(int(30 * seconds)):
         recording.show(full_snapshot(robot, tick, 1 / 30))
     with tempfile.TemporaryDirectory() as folder:
         start = time.perf_counter()
         path = recording.save(Path(folder) / "run.html")
-        took = time.perf_counter() - start
+        duration = time.perf_counter() - start
         size = path.stat().st_size
-    return {"what": f"recording of {seconds:g} s", "save_s": took, "megabytes": size / 1e6}
+    return {"what": f"recording of {seconds:g} s", "save_s": duration, "megabytes": size / 1e6}
 
 
-def show_table(rows: list[Row]) -> None:
-    """Print the rows."""
+def show_table(rows: list[Measurement]) -> None:
+    """Print the table."""
     for row in rows:
         values = [f"{key} {value:.4g}" for key, value in row.items() if not isinstance(value, str)]
         print(f"  {row['what']:32}" + "  ".join(f"{value:22}" for value in values).rstrip())
 
 
 def main() -> None:
-    """Measure, print the table, write the JSON."""
+    """Measure, print the table and write the JSON file."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--robot", default="talos")
-    parser.add_argument("--rate", type=float, default=500.0, help="of the loop, Hz")
-    parser.add_argument("--seconds", type=float, default=5.0, help="of each measurement")
-    parser.add_argument("--browser", action="store_true", help="also in a headless Chromium")
+    parser.add_argument(
+        "--rate", type=float, default=500.0, help="rate of the loop, Hz (default: %(default)g)"
+    )
+    parser.add_argument(
+        "--seconds",
+        type=float,
+        default=5.0,
+        help="duration of each measurement (default: %(default)g)",
+    )
+    parser.add_argument("--browser", action="store_true", help="also measure a headless Chromium")
     parser.add_argument("--json", type=Path, help="write the rows to this file")
     options = parser.parse_args()
 
@@ -168,14 +176,13 @@ def main() -> None:
     snapshots = [full_snapshot(robot, k, dt) for k in range(int(options.seconds * options.rate))]
     rows = []
     with Meshcat(robot, port=0, announce=False) as viewer:
-        time.sleep(3.0)  # its meshes are read meanwhile; that is not what is measured
-        rows.append(cost("show, live", viewer.show, snapshots))
-        rows.append(cost("due, live", lambda s: viewer.due(s.time), snapshots))
+        time.sleep(3.0)  # its meshes are read meanwhile, which is not to be measured
+        rows.append(time_action("show, live", viewer.show, snapshots))
     recording = Recording(robot)
-    rows.append(cost("show, recording (every tick)", recording.show, snapshots))
+    rows.append(time_action("show, recording (every tick)", recording.show, snapshots))
     rows.append(frames(robot, 30.0, options.seconds))
     rows.append(frames(robot, 120.0, options.seconds))
-    rows.append(recorded(robot, 10.0))
+    rows.append(recording_file(robot, 10.0))
     if options.browser:
         rows.append(browser_frames(robot, options.seconds))
     print(f"{robot.name}, loop at {options.rate:g} Hz")

@@ -1,9 +1,9 @@
-"""How far each robot walks in physics: the table of the README.
+"""Simulates the walks of each robot: the walking table of the README.
 
 Every run is in MuJoCo with physics at 1 kHz, friction 0.8, the URDF's torque limits, noisy
-sensors (encoders, joint velocities, IMU, foot forces) and no ground truth in the walker. A
-cell passes if the robot survives and reaches its goal, no QP fails, and no torque and no joint
-position exceeds its limit.
+sensors (encoders, joint velocities, IMU, foot forces) and without ground truth for the walker. A
+cell passes if the robot does not fall and reaches its goal, no QP fails, and no torque and no
+joint position exceeds its limit.
 
     python benchmarks/walk.py                     # all robots, 5 seeds
     python benchmarks/walk.py --robot g1 --seeds 2
@@ -71,9 +71,14 @@ def main() -> int:
     )
     parser.add_argument("--scenario", default="", help="only scenarios whose name contains this")
     parser.add_argument("--seeds", type=int, default=5, help="runs per cell (default: %(default)s)")
-    parser.add_argument("--jobs", type=int, default=1, help="processes; timings need 1")
-    parser.add_argument("--json", type=Path, help="write all reports here")
-    parser.add_argument("--readme", type=Path, help="renew the table in this file")
+    parser.add_argument(
+        "--jobs",
+        type=int,
+        default=1,
+        help="parallel processes; timings are valid with 1 only (default: %(default)s)",
+    )
+    parser.add_argument("--json", type=Path, help="write all reports to this file")
+    parser.add_argument("--readme", type=Path, help="update the table in this file")
     args = parser.parse_args()
     jobs = [
         (name, index, seed)
@@ -83,21 +88,21 @@ def main() -> int:
         for seed in range(args.seeds)
     ]
     results: dict[tuple[str, int], list[wbc.Report]] = {}
-    begun = time.perf_counter()
+    start = time.perf_counter()
     with ProcessPoolExecutor(args.jobs) as pool:
         for name, index, seed, report in pool.map(trial, jobs):
             results.setdefault((name, index), []).append(report)
             scenario = SCENARIOS[name][index]
-            mark = "ok  " if scenario.passed(report) else "FAIL"
-            fate = report.fell_why or (report.explanation[:80] if report.qp_failures else "")
+            result = "ok  " if scenario.passed(report) else "FAIL"
+            reason = report.fell_why or (report.explanation[:80] if report.qp_failures else "")
             print(
-                f"{mark} {name:16} {scenario.name:28} seed {seed}  "
-                f"{scenario.metric(report):7.2f} {scenario.unit}  {fate}",
+                f"{result} {name:16} {scenario.name:28} seed {seed}  "
+                f"{scenario.metric(report):7.2f} {scenario.unit}  {reason}",
                 file=sys.stderr,
                 flush=True,
             )
     print(table(results))
-    print(f"\n{len(jobs)} runs in {time.perf_counter() - begun:.0f} s")
+    print(f"\n{len(jobs)} runs in {time.perf_counter() - start:.0f} s")
     if args.readme:
         head, rest = args.readme.read_text(encoding="utf-8").split("<!-- walk:begin -->")
         tail = rest.split("<!-- walk:end -->")[1]

@@ -1,6 +1,6 @@
-"""The tick of other whole-body controllers on the same recorded states.
+"""Compares the tick with that of other whole-body controllers on the same recorded states.
 
-`compare` is the entry (`python benchmarks/tick.py --peers`); README.md tells how to read it.
-`case`, `measuring` and `worker` run in every peer's environment and need nothing but numpy;
-one module under `adapters` per library.
+`compare` is the entry point (`python benchmarks/tick.py --peers`); README.md explains the results.
+`case`, `measuring` and `worker` run in the environment of every peer and need numpy only; each
+library has one module in `adapters`.
 """

@@ -1,4 +1,4 @@
-"""Whether two libraries solve the same problem: how far their answers to it are apart."""
+"""Checks that two libraries solve the same problem: differences of their solutions."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import wbc
 from peers.case import SOLES, STANCES, Case
 from wbc.limits import JointPositionLimit, JointVelocityLimit
 
-Answers = Mapping[str, np.ndarray]  # the fields of `Outcome`, stacked
+Solutions = Mapping[str, np.ndarray]  # the fields of `Outcome`, stacked
 
 
 @dataclass(frozen=True)
 class Spread:
-    """Median and largest over the ticks of the largest difference in each."""
+    """Median and maximum over the ticks of the largest difference in each tick."""
 
     median: float
     max: float
@@ -24,15 +24,16 @@ class Spread:
 
 @dataclass(frozen=True)
 class Agreement:
-    """A peer's answers less ours.
+    """Differences between a peer's solutions and ours.
 
     Attributes:
-        unsolved: ticks that the peer gives no solution for.
-        com: of the CoM's acceleration, m/s².
-        acceleration: of v̇, m/s² and rad/s².
-        torque: N·m.
-        wrench: of the feet's wrenches, N and N·m.
-        largest_acceleration: what the differences compare with, and so on.
+        unsolved: ticks without a solution of the peer.
+        com: difference of the CoM's acceleration, m/s².
+        acceleration: difference of v̇, m/s² and rad/s².
+        torque: difference of the torques, N·m.
+        wrench: difference of the feet's wrenches, N and N·m.
+        largest_acceleration: largest |v̇| of our solutions, m/s² and rad/s².
+        largest_torque: largest torque of our solutions, N·m.
     """
 
     unsolved: int
@@ -44,11 +45,11 @@ class Agreement:
     largest_torque: float
 
 
-def agreement(case: Case, ours: Answers, theirs: Answers) -> Agreement:
-    """How far a peer's answers are from ours, on the ticks that both solve."""
+def agreement(case: Case, ours: Solutions, theirs: Solutions) -> Agreement:
+    """Return the differences of a peer's solutions from ours, on the ticks that both solve."""
     both = ours["ok"] & theirs["ok"]
     if not both.any():
-        raise ValueError(f"{case.name}: no tick that both solve")
+        raise ValueError(f"{case.name}: no tick is solved by both")
     robot = wbc.load(case.robot)
     ticks = case.ticks
     kin = wbc.Kinematics(robot, robot.standing())
@@ -73,11 +74,11 @@ def agreement(case: Case, ours: Answers, theirs: Answers) -> Agreement:
     )
 
 
-def active_rows(case: Case, ours: Answers) -> np.ndarray:
-    """(n,) independent inequalities that hold with equality in our answers.
+def active_rows(case: Case, ours: Solutions) -> np.ndarray:
+    """Return the number of independent active inequalities of our solutions, (n,).
 
-    Joints at their torque limit, joints at an acceleration bound of the position and velocity
-    limits, and of each foot's wrench cone the rank of the rows that bind.
+    They are joints at their torque limit, joints at an acceleration bound of the position and
+    velocity limits, and the rank of the active rows of each foot's wrench cone.
     """
     robot = wbc.load(case.robot)
     limits = case.limits

@@ -1,6 +1,6 @@
 """One case of the comparison: a robot, a problem and recorded ticks, as files for every peer.
 
-Nothing but numpy and the standard library: each peer's environment imports this.
+Each peer's environment imports this module, so it needs only numpy and the standard library.
 """
 
 from __future__ import annotations
@@ -19,15 +19,15 @@ TORSO = "torso_frame"
 
 @dataclass(frozen=True)
 class Gains:
-    """Weights and gains, the same for every library; kd is 2 √kp.
+    """Weights and gains, the same for every library; kd = 2 √kp.
 
     Attributes:
-        com_weight: of the CoM's acceleration; and so on for the other tasks.
+        com_weight: weight of the CoM's acceleration; likewise for the other tasks.
         com_kp: 1/s².
-        posture_weight: the same for all joints: TSID and placo know no other.
+        posture_weight: the same for all joints, because TSID and placo allow no other.
         momentum_kp: 1/s.
-        force_weight: on every contact force and moment.
-        contact_damping: a resting foot's velocity decays with it, 1/s; no position term.
+        force_weight: weight of every contact force and moment.
+        contact_damping: decay rate of a resting foot's velocity, 1/s; there is no position term.
     """
 
     com_weight: float = 3000.0
@@ -51,9 +51,9 @@ class Limits:
     Attributes:
         torque: N·m.
         velocity: rad/s.
-        lower: least position, rad.
+        lower: smallest position, rad.
         upper: largest position, rad.
-        braking: deceleration that keeps a joint short of its stop, rad/s².
+        braking: deceleration by which a joint stops before its position limit, rad/s².
         horizon: time within which position and velocity limits act, s.
     """
 
@@ -67,12 +67,12 @@ class Limits:
 
 @dataclass(frozen=True)
 class Ticks:
-    """n recorded ticks; world axes, linear before angular.
+    """n recorded ticks, in world axes, linear before angular.
 
     Attributes:
-        q: (n, nq).
-        v: (n, nv).
-        stance: (n,) which feet stand: BOTH, LEFT or RIGHT.
+        q: (n, nq) configurations.
+        v: (n, nv) velocities.
+        stance: (n,) standing feet: BOTH, LEFT or RIGHT.
         com: (n, 3) reference position, m; com_velocity and com_acceleration alike.
         torso: (n, 3, 3) reference orientation.
         torso_velocity: (n, 3) rad/s.
@@ -99,7 +99,7 @@ class Ticks:
         return len(self.q)
 
     def part(self, chosen: np.ndarray) -> Ticks:
-        """Some of the ticks, by mask or index."""
+        """Return some of the ticks, by mask or index."""
         values = {k: v if k == "posture" else v[chosen] for k, v in vars(self).items()}
         return Ticks(**values)
 
@@ -109,19 +109,19 @@ class Case:
     """A robot, its problem and its ticks.
 
     Attributes:
-        name: short, also the folder's name.
-        title: for tables.
+        name: short name, also of the folder.
+        title: title in tables.
         robot: name under which `wbc` loads it.
-        urdf: the same robot as a URDF of bodies and joints alone.
+        urdf: the same robot as a URDF of bodies and joints only.
         joints: (na,) names in the order of q[7:].
         armature: (na,) rotor inertia at the joint, kg·m².
         half_length: of both soles' contact rectangle, m.
-        half_width: likewise.
+        half_width: likewise, m.
         friction: coefficient of the friction pyramid, |f_x| ≤ friction f_z.
-        limits: of the joints.
-        gains: of the tasks.
-        ticks: what was recorded.
-        mass_matrix: (nv, nv) of the first tick, for checking that the robots are the same.
+        limits: limits of the joints.
+        gains: weights and gains of the tasks.
+        ticks: the recorded ticks.
+        mass_matrix: (nv, nv) of the first tick, to check that the robots are the same.
         bias_forces: (nv,) likewise.
     """
 
@@ -155,7 +155,7 @@ class Case:
 
     @classmethod
     def load(cls, folder: Path) -> Case:
-        """Read what `save` wrote."""
+        """Read a case that `save` wrote."""
         plain = json.loads((folder / "case.json").read_text())
         with np.load(folder / "ticks.npz") as file:
             arrays = {k: file[k] for k in file.files}

@@ -29,13 +29,13 @@ class Column:
     Attributes:
         cpu: per round, (passes, ticks) ns.
         wall: likewise.
-        answers: what it found, see `Outcome`.
+        solutions: what it found, see `Outcome`.
         failed: why there are no times.
     """
 
     cpu: list[np.ndarray] = field(default_factory=list)
     wall: list[np.ndarray] = field(default_factory=list)
-    answers: dict[str, np.ndarray] = field(default_factory=dict)
+    solutions: dict[str, np.ndarray] = field(default_factory=dict)
     failed: str = ""
 
 
@@ -58,12 +58,12 @@ class Comparison:
     columns: dict[tuple[str, str], Column] = field(default_factory=dict)
 
     def figures(self, case: str, key: str) -> Figures | None:
-        """CPU time of a library on a case; None where it did not run."""
+        """Return the CPU time of a library on a case; None if it did not run."""
         column = self.columns.get((case, key))
         return figures(np.concatenate(column.cpu)) if column and column.cpu else None
 
     def ratio(self, case: str, library: Library, versus: str | None = None) -> Ratio | None:
-        """Ours over the library's; `versus` names another configuration of ours."""
+        """Return our times over the library's; `versus` names another configuration of ours."""
         ours = self.columns.get((case, versus or library.versus or ""))
         theirs = self.columns.get((case, library.key))
         if not ours or not theirs or not ours.cpu or len(ours.cpu) != len(theirs.cpu):
@@ -71,18 +71,18 @@ class Comparison:
         return ratio(ours.cpu, theirs.cpu)
 
     def agreement(self, case: Case, library: Library) -> Agreement | None:
-        """How far the library's answers are from ours."""
+        """Return the differences of the library's solutions from ours."""
         ours = self.columns.get((case.name, library.versus or ""))
         theirs = self.columns.get((case.name, library.key))
         if not library.torques or not ours or not theirs:
             return None
-        if not ours.answers or not theirs.answers:
+        if not ours.solutions or not theirs.solutions:
             return None
-        return agreement(case, ours.answers, theirs.answers)
+        return agreement(case, ours.solutions, theirs.solutions)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Make environments, record, alternate, print, write."""
+    """Create the environments, record the cases, measure, print and write the results."""
     options = parser().parse_args(arguments)
     libraries, pythons, missing = available(options.libraries, options.env_dir)
     with tempfile.TemporaryDirectory(prefix="wbc-peers-") as scratch:
@@ -103,14 +103,26 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
+    """Return the parser of the command line."""
     made = argparse.ArgumentParser(
         prog="tick.py --peers", description=(__doc__ or "").split(": ", 1)[1]
     )
     made.add_argument("--peers", action="store_true", help=argparse.SUPPRESS)
-    made.add_argument("--rounds", type=int, default=5, help="A B A B … (default: %(default)s)")
-    made.add_argument("--passes", type=int, default=5, help="over all ticks, in each round")
-    made.add_argument("--ticks", type=int, default=500, help="at most, of each case")
+    made.add_argument(
+        "--rounds",
+        type=int,
+        default=5,
+        help="rounds in which the libraries take turns (default: %(default)s)",
+    )
+    made.add_argument(
+        "--passes",
+        type=int,
+        default=5,
+        help="passes over all ticks in each round (default: %(default)s)",
+    )
+    made.add_argument(
+        "--ticks", type=int, default=500, help="most ticks of each case (default: %(default)s)"
+    )
     made.add_argument("--case", nargs="+", choices=tuple(CASES), default=list(CASES))
     made.add_argument(
         "--libraries",
@@ -124,15 +136,15 @@ def parser() -> argparse.ArgumentParser:
         default=environments.default_folder(),
         help="where the peers' environments are kept (default: %(default)s)",
     )
-    made.add_argument("--json", type=Path, help="write all figures there")
-    made.add_argument("--plot", type=Path, help="draw medians and 99th percentiles there")
+    made.add_argument("--json", type=Path, help="write all figures to this file")
+    made.add_argument("--plot", type=Path, help="plot medians and 99th percentiles to this file")
     return made
 
 
 def available(
     keys: Sequence[str], folder: Path
 ) -> tuple[list[Library], dict[str, Path | None], dict[str, str]]:
-    """Those libraries whose environment is there or can be made, and why others are missing."""
+    """Return the libraries whose environment can be used, and the reasons why others cannot."""
     libraries, missing = [], {}
     pythons: dict[str, Path | None] = {}
     refused: dict[str, str] = {}
@@ -145,7 +157,7 @@ def available(
                 pythons[name] = environments.prepare(name, folder)
             except environments.EnvironmentFailedError as error:
                 refused[name] = str(error)
-                print(f"{error}\n{name}: goes missing; the others run", flush=True)
+                print(f"{error}\n{name}: is skipped; the others run", flush=True)
         if name is None or name in pythons:
             libraries.append(library)
         else:
@@ -156,7 +168,7 @@ def available(
 def run(
     found: Comparison, pythons: dict[str, Path | None], folder: Path, rounds: int, passes: int
 ) -> None:
-    """Rounds of fresh processes, which take turns case by case; only one of them works."""
+    """Run rounds of fresh processes, which take turns case by case; only one of them computes."""
 
     def start(library: Library) -> Worker:
         scratch = folder / f"worker-{library.key}"
@@ -174,7 +186,7 @@ def run(
                 worker = workers[library.key]
                 try:
                     if n == 0:
-                        column.answers = worker.solve(folder / case.name)
+                        column.solutions = worker.solve(folder / case.name)
                     times = worker.time(folder / case.name, passes)
                 except LibraryFailedError as error:
                     column.failed = str(error)
@@ -192,7 +204,7 @@ def run(
 
 
 def as_json(found: Comparison, options: argparse.Namespace) -> dict[str, object]:
-    """All figures, as plain data."""
+    """Return all figures as plain data."""
     cases: dict[str, object] = {}
     for case in found.cases:
         columns: dict[str, object] = {}
@@ -220,7 +232,7 @@ def as_json(found: Comparison, options: argparse.Namespace) -> dict[str, object]
                 entry["agreement"] = asdict(near)
             columns[library.key] = entry
         ours = found.columns.get((case.name, "wbc"))
-        rows = active_rows(case, ours.answers) if ours and ours.answers else np.zeros(0)
+        rows = active_rows(case, ours.solutions) if ours and ours.solutions else np.zeros(0)
         cases[case.name] = {
             "title": case.title,
             "ticks": len(case.ticks),

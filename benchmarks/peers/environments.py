@@ -1,4 +1,4 @@
-"""The peers' environments: made from pinned lists, kept until a list changes."""
+"""Creates the peers' environments from pinned requirements and keeps them until these change."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ STAMP = "made-from"
 
 
 class EnvironmentFailedError(RuntimeError):
-    """An environment could not be made; the message states the reason and the remedy."""
+    """An environment could not be created; the message states the reason and the remedy."""
 
 
 def default_folder() -> Path:
@@ -24,13 +24,13 @@ def default_folder() -> Path:
 
 
 def fingerprint(requirements: Path) -> str:
-    """Changes with the pinned list and with the Python that makes the environment."""
+    """Return a hash of the pinned requirements and of the Python that creates the environment."""
     text = f"{sys.version_info[:2]} {sys.base_prefix}\n{requirements.read_text()}"
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def prepare(name: str, folder: Path) -> Path:
-    """The interpreter of environment `name`, made if it is not there or its list has changed.
+    """Return the interpreter of an environment; create it if it is missing or out of date.
 
     Raises:
         EnvironmentFailedError: venv or pip failed.
@@ -41,9 +41,9 @@ def prepare(name: str, folder: Path) -> Path:
     stamp = home / STAMP
     wanted = fingerprint(requirements)
     if python.exists() and stamp.exists() and stamp.read_text() == wanted:
-        print(f"{name}: environment {home} is there")
+        print(f"{name}: using environment {home}")
         return python
-    print(f"{name}: making environment {home} from {requirements.name} …", flush=True)
+    print(f"{name}: creating environment {home} from {requirements.name} …", flush=True)
     shutil.rmtree(home, ignore_errors=True)
     _run(name, [sys.executable, "-m", "venv", str(home)], "a virtual environment")
     pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
@@ -53,7 +53,7 @@ def prepare(name: str, folder: Path) -> Path:
 
 
 def _run(name: str, command: list[str], what: str) -> None:
-    # Not the caller's PYTHONPATH: its packages would count as installed.
+    # Without the caller's PYTHONPATH, whose packages would count as installed.
     outside = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
     try:
         done = subprocess.run(command, env=outside, capture_output=True, text=True)
@@ -62,6 +62,6 @@ def _run(name: str, command: list[str], what: str) -> None:
     if done.returncode != 0:
         said = (done.stderr.strip() or done.stdout.strip()).splitlines()[-6:]
         raise EnvironmentFailedError(
-            f"{name}: could not make {what} with Python {sys.version.split()[0]}; run by hand\n"
+            f"{name}: could not create {what} with Python {sys.version.split()[0]}; run by hand\n"
             f"    {' '.join(command)}\n" + "\n".join(f"    | {line}" for line in said)
         )

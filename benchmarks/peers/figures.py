@@ -10,14 +10,14 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Figures:
-    """Of one library on one case; µs.
+    """Times of one library on one case, µs.
 
     Attributes:
         p50: median over all ticks of all passes.
-        p99: likewise, nothing filtered.
-        max: the longest.
-        p99_of_ticks: 99th percentile over the ticks of each tick's own median over the passes:
-            what the hardest problems take, without what disturbs one pass in two or fewer.
+        p99: 99th percentile likewise, without filtering.
+        max: longest tick.
+        p99_of_ticks: 99th percentile over the ticks of each tick's median over the passes: the
+            time of the hardest problems without occasional disturbances.
     """
 
     p50: float
@@ -27,7 +27,7 @@ class Figures:
 
 
 def figures(times: np.ndarray) -> Figures:
-    """Of times (passes, ticks) in ns."""
+    """Return the figures of times, ns, shape (passes, ticks)."""
     micro = times / 1e3
     return Figures(
         p50=float(np.median(micro)),
@@ -39,13 +39,13 @@ def figures(times: np.ndarray) -> Figures:
 
 @dataclass(frozen=True)
 class Ratio:
-    """Ours over a peer; below 1, ours is faster.
+    """Our time over a peer's; below 1, ours is faster.
 
     Attributes:
-        p50: of the medians over everything.
-        p99: of the 99th percentiles over everything.
-        p99_of_ticks: see `Figures`.
-        rounds: of the medians, round by round.
+        p50: ratio of the medians over all rounds.
+        p99: ratio of the 99th percentiles over all rounds.
+        p99_of_ticks: ratio of `Figures.p99_of_ticks`.
+        rounds: ratios of the medians of each round.
     """
 
     p50: float
@@ -55,12 +55,12 @@ class Ratio:
 
     @property
     def median_of_rounds(self) -> float:
-        """The middle one of the rounds' ratios."""
+        """Median of the rounds' ratios."""
         return float(np.median(self.rounds))
 
 
 def ratio(ours: Sequence[np.ndarray], theirs: Sequence[np.ndarray]) -> Ratio:
-    """Of times per round, each (passes, ticks)."""
+    """Return the ratio of times of each round, ns, each of shape (passes, ticks)."""
     a, b = figures(np.concatenate(ours)), figures(np.concatenate(theirs))
     return Ratio(
         p50=a.p50 / b.p50,

@@ -1,4 +1,4 @@
-"""What is compared with what."""
+"""The libraries that are compared."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ class Library:
         key: short name, in the JSON.
         label: for tables.
         adapter: "module:class" under `peers.adapters`.
-        environment: whose pinned list it needs; None for the one that runs this.
+        environment: name of its environment; None for the one that runs the comparison.
         versus: key of the configuration of ours that solves the same problem; None for ours.
-        torques: False for velocity-level solvers, which are there for scale only.
-        differs: what is left of differences, for the reader.
+        torques: False for velocity-level solvers, which are shown for scale only.
+        differs: remaining differences of the problem.
     """
 
     key: str

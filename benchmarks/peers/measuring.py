@@ -1,4 +1,4 @@
-"""How a tick is timed; the same code runs in every library's process.
+"""Times ticks; the same code runs in every library's process.
 
 Two clocks are read around each tick. The process's CPU clock leaves out the time in which
 other programs had the core, and counts every thread, so that work moved into a second one
@@ -17,7 +17,7 @@ from peers.case import Case
 
 
 class Adapter(Protocol):
-    """One library, set up for one case before the clock runs.
+    """One library, set up for one case before the timing begins.
 
     Attributes:
         versions: of the library and what it stands on.
@@ -28,14 +28,14 @@ class Adapter(Protocol):
     def __init__(self, case: Case) -> None: ...
 
     def tick(self, k: int) -> object:
-        """From the k-th state and references to torques as an array; what is timed."""
+        """Compute the torques of the k-th state and references, as an array; this is timed."""
 
     def outcome(self) -> Outcome:
-        """What the last tick found; not timed."""
+        """Return the solution of the last tick; this is not timed."""
 
 
 class Outcome:
-    """What a tick found.
+    """The solution of a tick.
 
     Attributes:
         ok: the library says that it solved its problem.
@@ -56,7 +56,7 @@ class Outcome:
 
 
 def time_ticks(adapter: Adapter, ticks: int, passes: int) -> tuple[np.ndarray, np.ndarray]:
-    """CPU and wall time of every tick, (passes, ticks) ns each, after one pass to warm up."""
+    """Return CPU and wall time of every tick, ns, shape (passes, ticks), after a warm-up pass."""
     cpu = np.zeros((passes, ticks), dtype=np.int64)
     wall = np.zeros((passes, ticks), dtype=np.int64)
     tick = adapter.tick
@@ -83,7 +83,7 @@ def time_ticks(adapter: Adapter, ticks: int, passes: int) -> tuple[np.ndarray, n
 
 
 def outcomes(adapter: Adapter, ticks: int) -> dict[str, np.ndarray]:
-    """What each tick finds, stacked by the names of `Outcome`; NaN where there is no solution."""
+    """Return the solutions, stacked by the fields of `Outcome`; NaN where there is none."""
     found = []
     for k in range(ticks):
         adapter.tick(k)

@@ -21,7 +21,7 @@ LIGHT = ("pink", "placo-ik")  # colours that need dark figures
 
 
 def draw(found: Comparison, path: Path) -> None:
-    """Bars of the medians, a line up to the 99th percentile of the ticks, one group per case.
+    """Draw the medians as bars with a line up to the 99th percentile, one group per case.
 
     Raises:
         SystemExit: matplotlib is not installed.

@@ -1,4 +1,4 @@
-"""The case's problem as a `wbc.WholeBodyController`."""
+"""States the problem of a case as a `wbc.WholeBodyController`."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from peers.case import LEFT, RIGHT, SOLES, STANCES, Gains, Limits
 from wbc.limits import JointPositionLimit, JointVelocityLimit, TorqueLimit
 from wbc.qp import Regularisation
 
-ACCELERATION_WEIGHT = 1e-8  # what TSID and placo add to every unknown
+ACCELERATION_WEIGHT = 1e-8  # TSID and placo add it to every unknown
 
 
 @dataclass(frozen=True)
 class Tasks:
-    """One controller, for one set of standing feet, and the tasks whose references change."""
+    """The controller of one set of standing feet, and its tasks whose references change."""
 
     controller: wbc.WholeBodyController
     com: wbc.ComTask
@@ -25,7 +25,7 @@ class Tasks:
 
 @dataclass(frozen=True)
 class Problem:
-    """What the controllers of a case have in common.
+    """The common parts of a case's controllers.
 
     Attributes:
         friction: coefficient of the pyramid.
@@ -45,7 +45,7 @@ class Problem:
     contact: type[wbc.SurfaceContact] = wbc.SurfaceContact
 
     def controller(self, stance: int, dt: float = 0.002) -> Tasks:
-        """The controller for one set of standing feet."""
+        """Return the controller for one set of standing feet."""
         robot, gains, limits = self.robot, self.gains, self.limits
         how = {"braking": limits.braking, "horizon": limits.horizon}
         controller = wbc.WholeBodyController(

@@ -15,7 +15,7 @@ import numpy as np
 import wbc
 
 BENCHMARKS = Path(__file__).resolve().parent.parent
-PATIENCE = 300.0  # s for one answer
+TIMEOUT = 300.0  # s, for one reply
 
 
 class LibraryFailedError(RuntimeError):
@@ -36,7 +36,7 @@ class Worker:
         self._log = scratch / f"{adapter.replace(':', '-')}.log"
         paths = [str(BENCHMARKS)]
         if python is None:
-            paths.append(str(Path(wbc.__file__).parents[1]))  # the same one as here
+            paths.append(str(Path(wbc.__file__).parents[1]))  # the same version as here
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(paths)}
         with self._log.open("w") as log:
             self._process = subprocess.Popen(
@@ -50,15 +50,15 @@ class Worker:
             )
 
     def time(self, case: Path, passes: int) -> dict[str, np.ndarray]:
-        """`cpu` and `wall`, (passes, ticks) ns.
+        """Return `cpu` and `wall`, ns, each of shape (passes, ticks).
 
         Raises:
-            LibraryFailedError: the process raised, died, or took longer than `PATIENCE`.
+            LibraryFailedError: the process raised, died, or took longer than `TIMEOUT`.
         """
         return self._ask(case=str(case), do="time", passes=passes)
 
     def solve(self, case: Path) -> dict[str, np.ndarray]:
-        """The fields of `Outcome`, stacked over the ticks.
+        """Return the fields of `Outcome`, stacked over the ticks.
 
         Raises:
             LibraryFailedError: the process raised or died.
@@ -69,7 +69,7 @@ class Worker:
         process = self._process
         assert process.stdin is not None
         assert process.stdout is not None
-        watchdog = threading.Timer(PATIENCE, process.kill)
+        watchdog = threading.Timer(TIMEOUT, process.kill)
         watchdog.start()
         try:
             process.stdin.write(json.dumps(request | {"out": str(self._out)}) + "\n")

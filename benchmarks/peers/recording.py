@@ -1,4 +1,4 @@
-"""Where the ticks come from: a walk in physics, and a fast motion at the limits."""
+"""Records the ticks of the cases: a simulated walk, and a fast motion at the limits."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FRICTION = 0.6  # Coulomb coefficient; the pyramid's is this over √2
 HARD_FRICTION, HARD_TORQUE = 0.2, 0.3
 SPEED, DURATION = 0.3, 4.0  # of the recorded walks, m/s and s
 SINGLE = -1
-CASES = {  # name: (title, robot, stance; None for the hard one)
+CASES = {  # name: (title, robot, stance; None for the sway)
     "talos-double": ("Talos, two feet", "talos", BOTH),
     "talos-single": ("Talos, one foot", "talos", SINGLE),
     "g1-double": ("G1, two feet", "g1", BOTH),
@@ -33,7 +33,7 @@ _STILL = np.eye(4)
 
 
 class Recorder:
-    """A walker that notes the states it was given and the references it made of them."""
+    """A walker that records its states and references."""
 
     def __init__(self, walker: wbc.Walker) -> None:
         self.walker = walker
@@ -52,8 +52,10 @@ class Recorder:
         return command
 
     def _row(self, state: wbc.State) -> dict[str, object]:
-        """The walker's references; its CoM task has no stiffness in x and y, so that there
-        the reference is where the CoM is."""
+        """Return the walker's references.
+
+        Its CoM task has no stiffness in x and y; the reference there is the measured CoM.
+        """
         kin, tasks = self._kin, self.walker.controller.tasks
         kin.update(state)
         com = next(t for t in tasks if isinstance(t, wbc.ComTask))
@@ -79,7 +81,7 @@ class Recorder:
 
 
 def record_walk(robot: wbc.Robot, speed: float, duration: float) -> Ticks:
-    """Ticks of a walk in MuJoCo, from the first touchdown on.
+    """Return the ticks of a walk in MuJoCo from the first touchdown on.
 
     Raises:
         RuntimeError: the robot fell.
@@ -96,14 +98,14 @@ def record_walk(robot: wbc.Robot, speed: float, duration: float) -> Ticks:
 
 
 def stack(rows: Iterable[Mapping[str, object]], posture: np.ndarray) -> Ticks:
-    """Ticks of rows."""
+    """Return the ticks of recorded rows."""
     rows = list(rows)
     return Ticks(**{k: np.array([row[k] for row in rows]) for k in rows[0]}, posture=posture)
 
 
 @dataclass(frozen=True)
 class Sway:
-    """A fast motion in double support: the CoM and the torso's heading on sine waves.
+    """A fast motion in double support: sine waves of the CoM and of the torso's heading.
 
     Attributes:
         amplitude: of the CoM, m: forward, left, up.
@@ -119,7 +121,7 @@ class Sway:
 
 
 def record_sway(robot: wbc.Robot, problem: Problem, sway: Sway, count: int) -> Ticks:
-    """Ticks of a motion at the limits.
+    """Return the ticks of a motion at the limits.
 
     The accelerations that the controller finds are integrated: what it could not do within
     the limits, the robot does not do, so that every state is one from which the limits can be
@@ -168,7 +170,7 @@ def record_sway(robot: wbc.Robot, problem: Problem, sway: Sway, count: int) -> T
 
 
 def away_from_stops(robot: wbc.Robot, distance: float = 0.05) -> wbc.State:
-    """The nominal posture with every joint at least a distance (rad) from its stops.
+    """Return the nominal posture with every joint at least `distance` (rad) from its limits.
 
     On a stop the libraries' position limits differ most, down to one that jumps there.
     """
@@ -181,7 +183,7 @@ def away_from_stops(robot: wbc.Robot, distance: float = 0.05) -> wbc.State:
 def make_problem(
     robot: wbc.Robot, *, torque_scale: float = 1.0, friction: float = FRICTION
 ) -> Problem:
-    """The problem of a robot, its limits as `wbc` makes them when left alone."""
+    """Return the problem of a robot with the default limits of `wbc`."""
     position, velocity = JointPositionLimit(robot, margin=0.0), JointVelocityLimit(robot)
     sole = robot.soles[0]
     return Problem(
@@ -203,7 +205,7 @@ def make_problem(
 
 
 def make_case(name: str, title: str, problem: Problem, ticks: Ticks) -> Case:
-    """The case of a problem and recorded ticks."""
+    """Return the case of a problem and its recorded ticks."""
     robot = problem.robot
     kin = wbc.Kinematics(robot, wbc.State(ticks.q[0], ticks.v[0]))
     frames = {SOLES[s.side]: s.frame_id for s in robot.soles}
@@ -227,7 +229,7 @@ def make_case(name: str, title: str, problem: Problem, ticks: Ticks) -> Case:
 
 
 def record_cases(names: Sequence[str], count: int) -> list[Case]:
-    """The cases of the comparison, by name; `count` is the most ticks of each.
+    """Return the named cases with at most `count` ticks each.
 
     Raises:
         KeyError: there is no case of that name.

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from peers.compare import Comparison
 
 WIDTH = 36
-BUSY = 0.8  # this comparison alone is one program
+BUSY = 0.8  # programs per core; this comparison is one of them
 
 
 def show(found: Comparison) -> None:
-    """Print everything; p99* is `Figures.p99_of_ticks`."""
+    """Print all tables; p99* is `Figures.p99_of_ticks`."""
     print(f"\n{processor()}; CPU time of one process, one thread; ratio = ours / theirs")
     if busy() > BUSY:
         print(
@@ -41,7 +41,7 @@ def show(found: Comparison) -> None:
 
 def _show_case(found: Comparison, case: Case) -> None:
     ours = found.columns.get((case.name, "wbc"))
-    rows = active_rows(case, ours.answers) if ours and ours.answers else None
+    rows = active_rows(case, ours.solutions) if ours and ours.solutions else None
     active = "" if rows is None else f"; active limits {np.median(rows):.0f} ({rows.max():.0f})"
     print(f"\n{case.title}: {len(case.ticks)} ticks{active}")
     head = f"{'µs':<{WIDTH}}{'p50':>7}{'p99':>8}{'max':>8}{'p99*':>8}"
@@ -81,7 +81,7 @@ def _show_agreement(found: Comparison) -> None:
 
 
 def busy() -> float:
-    """Programs that want a core, per core, over the last minute; NaN where nobody counts them."""
+    """Return the runnable programs per core over the last minute; NaN if unknown."""
     try:
         return os.getloadavg()[0] / (os.cpu_count() or 1)
     except OSError:
@@ -89,7 +89,7 @@ def busy() -> float:
 
 
 def processor() -> str:
-    """The processor's name."""
+    """Return the name of the processor."""
     try:
         for line in Path("/proc/cpuinfo").read_text().splitlines():
             if line.startswith("model name"):

@@ -1,4 +1,4 @@
-"""A Pinocchio model written as a URDF that any version of Pinocchio reads back."""
+"""Writes a Pinocchio model as a URDF that any version of Pinocchio reads back."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from collections.abc import Mapping
 import numpy as np
 import pinocchio as pin
 
-WIDE = 1e4  # stands for a position limit that there is none
+WIDE = 1e4  # rad, in place of an absent position limit
 _AXES = {"X": (1, 0, 0), "Y": (0, 1, 0), "Z": (0, 0, 1)}
 
 
 def urdf_text(model: pin.Model, frames: Mapping[str, int]) -> str:
-    """The model's bodies and joints, without shapes, plus some of its frames as links.
+    """Return a URDF of the bodies and joints, without shapes, and of some frames as links.
 
     Joints keep their names, and with them their order; a body is called after its joint.
 

@@ -1,9 +1,9 @@
-"""A process of one library: waits for a case, times it, answers, waits for the next.
+"""The process of one library: it waits for a case, times it and replies.
 
     python -m peers.worker ours:Ours
 
-Requests and answers are lines of JSON. A request names a case's folder, what to do ("time" or
-"solve") and a file for the arrays; the answer tells the library's versions or an error.
+Requests and replies are lines of JSON. A request names a case's folder, what to do ("time" or
+"solve") and a file for the arrays; the reply tells the library's versions or an error.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from peers.measuring import Adapter, outcomes, time_ticks
 
 
 def main() -> None:
-    """Answer requests until there are no more."""
-    answers = os.fdopen(os.dup(1), "w", buffering=1)
-    os.dup2(2, 1)  # what a library prints must not mix with the answers
+    """Reply to requests until standard input ends."""
+    replies = os.fdopen(os.dup(1), "w", buffering=1)
+    os.dup2(2, 1)  # keeps output of the libraries out of the replies
     module, name = sys.argv[1].split(":")
     adapters: dict[str, Adapter] = {}
     for line in sys.stdin:
@@ -45,10 +45,10 @@ def main() -> None:
                 np.savez(request["out"], cpu=cpu, wall=wall)
             else:
                 np.savez(request["out"], **outcomes(adapter, len(case.ticks)))
-            answer = {"versions": adapter.versions}
+            reply = {"versions": adapter.versions}
         except Exception:
-            answer = {"error": traceback.format_exc(limit=4)}
-        answers.write(json.dumps(answer) + "\n")
+            reply = {"error": traceback.format_exc(limit=4)}
+        replies.write(json.dumps(reply) + "\n")
 
 
 if __name__ == "__main__":

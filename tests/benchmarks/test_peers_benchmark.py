@@ -109,25 +109,25 @@ def test_the_ratio_is_ours_over_theirs_round_by_round():
 
 
 def test_sway_case_reaches_the_torque_limits_and_keeps_them(case, found):
-    answers = found.columns[case.name, "wbc"].answers
-    assert answers["ok"].all()
-    assert (np.abs(answers["tau"]) <= case.limits.torque * (1.0 + 1e-9)).all()
+    solutions = found.columns[case.name, "wbc"].solutions
+    assert solutions["ok"].all()
+    assert (np.abs(solutions["tau"]) <= case.limits.torque * (1.0 + 1e-9)).all()
     assert (case.ticks.stance == BOTH).all()
-    assert active_rows(case, answers).max() >= 1
+    assert active_rows(case, solutions).max() >= 1
 
 
 def test_active_rows_count_joints_at_their_torque_limit(case, found):
-    answers = dict(found.columns[case.name, "wbc"].answers)
-    count = active_rows(case, answers)
-    tau = 0.5 * np.clip(answers["tau"], -case.limits.torque, case.limits.torque)
-    none = active_rows(case, answers | {"tau": tau})
+    solutions = dict(found.columns[case.name, "wbc"].solutions)
+    count = active_rows(case, solutions)
+    tau = 0.5 * np.clip(solutions["tau"], -case.limits.torque, case.limits.torque)
+    none = active_rows(case, solutions | {"tau": tau})
     tau[:, :3] = case.limits.torque[:3]
-    assert (active_rows(case, answers | {"tau": tau}) == none + 3).all()
+    assert (active_rows(case, solutions | {"tau": tau}) == none + 3).all()
     assert (count >= none).all()
 
 
 def test_agreement_measures_the_distance_between_solutions(case, found):
-    ours = found.columns[case.name, "wbc"].answers
+    ours = found.columns[case.name, "wbc"].solutions
     same = agreement(case, ours, ours)
     assert same.acceleration.max == same.com.max == same.torque.max == same.wrench.max == 0.0
     theirs = {name: values.copy() for name, values in ours.items()}
@@ -199,10 +199,10 @@ def test_an_environment_is_created_once_until_its_requirements_change(
     pinned = tmp_path / "requirements-some.txt"
     pinned.write_text("something==1.0\n")
     python = environments.prepare("some", tmp_path / "envs")
-    assert "making" in capsys.readouterr().out
+    assert "creating" in capsys.readouterr().out
     assert len(commands) == 2
     assert environments.prepare("some", tmp_path / "envs") == python
-    assert "is there" in capsys.readouterr().out
+    assert "using environment" in capsys.readouterr().out
     assert len(commands) == 2
     pinned.write_text("nowhere==1.0\n")
     for _ in range(2):  # what failed half-way does not count as made

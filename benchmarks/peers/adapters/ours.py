@@ -1,4 +1,4 @@
-"""`wbc.WholeBodyController`."""
+"""Adapter of `wbc.WholeBodyController`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from peers.case import SOLES, Case
 from peers.measuring import Outcome
 from peers.problem import Problem
 
-FLAT_ROWS = 8  # of the wrench cone: friction and centre of pressure, without the yaw moment
+FLAT_ROWS = 8  # rows of friction and centre of pressure in the wrench cone, without the yaw moment
 
 
 class Ours:
@@ -74,7 +74,7 @@ class Ours:
 
 
 class FlatContact(wbc.SurfaceContact):
-    """A sole whose moment about its normal is not limited, as placo has it."""
+    """A sole without a limit of the yaw moment, as in placo."""
 
     def make_cone(self, mu: float) -> np.ndarray:
         return super().make_cone(mu)[:FLAT_ROWS]
@@ -86,14 +86,14 @@ class FlatContact(wbc.SurfaceContact):
 
 
 class OursLikePlaco(Ours):
-    """placo's problem: no angular momentum, no limit on a foot's yaw moment."""
+    """placo's problem: without angular momentum and without a limit of the yaw moment."""
 
     momentum = False
     contact = FlatContact
 
 
 def wbc_version() -> str:
-    """The installed version, or that it runs from a checkout."""
+    """Return the installed version, or that it is a source checkout."""
     try:
         return version("wbc")
     except PackageNotFoundError:
