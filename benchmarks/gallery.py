@@ -237,10 +237,9 @@ def render(scene: Scene, path: Path) -> None:
         page.set_default_timeout(PAGE_TIMEOUT)
         page.goto(recording.save(Path(folder) / "scene.html").as_uri())
         page.wait_for_function("wbc.ready")
-        duration = page.evaluate("wbc.film()")
         page.evaluate(MOVE_CAMERA, [scene.turn, scene.nearer, scene.lower])
         page.add_style_tag(content=STATUS_CSS)
-        page.evaluate("(time) => wbc.seek(time)", duration)
+        page.evaluate("wbc.drawFrame(wbc.player.end)")
         path.parent.mkdir(parents=True, exist_ok=True)
         page.screenshot(path=path)
 

@@ -106,8 +106,8 @@ def silhouette(page):
     url = page.evaluate(
         """() => {
           for (const [name, child] of Object.entries(viewer.scene_tree.find(["wbc"]).children)) {
-            child.object.visible = name === "robot" || name === "stage";
-            if (name === "stage") for (const part of child.object.children) {
+            child.object.visible = name === "robot" || name === "surroundings";
+            if (name === "surroundings") for (const part of child.object.children) {
               part.visible = part.isLight === true;
             }
           }
@@ -166,7 +166,7 @@ def test_a_push_makes_the_dcm_jump_and_is_counted(page):
     page.wait_for_function("wbc.live.status.pushes === 1")
     assert page.evaluate("wbc.most") > 3.0 * calm > 0.0
     assert page.evaluate("wbc.live.status.survived") == 1
-    page.wait_for_function("document.querySelector('#strips').textContent.includes('1 of 1')")
+    page.wait_for_function("document.querySelector('#plots').textContent.includes('1 of 1')")
 
 
 def test_every_motion_has_a_button_that_plays_it(page):

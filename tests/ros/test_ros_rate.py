@@ -8,7 +8,7 @@ from rostools import Hearer, Peer, new_domain, node
 
 from wbc.ros import QoSProfile
 from wbc.ros.qos import HIGH_RATE
-from wbc.ros.rate_limiter import RateLimiter
+from wbc.runtime.rate_limiter import RateLimiter
 
 pytest.importorskip("cyclonedds")
 

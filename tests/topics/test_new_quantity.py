@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import wbc
-from wbc.live.series import SeriesSource
+from wbc.live.broker import series_of
 from wbc.log import FlightRecorder, LogError, LoggedRun, plot
 from wbc.runtime.schema import Quantity
 from wbc.runtime.stream import TickStream
@@ -56,12 +56,11 @@ def test_own_quantity_is_plotted_by_its_name(run, tmp_path):
     assert path.stat().st_size > 10_000
 
 
-def test_live_page_offers_an_own_quantity(robot):
-    source = SeriesSource()
-    source.attach(TickStream(robot, [POWER, TOTAL]).schema)
-    assert f"joint_power: {robot.joint_names[3]}, W" in source.labels
-    assert source.labels["total_power, W"] == ("total_power", 0)
-    assert "com: z, m" in source.labels
+def test_the_page_offers_it(robot):
+    series = series_of(TickStream(robot, [POWER, TOTAL]).schema)
+    assert f"joint_power: {robot.joint_names[3]}, W" in series
+    assert series["total_power, W"] == ("total_power", 0)
+    assert "com: z, m" in series
 
 
 def test_the_log_and_the_node_share_topics_and_frames(robot):

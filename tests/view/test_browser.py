@@ -145,7 +145,7 @@ def test_the_page_follows_the_configuration_and_the_status(robot, live):
 
 def test_camera_of_the_page_follows_the_robot(robot, live):
     viewer, page = live
-    hidden = ("stage", "trail")
+    hidden = ("surroundings", "trail")
     see(page, viewer, Snapshot(0.0, robot.q_nominal))
     for name in hidden:
         hide(page, name)
@@ -212,12 +212,12 @@ def test_a_recording_opens_offline_plays_by_itself_and_moves(robot, browser, tmp
         page.on("request", lambda request: asked.append(request.url))
         page.goto(path.as_uri())
         page.wait_for_function("wbc.ready")
-        assert page.evaluate("viewer.animator.playing")
-        assert page.evaluate("viewer.animator.duration") == pytest.approx(3.0, abs=1e-3)
+        assert page.evaluate("wbc.player.playing")
+        assert page.evaluate("wbc.player.end - wbc.player.start") == pytest.approx(3.0, abs=1e-3)
         page.wait_for_function("wbc.time > 5.2")  # it goes by itself
 
         def at(time):
-            page.evaluate(f"element('seek').value = {time}; element('seek').oninput()")
+            page.evaluate(f"element('seek').value = {5.0 + time}; element('seek').oninput()")
             page.wait_for_function(f"Math.abs(wbc.time - {5.0 + time}) < 0.04")
             return picture(page)
 
@@ -231,6 +231,6 @@ def test_a_recording_opens_offline_plays_by_itself_and_moves(robot, browser, tmp
         hide(page, "forces")
         assert changed(last, picture(page)) > 0.0005
         page.click("#play")
-        page.wait_for_function("viewer.animator.playing")
+        page.wait_for_function("wbc.player.playing")
         page.wait_for_function("wbc.time < 5.5")  # it goes round
         assert all(url.startswith(("file:", "data:", "blob:")) for url in asked)

@@ -219,7 +219,8 @@ def test_a_viewer_can_record_what_it_shows(robot, tmp_path):
         for k in range(5):
             viewer.show(Snapshot(0.1 * k, robot.q_nominal, text="</script>"))
     html = path.read_text("utf-8")
-    story = json.loads(html.split('id="story">')[1].split("</script>")[0])
-    assert [w["time"] for w in story["caption"]] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
-    assert story["caption"][0]["text"] == "</script>"
-    assert "http://" not in html.split('id="story">')[0]
+    recording = json.loads(html.split('id="recording">')[1].split("</script>")[0])
+    times = [caption["time"] for caption in recording["captions"]]
+    assert times == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
+    assert recording["captions"][0]["text"] == "</script>"
+    assert "http://" not in html.split('id="recording">')[0]

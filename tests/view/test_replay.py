@@ -22,7 +22,6 @@ import wbc
 from wbc.telemetry import Telemetry
 from wbc.view import Recording, Replay, Snapshot, TimeSeries, Video, ViewerError
 from wbc.view.browser import new_page
-from wbc.view.replay import _peaks
 from wbc.view.timeline import record, thinned, up_to
 
 ROOT = Path(wbc.__file__).parent.parent
@@ -63,27 +62,19 @@ def test_seeking_replays_the_preceding_snapshots(timeline):
     assert [s.time for s in up_to(timeline, 99.0, 11.99, 2.0)] == [12.0]
 
 
-def test_a_page_receives_only_the_changed_poses(timeline):
-    replay_scene = Replay(timeline.robot, timeline).new_scene()
-    first = replay_scene.frame(5.0)
-    assert len(first["nodes"]) == len(replay_scene.scene.nodes)
-    assert first["caption"]["time"] == 5.0
-    still = replay_scene.frame(5.0)
-    assert still["nodes"] == []
-    moved = replay_scene.frame(5.1)
-    assert 0 < len(moved["nodes"]) < len(first["nodes"])
-    assert len(moved["poses"]) == 10 * len(moved["nodes"])
+@pytest.mark.parametrize("time", [float("nan"), float("inf")])
+def test_a_time_that_is_not_finite_is_refused(timeline, time):
     with pytest.raises(ViewerError, match="must be finite"):
-        replay_scene.frame(float("nan"))
+        Replay(timeline.robot, timeline).new_scene().show(time)
 
 
 def test_seeking_backwards_shows_the_same_frame_as_before(timeline):
     replay_scene = Replay(timeline.robot, timeline).new_scene()
-    replay_scene.frame(4.0)
+    replay_scene.show(4.0)
     before = replay_scene.scene.poses.copy()
-    replay_scene.frame(9.0)
+    replay_scene.show(9.0)
     assert np.abs(replay_scene.scene.poses - before).max() > 1.0
-    replay_scene.frame(4.0)
+    replay_scene.show(4.0)
     visible = before[:, 7] > 0
     assert ((replay_scene.scene.poses[:, 7] > 0) == visible).all()
     np.testing.assert_allclose(replay_scene.scene.poses[visible], before[visible], atol=1e-9)
@@ -93,7 +84,7 @@ def test_thinned_time_series_keep_their_peaks():
     values = np.zeros(10_000)
     values[[123, 9_999]] = (5.0, 3.0)
     values[500:700] = np.nan
-    (series,) = thinned([TimeSeries("error, mm", np.arange(10_000.0), values)], 100, _peaks)
+    (series,) = thinned([TimeSeries("error, mm", np.arange(10_000.0), values)], 100)
     assert len(series.values) <= 100
     assert series.values.max() == 5.0
     assert series.values[-1] == 3.0
@@ -167,14 +158,21 @@ def test_invalid_messages_of_a_page_are_answered_and_ignored(served):
         for nonsense in ("{", "[]", '{"time": "soon"}', '{"time": null}', '{"time": NaN}', "7"):
             await socket.write_message(nonsense)
             answers.append(json.loads(await socket.read_message()))
-        await socket.write_message('{"time": 3.5}')
-        return json.loads(message), answers, json.loads(await socket.read_message())
+        frames = []
+        for at in (3.5, 3.5, 3.6):
+            await socket.write_message(json.dumps({"time": at}))
+            frames.append(json.loads(await socket.read_message()))
+        return json.loads(message), answers, frames
 
-    introduction, answers, frame = asyncio.run(talk())
+    introduction, answers, (first, same, later) = asyncio.run(talk())
     assert (introduction["start"], introduction["end"]) == (2.0, 12.0)
     assert introduction["series"][0]["values"] == [0.0, 3.0, 1.0]
     assert all("error" in answer for answer in answers)
-    assert frame["caption"]["time"] == 3.5
+    assert first["caption"]["time"] == 3.5
+    assert len(first["nodes"]) == len(introduction["paths"])
+    assert same["nodes"] == []  # only the changed poses are sent
+    assert 0 < len(later["nodes"]) < len(first["nodes"])
+    assert len(later["poses"]) == 10 * len(later["nodes"])
 
 
 @pytest.mark.browser
@@ -188,10 +186,10 @@ def test_replay_page_plays_seeks_and_steps(served):
         page.goto(url)
         page.wait_for_function("wbc.ready && wbc.time > 2.0")  # it plays by itself
         page.keyboard.press(" ")
-        page.wait_for_function("!playing")
+        page.wait_for_function("!wbc.player.playing")
         page.evaluate("element('seek').value = 8; element('seek').oninput()")
         page.wait_for_function("wbc.time === 8 && !waiting")
-        camera = "objects[run.paths.indexOf('/Cameras/default')].position.x"
+        camera = "nodesAt(['/Cameras/default'])[0].position.x"
         there = page.evaluate(camera)
         page.keyboard.press("ArrowRight")
         page.wait_for_function("wbc.time === 8.02")

@@ -9,7 +9,7 @@ from wbc.command import Status
 from wbc.geometry.wrench import centre_of_pressure
 from wbc.telemetry import ContactPlan, Footstep, Telemetry
 from wbc.view import Snapshot, ViewerError
-from wbc.view.actors.support import lay_triangle
+from wbc.view.actors.support import cover_triangle
 from wbc.view.scene import Scene
 
 
@@ -65,9 +65,9 @@ def test_a_force_arrow_begins_at_the_centre_of_pressure_and_points_along_the_for
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.q_nominal)
     sole = data.oMf[robot.sole("left").frame_id]
-    start = matrix(shaft) @ [0, -0.5, 0, 1]
+    start = matrix(shaft) @ [0, 0, -0.5, 1]
     np.testing.assert_allclose(start[:3], sole.act(centre_of_pressure(wrench)), atol=1e-9)
-    tip = matrix(head) @ [0, 0.5, 0, 1]
+    tip = matrix(head) @ [0, 0, 0.5, 1]
     way = (tip - start)[:3]
     direction = sole.rotation @ force / np.linalg.norm(force)
     np.testing.assert_allclose(way / np.linalg.norm(way), direction, atol=1e-6)
@@ -78,7 +78,7 @@ def test_the_length_of_an_arrow_is_proportional_to_the_force(robot, scene):
     for part in (0.4, 0.8):
         force = np.array([0, 0, part * scene.proportions.weight, 0, 0, 0])
         scene.update(Snapshot(0.0, robot.q_nominal, {"left_sole": force}))
-        lengths.append(sum(row[8] for row in seen(scene, "forces/")))
+        lengths.append(sum(row[9] for row in seen(scene, "forces/")))
     assert lengths[1] == pytest.approx(2 * lengths[0])
 
 
@@ -110,7 +110,7 @@ def test_markers_are_at_their_points_and_unknown_ones_are_hidden(robot, scene):
 def test_triangle_is_covered_by_two_scaled_right_triangles(seed):
     corners = np.column_stack([np.random.default_rng(seed).normal(size=(3, 2)), np.zeros(3)])
     rows = np.zeros((2, 10))
-    lay_triangle(rows, *corners)
+    cover_triangle(rows, *corners)
     unit = np.array([[0, 0, 0, 1.0], [1, 0, 0, 1], [0, 1, 0, 1]])
     pieces = [(matrix(row) @ unit.T).T[:, :2] for row in rows]
 
@@ -152,15 +152,15 @@ def test_a_touchdown_leaves_a_footprint(robot, scene):
     loaded = {"left_sole": np.array([0, 0, 0.5 * scene.proportions.weight, 0, 0, 0])}
     q = robot.q_nominal.copy()
     scene.update(Snapshot(0.0, q, loaded))
-    assert len(seen(scene, "footsteps/made_left")) == 1
+    assert len(seen(scene, "footsteps/completed_left")) == 1
     scene.update(Snapshot(0.1, q, loaded))
-    assert len(seen(scene, "footsteps/made_left")) == 1  # it stands where it stood
+    assert len(seen(scene, "footsteps/completed_left")) == 1  # it stands where it stood
     scene.update(Snapshot(0.2, q, {"left_sole": np.zeros(6)}))
     q[0] += 0.3
     scene.update(Snapshot(0.3, q, loaded))
-    prints = seen(scene, "footsteps/made_left")
+    prints = seen(scene, "footsteps/completed_left")
     assert np.ptp(prints[:, 0]) == pytest.approx(0.3, abs=1e-6)
-    assert len(seen(scene, "footsteps/made_right")) == 0
+    assert len(seen(scene, "footsteps/completed_right")) == 0
 
 
 def test_an_earlier_time_begins_a_new_run(robot, scene):
@@ -190,7 +190,7 @@ def test_camera_follows_smoothly_and_the_floor_moves_by_whole_tiles(robot, scene
         q[0] += 0.05
         scene.update(Snapshot(k / 30, q))
         aims.append(poses(scene, "/Cameras/default")[0, 0])
-        floor = poses(scene, "stage")[0]
+        floor = poses(scene, "surroundings")[0]
         assert floor[0] == round(floor[0])
     assert np.all(np.diff(aims) >= 0)
     assert np.diff(aims).max() < 0.06

@@ -2,128 +2,142 @@
 
 import re
 
+import coal
 import numpy as np
 import pinocchio as pin
 import pytest
+from trimesh import Trimesh, creation
 
 import wbc
-from wbc.view.collada import read_collada
-from wbc.view.shading import creased
-from wbc.view.shapes import capsule
+from wbc.view.objects import creased, sphere
+from wbc.view.shapes import shapes_of
 from wbc.view.terrain import box_mesh
 from wbc.view.visuals import ellipsoid, visuals_of
 
-CUBE = """<?xml version="1.0"?>
+QUAD = """<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
  <asset><unit meter="0.01" name="cm"/><up_axis>Y_UP</up_axis></asset>
  <library_effects><effect id="red-fx"><profile_COMMON><technique sid="c"><phong>
-  <diffuse><color>0.9 0.1 0.2 1</color></diffuse></phong></technique></profile_COMMON></effect>
+  <diffuse><color>0.8 0.2 0.4 1</color></diffuse></phong></technique></profile_COMMON></effect>
  </library_effects>
  <library_materials><material id="red"><instance_effect url="#red-fx"/></material>
  </library_materials>
  <library_geometries><geometry id="quad"><mesh>
-  <source id="pos"><float_array id="a" count="12">0 0 0 10 0 0 10 10 0 0 10 0</float_array></source>
-  <source id="nor"><float_array id="n" count="3">0 0 1</float_array></source>
+  <source id="pos"><float_array id="a" count="12">0 0 0 10 0 0 10 10 0 0 10 0</float_array>
+   <technique_common><accessor source="#a" count="4" stride="3"><param name="X" type="float"/>
+   <param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common>
+  </source>
   <vertices id="ver"><input semantic="POSITION" source="#pos"/></vertices>
   <polylist material="M" count="1">
-   <input semantic="VERTEX" source="#ver" offset="0"/>
-   <input semantic="NORMAL" source="#nor" offset="1"/>
-   <vcount>4</vcount><p>0 0 1 0 2 0 3 0</p></polylist>
+   <input semantic="VERTEX" source="#ver" offset="0"/><vcount>4</vcount><p>0 1 2 3</p></polylist>
  </mesh></geometry></library_geometries>
  <library_visual_scenes><visual_scene id="s"><node id="outer">
   <translate>100 0 0</translate><rotate>0 0 1 90</rotate>
   <node id="inner"><scale>2 2 2</scale><instance_geometry url="#quad"><bind_material>
    <technique_common><instance_material symbol="M" target="#red"/></technique_common>
   </bind_material></instance_geometry></node></node></visual_scene></library_visual_scenes>
+ <scene><instance_visual_scene url="#s"/></scene>
 </COLLADA>"""
+
+
+def geometry_object(shape, path="", scale=1.0):
+    """Return a geometry object at x = 1 m with a stated colour."""
+    return pin.GeometryObject(
+        "thing", 0, 0, pin.SE3(np.eye(3), np.array([1.0, 0, 0])), shape, str(path),
+        np.full(3, scale), True, np.array([0.1, 0.9, 0.1, 0.5]),
+    )  # fmt: skip
 
 
 def test_collada_keeps_placements_units_and_colours(tmp_path):
     path = tmp_path / "quad.dae"
-    path.write_text(CUBE)
-    (part,) = read_collada(path)
-    assert part.colour == (0.9, 0.1, 0.2, 1.0)
-    assert part.faces.shape == (2, 3)
-    # 10 cm twice as large, turned by 90° about z, 1 m along x.
-    np.testing.assert_allclose(part.vertices.min(0), [0.8, 0.0, 0.0], atol=1e-12)
-    np.testing.assert_allclose(part.vertices.max(0), [1.0, 0.2, 0.0], atol=1e-12)
+    path.write_text(QUAD)
+    ((shape, colour),) = shapes_of(geometry_object(coal.Sphere(1.0), path, scale=3.0))
+    np.testing.assert_allclose(colour, (0.8, 0.2, 0.4, 1.0), atol=0.002)
+    assert len(shape.faces) == 2
+    # 10 cm, twice as large, rotated by 90° about z, at x = 1 m, three times as large, at x = 1 m.
+    np.testing.assert_allclose(shape.bounds, [[3.4, 0.0, 0.0], [4.0, 0.6, 0.0]], atol=1e-6)
 
 
-@pytest.mark.parametrize("text", ["no xml", "<COLLADA/>", CUBE.replace("#quad", "#none")])
-def test_an_invalid_collada_file_is_refused(tmp_path, text):
+@pytest.mark.parametrize("text", ["no xml", "<COLLADA/>", QUAD.replace("#quad", "#none")])
+def test_a_mesh_file_that_cannot_be_read_is_replaced_by_its_collision_geometry(
+    tmp_path, text, caplog
+):
     path = tmp_path / "broken.dae"
     path.write_text(text)
-    with pytest.raises(ValueError, match=r".+"):
-        read_collada(path)
+    ((shape, colour),) = shapes_of(geometry_object(coal.Box(1.0, 2.0, 3.0), path))
+    np.testing.assert_allclose(shape.extents, [1.0, 2.0, 3.0])
+    assert colour == pytest.approx((0.1, 0.9, 0.1, 0.5))
 
 
-@pytest.mark.parametrize("name", ["romeo", "icub"])
-def test_collada_meshes_have_the_same_extent_as_pinocchios(name):
-    robot = wbc.load(name)
-    for thing in robot.visual_model.geometryObjects:
-        parts = read_collada(thing.meshPath)
-        ours = np.concatenate([part.vertices for part in parts]) * thing.meshScale.reshape(3)
-        theirs = thing.geometry.vertices()
+@pytest.mark.parametrize("name", ["romeo", "icub", "talos"])
+def test_mesh_files_fill_the_same_space_as_pinocchios(name):
+    for thing in wbc.load(name).visual_model.geometryObjects:
+        if not thing.meshPath.lower().endswith((".dae", ".stl")):
+            continue
+        ours = np.concatenate([shape.vertices for shape, _ in shapes_of(thing)])
+        theirs = thing.geometry.vertices() @ thing.placement.rotation.T
+        theirs += thing.placement.translation
         np.testing.assert_allclose(ours.min(0), theirs.min(0), atol=1e-5)
         np.testing.assert_allclose(ours.max(0), theirs.max(0), atol=1e-5)
 
 
-def test_edges_of_a_box_stay_sharp():
-    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
-    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    faces = np.array([t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))])
-    vertices, index, normals = creased(corners, faces)
-    assert len(vertices) == 24
-    assert np.allclose(np.abs(normals).max(axis=1), 1.0)
-    a, b, c = (vertices[index[:, k]] for k in range(3))
-    flat = np.cross(b - a, c - a)
-    assert np.all(np.einsum("ij,ij->i", flat, normals[index[:, 0]]) > 0.99)
+@pytest.mark.parametrize(
+    ("shape", "extents"),
+    [
+        (coal.Box(0.1, 0.2, 0.3), [0.1, 0.2, 0.3]),
+        (coal.Sphere(0.1), [0.2, 0.2, 0.2]),
+        (coal.Ellipsoid(0.1, 0.2, 0.3), [0.2, 0.4, 0.6]),
+        (coal.Cylinder(0.1, 0.5), [0.2, 0.2, 0.5]),
+        (coal.Cone(0.1, 0.5), [0.2, 0.2, 0.5]),
+        (coal.Capsule(0.1, 0.5), [0.2, 0.2, 0.7]),
+    ],
+)
+def test_primitives_have_their_sizes_and_centres(shape, extents):
+    ((drawn, _),) = shapes_of(geometry_object(shape))
+    np.testing.assert_allclose(drawn.extents, extents, atol=0.006)
+    np.testing.assert_allclose(drawn.bounds.mean(axis=0), [1.0, 0.0, 0.0], atol=1e-9)
 
 
-def test_faces_of_a_sphere_are_shaded_smoothly():
-    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 40, endpoint=False), np.linspace(0.1, 3.0, 20))
-    points = np.stack([np.sin(v) * np.cos(u), np.sin(v) * np.sin(u), np.cos(v)], -1).reshape(-1, 3)
-    i, j = (k.ravel() for k in np.meshgrid(np.arange(40), np.arange(19)))
-    a, b, c, d = j * 40 + i, j * 40 + (i + 1) % 40, (j + 1) * 40 + (i + 1) % 40, (j + 1) * 40 + i
-    faces = np.concatenate([np.stack([a, d, b], 1), np.stack([b, d, c], 1)])
-    vertices, _, normals = creased(points, faces)
-    assert len(vertices) == len(points)
-    assert np.einsum("ij,ij->i", normals, vertices).min() > 0.97
+def test_unbounded_shapes_are_not_drawn():
+    assert shapes_of(geometry_object(coal.Halfspace())) == []
 
 
-def test_degenerate_faces_get_finite_normals():
-    rim = np.array([[np.cos(t), np.sin(t), 0.0] for t in np.linspace(0, 6.2, 200)])
-    points = np.concatenate([rim, [[0, 0, 1.0]]])
-    faces = np.array([(k, k + 1, 200) for k in range(199)] + [(0, 0, 1)])
-    _, index, normals = creased(points, faces)
-    assert len(index) == 199
-    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0)
+def test_edges_of_a_box_are_sharp():
+    box = creased(creation.box())
+    assert len(box.vertices) == 24
+    assert np.allclose(np.abs(box.vertex_normals).max(axis=1), 1.0)
+    normals = box.vertex_normals[box.faces]
+    assert (np.einsum("ij,ikj->ik", box.face_normals, normals) > 0.99).all()
+
+
+def test_a_sphere_is_smooth():
+    ball = sphere(segments=40)
+    drawn = creased(ball)
+    assert len(drawn.vertices) == len(ball.vertices)
+    assert np.einsum("ij,ij->i", drawn.vertex_normals, drawn.vertices).min() > 0.97
+
+
+def test_degenerate_faces_are_left_out():
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0]])
+    drawn = creased(Trimesh(points, [(0, 1, 2), (0, 1, 3), (0, 0, 1)], process=False))
+    assert len(drawn.faces) == 1
+    np.testing.assert_allclose(np.linalg.norm(drawn.vertex_normals, axis=1), 1.0)
 
 
 def test_terrain_boxes_point_outwards():
     boxes = np.array([[1.0, 2, 3, 0.5, 0.4, 0.3], [0, 0, 0, 1, 1, 1]])
-    vertices, faces, normals = box_mesh(boxes)
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    outward = np.cross(b - a, c - a)
-    assert np.all(np.einsum("ij,ij->i", outward, normals[faces[:, 0]]) > 0)
-    np.testing.assert_allclose(vertices[:24].max(0), [1.5, 2.4, 3.3])
+    terrain = box_mesh(boxes)
+    assert terrain.volume == pytest.approx(8.0 * boxes[:, 3:].prod(axis=1).sum())
+    np.testing.assert_allclose(terrain.vertices[:8].max(0), [1.5, 2.4, 3.3])
 
 
-def test_ellipsoid_of_a_link_has_the_links_inertia():
+def test_the_ellipsoid_has_the_inertia_that_it_represents():
     radii = np.array([0.3, 0.2, 0.1])
     moments = 0.2 * (radii @ radii - radii**2)
-    inertia = pin.Inertia(1.0, np.array([0.1, 0, 0]), np.diag(moments))
-    (body,) = ellipsoid(inertia)
-    matrix = np.array(body["object"]["matrix"]).reshape(4, 4).T
-    np.testing.assert_allclose(np.sort(np.linalg.norm(matrix[:3, :3], axis=0)), np.sort(radii))
-    np.testing.assert_allclose(matrix[:3, 3], [0.1, 0, 0])
-    assert np.linalg.det(matrix[:3, :3]) > 0
-
-
-def test_a_capsule_has_its_length_and_radius():
-    position = capsule(0.1, 0.5)["data"]["attributes"]["position"]["array"]
-    points = np.frombuffer(position.data, dtype="<f4").reshape(-1, 3)
-    np.testing.assert_allclose(np.ptp(points, axis=0), [0.2, 0.2, 0.7], atol=0.003)
+    shape = ellipsoid(pin.Inertia(1.0, np.array([0.1, 0, 0]), np.diag(moments)))
+    np.testing.assert_allclose(shape.center_mass, [0.1, 0, 0], atol=1e-9)
+    inertia = shape.moment_inertia / shape.volume
+    np.testing.assert_allclose(inertia, np.diag(moments), rtol=0.05, atol=1e-9)
 
 
 def without(tmp_path, *tags):

@@ -1,18 +1,19 @@
-"""Passes requests of the pages on to the loop, and tells the pages what becomes of them."""
+"""Passes requests of the pages on to the loop, and informs the pages of what follows."""
 
 from __future__ import annotations
 
-import json
 import time
 from typing import Any, Protocol
 
 import numpy as np
 
+from wbc.errors import did_you_mean, short_repr
 from wbc.live.config import LiveServerConfig
-from wbc.live.controls import Controls
-from wbc.live.series import SeriesSource
+from wbc.live.controls import Controls, decode
 from wbc.motions import Motion
 from wbc.runtime.mode import Mode
+from wbc.runtime.rate_limiter import RateLimiter
+from wbc.runtime.schema import Schema
 from wbc.runtime.stream import TickReader
 from wbc.teleop import (
     Acknowledgement,
@@ -23,132 +24,151 @@ from wbc.teleop import (
     StandCommand,
 )
 
-_MAX_TICKS = 4096  # in one summary
-_MAX_UNANSWERED = 1000  # commands of which the sender is remembered
+_MAX_TICKS = 4096  # in one status message
+_MAX_UNANSWERED = 1000  # commands whose sender is remembered
 
 
 class PageClient(Protocol):
     """An open page."""
 
-    def send(self, text: str) -> None:
-        """Send it a text; never waits."""
+    def send(self, message: dict[str, Any]) -> None:
+        """Send it a message; never waits."""
 
 
 class RequestBroker:
     """Connects any number of pages to the loop.
 
     Args:
-        config: of the server.
-        reader: of the loop's ticks.
-
-    Attributes:
-        controls: what the pages offer.
-        pages: those that are open.
-        series: quantities that the pages plot.
+        config: Configuration of the server.
+        reader: Reader of the loop's ticks.
     """
 
     def __init__(self, config: LiveServerConfig, reader: TickReader) -> None:
         capabilities = config.channel.capabilities
         self._client = CommandClient(config.robot, config.channel, "page", capabilities.motions)
         self._client.on_motion_sent = self._on_motion_sent
-        self.controls = Controls(capabilities)
-        self.pages: set[PageClient] = set()
+        self._controls = Controls(capabilities)
+        self._pages: dict[PageClient, str] = {}  # with the label of the quantity that each plots
         self._reader = reader
-        self.series = SeriesSource()
+        self._limiter = RateLimiter(config.rate)
+        self._schema = reader.schema
+        self._series: dict[str, tuple[str, int]] = {}
         self._run = 0
         self._senders: dict[int, PageClient] = {}  # by the number of the command
-        self._infeasible = 0  # motions that the pages have been told of
+        self._infeasible = 0  # number of infeasible motions that the pages know of
         self._planning: tuple[Motion, PageClient] | None = None
 
     def start_planning(self) -> None:
-        """Start the planning of motions, first of all with their default parameters."""
+        """Start to plan motions, first of all with their default parameters."""
         self._client.start_planning()
 
     def handle(self, message: str | bytes, page: PageClient) -> None:
-        """Take a message of a page. If it is refused, the page gets the reason."""
+        """Handle a message of a page; if it is refused, the page receives the reason."""
         try:
-            command, source = self.controls.parse(message)
-            number = self._client.send(command, source)
+            request = decode(message)
+            if request.control == "quantity":
+                self._select_quantity(request.value, page)
+                return
+            command = self._controls.command(request)
+            number = self._client.send(command, request.source)
         except CommandRefused as error:
-            _send(page, {"error": str(error)})
+            page.send({"error": str(error)})
             return
         self._senders[number] = page
         if len(self._senders) > _MAX_UNANSWERED:
             del self._senders[next(iter(self._senders))]
-        changes = self.controls.note(command)
-        if changes:
-            self.broadcast({"values": changes}, but=page)
+        if changes := self._controls.apply(command):
+            self._broadcast({"values": changes}, but=page)
         if isinstance(command, (StandCommand, ResetCommand)):
             self._zero_velocity()
-        self._tell_planning(page)
+        self._announce_planning(page)
 
     def advance(self) -> None:
-        """Read acknowledgements and ticks, and send the news to the pages."""
+        """Forward acknowledgements, and send the status to the pages if it is due."""
         for acknowledgement in self._client.poll():
             self._forward(acknowledgement)
-        self._tell_planning(None)
+        self._announce_planning(None)
         if len(self._client.infeasible) > self._infeasible:
             self._infeasible = len(self._client.infeasible)
-            self.broadcast({"infeasible": self._client.infeasible})
-        ticks = self._reader.take(_MAX_TICKS)
-        if not len(ticks):
+            self._broadcast({"infeasible": self._client.infeasible})
+        if not self._limiter.is_due(time.monotonic()):
             return
-        self.series.attach(self._reader.schema)
-        self.series.advance(ticks)
-        run = int(ticks["run"][-1])
-        if run != self._run:
-            self._run = run
+        if len(ticks := self._reader.take(_MAX_TICKS)):
+            self._send_status(ticks)
+
+    def add_page(self, page: PageClient) -> None:
+        """Send a new page all controls and values; from now on it receives the status."""
+        page.send({"controls": self._controls.describe()})
+        page.send({"values": self._controls.values, "infeasible": self._client.infeasible})
+        page.send({"quantities": list(self._series)})
+        self._pages[page] = ""
+
+    def remove_page(self, page: PageClient) -> None:
+        """Forget a page that has been closed."""
+        self._pages.pop(page, None)
+
+    def _select_quantity(self, label: Any, page: PageClient) -> None:
+        if not isinstance(label, str) or (label and label not in self._series):
+            near = did_you_mean(label, self._series) if isinstance(label, str) else ""
+            raise CommandRefused(f"no quantity {short_repr(label)}{near}")
+        self._pages[page] = label
+
+    def _send_status(self, ticks: np.ndarray) -> None:
+        if self._reader.schema is not self._schema:
+            self._schema = self._reader.schema
+            self._series = series_of(self._schema)
+            self._broadcast({"quantities": list(self._series)})
+        last, status = ticks[-1], _status(ticks)
+        if status["run"] != self._run:
+            self._run = status["run"]
             self._zero_velocity()
-        self.broadcast({"status": _summary(ticks)})
+        for page, label in tuple(self._pages.items()):
+            name, index = self._series.get(label, ("time", 0))
+            page.send({"status": status, "quantity": _finite(np.atleast_1d(last[name])[index])})
 
-    def welcome(self, page: PageClient) -> None:
-        """Tell a new page what is offered and all values, and what happens from now on."""
-        _send(page, {"controls": self.controls.describe()})
-        _send(page, {"values": self.controls.values, "infeasible": self._client.infeasible})
-        self.pages.add(page)
-
-    def broadcast(self, news: dict[str, Any], but: PageClient | None = None) -> None:
-        """Send something to all pages but one."""
-        text = json.dumps(news, separators=(",", ":"))
-        for page in tuple(self.pages):
+    def _broadcast(self, message: dict[str, Any], but: PageClient | None = None) -> None:
+        for page in tuple(self._pages):
             if page is not but:
-                page.send(text)
+                page.send(message)
 
     def _forward(self, acknowledgement: Acknowledgement) -> None:
-        """Tell the page that sent a command what became of it."""
+        """Send the page that sent a command the outcome."""
         number, outcome = acknowledgement.id, acknowledgement.outcome
         page = self._senders.get(number)
         if page is None:
             return
         if outcome is not CommandOutcome.ACCEPTED:  # nothing follows
             del self._senders[number]
-        _send(page, {"outcome": outcome.value, "reason": acknowledgement.reason, "id": number})
+        page.send({"outcome": outcome.value, "reason": acknowledgement.reason, "id": number})
         if outcome is CommandOutcome.REFUSED:
-            _send(page, {"error": acknowledgement.reason})
+            page.send({"error": acknowledgement.reason})
 
     def _on_motion_sent(self, motion: Motion) -> None:
         if not motion.while_walking:
             self._zero_velocity()
 
     def _zero_velocity(self) -> None:
-        self.broadcast({"values": self.controls.zero_velocity()})
+        self._broadcast({"values": self._controls.zero_velocity()})
 
-    def _tell_planning(self, page: PageClient | None) -> None:
-        """Tell the page whose motion is being planned, when that begins and ends."""
+    def _announce_planning(self, page: PageClient | None) -> None:
+        """Inform the page whose motion is being planned when that begins and ends."""
         motion = self._client.planning
         if self._planning is not None and self._planning[0] is not motion:
-            _send(self._planning[1], {"planning": None})
+            self._planning[1].send({"planning": None})
             self._planning = None
         if self._planning is None and motion is not None and page is not None:
             self._planning = (motion, page)
-            _send(page, {"planning": motion.name})
+            page.send({"planning": motion.name})
 
 
-def _send(page: PageClient, news: dict[str, Any]) -> None:
-    page.send(json.dumps(news))
+def series_of(schema: Schema) -> dict[str, tuple[str, int]]:
+    """Return the column and the index in it of every number of a tick, by its label."""
+    return {
+        column.label(i): (column.name, i) for column in schema.columns for i in range(column.size)
+    }
 
 
-def _summary(ticks: np.ndarray) -> dict[str, Any]:
+def _status(ticks: np.ndarray) -> dict[str, Any]:
     """Return the last tick's status, with the largest DCM error and tick time of all ticks."""
     last = ticks[-1]
     running = ticks[ticks["mode"] == Mode.RUNNING]
@@ -157,9 +177,9 @@ def _summary(ticks: np.ndarray) -> dict[str, Any]:
         "stamp": round(time.monotonic(), 3),
         "time": round(float(last["time"]), 4),
         "mode": Mode(int(last["mode"])).name.lower(),
-        "dcm_error": _rounded(_largest(running["dcm_error"])),
-        "tick_time": _rounded(_largest(times)),
-        "velocity": [_rounded(x) for x in last["velocity_command"].tolist()],
+        "dcm_error": _largest(running["dcm_error"]),
+        "tick_time": _largest(times),
+        "velocity": [_finite(x) for x in last["velocity_command"]],
         "playing": int(last["motion_playing"]),
         "pushes": int(last["pushes_decided"]),
         "survived": int(last["pushes_survived"]),
@@ -167,10 +187,9 @@ def _summary(ticks: np.ndarray) -> dict[str, Any]:
     }
 
 
-def _largest(values: np.ndarray) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.max()) if known.size else 0.0
+def _largest(values: np.ndarray) -> float | None:
+    return _finite(np.max(values, initial=0.0, where=np.isfinite(values)))
 
 
-def _rounded(value: float) -> float | None:
-    return round(value, 6) if abs(value) < float("inf") else None
+def _finite(value: float) -> float | None:
+    return round(float(value), 6) if np.isfinite(value) else None

@@ -1,9 +1,9 @@
-"""The controls of the page: what it offers, and which command each of its messages stands for."""
+"""The controls of the page, and the command that each of its requests stands for."""
 
 from __future__ import annotations
 
-import dataclasses
 import json
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from wbc.errors import MotionError, did_you_mean, short_repr
@@ -29,20 +29,33 @@ from wbc.teleop.parameters import GAIT, TIME, VELOCITY
 MAX_LENGTH = 1000  # characters of a message
 _ACTIONS = ("push", "motion", "pause", "stand", "reset")
 _SOURCES = ("page", "keyboard")
-_PUSH_SHARE = 0.3  # of the largest push: the robot survives a larger one hardly ever
+_PUSH_SHARE = 0.3  # of the largest push; the robot hardly ever survives a larger one
+
+
+@dataclass(frozen=True)
+class Request:
+    """A message of a page: `{"control": NAME, "value": …}`, with an optional "source".
+
+    Attributes:
+        control: Name of the control.
+        value: Its new value.
+        source: Who uses it, "page" or "keyboard".
+    """
+
+    control: str
+    value: Any
+    source: str
 
 
 class Controls:
-    """Translates messages of pages into commands, and keeps the values of the sliders.
-
-    A message is `{"control": NAME, "value": …}`; its optional "source" is "page" or "keyboard".
+    """Translates requests of pages into commands, and keeps the values of the sliders.
 
     Args:
-        capabilities: which commands the robot takes.
+        capabilities: Commands that the robot accepts.
 
     Attributes:
-        values: name of a parameter -> its value now.
-        max_impulse: largest push that the page offers, N·s.
+        values: Maps the name of each parameter to its present value.
+        max_impulse: Largest push that the page offers, N·s.
     """
 
     def __init__(self, capabilities: Capabilities) -> None:
@@ -51,43 +64,43 @@ class Controls:
         self.max_impulse = float(f"{_PUSH_SHARE * capabilities.max_impulse:.2g}")
 
     def describe(self) -> dict[str, Any]:
-        """Return what the page offers, as JSON."""
+        """Return the parameters, motions and largest push for the page, as JSON."""
         return {
-            "parameters": [dataclasses.asdict(p) for p in self._capabilities.parameters],
+            "parameters": [asdict(p) for p in self._capabilities.parameters],
             "motions": [describe_motion(motion) for motion in self._capabilities.motions],
             "max_impulse": self.max_impulse,
         }
 
-    def parse(self, message: str | bytes) -> tuple[TeleopCommand, str]:
-        """Return the command that a message stands for, and its source.
+    def command(self, request: Request) -> TeleopCommand:
+        """Return the command that a request stands for.
 
         Raises:
-            CommandRefused: the message makes no sense; the text says why.
+            CommandRefused: The request is invalid; the text states the reason.
         """
-        name, value, source = _decode(message)
+        name, value = request.control, request.value
         for parameter in self._capabilities.parameters:
             if parameter.name == name:
-                return self._parameter_command(parameter, value), source
+                return self._parameter_command(parameter, value)
         match name:
             case "push":
                 if not (isinstance(value, list) and len(value) == 2):
                     raise CommandRefused(
                         f"push is {short_repr(value)}; it is [forward, left] in N·s"
                     )
-                return PushCommand((value[0], value[1], 0.0)), source
+                return PushCommand((value[0], value[1], 0.0))
             case "motion":
-                return self._motion_command(value), source
+                return self._motion_command(value)
             case "pause":
-                return PauseCommand(value), source
+                return PauseCommand(value)
             case "stand":
-                return StandCommand(), source
+                return StandCommand()
             case "reset":
-                return ResetCommand(), source
+                return ResetCommand()
         names = [*self.values, *_ACTIONS]
         raise CommandRefused(f"no control {short_repr(name)}{did_you_mean(name, names)}")
 
-    def note(self, command: TeleopCommand) -> dict[str, float]:
-        """Take over what a command changes; return the new values of the sliders."""
+    def apply(self, command: TeleopCommand) -> dict[str, float]:
+        """Update the sliders to a command; return the values that may have changed."""
         match command:
             case VelocityCommand(forward, left, turn):
                 changes = dict(zip(self._velocity_names, (forward, left, turn), strict=True))
@@ -104,7 +117,7 @@ class Controls:
         return changes
 
     def zero_velocity(self) -> dict[str, float]:
-        """Set the velocity sliders to zero, as the loop does; return their values."""
+        """Set the velocity sliders to zero, as the loop has done; return their values."""
         zeros = dict.fromkeys(self._velocity_names, 0.0)
         self.values.update(zeros)
         return zeros
@@ -137,18 +150,27 @@ class Controls:
         raise unknown_motion(name, self._capabilities.motions)
 
 
-def _decode(message: str | bytes) -> tuple[str, Any, str]:
+def decode(message: str | bytes) -> Request:
+    """Return the request that a message contains.
+
+    Raises:
+        CommandRefused: The message has another form; the text states the reason.
+    """
     if not isinstance(message, str):
-        raise CommandRefused("a message is text, in JSON")
+        raise CommandRefused("a message must be text in JSON")
     if len(message) > MAX_LENGTH:
-        raise CommandRefused(f"a message of {len(message)} characters; at most {MAX_LENGTH}")
+        raise CommandRefused(
+            f"the message has {len(message)} characters; at most {MAX_LENGTH} are allowed"
+        )
     try:
         content = json.loads(message)
     except (ValueError, RecursionError):
         raise CommandRefused(f"{short_repr(message)} is not JSON") from None
     if not isinstance(content, dict) or not isinstance(content.get("control"), str):
-        raise CommandRefused(f'{short_repr(content)}: a message is {{"control": NAME, "value": …}}')
+        raise CommandRefused(
+            f'{short_repr(content)}: a message must be {{"control": NAME, "value": …}}'
+        )
     source = content.get("source", _SOURCES[0])
     if source not in _SOURCES:
-        raise CommandRefused(f"source is {short_repr(source)}; it is {' or '.join(_SOURCES)}")
-    return content["control"], content.get("value"), source
+        raise CommandRefused(f"source is {short_repr(source)}; it must be {' or '.join(_SOURCES)}")
+    return Request(content["control"], content.get("value"), source)

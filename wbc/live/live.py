@@ -23,27 +23,27 @@ _RATE = 40.0  # Hz of frames and status
 class Live(ProcessObserver):
     """Serves a page that shows a robot and sends commands to it.
 
-    The page is served by another process, which reads the loop's ticks from shared memory. The
-    loop never waits, and goes on when the other process has died.
+    Another process reads the loop's ticks from shared memory and serves the page. The loop never
+    waits for it, and continues if it ends.
 
     Example:
         >>> with CommandHandler(player, plant) as handler, Live(handler) as live:
         ...     wbc.teleop.run(handler, 3600.0, clients=[live])
 
     Args:
-        handler: takes the page's commands.
-        host: address to listen on; by default only this machine can reach the page.
-        port: None takes the first free one from 7000 on, 0 any free one.
-        boxes: (n, 6) terrain, upright boxes: centre, then half sizes, m.
-        announce: print the page's address.
+        handler: Handler that receives the page's commands.
+        host: Address to listen on; by default only this machine can reach the page.
+        port: Port of the page; None takes the first free one from 7000 on, 0 any free one.
+        boxes: Terrain as upright boxes: centre, then half sizes, m, shape (n, 6).
+        announce: Whether to print the page's address.
 
     Attributes:
-        reset_hint: how a person resets the robot on the page.
-        url: address of the page.
-        stream: from which the page reads, see `wbc.runtime.protocols.StreamObserver`.
+        reset_hint: How a person resets the robot on the page.
+        url: Address of the page.
+        stream: Stream that the page reads, see `wbc.runtime.protocols.StreamObserver`.
 
     Raises:
-        LiveError: the page cannot be served.
+        LiveError: The page cannot be served.
     """
 
     reset_hint = "press Reset (R) on the page"
@@ -61,13 +61,7 @@ class Live(ProcessObserver):
         self._handler = handler
         channel = handler.open_channel().config
         config = LiveServerConfig(
-            robot=robot,
-            boxes=checked_boxes(boxes),
-            channel=channel,
-            host=host,
-            port=port,
-            rate=_RATE,
-            parent=os.getpid(),
+            robot, port, _RATE, checked_boxes(boxes), os.getpid(), channel, host
         )
         super().__init__(
             ChildProcess("wbc.live.server", channel.descriptors, title="the live page")
@@ -78,5 +72,5 @@ class Live(ProcessObserver):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """Those of the command handler; see `wbc.runtime.protocols.StreamObserver`."""
+        """Quantities of the command handler; see `wbc.runtime.protocols.StreamObserver`."""
         return self._handler.quantities

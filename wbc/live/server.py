@@ -1,14 +1,13 @@
-"""The process that serves the live page: it shows ticks to browsers and passes requests on.
+"""The process of the live page: it shows ticks to browsers and passes on their commands.
 
-`Live` starts it as `python -m wbc.live.server`. It ends when its standard input is closed: a parent
-that dies, even by SIGKILL, ends it.
+`Live` starts it as `python -m wbc.live.server`; see `wbc.process.child`.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-import re
+import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -18,113 +17,86 @@ import tornado.websocket
 from wbc.live.address import allowed_hosts, check_host, url_host
 from wbc.live.broker import RequestBroker
 from wbc.live.config import LiveServerConfig
-from wbc.live.errors import LiveError
-from wbc.live.series import SeriesList, SeriesSocket
 from wbc.motions.engine import SWITCH_INTERVAL
 from wbc.process import parent
-from wbc.runtime.stream import TickReader
-from wbc.view.config import ViewerConfig
-from wbc.view.errors import ViewerError
-from wbc.view.page_text import script, served_page
-from wbc.view.server import LivePage, LiveScene
-from wbc.view.web import Text, listen, protected
+from wbc.view.server import SceneServer
+from wbc.view.web import listen
 
 _HERE = Path(__file__).parent / "page"
-_VIEW = ("meshcat.js", "stage.js", "live.js")
-_SCRIPTS = ("parts.js", "parameters.js", "strips.js", "panel.js")
-_OWN = (*_SCRIPTS, "panel.css")
-_MAX_SIZE = 1 << 16  # bytes: a longer message ends the connection
+_FILES = ("elements.js", "parameters.js", "plots.js", "panel.js", "panel.css")
+_MAX_SIZE = 1 << 16  # bytes; a longer message ends the connection
 _MAX_UNSENT = 100  # messages to a page that does not read; further ones are dropped
 
 
 class ControlSocket(tornado.websocket.WebSocketHandler):
-    """The control connection of one open page. Tornado refuses pages of another origin."""
+    """The control connection of one open page. Tornado refuses pages of other origins."""
 
     def initialize(self, broker: RequestBroker) -> None:
-        self.broker = broker
+        self._broker = broker
         self._unsent = 0
 
     def open(self, *_: str, **__: str) -> None:
         self.set_nodelay(True)
-        self.broker.welcome(self)
+        self._broker.add_page(self)
 
     def on_message(self, message: str | bytes) -> None:
-        self.broker.handle(message, self)
+        self._broker.handle(message, self)
 
-    def send(self, text: str) -> None:
-        """Send a text, unless the page is gone or reads too slowly."""
+    def send(self, message: dict[str, Any]) -> None:
+        """Send a message as JSON, unless the page is closed or reads too slowly."""
         if self._unsent > _MAX_UNSENT:
             return
-
         with contextlib.suppress(tornado.websocket.WebSocketClosedError):
             self._unsent += 1
-            self.write_message(text).add_done_callback(self._on_sent)
+            written = self.write_message(json.dumps(message, separators=(",", ":")))
+            written.add_done_callback(self._on_sent)
 
     def _on_sent(self, written: asyncio.Future[None]) -> None:
         self._unsent -= 1
         if not written.cancelled():
-            written.exception()  # retrieved, so that a page that is gone causes no warning
+            written.exception()  # retrieved, so that a closed page causes no warning
 
     def on_close(self) -> None:
-        self.broker.pages.discard(self)
+        self._broker.remove_page(self)
 
 
-async def serve(config: LiveServerConfig) -> None:
-    """Serve until the parent is gone."""
-    loop = asyncio.get_running_loop()
-    reader = TickReader()
-    monitor = parent.ParentMonitor(config.parent, reader.on_message)
-    scene: asyncio.Future[LiveScene] = loop.create_future()
-    broker = RequestBroker(config, reader)
-    try:
-        check_host(config.host)
-        handlers = [
-            (r"/socket", LivePage, {"live_scene": scene}),
-            (r"/controls", ControlSocket, {"broker": broker}),
-            (r"/series", SeriesSocket, {"source": broker.series}),
-            (r"/quantities.json", SeriesList, {"source": broker.series}),
-            *_files(config.robot.name),
-        ]
-        hosts = allowed_hosts(config.host)
-        application = protected(handlers, hosts, websocket_max_message_size=_MAX_SIZE)
-        port = listen(application, config.port, config.host)
-    except (LiveError, ViewerError) as error:
-        parent.reply({"error": str(error)})
-        return
-    parent.reply({"url": f"http://{url_host(config.host)}:{port}/static/"})
-    drawn = ViewerConfig(config.robot, config.port, config.rate, config.boxes, config.parent)
-    scene.set_result(await loop.run_in_executor(None, LiveScene, drawn, reader))
-    broker.start_planning()
-    period = 0.5 / config.rate  # twice as often as frames are due: none waits long
-    even = False
-    while not monitor.gone:
-        scene.result().advance()
-        even = not even
-        if even:
-            broker.advance()
-        await asyncio.sleep(period)
+class LiveServer(SceneServer):
+    """Serves the scene and the controls until the parent process ends.
+
+    Args:
+        config: Configuration of the server.
+    """
+
+    files = (*SceneServer.files, *(_HERE / name for name in _FILES))
+
+    def __init__(self, config: LiveServerConfig) -> None:
+        super().__init__(config)
+        self._host = config.host
+        self._broker = RequestBroker(config, self.reader)
+
+    def listen(self) -> str:
+        check_host(self._host)
+        names = allowed_hosts(self._host)
+        size = {"websocket_max_message_size": _MAX_SIZE}
+        port = listen(self.handlers(), self.config.port, self._host, names, **size)
+        return f"http://{url_host(self._host)}:{port}/static/"
+
+    def handlers(self) -> list[Any]:
+        return [(r"/controls", ControlSocket, {"broker": self._broker}), *super().handlers()]
+
+    def start(self) -> None:
+        self._broker.start_planning()
+
+    def advance(self) -> None:
+        super().advance()
+        self._broker.advance()
 
 
-def _files(name: str) -> list[Any]:
-    """Return handlers of the page, its scripts and its style."""
-    page = served_page(name, (*_VIEW, *_SCRIPTS))
-    page = page.replace("</head>", '<link rel="stylesheet" href="panel.css">\n</head>')
-    texts = [("", page, "text/html")]
-    texts += [(source, script(source), "text/javascript") for source in _VIEW]
-    for source in _OWN:
-        kind = "text/css" if source.endswith(".css") else "text/javascript"
-        texts.append((source, (_HERE / source).read_text("utf-8"), kind))
-    return [
-        (rf"/(?:static/)?{re.escape(path)}", Text, {"text": text, "kind": kind})
-        for path, text, kind in texts
-    ]
-
-
-def main() -> None:
-    """Receive the configuration and serve."""
+async def main() -> None:
+    """Serve the page that the parent's configuration describes."""
     sys.setswitchinterval(SWITCH_INTERVAL)
-    asyncio.run(serve(parent.receive_config()))
+    await LiveServer(parent.receive_config()).serve()
 
 
 if __name__ == "__main__":
-    main()
+    asyncio.run(main())

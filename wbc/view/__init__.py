@@ -1,23 +1,12 @@
 """Viewers: a live page in the browser, recordings that play offline, replays and videos.
 
-The process of the control loop loads neither meshcat, nor a web server, nor meshes.
+The public names are listed in `__init__.pyi`; each loads its module when it is first used. The
+process of the control loop loads neither meshcat, nor a web server, nor meshes.
 """
 
-from wbc.runtime.snapshot import Snapshot
-from wbc.view.errors import ViewerError
-from wbc.view.meshcat import Meshcat
-from wbc.view.recording import Recording
-from wbc.view.replay import Replay
-from wbc.view.timeline import Timeline, TimeSeries
-from wbc.view.video import Video
+import lazy_loader
 
-__all__ = [
-    "Meshcat",
-    "Recording",
-    "Replay",
-    "Snapshot",
-    "TimeSeries",
-    "Timeline",
-    "Video",
-    "ViewerError",
-]
+from wbc.runtime.snapshot import Snapshot as Snapshot
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__all__ += ["Snapshot"]

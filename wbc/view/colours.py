@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 from wbc.command import Status
-from wbc.view.objects import Colour, rgb
+
+#: Red, green, blue and opacity, 0 to 1.
+Colour = tuple[float, float, float, float]
+
+
+def rgb(text: str) -> Colour:
+    """Return the opaque colour `#rrggbb`."""
+    red, green, blue = bytes.fromhex(text[1:])
+    return (red / 255, green / 255, blue / 255, 1.0)
+
 
 FORCE = rgb("#d1342b")
 COM = rgb("#23272f")

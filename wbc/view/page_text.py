@@ -1,20 +1,18 @@
-"""The HTML page around meshcat's viewer, for the live viewer and for recordings."""
+"""The HTML page around meshcat's viewer: as served by a process, or as a file."""
 
 from __future__ import annotations
 
 import html
 import importlib.util
-import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
 from string import Template
 from typing import Any
 
 from wbc.runtime.snapshot import Snapshot
-from wbc.view.colours import LEGEND, STATUS, css
+from wbc.view.colours import LEGEND, STATUS, Colour, css
 from wbc.view.errors import ViewerError
-from wbc.view.objects import Colour
 
 _HERE = Path(__file__).parent / "page"
 _PHASES = {
@@ -24,7 +22,7 @@ _PHASES = {
     "right": "right stance",
     "flight": "flight",
 }
-_MARKS = {
+_SYMBOLS = {
     "line": '<rect x="1" y="5" width="18" height="4" rx="2" fill="{0}"/>',
     "disc": '<circle cx="10" cy="7" r="5" fill="{0}"/>',
     "ring": '<circle cx="10" cy="7" r="4.5" fill="none" stroke="{0}" stroke-width="2"/>',
@@ -36,66 +34,70 @@ _MARKS = {
 }
 
 
-def served_page(name: str, sources: Sequence[str]) -> str:
-    """Return a page that loads its scripts, objects and frames from a server.
+def viewer_scripts(*names: str) -> list[Path]:
+    """Return the paths of meshcat's script, of the scene's script and of further ones."""
+    return [_meshcat_script(), *(_HERE / name for name in ("scene.js", *names))]
+
+
+@cache
+def _meshcat_script() -> Path:
+    """Return the path of the script of the meshcat package.
+
+    Raises:
+        ViewerError: meshcat is not installed, or its script is not where it is expected.
+    """
+    # meshcat is not imported: that takes half a second, and only this file is needed.
+    found = importlib.util.find_spec("meshcat")
+    for folder in (found.submodule_search_locations or ()) if found is not None else ():
+        path = Path(folder) / "viewer" / "dist" / "main.min.js"
+        if path.is_file():
+            return path
+    raise ViewerError("meshcat's page was not found; run  pip install 'meshcat>=0.3.2,<0.4'")
+
+
+def served_page(name: str, files: Sequence[Path]) -> str:
+    """Return a page that loads its files, objects and frames from a server.
 
     Args:
         name: Name of the robot.
-        sources: Names of the scripts.
+        files: Paths of its scripts and style sheets.
     """
-    return _page(name, "".join(f'<script src="{source}"></script>\n' for source in sources))
+    tags = (
+        f'<link rel="stylesheet" href="{path.name}">'
+        if path.suffix == ".css"
+        else f'<script src="{path.name}"></script>'
+        for path in files
+    )
+    return _page(name, tags)
 
 
-def recorded_page(name: str, story: dict[str, Any], scene: str) -> str:
-    """Return a self-contained page.
+def offline_page(name: str, data: dict[str, str], files: Sequence[Path]) -> str:
+    """Return a page that contains everything.
 
     Args:
         name: Name of the robot.
-        story: Scale, paths, first poses and captions of the recording.
-        scene: Commands of the recording, gzip and base64.
+        data: Texts without `</` that the scripts read, by the ids of their elements.
+        files: Paths of its scripts.
     """
-    text = json.dumps(story, separators=(",", ":")).replace("</", "<\\/")
-    scripts = [
-        f'<script type="application/json" id="story">{text}</script>',
-        f'<script type="text/plain" id="scene">{scene}</script>',
-        *(f"<script>{script(s)}</script>" for s in ("meshcat.js", "stage.js", "replay.js")),
-    ]
-    return _page(name, "\n".join(scripts))
+    tags = [f'<script type="text/plain" id="{key}">{text}</script>' for key, text in data.items()]
+    tags += [f"<script>{path.read_text('utf-8')}</script>" for path in files]
+    return _page(name, tags)
 
 
-def _page(name: str, scripts: str) -> str:
+def _page(name: str, tags: Iterable[str]) -> str:
     template = Template((_HERE / "page.html").read_text("utf-8"))
     return template.substitute(
         title=html.escape(f"{name} · wbc"),
         name=html.escape(name),
         style=(_HERE / "page.css").read_text("utf-8"),
-        legend="".join(_entry(*entry) for entry in LEGEND),
-        scripts=scripts,
+        legend="".join(_legend_entry(*entry) for entry in LEGEND),
+        scripts="\n".join(tags),
     )
 
 
-def _entry(mark: str, colour: Colour, meaning: str) -> str:
-    drawing = _MARKS[mark].format(css(colour))
+def _legend_entry(symbol: str, colour: Colour, meaning: str) -> str:
+    drawing = _SYMBOLS[symbol].format(css(colour))
     return f'<div><svg viewBox="0 0 20 14">{drawing}</svg>{html.escape(meaning)}</div>'
-
-
-@cache
-def script(name: str) -> str:
-    """Return a script of the page; `meshcat.js` is that of the meshcat package.
-
-    Raises:
-        ViewerError: meshcat is not installed, or its page is not where it is expected.
-    """
-    if name != "meshcat.js":
-        return (_HERE / name).read_text("utf-8")
-    # meshcat is not imported: that takes half a second, and only this file is needed.
-    found = importlib.util.find_spec("meshcat")
-    folders = list(found.submodule_search_locations or ()) if found is not None else []
-    for folder in folders:
-        path = Path(folder) / "viewer" / "dist" / "main.min.js"
-        if path.is_file():
-            return path.read_text("utf-8")
-    raise ViewerError("meshcat's page was not found; run  pip install 'meshcat>=0.3.2,<0.4'")
 
 
 def caption(snapshot: Snapshot) -> dict[str, Any]:

@@ -11,15 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wbc.runtime.snapshot import Snapshot
 from wbc.view.errors import ViewerError
+from wbc.view.page_text import caption, viewer_scripts
+from wbc.view.scene import Scene
 from wbc.view.timeline import Timeline, TimeSeries, thinned, up_to
+from wbc.view.web import HOST, ScenePage, listen, page_handlers
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
-    from wbc.view.scene import Scene
 
-_MEMORY = 8.0  # s, duration of the history that the scene shows (CoM path, footprints)
-_STILL = 1e-5  # m or 1; smaller changes of a pose are not sent
+_HISTORY = 8.0  # s, duration of the history that the scene shows (CoM path, footprints)
 _POINTS = 1200  # of a series
 
 
@@ -50,7 +52,7 @@ class Replay:
         self._timeline = timeline
         self._port = port
         self._boxes = boxes
-        self._series = [_series_json(one) for one in thinned(series, _POINTS, _peaks)]
+        self._series = [_series_json(one) for one in thinned(series, _POINTS)]
 
     def serve(self, ready: Callable[[str], None]) -> None:
         """Serve until interrupted.
@@ -65,28 +67,22 @@ class Replay:
             asyncio.run(self._serve(ready))
 
     async def _serve(self, ready: Callable[[str], None]) -> None:
-        from wbc.view.web import HOST, listen, page_handlers, protected
-
-        handlers = page_handlers(self._robot.name, ("meshcat.js", "stage.js", "scrub.js"))
-        application = protected([(r"/socket", _page(), {"replay": self}), *handlers])
-        port = listen(application, self._port)
-        ready(f"http://{HOST}:{port}/static/")
+        files = viewer_scripts("socket.js", "player.js", "replay.js")
+        handlers = [
+            (r"/socket", _ReplayPage, {"replay": self}),
+            *page_handlers(self._robot.name, files),
+        ]
+        ready(f"http://{HOST}:{listen(handlers, self._port)}/static/")
         await asyncio.Event().wait()
 
     def new_scene(self) -> ReplayScene:
         """Return a scene for one page."""
-        from wbc.view.scene import Scene
-
         return ReplayScene(Scene(self._robot, self._boxes), self._timeline)
 
-    def introduction(self, replay_scene: ReplayScene) -> dict[str, Any]:
-        """Return the first message to a page, which follows the objects of its scene."""
-        return {
-            "paths": replay_scene.scene.paths,
-            "start": self._timeline.start,
-            "end": self._timeline.end,
-            "series": self._series,
-        }
+    def introduction(self) -> dict[str, Any]:
+        """Return what a page needs to know of the run: its start and end, s, and its series."""
+        timeline = self._timeline
+        return {"start": timeline.start, "end": timeline.end, "series": self._series}
 
 
 class ReplayScene:
@@ -101,64 +97,39 @@ class ReplayScene:
         self.scene = scene
         self._timeline = timeline
         self._time: float | None = None
-        self._sent: np.ndarray | None = None
 
-    def frame(self, time: float) -> dict[str, Any]:
-        """Return the changes to the page that show a time, s.
+    def show(self, time: float) -> Snapshot:
+        """Update the scene to a time, s, and return its snapshot.
 
         Raises:
             ViewerError: The time is not a finite number.
         """
-        from wbc.view.page_text import caption
-
         if not math.isfinite(time):
             raise ViewerError(f"time = {time} s must be finite")
-        snapshot = None
-        for snapshot in up_to(self._timeline, time, self._time, _MEMORY):
+        for snapshot in up_to(self._timeline, time, self._time, _HISTORY):
             self.scene.update(snapshot)
-        assert snapshot is not None
         self._time = min(max(time, self._timeline.start), self._timeline.end)
-        poses = self.scene.poses
-        changed = np.arange(len(poses))
-        if self._sent is not None:
-            changed = np.flatnonzero(np.abs(poses - self._sent).max(axis=1) > _STILL)
-        self._sent = poses.copy()
-        values = np.round(poses[changed], 5).ravel().tolist()
-        return {"caption": caption(snapshot), "nodes": changed.tolist(), "poses": values}
+        return snapshot
 
 
-def _page() -> type:
-    """Return the class of the page's web socket; imports tornado only when pages are served."""
-    import tornado.websocket
+class _ReplayPage(ScenePage):
+    """The web socket of one page, which sends a frame for each request."""
 
-    class Page(tornado.websocket.WebSocketHandler):
-        def initialize(self, replay: Replay) -> None:
-            self.replay = replay
+    def initialize(self, replay: Replay) -> None:
+        self._replay = replay
 
-        async def open(self, *_: str, **__: str) -> None:
-            self.set_nodelay(True)
-            self.replay_scene = stage = self.replay.new_scene()
-            with contextlib.suppress(tornado.websocket.WebSocketClosedError):
-                await self.write_message(json.dumps({"scale": stage.scene.proportions.top}))
-                for body in stage.scene.commands():
-                    await self.write_message(body, binary=True)
-                await self.write_message(json.dumps(self.replay.introduction(stage)))
+    async def open(self, *_: str, **__: str) -> None:
+        self._replay_scene = self._replay.new_scene()
+        scene = self._replay_scene.scene
+        await self.send_objects(scene, list(scene.commands()), **self._replay.introduction())
 
-        def on_message(self, message: str | bytes) -> None:
-            try:
-                answer = self.replay_scene.frame(float(json.loads(message)["time"]))
-            except (ValueError, KeyError, TypeError, AttributeError, ViewerError) as error:
-                answer = {"error": f'a request must have the form {{"time": seconds}}: {error}'}
-            with contextlib.suppress(tornado.websocket.WebSocketClosedError):
-                self.write_message(json.dumps(answer, separators=(",", ":")))
-
-    return Page
-
-
-def _peaks(values: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Return the maximum of each group, so that thinning keeps the peaks."""
-    known = np.where(np.isfinite(values), values, -np.inf)
-    return np.asarray(np.maximum.reduceat(known, starts)) if len(values) else values
+    def on_message(self, message: str | bytes) -> None:
+        try:
+            snapshot = self._replay_scene.show(float(json.loads(message)["time"]))
+        except (ValueError, KeyError, TypeError, AttributeError, ViewerError) as error:
+            self.send({"error": f'a request must have the form {{"time": seconds}}: {error}'})
+        else:
+            self.send_frame(self._replay_scene.scene, caption(snapshot))
 
 
 def _series_json(series: TimeSeries) -> dict[str, Any]:

@@ -13,23 +13,18 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.runtime.snapshot import Snapshot
-from wbc.view.actors import (
-    Actor,
-    BalanceActor,
-    FloorActor,
-    FootstepsActor,
-    ForcesActor,
-    Proportions,
-    RobotActor,
-    SceneInput,
-    SceneNode,
-    StatusLightActor,
-    SupportActor,
-    SwingActor,
-    TrailActor,
-)
+from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode
+from wbc.view.actors.balance import BalanceActor
+from wbc.view.actors.floor import FloorActor
+from wbc.view.actors.footsteps import FootstepsActor
+from wbc.view.actors.forces import ForcesActor
+from wbc.view.actors.robot import RobotActor
+from wbc.view.actors.status_light import StatusLightActor
+from wbc.view.actors.support import SupportActor
+from wbc.view.actors.swing import SwingActor
+from wbc.view.actors.trail import TrailActor
 from wbc.view.colours import TERRAIN
-from wbc.view.objects import matte, mesh, set_object, triangles
+from wbc.view.objects import drawable, matte, set_object
 from wbc.view.terrain import box_mesh, checked_boxes
 from wbc.view.visuals import visuals_of
 
@@ -67,7 +62,7 @@ class Scene:
         self._actors: list[Actor] = [
             RobotActor(self._model, visuals.shapes),
             FloorActor(p),
-            FootstepsActor(robot.soles, p),
+            *(FootstepsActor(sole, p) for sole in robot.soles),
             SupportActor(p),
             ForcesActor(p),
             BalanceActor(p),
@@ -87,11 +82,10 @@ class Scene:
     def commands(self) -> Iterator[bytes]:
         """Yield the commands that create all objects."""
         for path, node in zip(self.paths, self.nodes, strict=True):
-            for i, part in enumerate(node.parts):
-                yield set_object(f"{path}/{i}", part)
+            for i, thing in enumerate(node.objects):
+                yield set_object(f"{path}/{i}", thing)
         if len(self._boxes):
-            body = mesh(triangles(*box_mesh(self._boxes)), matte(TERRAIN))
-            yield set_object(f"{ROOT}/terrain", body)
+            yield set_object(f"{ROOT}/terrain", drawable(box_mesh(self._boxes), matte(TERRAIN)))
 
     def update(self, snapshot: Snapshot) -> bool:
         """Update all poses to a snapshot.
@@ -105,19 +99,19 @@ class Scene:
             for actor in self._actors:
                 actor.restart()
             self._time = snapshot.time
-        scene_input = self._moment(snapshot, snapshot.time - self._time)
+        scene_input = self._scene_input(snapshot, snapshot.time - self._time)
         self._time = snapshot.time
         start = 0
         for actor in self._actors:
             stop = start + len(actor.nodes)
-            actor.place(scene_input, self.poses[start:stop])
+            actor.set_poses(scene_input, self.poses[start:stop])
             start = stop
         # A non-finite number would invalidate the whole message, so its node is hidden instead.
-        spoilt = ~np.isfinite(self.poses).all(axis=1)
-        self.poses[spoilt] = _HIDDEN
+        invalid = ~np.isfinite(self.poses).all(axis=1)
+        self.poses[invalid] = _HIDDEN
         return True
 
-    def _moment(self, snapshot: Snapshot, dt: float) -> SceneInput:
+    def _scene_input(self, snapshot: Snapshot, dt: float) -> SceneInput:
         pin.framesForwardKinematics(self._model, self._data, snapshot.q)
         com = snapshot.telemetry.com
         if not np.isfinite(com).all():

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from wbc.view.errors import ViewerError
+
+if TYPE_CHECKING:
+    from trimesh import Trimesh
 
 
 def checked_boxes(boxes: np.ndarray | None) -> np.ndarray:
@@ -24,19 +29,12 @@ def checked_boxes(boxes: np.ndarray | None) -> np.ndarray:
     return array
 
 
-def box_mesh(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return a mesh of all boxes: (24 n, 3) vertices, (12 n, 3) faces and (24 n, 3) normals."""
-    corners, normals = [], []
-    for axis in range(3):
-        for side in (-1.0, 1.0):
-            normal = np.zeros(3)
-            normal[axis] = side
-            u, v = np.roll(np.eye(3), 1, axis=0)[[axis, axis - 1]]
-            if np.cross(u, v) @ normal < 0:
-                u, v = v, u
-            corners += [normal + a * u + b * v for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-            normals += [normal] * 4
-    vertices = boxes[:, None, :3] + np.array(corners) * boxes[:, None, 3:]
-    first = 4 * np.arange(6 * len(boxes))[:, None]
-    faces = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])])
-    return vertices.reshape(-1, 3), faces, np.tile(np.array(normals), (len(boxes), 1))
+def box_mesh(boxes: np.ndarray) -> Trimesh:
+    """Return one mesh of all boxes."""
+    # Imported here because `checked_boxes` runs in the loop's process.
+    from trimesh import Trimesh, creation
+
+    unit = creation.box((2.0, 2.0, 2.0))
+    vertices = boxes[:, None, :3] + unit.vertices * boxes[:, None, 3:]
+    first = len(unit.vertices) * np.arange(len(boxes))[:, None, None]
+    return Trimesh(vertices.reshape(-1, 3), (unit.faces + first).reshape(-1, 3), process=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -15,12 +15,7 @@ _STEP = 1.0 / 15.0  # s, period at which the history of a scene is rebuilt
 
 
 class Timeline(Protocol):
-    """Snapshots by time.
-
-    Attributes:
-        start: Time of the first snapshot, s.
-        end: Time of the last snapshot, s.
-    """
+    """Snapshots by time."""
 
     @property
     def start(self) -> float:
@@ -75,13 +70,12 @@ def up_to(timeline: Timeline, time: float, last: float | None, memory: float) ->
     yield timeline.at(time)
 
 
-def thinned(
-    series: Sequence[TimeSeries], points: int, pick: Callable[..., np.ndarray]
-) -> list[TimeSeries]:
-    """Return the series reduced to `points` points each; `pick` gives the value of each group."""
-    thin: list[TimeSeries] = []
+def thinned(series: Sequence[TimeSeries], points: int) -> list[TimeSeries]:
+    """Return the series with at most `points` points each, the largest value of each group."""
+    thin = []
     for one in series:
-        width = -(-len(one.time) // points)
-        starts = np.arange(0, len(one.time), max(width, 1))
-        thin.append(TimeSeries(one.label, one.time[starts], pick(one.values, starts)))
+        starts = np.arange(0, len(one.time), -(-len(one.time) // points) or 1)
+        known = np.where(np.isfinite(one.values), one.values, -np.inf)
+        peaks = np.maximum.reduceat(known, starts) if len(starts) else known
+        thin.append(TimeSeries(one.label, one.time[starts], peaks))
     return thin

@@ -66,9 +66,10 @@ class Video:
                 page.set_default_timeout(_PATIENCE)
                 page.goto(page_path.as_uri())
                 page.wait_for_function("wbc.ready")
-                frames = int(page.evaluate("wbc.videoMode()") * recording.rate + 1e-6) + 1
+                start, end = page.evaluate("[wbc.player.start, wbc.player.end]")
+                frames = int((end - start) * recording.rate + 1e-6) + 1
                 for k in range(frames):
-                    page.evaluate("(time) => wbc.seek(time)", k / recording.rate)
+                    page.evaluate("(time) => wbc.drawFrame(time)", start + k / recording.rate)
                     frames_in.write(page.screenshot(type="jpeg", quality=_QUALITY))
                     if progress is not None:
                         progress(k + 1, frames)

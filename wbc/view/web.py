@@ -1,26 +1,36 @@
-"""Serves pages to this machine: their files, their port, and a check of the host name."""
+"""Serves pages: their files, their port, a check of the host name, and the frames of a scene."""
 
 from __future__ import annotations
 
 import contextlib
+import json
+import re
 from collections.abc import Sequence
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import tornado.httpserver
 import tornado.netutil
 import tornado.web
+import tornado.websocket
 
 from wbc.view.errors import ViewerError
-from wbc.view.page_text import script, served_page
+from wbc.view.page_text import served_page
+
+if TYPE_CHECKING:
+    from wbc.view.scene import Scene
 
 HOST = "127.0.0.1"
 LOOPBACK = r"(127\.0\.0\.1|localhost)"
 FIRST_PORT = 7000
 _PORTS = 200
+_STILL = 1e-5  # m or 1; smaller changes of a pose are not sent
+_KINDS = {".css": "text/css", ".js": "text/javascript"}
 
 
 class Text(tornado.web.RequestHandler):
-    """The handler of a page or a script."""
+    """The handler of a page, a script or a style sheet."""
 
     def initialize(self, text: str, kind: str) -> None:
         self.text, self.kind = text, kind
@@ -31,47 +41,71 @@ class Text(tornado.web.RequestHandler):
         self.finish(self.text)
 
 
-def page_handlers(name: str, sources: Sequence[str]) -> list[Any]:
-    """Return the handlers of a page and its scripts.
+class ScenePage(tornado.websocket.WebSocketHandler):
+    """The web socket of a page that shows a scene: its objects first, then frames."""
+
+    async def send_objects(self, scene: Scene, commands: Sequence[bytes], **more: object) -> None:
+        """Send the commands that create the objects, then the paths of the nodes and `more`."""
+        self.set_nodelay(True)
+        self._sent = np.full_like(scene.poses, np.inf)
+        with contextlib.suppress(tornado.websocket.WebSocketClosedError):
+            await self.write_message(json.dumps({"scale": scene.proportions.top}))
+            for command in commands:
+                await self.write_message(command, binary=True)
+            await self.write_message(json.dumps({"paths": scene.paths, **more}))
+
+    def send_frame(self, scene: Scene, caption: dict[str, Any]) -> None:
+        """Send a caption and the poses that have changed since the last frame."""
+        changed = np.flatnonzero(np.abs(scene.poses - self._sent).max(axis=1) > _STILL)
+        self._sent = scene.poses.copy()
+        poses = np.round(scene.poses[changed], 5).ravel().tolist()
+        self.send({"caption": caption, "nodes": changed.tolist(), "poses": poses})
+
+    def send(self, message: dict[str, Any]) -> None:
+        """Send a message as JSON, unless the page is closed."""
+        with contextlib.suppress(tornado.websocket.WebSocketClosedError):
+            self.write_message(json.dumps(message, separators=(",", ":")))
+
+
+def page_handlers(name: str, files: Sequence[Path]) -> list[Any]:
+    """Return the handlers of a page and its files.
 
     Args:
         name: Name of the robot.
-        sources: Names of the scripts.
+        files: Paths of its scripts and style sheets.
     """
-    page = {"text": served_page(name, sources), "kind": "text/html"}
-    handlers: list[Any] = [(r"/(?:static/)?", Text, page)]
-    for source in sources:
-        route = {"text": script(source), "kind": "text/javascript"}
-        handlers.append((rf"/(?:static/)?{source}", Text, route))
-    return handlers
+    texts = {path.name: (path.read_text("utf-8"), _KINDS[path.suffix]) for path in files}
+    texts[""] = served_page(name, files), "text/html"
+    return [
+        (rf"/(?:static/)?{re.escape(route)}", Text, {"text": text, "kind": kind})
+        for route, (text, kind) in texts.items()
+    ]
 
 
-def protected(
-    handlers: Sequence[Any], names: str = LOOPBACK, **settings: Any
-) -> tornado.web.Application:
-    """Return an application that rejects requests for other host names (DNS rebinding).
+def listen(
+    handlers: Sequence[Any],
+    port: int | None,
+    host: str = HOST,
+    names: str = LOOPBACK,
+    **settings: Any,
+) -> int:
+    """Serve an application that rejects requests for other host names; return the port.
+
+    Otherwise the pages of another site could reach it under a name that resolves to this machine
+    (DNS rebinding).
 
     Args:
         handlers: Request handlers.
-        names: Regular expression of the accepted host names.
-        settings: Settings of the application.
-    """
-    application = tornado.web.Application(**settings)
-    application.add_handlers(names, list(handlers))
-    return application
-
-
-def listen(application: tornado.web.Application, port: int | None, host: str = HOST) -> int:
-    """Serve an application; return the port.
-
-    Args:
-        application: Application to serve.
         port: Port; None takes the first free one from 7000 on, 0 any.
         host: Address to listen on.
+        names: Regular expression of the accepted host names.
+        settings: Settings of the application.
 
     Raises:
         ViewerError: The port is in use.
     """
+    application = tornado.web.Application(**settings)
+    application.add_handlers(names, list(handlers))
     server = tornado.httpserver.HTTPServer(application)
     for candidate in range(FIRST_PORT, FIRST_PORT + _PORTS) if port is None else (port,):
         with contextlib.suppress(OSError):

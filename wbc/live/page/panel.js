@@ -1,16 +1,17 @@
-// The control panel, built from the controls that the server announces. A control sends {"control": name,
-// "value": …, "source": "page" or "keyboard"}; the server sends values and status to every page.
+// The control panel, built from the controls that the server describes. A control sends
+// {"control": name, "value": …, "source": "page" or "keyboard"}; the server sends values and status
+// to every page.
 "use strict";
 (() => {
-const {make, text, slider, makeForm, strips} = wbc;
-const SHOWN = [["robot", "robot"], ["forces", "contact forces"], ["balance", "CoM, DCM, ZMP"],
+const {make, text, slider, makeForm, plots} = wbc;
+const GROUPS = [["robot", "robot"], ["forces", "contact forces"], ["balance", "CoM, DCM, ZMP"],
   ["trail", "CoM trail"], ["support", "support polygon"], ["footsteps", "footsteps"],
   ["swing", "swing path"], ["terrain", "terrain"]];
 const sliders = new Map();
 const buttons = new Map();
-let socket = null, offered = null, status = null, source = "page", errorEnds = 0;
+let socket = null, controls = null, status = null, source = "page", errorEnds = 0;
 // Tests read this.
-wbc.live = {offered: null, status: null, values: {}, errors: [], outcomes: []};
+wbc.live = {status: null, values: {}, errors: [], outcomes: []};
 
 function send(control, value) {
   if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify({control, value, source}));
@@ -27,23 +28,23 @@ function makeSlider(parameter) {
     row.classList.toggle("changed", Math.abs(value - parameter.default) > 1e-3 * (parameter.high - parameter.low));
     wbc.live.values[parameter.name] = value;
   };
-  const turn = (value) => { show(value); send(parameter.name, value); };
+  const change = (value) => { show(value); send(parameter.name, value); };
   move.input.setAttribute("aria-label", parameter.name);
   move.input.dataset.control = parameter.name;
   move.input.oninput = () => {
     const value = move.get();
     // A slider with negative values snaps to zero near its middle.
-    turn(parameter.low < 0 && Math.abs(value) < 0.03 * parameter.high ? 0 : value);
+    change(parameter.low < 0 && Math.abs(value) < 0.03 * parameter.high ? 0 : value);
   };
   move.input.onchange = () => { move.set(wbc.live.values[parameter.name]); move.input.blur(); };
-  row.ondblclick = () => { move.set(parameter.default); turn(parameter.default); };
+  row.ondblclick = () => { move.set(parameter.default); change(parameter.default); };
   sliders.set(parameter.name, {
     parameter,
-    put: (value) => { if (document.activeElement !== move.input) move.set(value); show(value); },
-    turn: (value) => {
-      const kept = Math.min(Math.max(value, parameter.low), parameter.high);
-      move.set(kept);
-      turn(kept);
+    set: (value) => { if (document.activeElement !== move.input) move.set(value); show(value); },
+    change: (value) => {
+      const clamped = Math.min(Math.max(value, parameter.low), parameter.high);
+      move.set(clamped);
+      change(clamped);
     },
   });
   move.set(parameter.default);
@@ -51,9 +52,9 @@ function makeSlider(parameter) {
   return row;
 }
 
-const inGroup = (group) => offered.parameters.filter((parameter) => parameter.group === group);
-const defaultsButton = (group) => make("button", {className: "defaults", textContent: "Reset to defaults", onclick: () => {
-  for (const parameter of offered.parameters.filter(group)) sliders.get(parameter.name).turn(parameter.default);
+const inGroup = (group) => controls.parameters.filter((parameter) => parameter.group === group);
+const defaultsButton = (includes) => make("button", {className: "defaults", textContent: "Reset to defaults", onclick: () => {
+  for (const parameter of controls.parameters.filter(includes)) sliders.get(parameter.name).change(parameter.default);
 }});
 
 function section(title, ...content) {
@@ -64,8 +65,8 @@ function folded(title, ...content) {
   return make("details", {}, make("summary", {textContent: title}), ...content);
 }
 
-function action(name, label, title, act) {
-  const button = make("button", {textContent: label, title, onclick: act});
+function action(name, label, title, perform) {
+  const button = make("button", {textContent: label, title, onclick: perform});
   button.dataset.action = name;
   buttons.set(name, button);
   return button;
@@ -77,29 +78,29 @@ function walkSection() {
 }
 
 function walk() {
-  const {parameter, turn} = sliders.get("velocity.forward");
-  turn(0.4 * parameter.high);
+  const {parameter, change} = sliders.get("velocity.forward");
+  change(0.4 * parameter.high);
 }
 
 function motionSection() {
   const box = make("div", {className: "buttons"},
     action("stand", "Stand", "stop walking, end the motion and stand; key: S", () => send("stand")),
     action("walk", "Walk", "forward, at 40 % of the largest velocity", walk),
-    ...offered.motions.flatMap(makeMotion));
+    ...controls.motions.flatMap(makeMotion));
   return section("Motions", box);
 }
 
 // The button of a motion, and the form of its parameters, which opens below.
 function makeMotion(motion) {
-  let chosen = () => ({});
+  let changedParameters = () => ({});
   const play = () => {
-    const parameters = chosen();
+    const parameters = changedParameters();
     send("motion", Object.keys(parameters).length ? {name: motion.name, parameters} : motion.name);
   };
   const button = action(`motion ${motion.name}`, motion.name, motion.summary, play);
   if (!motion.parameters.length) return [button];
-  const made = makeForm(motion, button, play), form = made.form;
-  chosen = made.chosen;
+  const {form, changed} = makeForm(motion, button, play);
+  changedParameters = changed;
   const more = make("button", {className: "more", textContent: "⋯",
     title: `${motion.name}: ${motion.parameters.map((p) => p.name.replaceAll("_", " ")).join(", ")}`});
   more.dataset.more = motion.name;
@@ -115,8 +116,8 @@ function makeMotion(motion) {
 }
 
 function pushSection() {
-  const most = offered.max_impulse;
-  const size = slider(most / 50, most, false);
+  const largest = controls.max_impulse;
+  const size = slider(largest / 50, largest, false);
   const output = make("output");
   let angle = Math.PI / 2;
   const pad = document.createElementNS("http://www.w3.org/2000/svg", "svg");
@@ -125,7 +126,7 @@ function pushSection() {
   const draw = () => {
     output.textContent = text(size.get(), "N·s");
     // Up is forward; left is the robot's left.
-    const reach = 16 + 28 * size.get() / most;
+    const reach = 16 + 28 * size.get() / largest;
     const x = -Math.sin(angle), y = -Math.cos(angle);
     const at = (r, side) => `${(r * x - side * y).toFixed(1)} ${(r * y + side * x).toFixed(1)}`;
     pad.innerHTML = '<circle r="50" fill="#fff" stroke="#c9d1d9"/>' +
@@ -150,7 +151,7 @@ function pushSection() {
   pad.onpointermove = aim;
   size.input.setAttribute("aria-label", "size of the push");
   size.input.oninput = draw;
-  size.set(0.2 * most);
+  size.set(0.2 * largest);
   draw();
   return section("Push", make("div", {className: "push"}, pad, make("div", {},
     make("label", {className: "slider"}, size.input, output),
@@ -166,7 +167,7 @@ function timeSection() {
 }
 
 function showSection() {
-  return folded("Show", ...SHOWN.map(([name, label]) => {
+  return folded("Show", ...GROUPS.map(([name, label]) => {
     const box = make("input", {type: "checkbox", checked: true});
     box.dataset.shown = name;
     box.onchange = () => {
@@ -178,21 +179,21 @@ function showSection() {
 }
 
 function gainSection() {
-  const own = new Set(["velocity", "time", "gait"]);
-  const tasks = [...new Set(offered.parameters.map((parameter) => parameter.group))].filter((g) => !own.has(g));
+  const others = new Set(["velocity", "time", "gait"]);
+  const tasks = [...new Set(controls.parameters.map((parameter) => parameter.group))].filter((g) => !others.has(g));
   return folded("Tasks: weights and gains", ...tasks.flatMap((task) =>
     [make("h3", {textContent: task}), ...inGroup(task).map(makeSlider)]),
-    defaultsButton((parameter) => !own.has(parameter.group)));
+    defaultsButton((parameter) => !others.has(parameter.group)));
 }
 
-function showStatus(now) {
+function showStatus(now, quantity) {
   status = wbc.live.status = now;
-  strips.add(now);
+  plots.add(now, quantity);
   element("banner").firstChild.textContent = {running: "", paused: "Paused",
     fallen: "Robot fell — press Reset (R)"}[now.mode];
   buttons.get("pause").textContent = now.mode === "paused" ? "Resume" : "Pause";
   buttons.get("pause").classList.toggle("on", now.mode === "paused");
-  offered.motions.forEach((motion, i) =>
+  controls.motions.forEach((motion, i) =>
     buttons.get(`motion ${motion.name}`).classList.toggle("on", now.playing === i));
   const walking = now.velocity.some((x) => x !== 0);
   buttons.get("walk").classList.toggle("on", walking);
@@ -205,11 +206,11 @@ function showError(text) {
   errorEnds = performance.now() + 6000;
 }
 
-function wireKeys() {
+function bindKeys() {
   const step = (name, share) => () => {
-    const {parameter, turn} = sliders.get(name);
+    const {parameter, change} = sliders.get(name);
     const next = wbc.live.values[name] + share * parameter.high;
-    turn(Math.abs(next) < 0.01 * parameter.high ? 0 : next);
+    change(Math.abs(next) < 0.01 * parameter.high ? 0 : next);
   };
   const press = (name) => () => buttons.get(name).click();
   const keys = {
@@ -228,17 +229,17 @@ function wireKeys() {
     if (event.target.matches("input[type=range]") && event.key.startsWith("Arrow")) return;
     if (event.target.matches("button, summary, input") && event.key === " ") return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-    const act = keys[(event.shiftKey && key.startsWith("Arrow") ? "shift " : "") + key];
-    if (!act) return;
+    const perform = keys[(event.shiftKey && key.startsWith("Arrow") ? "shift " : "") + key];
+    if (!perform) return;
     event.preventDefault();
     source = "keyboard";
-    act();
+    perform();
     source = "page";
   });
 }
 
-function build(controls) {
-  offered = wbc.live.offered = controls;
+function build(description) {
+  controls = description;
   const box = make("div", {id: "panel"});
   box.append(walkSection(), motionSection(), pushSection(), timeSection(), showSection(),
     folded("Gait", ...inGroup("gait").map(makeSlider), defaultsButton((parameter) => parameter.group === "gait")),
@@ -250,12 +251,12 @@ function build(controls) {
   });
   document.body.append(box, make("div", {id: "banner"}, make("span")), make("div", {id: "error"}),
     make("div", {id: "planning"}));
-  strips.build();
+  plots.build((label) => send("quantity", label));
   fitScene();
   addEventListener("resize", fitScene);
-  wireKeys();
+  bindKeys();
   setInterval(() => {
-    strips.draw();
+    plots.draw();
     if (performance.now() > errorEnds) element("error").textContent = "";
   }, 50);
 }
@@ -269,19 +270,20 @@ function fitScene() {
 function open() {
   socket = new WebSocket(`ws://${location.host}/controls`);
   socket.onmessage = (message) => {
-    const news = JSON.parse(message.data);
-    if (news.controls) build(news.controls);
-    for (const [name, value] of Object.entries(news.values ?? {})) sliders.get(name).put(value);
-    for (const [name, why] of Object.entries(news.infeasible ?? {})) {
+    const received = JSON.parse(message.data);
+    if (received.controls) build(received.controls);
+    if (received.quantities) plots.offer(received.quantities);
+    for (const [name, value] of Object.entries(received.values ?? {})) sliders.get(name).set(value);
+    for (const [name, why] of Object.entries(received.infeasible ?? {})) {
       const button = buttons.get(`motion ${name}`);
       button.classList.add("infeasible");
       button.title = why;
     }
-    if (news.status) showStatus(news.status);
-    if (news.outcome) wbc.live.outcomes.push(news);
-    if (news.error) showError(news.error);
-    if ("planning" in news) {
-      element("planning").textContent = news.planning ? `Planning: ${news.planning} …` : "";
+    if (received.status) showStatus(received.status, received.quantity);
+    if (received.outcome) wbc.live.outcomes.push(received);
+    if (received.error) showError(received.error);
+    if ("planning" in received) {
+      element("planning").textContent = received.planning ? `Planning: ${received.planning} …` : "";
     }
   };
   socket.onclose = () => {

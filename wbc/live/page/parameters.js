@@ -3,14 +3,14 @@
 (() => {
 const {make} = wbc;
 
-// Returns a form for a motion's parameters; `chosen` returns those that differ from the defaults.
+// Returns a form for a motion's parameters; `changed` returns those that differ from the defaults.
 function makeForm(motion, button, play) {
   const fields = motion.parameters.map((parameter) => makeField(motion.name, parameter));
   const form = make("form", {hidden: true}, ...fields.map((field) => field.row),
     make("div", {className: "buttons"}, make("button", {textContent: "Play"}),
       make("button", {type: "reset", textContent: "Reset to defaults"})));
   form.dataset.form = motion.name;
-  const chosen = () => Object.fromEntries(fields.filter((f) => f.changed()).map((f) => [f.name, f.value()]));
+  const changed = () => Object.fromEntries(fields.filter((f) => f.changed()).map((f) => [f.name, f.value()]));
   const mark = () => {
     for (const field of fields) field.row.classList.toggle("changed", field.changed());
     button.classList.toggle("changed", fields.some((field) => field.changed()));
@@ -18,7 +18,7 @@ function makeForm(motion, button, play) {
   form.oninput = mark;
   form.onreset = () => setTimeout(mark);
   form.onsubmit = (event) => { event.preventDefault(); play(); };
-  return {form, chosen};
+  return {form, changed};
 }
 
 // The server refuses values that are not numbers, with an error message.

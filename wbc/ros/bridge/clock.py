@@ -8,8 +8,8 @@ from wbc.messages import message_type
 from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.node import Node
 from wbc.ros.qos import CLOCK
-from wbc.ros.rate_limiter import RateLimiter
 from wbc.ros.stamp import stamp_from_seconds
+from wbc.runtime.rate_limiter import RateLimiter
 
 _CLOCK = message_type("rosgraph_msgs/msg/Clock")
 _RATE = 100.0  # Hz of the wall clock

@@ -11,10 +11,10 @@ from wbc.messages import message_type
 from wbc.ros.bridge.config import NodeConfig
 from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.node import Node
-from wbc.ros.rate_limiter import RateLimiter
 from wbc.ros.stamp import stamp_from_seconds
 from wbc.runtime.mode import Mode
 from wbc.runtime.quantities import STATUSES
+from wbc.runtime.rate_limiter import RateLimiter
 
 _ARRAY = message_type("diagnostic_msgs/msg/DiagnosticArray")
 _STATUS = message_type("diagnostic_msgs/msg/DiagnosticStatus")

@@ -10,8 +10,8 @@ from wbc.messages import Message
 from wbc.ros.actions import ActionServer, GoalStatus, ServerGoalHandle
 from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.node import Node
-from wbc.ros.rate_limiter import RateLimiter
 from wbc.runtime.mode import Mode
+from wbc.runtime.rate_limiter import RateLimiter
 
 logger = logging.getLogger(__name__)
 

@@ -9,8 +9,8 @@ from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.joint_publisher import RATE_BOUNDS
 from wbc.ros.node import Node
 from wbc.ros.qos import HIGH_RATE, LATCHED
-from wbc.ros.rate_limiter import RateLimiter
 from wbc.ros.topics import Publisher
+from wbc.runtime.rate_limiter import RateLimiter
 from wbc.runtime.record import contact_names
 from wbc.runtime.schema import Schema
 from wbc.topics import (

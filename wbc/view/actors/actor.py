@@ -2,7 +2,7 @@
 
 An actor creates its objects once and afterwards only moves, scales and hides them: a pose is
 `[x y z, qx qy qz qw, sx sy sz]`, and a scale of zero hides a node. The same scene can therefore
-feed a live page (a few kB per frame) and an animation (keyframe tracks).
+feed a live page (a few kB per frame) and a recording (an array of poses).
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ import pinocchio as pin
 from wbc.runtime.snapshot import Snapshot
 from wbc.view.objects import Json
 
+_Z = np.array([0.0, 0.0, 1.0])
+
 
 @dataclass(frozen=True, eq=False)
 class SceneNode:
@@ -23,13 +25,13 @@ class SceneNode:
 
     Attributes:
         path: Path in the tree, separated by `/`.
-        parts: The objects; none for a node that meshcat's page creates.
-        smooth: Whether an animation may interpolate between two poses. False for objects that
+        objects: The objects; none for a node that the page creates.
+        smooth: Whether the page may interpolate between two poses. False for objects that
             are reused at another place, to which they must jump.
     """
 
     path: str
-    parts: tuple[Json, ...]
+    objects: tuple[Json, ...]
     smooth: bool = False
 
 
@@ -81,62 +83,52 @@ class Actor(ABC):
     """A part of the scene, such as the robot or the contact forces.
 
     Attributes:
-        nodes: Its nodes, in the order of the rows that `place` writes.
+        nodes: Its nodes, in the order of the rows that `set_poses` writes.
     """
 
     nodes: list[SceneNode]
 
     @abstractmethod
-    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
+    def set_poses(self, scene_input: SceneInput, poses: np.ndarray) -> None:
         """Write the poses of the nodes, shape (len(nodes), 10), over the previous ones."""
 
     def restart(self) -> None:  # noqa: B027  most actors have no history
         """Clear the history because a new run begins."""
 
 
-def put(row: np.ndarray, position: np.ndarray, scale: float = 1.0) -> None:
-    """Place a node upright at a position, m; hide it if the position is NaN."""
+def copies(path: str, count: int, *objects: Json) -> list[SceneNode]:
+    """Return nodes with the same objects, whose paths end with their numbers."""
+    return [SceneNode(f"{path}{i}", objects) for i in range(count)]
+
+
+def set_position(pose: np.ndarray, position: np.ndarray, yaw: float = 0.0) -> None:
+    """Place a node at a position (m), rotated about the vertical by `yaw` (rad); hide it if NaN."""
     if not np.isfinite(position).all():
-        hide(row)
+        hide(pose)
         return
-    row[0:3] = position
-    row[3:7] = (0.0, 0.0, 0.0, 1.0)
-    row[7:10] = scale
+    pose[0:3] = position
+    pose[3:7] = (0.0, 0.0, np.sin(0.5 * yaw), np.cos(0.5 * yaw))
+    pose[7:10] = 1.0
 
 
-def put_pose(row: np.ndarray, placement: pin.SE3) -> None:
+def set_placement(pose: np.ndarray, placement: pin.SE3) -> None:
     """Place a node at a placement in the world."""
-    row[0:7] = pin.SE3ToXYZQUAT(placement)
-    row[7:10] = 1.0
+    pose[0:7] = pin.SE3ToXYZQUAT(placement)
+    pose[7:10] = 1.0
 
 
-def put_yaw(row: np.ndarray, position: np.ndarray, yaw: float) -> None:
-    """Place a node at a position (m), rotated about the world's z axis by `yaw` (rad)."""
-    put(row, position)
-    row[5], row[6] = np.sin(0.5 * yaw), np.cos(0.5 * yaw)
-
-
-def stretch(row: np.ndarray, start: np.ndarray, end: np.ndarray, thickness: float = 1.0) -> None:
-    """Stretch a centred object of one metre length along y between two points, m."""
-    way = end - start
-    length = float(np.sqrt(way @ way))
+def stretch(pose: np.ndarray, start: np.ndarray, end: np.ndarray) -> None:
+    """Stretch a centred object of one metre length along z between two points, m."""
+    vector = end - start
+    length = float(np.sqrt(vector @ vector))
     if not length > 1e-6:  # also when it is NaN
-        hide(row)
+        hide(pose)
         return
-    row[0:3] = 0.5 * (start + end)
-    row[3:7] = turn_y_to(way / length)
-    row[7:10] = (thickness, length, thickness)
+    pose[0:3] = 0.5 * (start + end)
+    pose[3:7] = pin.Quaternion.FromTwoVectors(_Z, vector).coeffs()
+    pose[7:10] = (1.0, 1.0, length)
 
 
-def turn_y_to(axis: np.ndarray) -> tuple[float, float, float, float]:
-    """Return the smallest rotation of the y axis to a unit axis, as a quaternion x y z w."""
-    x, y, z = (float(a) for a in axis)
-    if y < -1.0 + 1e-9:
-        return (1.0, 0.0, 0.0, 0.0)
-    norm = float(np.sqrt(z * z + x * x + (1.0 + y) ** 2))
-    return (z / norm, 0.0, -x / norm, (1.0 + y) / norm)
-
-
-def hide(rows: np.ndarray) -> None:
-    """Hide nodes without moving them, so that an animation does not move them when shown again."""
-    rows[..., 7:10] = 0.0
+def hide(poses: np.ndarray) -> None:
+    """Hide nodes without moving them."""
+    poses[..., 7:10] = 0.0

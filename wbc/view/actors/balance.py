@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+from trimesh.creation import annulus, cylinder
 
-from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, put
+from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, set_position
 from wbc.view.colours import COM, DCM, ZMP
-from wbc.view.objects import Y_TO_Z, cylinder, mesh, ring, see_through, sphere
+from wbc.view.objects import drawable, see_through, sphere
 
 #: Height of the symbols above the ground, m, which avoids intersections with uneven ground and
 #: flicker against the support polygon.
 _LIFT = 0.006
+_THICKNESS = 0.004  # m
 
 
 class BalanceActor(Actor):
@@ -18,25 +20,27 @@ class BalanceActor(Actor):
 
     def __init__(self, proportions: Proportions) -> None:
         u = proportions.unit
-        ball = mesh(sphere(0.035 * u), see_through(COM, lit=True), order=9)
-        shadow = mesh(cylinder(0.012 * u, 0.004), see_through(COM), Y_TO_Z, order=6)
-        dcm = mesh(cylinder(0.022 * u, 0.004), see_through(DCM), Y_TO_Z, order=6)
-        reference = mesh(ring(0.026 * u, 0.034 * u), see_through(DCM), order=5)
-        zmp = mesh(cylinder(0.016 * u, 0.004), see_through(ZMP), Y_TO_Z, order=7)
+        symbols = {
+            "com": drawable(sphere(0.035 * u), see_through(COM, lit=True), order=9),
+            "com_on_ground": drawable(cylinder(0.012 * u, _THICKNESS), see_through(COM), order=6),
+            "dcm": drawable(cylinder(0.022 * u, _THICKNESS), see_through(DCM), order=6),
+            "dcm_reference": drawable(annulus(0.026 * u, 0.034 * u, 1e-4), see_through(DCM), 5),
+            "zmp": drawable(cylinder(0.016 * u, _THICKNESS), see_through(ZMP), order=7),
+        }
         self.nodes = [
-            SceneNode("balance/com", (ball,), smooth=True),
-            SceneNode("balance/com_on_ground", (shadow,), smooth=True),
-            SceneNode("balance/dcm", (dcm,), smooth=True),
-            SceneNode("balance/dcm_reference", (reference,), smooth=True),
-            SceneNode("balance/zmp", (zmp,), smooth=True),
+            SceneNode(f"balance/{name}", (symbol,), smooth=True) for name, symbol in symbols.items()
         ]
 
-    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
-        telemetry = scene_input.snapshot.telemetry
+    def set_poses(self, scene_input: SceneInput, poses: np.ndarray) -> None:
+        telemetry, com = scene_input.snapshot.telemetry, scene_input.com
         lift = np.array([0.0, 0.0, _LIFT])
-        put(poses[0], scene_input.com)
         ground = min((sole.translation[2] for sole in scene_input.soles.values()), default=0.0)
-        put(poses[1], np.array([scene_input.com[0], scene_input.com[1], ground + _LIFT]))
-        put(poses[2], telemetry.dcm + lift)
-        put(poses[3], telemetry.dcm_reference + lift)
-        put(poses[4], telemetry.zmp + 1.5 * lift)
+        points = (
+            com,
+            np.array([com[0], com[1], ground + _LIFT]),
+            telemetry.dcm + lift,
+            telemetry.dcm_reference + lift,
+            telemetry.zmp + 1.5 * lift,
+        )
+        for pose, point in zip(poses, points, strict=True):
+            set_position(pose, point)

@@ -3,119 +3,101 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
+from trimesh import Trimesh
 
 from wbc.robot import Sole
 from wbc.view.actors.actor import (
     Actor,
     Proportions,
     SceneInput,
-    SceneNode,
+    copies,
     hide,
-    put_pose,
-    put_yaw,
+    set_placement,
+    set_position,
 )
-from wbc.view.colours import LEFT, RIGHT, faded
-from wbc.view.objects import Colour, Json, flat, mesh, triangles
+from wbc.view.colours import LEFT, RIGHT, Colour, faded
+from wbc.view.objects import Json, drawable, flat
 
-_PLANNED = 8  # per side
-_MADE = 12
-_LIFT_PLANNED = np.array([0.0, 0.0, 0.002])
-_LIFT_MADE = np.array([0.0, 0.0, 0.001])
+_PLANNED = 8
+_COMPLETED = 12
+_LIFT_PLANNED = 0.002  # m
+_LIFT_COMPLETED = 0.001  # m
 #: Share of the weight above which a sole has touched down; below half of it, it has lifted off.
-_LANDED = 0.05
+_TOUCHDOWN = 0.05
 #: Distance of a loaded sole from its last footprint, m, that shows a touchdown between frames.
 _MOVED = 0.03
 
 
 class FootstepsActor(Actor):
-    """Outlines of the soles on the ground, coloured by side.
+    """Outlines of a sole on the ground, coloured by side.
 
     A step is completed when the sole is loaded; without contact wrenches in the snapshots only
     planned steps are drawn.
     """
 
-    def __init__(self, soles: Sequence[Sole], proportions: Proportions) -> None:
-        self._soles = {sole.name: sole for sole in soles}
+    def __init__(self, sole: Sole, proportions: Proportions) -> None:
+        self._sole = sole
         self._weight = proportions.weight
-        self._planned: dict[str, range] = {}
-        self._made: dict[str, range] = {}
-        self.nodes = []
-        for sole in soles:
-            colour = RIGHT if sole.side == "right" else LEFT
-            self._planned[sole.side] = self._prints(sole, _PLANNED, colour, 0.22)
-            self._made[sole.name] = self._prints(sole, _MADE, faded(colour, 0.35), 0.10)
+        colour = RIGHT if sole.side == "right" else LEFT
+        planned, completed = (
+            _footprint(sole, colour, 0.22),
+            _footprint(sole, faded(colour, 0.35), 0.1),
+        )
+        self.nodes = copies(f"footsteps/planned_{sole.side}_", _PLANNED, *planned)
+        self.nodes += copies(f"footsteps/completed_{sole.side}_", _COMPLETED, *completed)
         self.restart()
 
-    def _prints(self, sole: Sole, count: int, colour: Colour, fill: float) -> range:
-        kind = "made" if colour[3] < 1.0 else "planned"
-        first = len(self.nodes)
-        for i in range(count):
-            parts = (
-                mesh(outline(sole), flat(colour), order=3),
-                mesh(area(sole), flat(faded(colour, fill)), order=1),
-            )
-            self.nodes.append(SceneNode(f"footsteps/{kind}_{sole.side}_{i}", parts))
-        return range(first, first + count)
-
     def restart(self) -> None:
-        self._loaded = dict.fromkeys(self._soles, False)
-        self._history: dict[str, deque[pin.SE3]] = {
-            name: deque(maxlen=_MADE) for name in self._soles
-        }
+        self._loaded = False
+        self._completed: deque[pin.SE3] = deque(maxlen=_COMPLETED)
 
-    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
+    def set_poses(self, scene_input: SceneInput, poses: np.ndarray) -> None:
         hide(poses)
-        steps = scene_input.snapshot.contact_plan.footsteps
-        for side, rows in self._planned.items():
-            for i, step in zip(rows, (s for s in steps if s.side == side), strict=False):
-                put_yaw(poses[i], step.position + _LIFT_PLANNED, step.yaw)
-        for name, rows in self._made.items():
-            self._remember(name, scene_input)
-            for i, placement in zip(rows, self._history[name], strict=False):
-                put_pose(poses[i], placement)
-                poses[i, 0:3] += _LIFT_MADE
+        footsteps = scene_input.snapshot.contact_plan.footsteps
+        planned = [step for step in footsteps if step.side == self._sole.side]
+        for pose, step in zip(poses[:_PLANNED], planned, strict=False):
+            set_position(pose, step.position, step.yaw)
+            pose[2] += _LIFT_PLANNED
+        self._update_completed(scene_input)
+        for pose, placement in zip(poses[_PLANNED:], self._completed, strict=False):
+            set_placement(pose, placement)
+            pose[2] += _LIFT_COMPLETED
 
-    def _remember(self, name: str, scene_input: SceneInput) -> None:
-        if name not in scene_input.contacts or name not in scene_input.soles:
-            self._loaded[name] = False
-            return
-        load = scene_input.contacts[name][1][2] / self._weight
-        placement, history = scene_input.soles[name], self._history[name]
-        if load > _LANDED:
-            seen = history[-1].translation if history else np.full(3, np.inf)
+    def _update_completed(self, scene_input: SceneInput) -> None:
+        name, completed = self._sole.name, self._completed
+        _, wrench = scene_input.contacts.get(name, (None, np.zeros(6)))
+        load = wrench[2] / self._weight
+        if load > _TOUCHDOWN:
+            placement = scene_input.soles[name].copy()
+            last = completed[-1].translation if completed else np.full(3, np.inf)
             # Frames may be dropped, among them those with the sole in the air.
-            moved = np.linalg.norm(placement.translation[:2] - seen[:2]) > _MOVED
-            if moved:
-                history.append(placement.copy())
-            elif history and not self._loaded[name]:
-                history[-1] = placement.copy()
-            self._loaded[name] = True
-        elif load < 0.5 * _LANDED:
-            self._loaded[name] = False
+            if np.linalg.norm(placement.translation[:2] - last[:2]) > _MOVED:
+                completed.append(placement)
+            elif not self._loaded:
+                completed[-1] = placement
+            self._loaded = True
+        elif load < 0.5 * _TOUCHDOWN:
+            self._loaded = False
 
 
-def outline(sole: Sole, width: float = 0.006) -> Json:
-    """Return an outline of the sole's size, with a tip at the front; `width` in m."""
+def _footprint(sole: Sole, colour: Colour, fill: float) -> tuple[Json, Json]:
+    """Return an outline of the sole's size with a tip at the front, and its filled area."""
     x, y = sole.half_length, sole.half_width
     outer = np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
-    inner = outer - np.sign(outer) * width
-    tip = np.array([[x + 0.35 * y, 0.0], [x, 0.3 * y], [x, -0.3 * y]])
+    inner = outer - 0.006 * np.sign(outer)
+    tip = [[x + 0.35 * y, 0.0], [x, 0.3 * y], [x, -0.3 * y]]
     faces = [(i, (i + 1) % 4, 4 + (i + 1) % 4) for i in range(4)]
     faces += [(i, 4 + (i + 1) % 4, 4 + i) for i in range(4)]
-    return _level(np.concatenate([outer, inner, tip]), np.array([*faces, (8, 9, 10)]))
+    outline = _flat_shape(np.concatenate([outer, inner, tip]), [*faces, (8, 9, 10)])
+    area = _flat_shape(outer, [(0, 1, 2), (0, 2, 3)])
+    return (
+        drawable(outline, flat(colour), order=3),
+        drawable(area, flat(faded(colour, fill)), order=1),
+    )
 
 
-def area(sole: Sole) -> Json:
-    """Return a rectangle of the sole's size."""
-    x, y = sole.half_length, sole.half_width
-    corners = np.array([[x, y], [-x, y], [-x, -y], [x, -y]])
-    return _level(corners, np.array([[0, 1, 2], [0, 2, 3]]))
-
-
-def _level(points: np.ndarray, faces: np.ndarray) -> Json:
-    vertices = np.column_stack([points, np.zeros(len(points))])
-    return triangles(vertices, faces, np.tile([0.0, 0.0, 1.0], (len(points), 1)))
+def _flat_shape(points: np.ndarray, faces: list[tuple[int, int, int]]) -> Trimesh:
+    return Trimesh(np.column_stack([points, np.zeros(len(points))]), faces)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from trimesh.creation import cone, cylinder
 
 from wbc.geometry.wrench import centre_of_pressure
 from wbc.runtime.record import CONTACTS
-from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, hide, stretch
+from wbc.view.actors.actor import Actor, Proportions, SceneInput, copies, hide, stretch
 from wbc.view.colours import FORCE
-from wbc.view.objects import cylinder, mesh, see_through
+from wbc.view.objects import drawable, see_through
 
 _RADIUS = 0.012  # m, on a robot of human size
 _HEAD = 0.09  # m
@@ -28,25 +29,23 @@ class ForcesActor(Actor):
         radius = _RADIUS * proportions.unit
         # The arrows lie inside the leg, so they are drawn over the robot.
         material = see_through(FORCE)
-        self.nodes = []
-        for i in range(CONTACTS):
-            shaft = mesh(cylinder(radius, 1.0), material, order=10)
-            head = mesh(cylinder(2.6 * radius, 1.0, top=0.0), material, order=10)
-            self.nodes += [
-                SceneNode(f"forces/{i}/shaft", (shaft,)),
-                SceneNode(f"forces/{i}/head", (head,)),
-            ]
+        shaft = drawable(cylinder(radius, 1.0), material, order=10)
+        tip = cone(2.6 * radius, 1.0).apply_translation((0.0, 0.0, -0.5))
+        head = drawable(tip, material, order=10)
+        self.nodes = copies("forces/shaft_", CONTACTS, shaft) + copies(
+            "forces/head_", CONTACTS, head
+        )
 
-    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
+    def set_poses(self, scene_input: SceneInput, poses: np.ndarray) -> None:
         hide(poses)
         for i, (placement, wrench) in enumerate(scene_input.contacts.values()):
             force = placement.rotation @ wrench[:3]
-            size = float(np.sqrt(force @ force))
-            if not size > _LEAST * self._weight:
+            magnitude = float(np.sqrt(force @ force))
+            if not magnitude > _LEAST * self._weight:
                 continue
             start = placement.act(centre_of_pressure(wrench))
-            way = force / size
-            length = size * self._scale
-            neck = start + max(length - self._head, 0.0) * way
-            stretch(poses[2 * i], start, neck)
-            stretch(poses[2 * i + 1], neck, start + length * way)
+            direction = force / magnitude
+            length = magnitude * self._scale
+            neck = start + max(length - self._head, 0.0) * direction
+            stretch(poses[i], start, neck)
+            stretch(poses[CONTACTS + i], neck, start + length * direction)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
+from trimesh import Trimesh
 
-from wbc.view.actors.actor import Actor, SceneInput, SceneNode
-from wbc.view.objects import Json
+from wbc.view.actors.actor import Actor, SceneInput, SceneNode, set_placement
+from wbc.view.colours import Colour
+from wbc.view.objects import drawable, matte
 
 
 class RobotActor(Actor):
@@ -14,22 +16,17 @@ class RobotActor(Actor):
 
     Args:
         model: Pinocchio model of the robot.
-        shapes: Maps each joint index to its shapes, placed in joint axes.
+        shapes: Maps each joint index to its shapes, in joint axes, m, and their colours.
     """
 
-    def __init__(self, model: pin.Model, shapes: dict[int, list[Json]]) -> None:
+    def __init__(self, model: pin.Model, shapes: dict[int, list[tuple[Trimesh, Colour]]]) -> None:
         self._joints = sorted(shapes)
-        self.nodes = [
-            SceneNode(f"robot/{_safe(model.names[j])}", tuple(shapes[j]), smooth=True)
-            for j in self._joints
-        ]
+        self.nodes = []
+        for joint in self._joints:
+            objects = tuple(drawable(shape, matte(colour)) for shape, colour in shapes[joint])
+            name = model.names[joint].replace("/", "_")
+            self.nodes.append(SceneNode(f"robot/{name}", objects, smooth=True))
 
-    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
-        placements = scene_input.data.oMi
-        for row, joint in zip(poses, self._joints, strict=True):
-            row[0:7] = pin.SE3ToXYZQUAT(placements[joint])
-        poses[:, 7:10] = 1.0
-
-
-def _safe(name: str) -> str:
-    return name.replace("/", "_")
+    def set_poses(self, scene_input: SceneInput, poses: np.ndarray) -> None:
+        for pose, joint in zip(poses, self._joints, strict=True):
+            set_placement(pose, scene_input.data.oMi[joint])

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.command import Status
-from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, hide, put
+from wbc.view.actors.actor import Actor, Proportions, SceneInput, SceneNode, hide, set_position
 from wbc.view.colours import STATUS
-from wbc.view.objects import flat, mesh, sphere
+from wbc.view.objects import drawable, flat, sphere
 
 
 class StatusLightActor(Actor):
@@ -15,14 +15,13 @@ class StatusLightActor(Actor):
 
     def __init__(self, proportions: Proportions) -> None:
         self._height = proportions.top - proportions.com_height + 0.14 * proportions.unit
-        self.nodes = []
-        for status in Status:
-            ball = mesh(sphere(0.03 * proportions.unit), flat(STATUS[status]))
-            self.nodes.append(SceneNode(f"status_light/{status.value}", (ball,)))
+        ball = sphere(0.03 * proportions.unit)
+        self.nodes = [
+            SceneNode(f"status_light/{status.value}", (drawable(ball, flat(STATUS[status])),))
+            for status in Status
+        ]
 
-    def place(self, scene_input: SceneInput, poses: np.ndarray) -> None:
+    def set_poses(self, scene_input: SceneInput, poses: np.ndarray) -> None:
         hide(poses)
-        position = np.array(
-            [scene_input.base[0], scene_input.base[1], scene_input.com[2] + self._height]
-        )
-        put(poses[list(Status).index(scene_input.snapshot.status)], position)
+        position = np.append(scene_input.base[:2], scene_input.com[2] + self._height)
+        set_position(poses[list(Status).index(scene_input.snapshot.status)], position)

@@ -1,86 +1,57 @@
-// A recording: objects, an animation for meshcat's player, and the captions over time.
+// A completed run that a server shows: the page plays it by its own clock and requests each frame.
+// It requests the next frame when the last has arrived: a slow page skips frames and does not lag.
 "use strict";
-async function unpack(text) {
-  const packed = await (await fetch("data:application/octet-stream;base64," + text)).blob();
-  const plain = packed.stream().pipeThrough(new DecompressionStream("gzip"));
-  return new Uint8Array(await new Response(plain).arrayBuffer());
+const PLOT_HEIGHT = 50;
+let wanted = null, waiting = false;
+
+function request(time = wanted) {
+  wanted = time;
+  if (waiting || wanted === null || socket.readyState !== WebSocket.OPEN) return;
+  waiting = true;
+  socket.send(JSON.stringify({time: wanted}));
+  wanted = null;
 }
 
-function* messages(bytes) {
-  const view = new DataView(bytes.buffer);
-  for (let at = 0; at < bytes.length;) {
-    const size = view.getUint32(at, true);
-    // A copy, because typed arrays must be aligned to a multiple of their element size.
-    yield bytes.slice(at + 4, at + 4 + size);
-    at += 4 + size;
-  }
+function start(run) {
+  const marks = run.series.map((series) => plot(series, run));
+  const show = (time) => {
+    for (const mark of marks) mark.style.left = `${100 * (time - run.start) / (run.end - run.start || 1)}%`;
+    request(time);
+  };
+  wbc.player = new Player(run.start, run.end, {show, waiting: () => waiting});
 }
 
-async function replay() {
-  const story = JSON.parse(element("story").textContent);
-  makeStage(story.scale);
-  const all = [...messages(await unpack(element("scene").textContent))];
-  const animation = all.pop();
-  all.forEach(addBody);
-  finishBodies();
-  nodesAt(story.paths).forEach((object, i) => place(object, story.first, 10 * i));
-  nodesAt(story.paths).forEach((object) => { object.visible = true; });
-  viewer.handle_command_bytearray(animation);
-  wirePlayer(viewer.animator, story);
-  wbc.ready = true;
-}
-
-function wirePlayer(animator, story) {
-  const [play, seek, clock, speed] = ["play", "seek", "clock", "speed"].map(element);
-  const start = story.caption[0].time;
-  const toggle = () => (animator.playing ? animator.pause() : animator.play());
-  play.onclick = toggle;
-  seek.max = animator.duration;
-  seek.oninput = () => { animator.pause(); animator.seek(+seek.value); animator.time = +seek.value; };
-  speed.onchange = () => { animator.mixer.timeScale = +speed.value; };
-  addEventListener("keydown", (event) => {
-    if (event.key === " ") { event.preventDefault(); toggle(); }
+// Adds the plot of a time series; returns the mark of the current time.
+function plot(series, run) {
+  const span = run.end - run.start || 1;
+  const peak = Math.max(...series.values.filter((x) => x !== null), 1e-12);
+  let path = "", command = "M";
+  series.values.forEach((value, i) => {
+    if (value === null) { command = "M"; return; }
+    const x = 1000 * (series.time[i] - run.start) / span;
+    const y = PLOT_HEIGHT - 2 - (PLOT_HEIGHT - 6) * value / peak;
+    path += `${command}${x.toFixed(1)} ${y.toFixed(1)}`;
+    command = "L";
   });
-  element("player").hidden = story.caption.length < 2;
-  // For videos: hides the player and shows frames by time.
-  wbc.videoMode = () => {
-    document.body.classList.add("video");
-    animator.pause();
-    return story.caption.at(-1).time - start;
+  const row = document.createElement("div");
+  row.className = "series";
+  row.innerHTML = `<svg viewBox="0 0 1000 ${PLOT_HEIGHT}" preserveAspectRatio="none">` +
+    `<path d="${path}" fill="none" stroke="#2f6fb0" stroke-width="1.2" ` +
+    'vector-effect="non-scaling-stroke"/></svg><i class="mark"></i><span></span>';
+  row.querySelector("span").textContent = `${series.label}, up to ${+peak.toPrecision(3)}`;
+  row.onpointerdown = row.onpointermove = (event) => {
+    if (!event.buttons) return;
+    const frame = row.getBoundingClientRect();
+    wbc.player.jump(run.start + span * (event.clientX - frame.left) / frame.width);
   };
-  wbc.seek = (time) => {
-    animator.seek(time);
-    animator.time = time;
-    show(story.caption[lastBefore(story.caption, start + time + 1e-6)]);
-    viewer.render();
-    viewer.needs_render = false;
-  };
-  let shown = -1;
-  const tick = () => {
-    requestAnimationFrame(tick);
-    const index = lastBefore(story.caption, start + animator.time + 1e-6);
-    play.textContent = animator.playing ? "❚❚" : "▶";
-    seek.value = animator.time;
-    clock.textContent = `${animator.time.toFixed(1)} / ${animator.duration.toFixed(1)} s`;
-    if (index === shown) return;
-    shown = index;
-    wbc.frames += 1;
-    show(story.caption[index]);
-  };
-  tick();
-}
-
-function lastBefore(caption, time) {
-  let low = 0, high = caption.length - 1;
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (caption[middle].time <= time) low = middle; else high = middle - 1;
+  let card = document.querySelector(".all-series");
+  if (!card) {
+    card = Object.assign(document.createElement("div"), {className: "card all-series"});
+    document.body.append(card);
   }
-  return low;
+  card.append(row);
+  return row.querySelector(".mark");
 }
 
-replay().catch((error) => {
-  const wait = element("wait");
-  if (wait) wait.textContent = `this recording cannot be shown: ${error}`;
-  throw error;
-});
+const socket = connect(start, () => { waiting = false; request(); }, "the replay has ended");
+socket.addEventListener("close", () => { if (wbc.player) wbc.player.playing = false; });

@@ -1,14 +1,14 @@
-// The surroundings of the scene in meshcat's viewer: floor, lights, camera and status cards.
-// The live page and recordings call `show` with a snapshot's caption.
+// The scene in meshcat's viewer: floor, lights, camera, the objects that Python describes, and the
+// status card. A frame consists of the poses of nodes and a caption, the texts of the card.
 "use strict";
 const BACKGROUND = 0xe8edf2;
 var viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
 const THREE = MeshCat.THREE;
 const element = (id) => document.getElementById(id);
 // Tests read this to wait for a complete scene instead of a fixed time.
-var wbc = {bodies: 0, frames: 0, ready: false, time: null};
+var wbc = {frames: 0, ready: false, time: null};
 
-function makeStage(scale) {
+function makeSurroundings(scale) {
   for (const path of [["Lights"], ["Grid"], ["Axes"]]) {
     viewer.scene_tree.find(path).object.visible = false;
   }
@@ -18,22 +18,22 @@ function makeStage(scale) {
   // The floor fades into the background, so that it has no visible edge.
   viewer.scene.fog = new THREE.Fog(BACKGROUND, 5 * scale, 15 * scale);
 
-  const stage = viewer.scene_tree.find(["wbc", "stage"]).object;
+  const surroundings = viewer.scene_tree.find(["wbc", "surroundings"]).object;
   const floor = new THREE.Mesh(
     new THREE.PlaneGeometry(60, 60), new THREE.MeshLambertMaterial({color: 0xd3d9df}));
   floor.receiveShadow = true;
   floor.position.z = -0.004;
-  stage.add(floor);
+  surroundings.add(floor);
   const lines = (step, half, colour, z) => {
     const grid = new THREE.GridHelper(2 * half, Math.round(2 * half / step), colour, colour);
     grid.rotateX(Math.PI / 2);
     grid.position.z = z;
-    stage.add(grid);
+    surroundings.add(grid);
   };
   lines(0.25, 8, 0xc6cfd8, -0.003);
   lines(1.0, 16, 0xa7b3bf, -0.002);
 
-  stage.add(new THREE.HemisphereLight(0xffffff, 0xb4bcc6, 0.64));
+  surroundings.add(new THREE.HemisphereLight(0xffffff, 0xb4bcc6, 0.64));
   const sun = new THREE.DirectionalLight(0xfff6ea, 0.42);
   sun.position.set(2.2, 1.8, 5.0);
   sun.castShadow = true;
@@ -44,8 +44,8 @@ function makeStage(scale) {
   sun.shadow.radius = 3;
   const fill = new THREE.DirectionalLight(0xe6efff, 0.30);
   fill.position.set(-1.5, -3.0, 1.5);
-  // The targets of the lights move with the stage; by default they stay at the origin.
-  stage.add(sun, sun.target, fill, fill.target);
+  // The targets of the lights move with the surroundings; by default they stay at the origin.
+  surroundings.add(sun, sun.target, fill, fill.target);
 
   viewer.camera.fov = 32;
   viewer.camera.near = 0.02;
@@ -62,21 +62,17 @@ function makeStage(scale) {
   viewer.set_dirty();
 }
 
-function addBody(bytes) {
-  viewer.handle_command_bytearray(bytes);
-  wbc.bodies += 1;
-}
-
-function finishBodies() {
-  // Only the robot and the terrain cast shadows, not the symbols.
+// Completes the scene after its last object.
+function finishScene() {
+  // Only the robot casts a shadow, not the symbols.
   const root = viewer.scene_tree.find(["wbc"]);
   for (const [name, child] of Object.entries(root.children)) {
     const solid = name === "robot" || name === "terrain";
-    if (name === "stage") continue;
-    child.object.traverse((thing) => {
-      thing.castShadow = name === "robot";
-      thing.receiveShadow = solid;
-      thing.frustumCulled = solid;
+    if (name === "surroundings") continue;
+    child.object.traverse((part) => {
+      part.castShadow = name === "robot";
+      part.receiveShadow = solid;
+      part.frustumCulled = solid;
     });
   }
   element("wait").remove();
@@ -86,14 +82,15 @@ function finishBodies() {
 const nodesAt = (paths) =>
   paths.map((path) => viewer.scene_tree.find(path.split("/").filter((x) => x)).object);
 
-function place(object, pose, at) {
-  object.position.fromArray(pose, at);
-  object.quaternion.fromArray(pose, at + 3);
-  object.scale.fromArray(pose, at + 7);
-  object.visible = pose[at + 7] > 0;
+// Sets the pose of a node: position, quaternion and scale from 10 numbers of an array.
+function setPose(object, numbers, start) {
+  object.position.fromArray(numbers, start);
+  object.quaternion.fromArray(numbers, start + 3);
+  object.scale.fromArray(numbers, start + 7);
+  object.visible = numbers[start + 7] > 0;
 }
 
-function show(caption) {
+function showCaption(caption) {
   element("status-light").style.background = caption.colour;
   element("status-light").title = caption.status;
   element("time").textContent = `t = ${caption.time.toFixed(2)} s`;

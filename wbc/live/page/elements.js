@@ -1,4 +1,4 @@
-// Building blocks of the controls.
+// Elements of the page, number formatting and sliders.
 "use strict";
 (() => {
 function make(tag, attributes = {}, ...children) {
