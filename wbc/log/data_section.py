@@ -12,24 +12,8 @@ from __future__ import annotations
 from collections import Counter
 from typing import IO
 
+from mcap import records
 from mcap.data_stream import RecordBuilder
-from mcap.records import (
-    Attachment,
-    AttachmentIndex,
-    Channel,
-    Chunk,
-    ChunkIndex,
-    DataEnd,
-    Footer,
-    Header,
-    McapRecord,
-    Message,
-    MessageIndex,
-    Metadata,
-    MetadataIndex,
-    Schema,
-    Statistics,
-)
 from mcap.stream_reader import breakup_chunk
 from mcap.writer import MCAP0_MAGIC
 
@@ -51,23 +35,27 @@ class DataSection:
     """
 
     def __init__(self, file: IO[bytes]) -> None:
-        self._schemas: dict[int, Schema] = {}
-        self._channels: dict[int, Channel] = {}
-        self._chunks: list[ChunkIndex] = []
+        self._schemas: dict[int, records.Schema] = {}
+        self._channels: dict[int, records.Channel] = {}
+        self._chunks: list[records.ChunkIndex] = []
         self._counts: list[Counter[int]] = []  # messages of each channel in each chunk
-        self._attachments: list[AttachmentIndex] = []
-        self._metadata: list[MetadataIndex] = []
+        self._attachments: list[records.AttachmentIndex] = []
+        self._metadata: list[records.MetadataIndex] = []
         self.size = start = len(MCAP0_MAGIC)
-        records = RecordReader(file, emit_chunks=True)
-        for record in records:
+        reader = RecordReader(file, emit_chunks=True)
+        for record in reader:
             try:
                 self._add(record, start, file.tell() - start)
             except DAMAGE:
                 break
             start = file.tell()
-        self.complete = records.complete
+        self.complete = reader.complete
         if self._chunks and set(self._chunks[-1].message_index_offsets) != set(self._counts[-1]):
-            self._drop_last_message_indices()
+            # A chunk has either all of its message indices or none.
+            last = self._chunks[-1]
+            last.message_index_offsets.clear()
+            last.message_index_length = 0
+            self.size = last.chunk_start_offset + last.chunk_length
 
     @property
     def end_time(self) -> float:
@@ -87,10 +75,10 @@ class DataSection:
     def summary(self) -> bytes:
         """Return the bytes that complete a file of `size` bytes."""
         data = RecordBuilder()
-        DataEnd(data_section_crc=0).write(data)
+        records.DataEnd(data_section_crc=0).write(data)
         start = self.size + data.count
         counts = sum(self._counts, Counter[int]())
-        statistics = Statistics(
+        statistics = records.Statistics(
             attachment_count=len(self._attachments),
             channel_count=len(self._channels),
             channel_message_counts=dict(counts),
@@ -101,30 +89,29 @@ class DataSection:
             metadata_count=len(self._metadata),
             schema_count=len(self._schemas),
         )
-        records: list[McapRecord] = [
+        for record in (
             *self._schemas.values(),
             *self._channels.values(),
             statistics,
             *self._chunks,
             *self._attachments,
             *self._metadata,
-            Footer(summary_start=start, summary_offset_start=0, summary_crc=0),
-        ]
-        for record in records:
+            records.Footer(summary_start=start, summary_offset_start=0, summary_crc=0),
+        ):
             record.write(data)
         content: bytes = data.end()
         return content + MCAP0_MAGIC
 
-    def _add(self, record: McapRecord, start: int, length: int) -> None:
+    def _add(self, record: records.McapRecord, start: int, length: int) -> None:
         """Note a record that begins at offset `start`, and has `length` bytes."""
-        if isinstance(record, Chunk):
+        if isinstance(record, records.Chunk):
             self._add_chunk(record, start, length)
-        elif isinstance(record, MessageIndex) and self._chunks:
+        elif isinstance(record, records.MessageIndex) and self._chunks:
             self._chunks[-1].message_index_offsets[record.channel_id] = start
             self._chunks[-1].message_index_length += length
-        elif isinstance(record, Attachment):
+        elif isinstance(record, records.Attachment):
             self._attachments.append(
-                AttachmentIndex(
+                records.AttachmentIndex(
                     offset=start,
                     length=length,
                     log_time=record.log_time,
@@ -134,24 +121,25 @@ class DataSection:
                     media_type=record.media_type,
                 )
             )
-        elif isinstance(record, Metadata):
-            self._metadata.append(MetadataIndex(offset=start, length=length, name=record.name))
-        elif not isinstance(record, Header):
+        elif isinstance(record, records.Metadata):
+            index = records.MetadataIndex(offset=start, length=length, name=record.name)
+            self._metadata.append(index)
+        elif not isinstance(record, records.Header):
             return  # a part of an unfinished summary
         self.size = start + length
 
-    def _add_chunk(self, chunk: Chunk, start: int, length: int) -> None:
+    def _add_chunk(self, chunk: records.Chunk, start: int, length: int) -> None:
         counts = Counter[int]()
         for record in breakup_chunk(chunk, validate_crc=True):
-            if isinstance(record, Message):
+            if isinstance(record, records.Message):
                 counts[record.channel_id] += 1
-            elif isinstance(record, Schema):
+            elif isinstance(record, records.Schema):
                 self._schemas[record.id] = record
-            elif isinstance(record, Channel):
+            elif isinstance(record, records.Channel):
                 self._channels[record.id] = record
         self._counts.append(counts)
         self._chunks.append(
-            ChunkIndex(
+            records.ChunkIndex(
                 chunk_start_offset=start,
                 chunk_length=length,
                 compression=chunk.compression,
@@ -163,10 +151,3 @@ class DataSection:
                 message_index_length=0,
             )
         )
-
-    def _drop_last_message_indices(self) -> None:
-        """Drop the message indices of the last chunk: it has either all of them or none."""
-        chunk = self._chunks[-1]
-        chunk.message_index_offsets.clear()
-        chunk.message_index_length = 0
-        self.size = chunk.chunk_start_offset + chunk.chunk_length

@@ -11,6 +11,8 @@ import numpy as np
 if TYPE_CHECKING:
     from wbc.robot import Robot
 
+_LIMITS = {"q_min": -np.inf, "q_max": np.inf, "v_max": np.inf, "tau_max": np.inf}
+
 
 @dataclass(frozen=True, eq=False)
 class RobotInfo:
@@ -76,20 +78,11 @@ class RobotInfo:
     @staticmethod
     def from_json(text: str) -> RobotInfo:
         """Return the properties from the output of `to_json`."""
-        table = json.loads(text)
-        limits = {
-            name: np.array([sign * np.inf if x is None else x for x in table[name]], float)
-            for name, sign in (("q_min", -1), ("q_max", 1), ("v_max", 1), ("tau_max", 1))
-        }
-        left, right = ((float(x), float(y)) for x, y in table["soles"])
-        return RobotInfo(
-            name=str(table["name"]),
-            urdf=str(table["urdf"]),
-            joints=tuple(table["joints"]),
-            **limits,
-            base=str(table["base"]),
-            mass=float(table["mass"]),
-            weight=float(table["weight"]),
-            feet=(str(table["feet"][0]), str(table["feet"][1])),
-            soles=(left, right),
-        )
+        values = json.loads(text)
+        for name, unlimited in _LIMITS.items():
+            limits = [unlimited if x is None else x for x in values[name]]
+            values[name] = np.array(limits, float)
+        for name in ("joints", "feet"):
+            values[name] = tuple(values[name])
+        values["soles"] = tuple((float(x), float(y)) for x, y in values["soles"])
+        return RobotInfo(**values)

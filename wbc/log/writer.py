@@ -39,9 +39,6 @@ class LogWriter:
     Args:
         config: Configuration of the log.
 
-    Attributes:
-        reader: Reader of the stream of ticks.
-
     Raises:
         OSError: The file cannot be opened or written.
     """
@@ -52,23 +49,33 @@ class LogWriter:
         info = RobotInfo.of(robot).to_json()
         self._file.add(Metadata({"versions": versions()}, {"robot.json": info}))
         self._status = LogStatus(config.status)
-        self.reader = TickReader()
+        self._reader = TickReader()
+        self._metadata: queue.SimpleQueue[Metadata] = queue.SimpleQueue()
         self._batches = BatchMaker(robot)
         self._topics: list[MessageTopic] = []
-        self._schema = self.reader.schema
+        self._schema = self._reader.schema
         self._contacts: set[str] = set()
         self._ticks = 0
         self._due = self._longest = 0.0
 
+    def on_message(self, message: object) -> None:
+        """Receive metadata or a stream from the parent process; called in another thread."""
+        if isinstance(message, Metadata):
+            self._metadata.put(message)
+        else:
+            self._reader.on_message(message)
+
     def advance(self) -> bool:
-        """Write a batch of the ticks available; return False if there are none.
+        """Write new metadata and a batch of the new ticks; return False if there are no ticks.
 
         Raises:
             OSError: The file cannot be written.
         """
-        records = self.reader.take(_BATCH)
-        if self.reader.schema is not self._schema:
-            self._begin_stream(self.reader.schema)
+        while not self._metadata.empty():
+            self._file.add(self._metadata.get())
+        records = self._reader.take(_BATCH)
+        if self._reader.schema is not self._schema:
+            self._begin_stream(self._reader.schema)
         if len(records):
             running = records[records["mode"] == Mode.RUNNING]
             for name in sorted(contact_names(running) - self._contacts):
@@ -76,7 +83,7 @@ class LogWriter:
                 self._topics.append(commanded_wrench(name))
             self._file.write(self._batches.batch(running), self._topics)
             self._ticks += len(running)
-            self._status.dropped = self.reader.lost
+            self._status.dropped = self._reader.lost
         start = time.monotonic()
         if start >= self._due:
             self._due = start + _CHUNK
@@ -89,10 +96,6 @@ class LogWriter:
         self._schema, self._contacts = schema, set()
         self._topics = tick_topics(schema, self._robot)
         self._file.add(Metadata({}, {"quantities.json": columns_to_json(schema.columns)}))
-
-    def add(self, metadata: Metadata) -> None:
-        """Write metadata."""
-        self._file.add(metadata)
 
     def finish(self) -> None:
         """Write the remaining ticks and the end of the file.
@@ -108,7 +111,7 @@ class LogWriter:
             "longest_write_s": f"{self._longest:.6f}",
             "cpu_s": f"{time.process_time():.3f}",
         }
-        self.add(Metadata({"log": own}))
+        self._file.add(Metadata({"log": own}))
         self._file.finish()
 
     def give_up(self, reason: str) -> None:
@@ -126,26 +129,12 @@ def serve(config: LogConfig) -> int:
         parent.reply({"error": f"{error.strerror}; give another path"})
         return _DISK_ERROR
     parent.reply({"pid": os.getpid()})
-    metadata: queue.SimpleQueue[Metadata] = queue.SimpleQueue()
-
-    def on_message(message: object) -> None:
-        if isinstance(message, Metadata):
-            metadata.put(message)
-        else:
-            writer.reader.on_message(message)
-
-    def write_metadata() -> None:
-        while not metadata.empty():
-            writer.add(metadata.get())
-
-    parent_monitor = parent.ParentMonitor(config.parent, on_message)
+    parent_monitor = parent.ParentMonitor(config.parent, writer.on_message)
     try:
         while not parent_monitor.gone:
-            write_metadata()
             if not writer.advance():
                 parent_monitor.wait(_PAUSE)
         parent_monitor.wait(_PAUSE)  # the parent's last message may still be in transit
-        write_metadata()
         writer.finish()
     except OSError as error:
         writer.give_up(f"{error.strerror}: {config.path}")
