@@ -38,8 +38,8 @@ def test_own_quantity_is_logged_with_its_name_unit_and_labels(run, robot):
     assert (column.unit, column.labels) == ("W", robot.joint_names)
     np.testing.assert_allclose(power, run["tau"] * run["v"][:, 6:], rtol=1e-12)
     np.testing.assert_allclose(run["total_power"], power.sum(axis=1), atol=1e-9)
-    assert run.log.topics["/wbc/joint_power"] == "std_msgs/msg/Float64MultiArray"
-    assert run.log.topics["/wbc/total_power"] == "std_msgs/msg/Float64"
+    assert run.log["/wbc/joint_power"].type_name == "std_msgs/msg/Float64MultiArray"
+    assert run.log["/wbc/total_power"].type_name == "std_msgs/msg/Float64"
 
 
 def test_every_quantity_of_the_library_is_logged(run):
@@ -72,9 +72,9 @@ def test_the_log_and_the_node_share_topics_and_frames(robot):
 
 
 def test_points_and_odometry_of_the_log_are_in_the_frame_of_ros(run):
-    assert run.log.first("/balance/com").header.frame_id == "odom"
-    assert run.log.first("/odom").header.frame_id == "odom"
-    transforms = run.log.first("/tf").transforms
+    assert run.log["/balance/com"].first.header.frame_id == "odom"
+    assert run.log["/odom"].first.header.frame_id == "odom"
+    transforms = run.log["/tf"].first.transforms
     assert (transforms[0].header.frame_id, transforms[0].child_frame_id) == (
         "odom",
         run.robot_info.base,

@@ -33,9 +33,7 @@ def log(log: Path, *, repair: OutputFile | None = None) -> None:
         return
     contents = Log(log)
     print(_title(contents))
-    rows = [
-        (topic, kind, str(len(contents.stamps(topic)))) for topic, kind in contents.topics.items()
-    ]
+    rows = [(name, topic.type_name, str(len(topic))) for name, topic in contents.topics.items()]
     print(f"\n{table(('topic', 'type', 'messages'), rows, right=(2,))}")
     for name, values in contents.tables.items():
         print(f"\n{table((name, ''), list(values.items()))}")

@@ -11,6 +11,7 @@ from wbc.log.reader import Log
 from wbc.log.recorder import FlightRecorder
 from wbc.log.recovery import repair
 from wbc.log.run import LoggedRun
+from wbc.log.topic_table import TopicTable
 
 __all__ = [
     "Difference",
@@ -19,6 +20,7 @@ __all__ = [
     "Log",
     "LogError",
     "LoggedRun",
+    "TopicTable",
     "compare",
     "logged_robot",
     "plot",

@@ -119,7 +119,7 @@ def compare(a: LoggedRun, b: LoggedRun, tolerance: float = 0.0) -> Difference:
 
 def _values(run: LoggedRun, column: Column) -> np.ndarray:
     """Return the values of a quantity, shape (n, k); NaN if the run does not have it."""
-    if column.name not in run.quantities:
+    if column.name not in run:
         return np.full((len(run), column.size), np.nan)
     return run[column.name].reshape(len(run), column.size)
 

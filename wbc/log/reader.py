@@ -11,11 +11,14 @@ from wbc.errors import did_you_mean
 from wbc.log.errors import LogError, require_packages
 from wbc.log.robot_info import RobotInfo
 from wbc.log.topic_table import TopicTable
-from wbc.messages import Message
 
 
 class Log:
     """The content of a log, by topic.
+
+    Example:
+        >>> Log("walk.mcap")["/joint_states"].numbers("effort").shape
+        (5000, 32)
 
     Args:
         path: Path of the file.
@@ -25,6 +28,7 @@ class Log:
         complete: Whether the log was finished; otherwise it ends with its last whole chunk.
         tables: Parameters and versions; maps each table name to its names and values.
         files: Attached texts by file name, for example "robot.json".
+        topics: The messages of each topic that has some, by topic name.
 
     Raises:
         LogError: The file does not exist, or is not an MCAP file of ROS 2 messages.
@@ -37,58 +41,23 @@ class Log:
         self.complete = False
         self.tables: dict[str, dict[str, str]] = {}
         self.files: dict[str, str] = {}
-        self._topics: dict[str, TopicTable] = {}
+        self.topics: dict[str, TopicTable] = {}
         try:
             self._read()
         except OSError as error:
             raise LogError(f"cannot read {self.path}: {error.strerror}") from error
 
-    @property
-    def topics(self) -> dict[str, str]:
-        """The type of each topic that has messages, sorted by topic name."""
-        return {name: self._topics[name].type_name for name in sorted(self._topics)}
-
-    def __contains__(self, topic: str) -> bool:
-        """Return whether the log has messages of a topic."""
-        return topic in self._topics
-
-    def stamps(self, topic: str) -> np.ndarray:
-        """Return the log times of a topic's messages, ns, shape (n,).
+    def __getitem__(self, topic: str) -> TopicTable:
+        """Return the messages of a topic, for example "/joint_states".
 
         Raises:
-            LogError: there are no messages of that topic.
+            LogError: The log has no messages of the topic.
         """
-        return self._table(topic).stamps()
-
-    def numbers(self, topic: str, field: str) -> np.ndarray:
-        """Return the values of a field in all messages of a topic, shape (n, k).
-
-        Args:
-            topic: Topic name, for example "/joint_states".
-            field: Field path, for example "position", "pose.pose.position" or
-                "transforms[0].transform".
-
-        Raises:
-            LogError: The log has no messages of the topic, or they have no numeric field of that
-                name.
-        """
-        return self._table(topic).numbers(field)
-
-    def messages(self, topic: str) -> list[Message]:
-        """Return the messages of a topic.
-
-        Raises:
-            LogError: there are no messages of that topic.
-        """
-        return self._table(topic).messages()
-
-    def first(self, topic: str) -> Message:
-        """Return the first message of a topic.
-
-        Raises:
-            LogError: there are no messages of that topic.
-        """
-        return self._table(topic).first
+        if topic not in self.topics:
+            raise LogError(
+                f"{self.path} has no messages of topic '{topic}'{did_you_mean(topic, self.topics)}"
+            )
+        return self.topics[topic]
 
     def robot_info(self) -> RobotInfo:
         """Return the properties of the robot.
@@ -111,13 +80,6 @@ class Log:
         except (ValueError, AttributeError) as error:
             raise LogError(f"{self.path}: the terrain cannot be parsed: {error}") from error
 
-    def _table(self, topic: str) -> TopicTable:
-        if topic not in self._topics:
-            raise LogError(
-                f"{self.path} has no messages of topic '{topic}'{did_you_mean(topic, self._topics)}"
-            )
-        return self._topics[topic]
-
     def _read(self) -> None:
         from mcap.records import Attachment, Channel, Message, Metadata, Schema
 
@@ -135,10 +97,10 @@ class Log:
                     schemas[record.id] = record.name
                 elif isinstance(record, Channel) and record.message_encoding == "cdr":
                     table = TopicTable(record.topic, schemas.get(record.schema_id, ""))
-                    channels[record.id] = self._topics.setdefault(record.topic, table)
+                    channels[record.id] = self.topics.setdefault(record.topic, table)
                 elif isinstance(record, Metadata):
                     self.tables[record.name] = record.metadata
                 elif isinstance(record, Attachment):
                     self.files[record.name] = record.data.decode("utf-8", "replace")
         self.complete = records.complete
-        self._topics = {name: table for name, table in self._topics.items() if len(table)}
+        self.topics = {name: table for name, table in sorted(self.topics.items()) if len(table)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 
@@ -50,9 +50,9 @@ class LoggedRun:
     def __init__(self, log: Log) -> None:
         self.log = log
         self.robot_info: RobotInfo = log.robot_info()
-        if _STATE not in log:
+        if _STATE not in log.topics:
             raise LogError(f"{log.path} holds no tick")
-        self.stamps = log.stamps(_STATE)
+        self.stamps = log[_STATE].stamps
         self.time = 1e-9 * self.stamps
         self._values: dict[str, np.ndarray] = {}
 
@@ -69,6 +69,14 @@ class LoggedRun:
     def __len__(self) -> int:
         """Return the number of ticks."""
         return len(self.stamps)
+
+    def __iter__(self) -> Iterator[str]:
+        """Yield the names of the quantities."""
+        return iter(self.quantities)
+
+    def __contains__(self, name: str) -> bool:
+        """Return whether the log has a quantity."""
+        return name in self.quantities
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return the values of a quantity, NaN where unknown.
@@ -126,9 +134,9 @@ class LoggedRun:
     @cached_property
     def plans(self) -> list[ContactPlan]:
         """The contact plans, in the order of `plan_stamps`."""
-        if "/footsteps" not in self.log:
+        if "/footsteps" not in self.log.topics:
             return []
-        parts = (self.log.messages(t) for t in ("/support_polygon", "/footsteps", "/swing_path"))
+        parts = (self.log[t].messages() for t in ("/support_polygon", "/footsteps", "/swing_path"))
         return [
             ContactPlan(
                 _xyz(support.polygon.points),
@@ -141,10 +149,12 @@ class LoggedRun:
     @cached_property
     def plan_stamps(self) -> np.ndarray:
         """Times of the plans, ns, shape (m,)."""
-        return self.log.stamps("/footsteps") if "/footsteps" in self.log else np.empty(0, np.int64)
+        footsteps = self.log.topics.get("/footsteps")
+        return np.empty(0, np.int64) if footsteps is None else footsteps.stamps
 
-    def snapshot(self, tick: int) -> Snapshot:
-        """Return the snapshot of a tick for a viewer."""
+    def at(self, time: float) -> Snapshot:
+        """Return the snapshot of the last tick at or before a time (s), or of the first tick."""
+        tick = max(int(np.searchsorted(self.time, time + 1e-9, "right")) - 1, 0)
         plan = int(np.searchsorted(self.plan_stamps, self.stamps[tick], "right")) - 1
         late = plan < 0 or self.stamps[tick] - self.plan_stamps[plan] >= 1e9 * _LATE
         points = {name: self[name][tick] for name in ("com", "dcm", "dcm_reference", "zmp")}
@@ -167,21 +177,13 @@ class LoggedRun:
         """Time of the last tick, s."""
         return float(self.time[-1])
 
-    def at(self, time: float) -> Snapshot:
-        """Return the snapshot at a time (s) for a viewer."""
-        return self.snapshot(self.tick_at(time))
-
-    def tick_at(self, time: float) -> int:
-        """Return the last tick at or before a time (s), or the first tick for earlier times."""
-        return max(int(np.searchsorted(self.time, time + 1e-9, "right")) - 1, 0)
-
     def _read(self, name: str) -> np.ndarray:
         column = self.quantities.get(name)
         if column is None:
             near = did_you_mean(name, self.quantities)
             raise LogError(f"{self.log.path} has no quantity '{name}'{near}")
         fields = _fields(column)
-        if not all(topic in self.log for topic, _ in fields):
+        if not all(topic in self.log.topics for topic, _ in fields):
             return np.full((len(self), *(() if column.scalar else (column.size,))), np.nan)
         held = name.startswith(_HELD)
         values = np.hstack([self._at_ticks(topic, field, held) for topic, field in fields])
@@ -189,8 +191,7 @@ class LoggedRun:
 
     def _at_ticks(self, topic: str, field: str, held: bool) -> np.ndarray:
         """Return a field at every tick; at ticks without a message, NaN or the latest value."""
-        values: np.ndarray = self.log.numbers(topic, field)
-        stamps = self.log.stamps(topic)
+        values, stamps = self.log[topic].numbers(field), self.log[topic].stamps
         if np.array_equal(stamps, self.stamps):
             return values
         latest = np.maximum(np.searchsorted(stamps, self.stamps, "right") - 1, 0)
@@ -202,9 +203,7 @@ class LoggedRun:
     def _known(self, prefix: str, tick: int) -> dict[str, np.ndarray]:
         """Return the known values of the quantities whose names begin with a prefix."""
         found = {
-            name.removeprefix(prefix): self[name][tick]
-            for name in self.quantities
-            if name.startswith(prefix)
+            name.removeprefix(prefix): self[name][tick] for name in self if name.startswith(prefix)
         }
         return {name: value for name, value in found.items() if np.isfinite(value).all()}
 

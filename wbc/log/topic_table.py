@@ -16,6 +16,10 @@ class TopicTable:
     Args:
         topic: Name of the topic.
         type_name: Type of its messages.
+
+    Attributes:
+        topic: Name of the topic.
+        type_name: Type of its messages.
     """
 
     def __init__(self, topic: str, type_name: str) -> None:
@@ -40,11 +44,12 @@ class TopicTable:
 
     @property
     def first(self) -> Message:
-        """Return the first message."""
+        """The first message."""
         return message_type(self.type_name).decode(self._messages[0])
 
+    @property
     def stamps(self) -> np.ndarray:
-        """Return the log times of the messages, ns, shape (n,)."""
+        """Log times of the messages, ns, shape (n,)."""
         return np.array(self._stamps, np.int64)
 
     def messages(self) -> list[Message]:
@@ -54,6 +59,9 @@ class TopicTable:
 
     def numbers(self, field: str) -> np.ndarray:
         """Return the values of a field, shape (n, k); NaN where a message has not k of them.
+
+        Args:
+            field: Field path, for example "position", "pose.pose" or "transforms[0].transform".
 
         Raises:
             LogError: The messages have no numeric field of that name.

@@ -74,8 +74,8 @@ def contacts(run: LoggedRun) -> Iterator[Contact]:
     for (side, colour), half_size in zip(sides, run.robot_info.soles, strict=True):
         pose = f"sole_pose/{side}_sole"
         wrenches = (f"foot_wrench/{side}_sole", f"commanded_wrench/{side}_sole")
-        known = [n for n in wrenches if n in run.quantities and np.isfinite(run[n]).any()]
-        if known and pose in run.quantities:
+        known = [n for n in wrenches if n in run and np.isfinite(run[n]).any()]
+        if known and pose in run:
             for start, stop in spans(np.nan_to_num(run[known[0]][:, 2]) > least):
                 middle = run[pose][(start + stop) // 2]
                 yield Contact(side, colour, middle, half_size, (start, stop))
