@@ -191,7 +191,8 @@ class LoggedRun:
 
     def _at_ticks(self, topic: str, field: str, held: bool) -> np.ndarray:
         """Return a field at every tick; at ticks without a message, NaN or the latest value."""
-        values, stamps = self.log[topic].numbers(field), self.log[topic].stamps
+        values: np.ndarray = self.log[topic].numbers(field)
+        stamps = self.log[topic].stamps
         if np.array_equal(stamps, self.stamps):
             return values
         latest = np.maximum(np.searchsorted(stamps, self.stamps, "right") - 1, 0)
