@@ -90,7 +90,7 @@ class Tally:
         self.worst = {name: max(self.worst[name], other.worst[name]) for name in WORST}
 
 
-def keep(folder: Path, comparison: Comparison, problem: Problem | None) -> None:
+def store_fault(folder: Path, comparison: Comparison, problem: Problem | None) -> None:
     """Store a fault: case, tick, what is wrong, and the controller's QP."""
     folder.mkdir(parents=True, exist_ok=True)
     kind = comparison.case.kind.replace(" ", "_")
@@ -131,7 +131,7 @@ def run(cases: list[Case], solvers: list[str], formulation: str | None, args: An
                     faults[-1] |= {"case": asdict(case), "tick": comparison.tick}
                     faults[-1]["fault"] = comparison.fault
                     if args.keep:
-                        keep(args.keep / solver, comparison, problem)
+                        store_fault(args.keep / solver, comparison, problem)
         certified_comparison.references.cache_clear()
     return tallies, faults
 

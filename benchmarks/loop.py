@@ -77,7 +77,7 @@ SETTINGS = (
 
 
 @dataclass
-class Times:
+class LoopTimes:
     """The times of one setting, s, one value per tick."""
 
     late: list[np.ndarray] = field(default_factory=list)
@@ -85,7 +85,7 @@ class Times:
     conditions: str = ""
     stolen: float = 0.0
 
-    def add(self, other: Times) -> None:
+    def add(self, other: LoopTimes) -> None:
         """Append the times of another round."""
         self.late += other.late
         self.work += other.work
@@ -116,7 +116,7 @@ def stolen() -> float:
 
 def measure(
     setting: Setting, robot: wbc.Robot, dt: float, walk: list[wbc.Measurement], speed: float
-) -> Times:
+) -> LoopTimes:
     """Run one round of a setting."""
     plant = Replay(robot, dt, walk)
     idle, ordinary = Idle(robot), wbc.RealTime(0, False, sys.getswitchinterval())
@@ -140,10 +140,10 @@ def measure(
     if not report.survived:
         raise SystemExit(f"'{setting.name}' deviates from the recorded walk: {report.fell_why}")
     work = plant.commanded_at - plant.measured_at
-    return Times([lateness(plant.measured_at, dt)], [work], conditions, after - before)
+    return LoopTimes([lateness(plant.measured_at, dt)], [work], conditions, after - before)
 
 
-def summary(setting: Setting, rate: float, times: Times) -> dict[str, Any]:
+def summary(setting: Setting, rate: float, times: LoopTimes) -> dict[str, Any]:
     """Return a row of the table, times in µs."""
     late, work = (1e6 * np.concatenate(parts) for parts in (times.late, times.work))
     return {
@@ -176,7 +176,7 @@ def show(lines: list[dict[str, Any]]) -> None:
         )
 
 
-def plot(cells: Mapping[tuple[float, Setting], Times], path: Path) -> None:
+def plot(cells: Mapping[tuple[float, Setting], LoopTimes], path: Path) -> None:
     """Plot the share of ticks that began later than a given time, µs, for each setting."""
     try:
         import matplotlib
@@ -234,7 +234,7 @@ def main() -> None:
     chosen = [s for s in SETTINGS if not options.only or any(t in s.name for t in options.only)]
     rates = options.rate or [500.0, 1000.0]
     walks = {rate: record(robot, 1.0 / rate, options.speed, length) for rate in rates}
-    cells = {(rate, setting): Times() for rate in rates for setting in chosen}
+    cells = {(rate, setting): LoopTimes() for rate in rates for setting in chosen}
     with contextlib.ExitStack() as stack:
         for _ in range(options.busy):
             stack.enter_context(neighbour())

@@ -34,7 +34,7 @@ from wbc.runtime.tick import Tick
 from wbc.teleop import CommandHandler
 from wbc.topics.link_transforms import LinkPoses, links
 
-Row = dict[str, float | str]
+Measurement = dict[str, float | str]
 JOINTS = 32
 RATE = 500.0
 
@@ -58,7 +58,7 @@ def transforms() -> Any:
     return message
 
 
-def publishing(domain: int, number: int) -> list[Row]:
+def publishing(domain: int, number: int) -> list[Measurement]:
     """Measure the CPU time of publishing, µs per message."""
     cases: list[tuple[str, Any]] = [
         ("JointState, 32 joints", joint_state()),
@@ -66,7 +66,7 @@ def publishing(domain: int, number: int) -> list[Row]:
         ("PointStamped", message_type("geometry_msgs/msg/PointStamped")()),
         ("Odometry", message_type("nav_msgs/msg/Odometry")()),
     ]
-    rows: list[Row] = []
+    rows: list[Measurement] = []
     with Node("publisher", network=Network(domain)) as node:
         for name, message in cases:
             publisher = node.create_publisher(message.type_name, f"case_{len(rows)}")
@@ -109,7 +109,7 @@ def each(name: str, action: Callable[[], object], number: int) -> dict[str, floa
     return {f"{name}_us": 1e6 * min(own), f"{name}_process_us": 1e6 * min(whole)}
 
 
-def loop_cost(domain: int, name: str, seconds: float) -> list[Row]:
+def loop_cost(domain: int, name: str, seconds: float) -> list[Measurement]:
     """Measure the CPU time per tick that ROS 2 takes from a 500 Hz loop, µs."""
     robot = wbc.load(name)
     player = MotionPlayer(robot, dt=1.0 / RATE)
@@ -162,7 +162,7 @@ def spread(values: np.ndarray) -> dict[str, float]:
     return {"p50_us": float(p50), "p99_us": float(p99), "max_us": float(most)}
 
 
-def latency(domain: int, seconds: float) -> Row:
+def latency(domain: int, seconds: float) -> Measurement:
     """Measure latency and loss of joint states from another process at 500 Hz."""
     number = int(RATE * seconds)
     arrived: list[tuple[int, float]] = []
@@ -221,7 +221,7 @@ def stream(domain: str, number: str) -> None:
         node.spin()
 
 
-def show(title: str, rows: list[Row]) -> None:
+def show(title: str, rows: list[Measurement]) -> None:
     """Print a table."""
     print(f"\n{title}")
     heads = list(dict.fromkeys(key for row in rows for key in row))

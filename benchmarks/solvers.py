@@ -73,7 +73,7 @@ MOTIONS = {
 
 
 @dataclass
-class Found:
+class SolverResult:
     """The results of one solver on one set of problems."""
 
     solver: str
@@ -157,14 +157,14 @@ def run(name: str, problems: Sequence[Problem], passes: int) -> Any:
     return best, inner if np.isfinite(inner).all() else None, solutions
 
 
-def judge(
+def measure_solver(
     name: str,
     formulation: str,
     states: str,
     problems: Sequence[Problem],
     passes: int,
     optima: Sequence[Optimum],
-) -> Found:
+) -> SolverResult:
     """Time a solver and compare its solutions with the certified optima."""
     times, inner, solutions = run(name, problems, passes)
     row_off = slope = x_off = 0.0
@@ -182,10 +182,10 @@ def judge(
         x_off = max(x_off, float(np.abs(solution.x - best.x).max()))
     inside = None if inner is None else float(np.median(inner))
     p50, p99 = float(np.median(times)), float(np.percentile(times, 99))
-    return Found(name, formulation, states, p50, p99, inside, row_off, slope, x_off, failed)
+    return SolverResult(name, formulation, states, p50, p99, inside, row_off, slope, x_off, failed)
 
 
-def conclusion(found: Sequence[Found], default: str) -> str:
+def conclusion(found: Sequence[SolverResult], default: str) -> str:
     """Return a text that names the default solver and justifies it by the figures."""
     lines = []
     reduced = [f for f in found if f.formulation == "reduced"]
@@ -221,7 +221,7 @@ def conclusion(found: Sequence[Found], default: str) -> str:
     return "\n".join(lines)
 
 
-def plot(found: Sequence[Found], path: Path) -> None:
+def plot(found: Sequence[SolverResult], path: Path) -> None:
     """Medians as bars with marks at the 99th percentile; one panel for easy, one for hard."""
     try:
         import matplotlib
@@ -272,7 +272,7 @@ def main() -> None:
     default = make_solver().name
     names = [default if s == "default" else s for s in args.solver] if args.solver else installed()
     formulations = {"reduced": wbc.Formulation.REDUCED, "full": wbc.Formulation.FULL}
-    found: list[Found] = []
+    found: list[SolverResult] = []
     for states, motion in MOTIONS.items():
         problems = record(robot, motion, args.ticks, list(formulations.values()))
         for text, formulation in formulations.items():
@@ -285,7 +285,7 @@ def main() -> None:
             head = ("p50 µs", "p99 µs", "inside", "row off", "slope", "x off", "failed")
             print(f"{'':<10}" + "".join(f"{h:>10}" for h in head))
             for name in names:
-                f = judge(name, text, states, some, args.passes, optima)
+                f = measure_solver(name, text, states, some, args.passes, optima)
                 found.append(f)
                 inside = "" if f.inside_us is None else f"{f.inside_us:.0f}"
                 print(f"{name:<10}{f.p50_us:>10.1f}{f.p99_us:>10.1f}{inside:>10}", end="")

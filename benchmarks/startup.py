@@ -1,8 +1,8 @@
 """Time that a fresh process needs for imports, for loading a robot and for the first tick.
 
-Every row is measured in fresh processes, in turn (A B C, A B C, …), so that other load on the
+Every case is measured in fresh processes, in turn (A B C, A B C, …), so that other load on the
 machine affects all of them; the median counts. Python's bytecode exists already, as after pip. A
-"cold" row finds no compiled kernels on disk, as after an installation; a "warm" one does.
+"cold" case finds no compiled kernels on disk, as after an installation; a "warm" one does.
 
     python benchmarks/startup.py
     python benchmarks/startup.py --repeat 21 --cold 5 --json out/startup.json
@@ -68,7 +68,7 @@ def end():
 
 
 @dataclass(frozen=True)
-class Row:
+class StartupCase:
     """One line of the table.
 
     Attributes:
@@ -85,44 +85,46 @@ class Row:
 
 
 @dataclass
-class Times:
-    """CPU and wall times of the repeats of a row, and of its part, s."""
+class StartupTimes:
+    """CPU and wall times of the repeats of a case, and of its part, s."""
 
     cpu: list[float] = field(default_factory=list)
     wall: list[float] = field(default_factory=list)
     part_cpu: list[float] = field(default_factory=list)
     part_wall: list[float] = field(default_factory=list)
 
-    def add(self, other: Times) -> None:
+    def add(self, other: StartupTimes) -> None:
         """Append the times of another."""
         for name, values in vars(other).items():
             getattr(self, name).extend(values)
 
 
-def rows(robot: str) -> list[Row]:
+def startup_cases(robot: str) -> list[StartupCase]:
     """Return the lines of the table."""
     return [
-        Row("python", "pass"),
-        Row("import numpy", "import numpy"),
-        Row(CALIBRATION, CALIBRATION),
-        Row("import wbc", "import wbc"),
-        Row("import wbc, all of its core", EVERYTHING),
-        Row(f'wbc.load("{robot}")', LOAD.format(robot=robot), part="load"),
-        Row("first tick, warm", TICK.format(robot=robot), part="controller and tick"),
-        Row("first tick, cold", TICK.format(robot=robot), cold=True, part="controller and tick"),
+        StartupCase("python", "pass"),
+        StartupCase("import numpy", "import numpy"),
+        StartupCase(CALIBRATION, CALIBRATION),
+        StartupCase("import wbc", "import wbc"),
+        StartupCase("import wbc, all of its core", EVERYTHING),
+        StartupCase(f'wbc.load("{robot}")', LOAD.format(robot=robot), part="load"),
+        StartupCase("first tick, warm", TICK.format(robot=robot), part="controller and tick"),
+        StartupCase(
+            "first tick, cold", TICK.format(robot=robot), cold=True, part="controller and tick"
+        ),
     ]
 
 
-def run(row: Row, environment: Mapping[str, str]) -> Times:
-    """Run a row once, in a fresh process.
+def run(case: StartupCase, environment: Mapping[str, str]) -> StartupTimes:
+    """Run a case once, in a fresh process.
 
     Raises:
         SystemExit: the process failed; it has printed why.
     """
-    timer = TIMER if row.part else ""
+    timer = TIMER if case.part else ""
     before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
     done = subprocess.run(
-        [sys.executable, "-c", timer + row.code],
+        [sys.executable, "-c", timer + case.code],
         env=environment,
         stdout=subprocess.PIPE,
         text=True,
@@ -130,20 +132,20 @@ def run(row: Row, environment: Mapping[str, str]) -> Times:
     wall = time.perf_counter() - start
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if done.returncode:
-        raise SystemExit(f"'{row.name}' failed")
+        raise SystemExit(f"'{case.name}' failed")
     cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     parts = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("PART")]
-    return Times(
+    return StartupTimes(
         [cpu], [wall], [float(part[0]) for part in parts], [float(part[1]) for part in parts]
     )
 
 
 def environment(folder: Path, kernels: Path) -> dict[str, str]:
     """Return the environment of a child: one thread, this checkout, these folders as caches."""
-    keep = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+    inherited = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
     threads = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
     return {
-        **keep,
+        **inherited,
         **dict.fromkeys(threads, "1"),
         "PYTHONPATH": os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH")))),
         "PYTHONPYCACHEPREFIX": str(folder / "bytecode"),
@@ -152,20 +154,20 @@ def environment(folder: Path, kernels: Path) -> dict[str, str]:
     }
 
 
-def measure(chosen: list[Row], repeat: int, cold: int) -> dict[str, Times]:
-    """Measure each row `repeat` times, cold ones `cold` times."""
-    times = {row.name: Times() for row in chosen}
+def measure(chosen: list[StartupCase], repeat: int, cold: int) -> dict[str, StartupTimes]:
+    """Measure each case `repeat` times, cold ones `cold` times."""
+    times = {case.name: StartupTimes() for case in chosen}
     with tempfile.TemporaryDirectory(prefix="wbc-startup-") as name:
         folder = Path(name)
         warm = environment(folder, folder / "kernels")
-        for row in chosen:
-            run(row, warm)  # bytecode, kernels and the disk's cache; not counted
+        for case in chosen:
+            run(case, warm)  # bytecode, kernels and the disk's cache; not counted
         for k in range(max(repeat, cold)):
-            for row in chosen:
-                if k >= (cold if row.cold else repeat):
+            for case in chosen:
+                if k >= (cold if case.cold else repeat):
                     continue
                 kernels = folder / f"kernels-{k}"
-                times[row.name].add(run(row, environment(folder, kernels) if row.cold else warm))
+                times[case.name].add(run(case, environment(folder, kernels) if case.cold else warm))
     return times
 
 
@@ -174,24 +176,26 @@ def median(values: list[float]) -> float | None:
     return float(np.median(values)) if values else None
 
 
-def table(chosen: list[Row], times: dict[str, Times]) -> list[dict[str, float | str | None]]:
-    """Return medians, s, and the ratio of CPU time to importing Pinocchio, by row."""
+def table(
+    chosen: list[StartupCase], times: dict[str, StartupTimes]
+) -> list[dict[str, float | str | None]]:
+    """Return medians, s, and the ratio of CPU time to importing Pinocchio, by case."""
     unit = median(times[CALIBRATION].cpu) or np.nan
     lines: list[dict[str, float | str | None]] = []
-    for row in chosen:
-        figures = times[row.name]
+    for case in chosen:
+        figures = times[case.name]
         if not figures.cpu:
             continue
         cpu = float(np.median(figures.cpu))
         lines.append(
             {
-                "what": row.name,
+                "what": case.name,
                 "runs": len(figures.cpu),
                 "cpu_s": cpu,
                 "cpu_min_s": min(figures.cpu),
                 "wall_s": median(figures.wall),
                 "ratio": cpu / unit,
-                "part": row.part,
+                "part": case.part,
                 "part_cpu_s": median(figures.part_cpu),
                 "part_wall_s": median(figures.part_wall),
             }
@@ -226,9 +230,9 @@ def main() -> None:
     parser.add_argument("--only", action="append", metavar="TEXT", help="only rows containing this")
     parser.add_argument("--json", type=Path, help="write the table and all times to this file")
     options = parser.parse_args()
-    chosen = [row for row in rows(options.robot) if options.cold > 0 or not row.cold]
+    chosen = [case for case in startup_cases(options.robot) if options.cold > 0 or not case.cold]
     texts = [CALIBRATION, *(options.only or [""])]
-    chosen = [row for row in chosen if any(text in row.name for text in texts)]
+    chosen = [case for case in chosen if any(text in case.name for text in texts)]
     times = measure(chosen, options.repeat, options.cold)
     lines = table(chosen, times)
     show(lines)
