@@ -357,8 +357,7 @@ def apply(handler, command):
 def test_a_velocity_ends_with_its_timeout(still, player, monkeypatch):
     now = 4.0
     clock = SimpleNamespace(monotonic=lambda: now)
-    for module in ("inbox", "command_handler"):
-        monkeypatch.setattr(f"wbc.teleop.{module}.time", clock)
+    monkeypatch.setattr("wbc.teleop.command_handler.time", clock)
     apply(still, VelocityCommand(0.1, timeout=1.0))
     assert player.velocity == (0.1, 0.0, 0.0)
     now = 4.99

@@ -1,6 +1,6 @@
 """Teleoperation: one stream of commands to a running robot, from a page, ROS 2 or a script."""
 
-from wbc.teleop.acknowledgement import Acknowledgement, CommandOutcome
+from wbc.teleop.acknowledgement import Acknowledgement, CommandOutcome, CommandRefused
 from wbc.teleop.capabilities import Capabilities
 from wbc.teleop.channel import ChannelConfig, CommandChannel, CommandClient
 from wbc.teleop.command_handler import CommandHandler
@@ -18,7 +18,6 @@ from wbc.teleop.commands import (
     TimeScaleCommand,
     VelocityCommand,
 )
-from wbc.teleop.errors import CommandRefused
 from wbc.teleop.parameters import TunableParameter
 from wbc.teleop.session import TeleopClient, run
 

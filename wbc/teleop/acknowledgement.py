@@ -5,6 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from wbc.errors import WbcError
+
+
+class CommandRefused(WbcError, ValueError):
+    """A command cannot be carried out; the text names the value and the cure."""
+
 
 class CommandOutcome(Enum):
     """What became of a command.

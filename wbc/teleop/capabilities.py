@@ -10,20 +10,8 @@ from typing import Any
 from wbc.errors import did_you_mean, short_repr
 from wbc.motions import Motion, MotionPlayer
 from wbc.motions.engine import check_importable
-from wbc.teleop.commands import (
-    GainCommand,
-    GaitParameterCommand,
-    JointCommand,
-    MotionCommand,
-    PauseCommand,
-    PushCommand,
-    ResetCommand,
-    StandCommand,
-    TeleopCommand,
-    TimeScaleCommand,
-    VelocityCommand,
-)
-from wbc.teleop.errors import CommandRefused
+from wbc.teleop import commands
+from wbc.teleop.acknowledgement import CommandRefused
 from wbc.teleop.parameters import (
     GAIT,
     TIME_SCALE,
@@ -116,39 +104,39 @@ class Capabilities:
         forward, left, turn = (p.high for p in self.parameters if p.group == VELOCITY)
         return (forward, left, turn)
 
-    def check(self, command: TeleopCommand) -> None:
+    def check(self, command: commands.TeleopCommand) -> None:
         """Refuse a command that makes no sense for this robot.
 
         Raises:
             CommandRefused: the text names the value and the bounds.
         """
         match command:
-            case VelocityCommand(forward, left, turn, timeout):
+            case commands.VelocityCommand(forward, left, turn, timeout):
                 for name, value in (("forward", forward), ("left", left), ("turn", turn)):
                     self._check_parameter(f"{VELOCITY}.{name}", value)
                 check_number("timeout", timeout, 0.0, math.inf, "s")
-            case PushCommand():
+            case commands.PushCommand():
                 self._check_push(command)
-            case MotionCommand(motion):
+            case commands.MotionCommand(motion):
                 if type(motion) not in self.motions:
                     raise unknown_motion(getattr(motion, "name", motion), self.motions)
-            case GaitParameterCommand(name, value):
+            case commands.GaitParameterCommand(name, value):
                 self._check_parameter(f"{GAIT}.{name}", value)
-            case GainCommand(task, gain, value):
+            case commands.GainCommand(task, gain, value):
                 self._check_parameter(f"{task}.{gain}", value)
-            case TimeScaleCommand(scale):
+            case commands.TimeScaleCommand(scale):
                 if TIME_SCALE not in (p.name for p in self.parameters):
                     raise CommandRefused("this loop does not run by the wall clock: no time scale")
                 self._check_parameter(TIME_SCALE, scale)
-            case JointCommand():
+            case commands.JointCommand():
                 self._check_joints(command)
-            case PauseCommand(paused):
+            case commands.PauseCommand(paused):
                 if not isinstance(paused, bool):
                     raise CommandRefused(f"pause is {short_repr(paused)}; it is true or false")
-            case ResetCommand():
+            case commands.ResetCommand():
                 if not self.can_reset:
                     raise CommandRefused("this robot cannot be reset: it is not simulated")
-            case StandCommand():
+            case commands.StandCommand():
                 pass
             case _:
                 raise CommandRefused(f"{short_repr(command)} is not a command of wbc.teleop")
@@ -157,7 +145,7 @@ class Capabilities:
         parameter = self.parameter(name)
         check_number(name, value, parameter.low, parameter.high, parameter.unit)
 
-    def _check_push(self, command: PushCommand) -> None:
+    def _check_push(self, command: commands.PushCommand) -> None:
         if not self.max_impulse:
             raise CommandRefused("this robot cannot be pushed: it is not simulated")
         limit = self.max_impulse
@@ -174,7 +162,7 @@ class Capabilities:
                 f"frame is {short_repr(command.frame)}; it is 'world' or 'heading'"
             )
 
-    def _check_joints(self, command: JointCommand) -> None:
+    def _check_joints(self, command: commands.JointCommand) -> None:
         names, positions = command.joints, command.positions
         self.check_joint_names(names)
         if len(positions) != len(names):

@@ -8,13 +8,13 @@ import pickle
 import queue
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from wbc.motions import Motion, unpack
 from wbc.motions.engine import MotionPlanner, PlannedMotion
 from wbc.process import BlobQueue, BlobQueueFull, BlobTooLarge
 from wbc.robot import Robot
-from wbc.teleop.acknowledgement import Acknowledgement, CommandOutcome
+from wbc.teleop.acknowledgement import Acknowledgement, CommandOutcome, CommandRefused
 from wbc.teleop.capabilities import Capabilities
 from wbc.teleop.commands import (
     MotionCommand,
@@ -24,7 +24,6 @@ from wbc.teleop.commands import (
     TeleopCommand,
     VelocityCommand,
 )
-from wbc.teleop.errors import CommandRefused
 
 _COMMANDS = (32, 1 << 19)  # slots and their size, bytes: it takes 2 ms to unpickle so much
 _ACKNOWLEDGEMENTS = (256, 1 << 12)
@@ -83,14 +82,13 @@ class CommandChannel:
         command, source, number, stamp = pickle.loads(data)
         if isinstance(command, _PackedMotion):
             command = MotionCommand(unpack(command.data, self._robot))
-        return SentCommand(command, source, number, stamp)
+        return SentCommand(command, source, number, stamp, self.acknowledge)
 
     def acknowledge(self, acknowledgement: Acknowledgement) -> None:
         """Tell the sender what became of a command. A sender that does not read misses it."""
-        ack = acknowledgement
-        data = pickle.dumps((ack.id, ack.outcome.value, ack.reason[:_MAX_REASON], ack.time))
+        short = replace(acknowledgement, reason=acknowledgement.reason[:_MAX_REASON])
         with contextlib.suppress(BlobQueueFull):
-            self._acknowledgements.put(data)
+            self._acknowledgements.put(pickle.dumps(short))
 
     def close(self) -> None:
         """Close the descriptors."""
@@ -194,8 +192,7 @@ class CommandClient:
             except queue.Empty:
                 break
         while (data := self._received.get()) is not None:
-            number, outcome, reason, at = pickle.loads(data)
-            self._own.append(Acknowledgement(number, CommandOutcome(outcome), reason, at))
+            self._own.append(pickle.loads(data))
         found, self._own = self._own, []
         return found
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -16,27 +18,15 @@ from wbc.runtime.clock import Clock
 from wbc.runtime.loop import StopRun
 from wbc.runtime.mode import Mode
 from wbc.runtime.schema import Quantity
-from wbc.teleop.acknowledgement import CommandOutcome
+from wbc.teleop import commands
+from wbc.teleop.acknowledgement import Acknowledgement, CommandOutcome
 from wbc.teleop.capabilities import Capabilities
 from wbc.teleop.channel import CommandChannel
-from wbc.teleop.commands import (
-    PARAMETER_COMMANDS,
-    GainCommand,
-    GaitParameterCommand,
-    JointCommand,
-    MotionCommand,
-    PauseCommand,
-    PushCommand,
-    ResetCommand,
-    StandCommand,
-    TeleopCommand,
-    TimeScaleCommand,
-    VelocityCommand,
-)
-from wbc.teleop.inbox import AcknowledgementObserver, Arrival, CommandInbox
 from wbc.teleop.joint_targets import JointTargets
-from wbc.teleop.parameters import GAINS
 from wbc.teleop.push_counter import PushCounter
+
+#: Called with every command and what became of it, inside a tick: it must return at once.
+AcknowledgementObserver = Callable[[commands.SentCommand, Acknowledgement], None]
 
 _IDLE_PERIOD = 0.005  # s between two looks for commands while nothing moves
 #: Values of the quantity `motion_playing` while no motion plays.
@@ -87,16 +77,13 @@ class CommandHandler(Closeable):
         self._manager = MotionManager(player)
         self._joints = JointTargets(player)
         self._clock = Clock(player.dt, 1) if owns_clock else None
-        # Rows of a gain keep their ratios to the largest.
-        self._gains = {
-            (task.name, gain): (task, np.array(value) / np.max(value))
-            for task in player.walker.tasks
-            for gain in GAINS
-            if np.max(value := getattr(task, gain)) > 0.0
-        }
-        self._inbox = CommandInbox(player.robot, self.capabilities)
-        self._motion: Arrival | None = None  # in progress
-        self._resets: list[Arrival] = []  # in progress
+        self._tasks = {task.name: task for task in player.walker.tasks}
+        self._channels: list[CommandChannel] = []
+        self._observers: list[AcknowledgementObserver] = []
+        self._submitted: deque[commands.SentCommand] = deque()
+        self._numbers = itertools.count(1)
+        self._motion: commands.SentCommand | None = None  # in progress
+        self._resets: list[commands.SentCommand] = []  # in progress
         self._motion_end = ""  # why the motion in progress is to end
         self._velocity_end = np.inf  # s by `time.monotonic`
         self._first_tick = True
@@ -116,9 +103,10 @@ class CommandHandler(Closeable):
 
     def open_channel(self) -> CommandChannel:
         """Return a new channel for commands from another process."""
-        return self._inbox.open_channel()
+        self._channels.append(CommandChannel(self.player.robot, self.capabilities))
+        return self._channels[-1]
 
-    def submit(self, command: TeleopCommand, source: str = "script") -> int:
+    def submit(self, command: commands.TeleopCommand, source: str = "script") -> int:
         """Validate a command, to be applied before the next tick; any thread may call this.
 
         A motion that is not prepared is prepared here, which may take a second.
@@ -131,24 +119,26 @@ class CommandHandler(Closeable):
             MotionError: the robot cannot play the motion.
         """
         self.capabilities.check(command)
-        if isinstance(command, MotionCommand):
+        if isinstance(command, commands.MotionCommand):
             command.motion.prepare(self.player.robot)
-        return self._inbox.submit(command, source)
+        number = next(self._numbers)
+        self._submitted.append(commands.SentCommand(command, source, number, time.monotonic()))
+        return number
 
     def add_observer(self, observer: AcknowledgementObserver) -> None:
         """Have every acknowledged command passed to a function, e.g. for a log."""
-        self._inbox.add_observer(observer)
+        self._observers.append(observer)
 
     # The loop.
 
     def begin(self) -> None:
         """A run begins. If a reset caused it, commands from before it are forgotten."""
         if self._resets:
-            for arrival in self._inbox.take():
-                if isinstance(arrival.sent.command, PARAMETER_COMMANDS):
-                    self._apply(arrival)
+            for sent in self._arrived():
+                if isinstance(sent.command, commands.PARAMETER_COMMANDS):
+                    self._apply(sent)
                 else:
-                    self._acknowledge(arrival, CommandOutcome.SUPERSEDED, "the robot was reset")
+                    self._acknowledge(sent, CommandOutcome.SUPERSEDED, "the robot was reset")
         self._end_motion(CommandOutcome.SUPERSEDED, "the robot was reset")
         self._manager.reset()
         self._joints.clear()
@@ -176,8 +166,8 @@ class CommandHandler(Closeable):
             self._receive()
         if self.reset_wanted:
             raise StopRun("reset")
-        for arrival in self._resets:  # with no tick yet, the robot stands where it started
-            self._acknowledge(arrival, CommandOutcome.DONE)
+        for sent in self._resets:  # with no tick yet, the robot stands where it started
+            self._acknowledge(sent, CommandOutcome.DONE)
         self._resets.clear()
         self.mode = Mode.RUNNING
         self._first_tick = False
@@ -211,10 +201,7 @@ class CommandHandler(Closeable):
 
     def status(self) -> dict[str, float]:
         """Return the values of `quantities` that change while there are no ticks."""
-        return {
-            "pushes_decided": self.pushes.decided,
-            "pushes_survived": self.pushes.survived,
-        }
+        return {"pushes_decided": self.pushes.decided, "pushes_survived": self.pushes.survived}
 
     def _motion_index(self) -> int:
         playing, motions = type(self.player.playing), self.capabilities.motions
@@ -234,50 +221,57 @@ class CommandHandler(Closeable):
 
     # Commands.
 
-    def _receive(self) -> None:
-        for arrival in self._inbox.take():
-            self._apply(arrival)
+    def _arrived(self) -> list[commands.SentCommand]:
+        """Return the commands that have arrived since the last call, sender by sender."""
+        arrived = [self._submitted.popleft() for _ in range(len(self._submitted))]
+        for channel in self._channels:
+            arrived += iter(channel.receive, None)
+        return arrived
 
-    def _apply(self, arrival: Arrival) -> None:
-        sent, command = arrival.sent, arrival.sent.command
-        parameter = isinstance(command, (*PARAMETER_COMMANDS, PauseCommand))
-        if self.mode is Mode.FALLEN and not parameter and command != ResetCommand():
-            self._acknowledge(arrival, CommandOutcome.REFUSED, _FALLEN)
+    def _receive(self) -> None:
+        for sent in self._arrived():
+            self._apply(sent)
+
+    def _apply(self, sent: commands.SentCommand) -> None:
+        command = sent.command
+        parameter = isinstance(command, (*commands.PARAMETER_COMMANDS, commands.PauseCommand))
+        if self.mode is Mode.FALLEN and not parameter and command != commands.ResetCommand():
+            self._acknowledge(sent, CommandOutcome.REFUSED, _FALLEN)
             return
-        self._acknowledge(arrival, CommandOutcome.ACCEPTED)
+        self._acknowledge(sent, CommandOutcome.ACCEPTED)
         match command:
-            case VelocityCommand(timeout=timeout):
+            case commands.VelocityCommand(timeout=timeout):
                 if any(command.velocity):
                     self._motion_end = f"{sent} took its place"
                 self._manager.velocity = command.velocity
                 self._velocity_end = sent.stamp + timeout
-            case PushCommand(impulse, duration, frame):
+            case commands.PushCommand(impulse, duration, frame):
                 vector = np.array(impulse)
                 if frame == "heading":
                     vector = self.player.walker.standing_frame.rotation @ vector
                 self._push(vector, duration)
-            case MotionCommand(motion):
+            case commands.MotionCommand(motion):
                 self._end_motion(CommandOutcome.SUPERSEDED, f"{sent} took its place")
-                self._motion = arrival
+                self._motion = sent
                 self._manager.play(motion)
-            case StandCommand():
+            case commands.StandCommand():
                 self._motion_end = f"{sent} took its place"
                 self._velocity_end = np.inf
                 self._manager.stand()
-            case GaitParameterCommand(name, value):
+            case commands.GaitParameterCommand(name, value):
                 walker = self.player.walker
                 walker.change_gait(replace(walker.gait, **{name: value}))
-            case GainCommand(task_name, gain, value):
-                task, shares = self._gains[task_name, gain]
-                setattr(task, gain, value * shares)
-            case JointCommand():
+            case commands.GainCommand(task_name, gain, value):
+                rows = np.array(getattr(self._tasks[task_name], gain))
+                setattr(self._tasks[task_name], gain, value * (rows / np.max(rows)))
+            case commands.JointCommand():
                 self._joints.set(command, sent.stamp)
-            case TimeScaleCommand(scale):
+            case commands.TimeScaleCommand(scale):
                 self._clock = Clock(self.player.dt / scale, 1)
-            case PauseCommand(paused):
+            case commands.PauseCommand(paused):
                 self.paused = paused
-            case ResetCommand():
-                self._resets.append(arrival)
+            case commands.ResetCommand():
+                self._resets.append(sent)
                 self.reset_wanted = not self._first_tick
 
     def _push(self, impulse: np.ndarray, duration: float = 0.1) -> None:
@@ -302,9 +296,16 @@ class CommandHandler(Closeable):
             motion, self._motion = self._motion, None
             self._acknowledge(motion, outcome, reason)
 
-    def _acknowledge(self, arrival: Arrival, outcome: CommandOutcome, reason: str = "") -> None:
-        self._inbox.acknowledge(arrival, outcome, reason, self.plant.time)
+    def _acknowledge(
+        self, sent: commands.SentCommand, outcome: CommandOutcome, reason: str = ""
+    ) -> None:
+        acknowledgement = Acknowledgement(sent.id, outcome, reason, self.plant.time)
+        sent.reply(acknowledgement)
+        for observer in self._observers:
+            observer(sent, acknowledgement)
 
     def close(self) -> None:
         """Close the channels."""
-        self._inbox.close()
+        for channel in self._channels:
+            channel.close()
+        self._channels.clear()

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 from wbc.motions import Motion
+from wbc.teleop.acknowledgement import Acknowledgement
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,12 +170,14 @@ class SentCommand:
         source: who sent it, e.g. "page", "keyboard", "ros" or "script".
         id: number of the command, unique per sender.
         stamp: when it was sent, s by `time.monotonic`, which all processes of a machine share.
+        reply: tells the sender what became of it.
     """
 
     command: TeleopCommand
     source: str
     id: int
     stamp: float
+    reply: Callable[[Acknowledgement], None] = lambda _: None
 
     def __str__(self) -> str:
         return f"{command_label(self.command)} from {self.source}"
