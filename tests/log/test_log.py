@@ -1,5 +1,6 @@
 """What a log holds is what happened, for every reader."""
 
+import importlib.util
 import json
 import logging
 import os
@@ -18,8 +19,9 @@ from needs import need
 
 import wbc
 from wbc.command import Status
+from wbc.errors import MissingExtra
 from wbc.estimation import Estimate
-from wbc.log import FlightRecorder, LogError
+from wbc.log import FlightRecorder, LogError, repair
 from wbc.log.reader import Log
 from wbc.log.run import LoggedRun
 from wbc.messages import message_type
@@ -381,6 +383,17 @@ def test_a_file_that_is_no_log_is_refused(tmp_path, content):
         LoggedRun.read(path)
     with pytest.raises(LogError, match=r"none\.mcap"):
         LoggedRun.read(tmp_path / "none.mcap")
+
+
+@pytest.mark.parametrize("package", ["mcap", "rosbags"])
+def test_a_missing_package_is_named_with_the_command_that_brings_it(package, tmp_path, monkeypatch):
+    find_spec = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util, "find_spec", lambda name: None if name == package else find_spec(name)
+    )
+    for use in (Log, repair, lambda path: FlightRecorder(path, robot())):
+        with pytest.raises(MissingExtra, match=rf"'{package}' .* pip install 'wbc\[log\]'"):
+            use(tmp_path / "any.mcap")
 
 
 def test_an_unknown_topic_or_field_is_refused_with_the_known_ones(made_up):

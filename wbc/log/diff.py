@@ -17,7 +17,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "measured": ("joint_position", "joint_velocity", "gyro", "accelerometer", "foot_wrench"),
     "estimated": ("q", "v", "com", "dcm"),
     "intended": ("velocity_command", "heading", "phase", "steps", "dcm_reference", "zmp"),
-    "commanded": ("commanded_wrench", "tau", "acceleration", "q_target", "v_target", "status"),
+    "commanded": ("tau", "commanded_wrench", "acceleration", "q_target", "v_target", "status"),
 }
 
 
@@ -100,14 +100,13 @@ def compare(a: LoggedRun, b: LoggedRun, tolerance: float = 0.0) -> Difference:
     stamps, in_a, in_b = np.intersect1d(a.stamps, b.stamps, return_indices=True)
     if not len(stamps):
         raise LogError(f"{a.log.path} and {b.log.path} have no tick in common")
-    columns = {**b.quantities, **a.quantities}
+    columns = {**b.quantities, **a.quantities}.values()
     found = []
     for stage, names in STAGES.items():
-        for column in columns.values():
-            if column.name.partition("/")[0] in names:
-                values = _values(a, column)[in_a], _values(b, column)[in_b]
-                divergence = _divergence(column, stage, *values, 1e-9 * stamps, tolerance)
-                found += [] if divergence is None else [divergence]
+        for column in [c for name in names for c in columns if c.name.partition("/")[0] == name]:
+            values = _values(a, column)[in_a], _values(b, column)[in_b]
+            divergence = _divergence(column, stage, *values, 1e-9 * stamps, tolerance)
+            found += [] if divergence is None else [divergence]
     found.sort(key=lambda divergence: divergence.tick)  # of the same tick, in order of the stages
     return Difference(
         ticks=len(stamps),

@@ -73,11 +73,6 @@ class FlightRecorder(ProcessObserver):
         return not self._status.reason and self._process.alive
 
     @property
-    def ticks(self) -> int:
-        """Number of ticks so far that are in the log or still to be written."""
-        return self._observed - self.dropped
-
-    @property
     def dropped(self) -> int:
         """Number of ticks so far that the log lacks because the log writer was too slow."""
         return self._status.dropped

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from wbc.log.reader import Log
 from wbc.log.robot_info import RobotInfo
 from wbc.messages import Message
 from wbc.runtime.quantities import STATUSES
-from wbc.runtime.schema import ODOM, WRENCH, XYZ, Column, MessageKind, columns_from_json
+from wbc.runtime.schema import ODOM, WRENCH, XYZ, Column, columns_from_json
 from wbc.runtime.snapshot import Snapshot
 from wbc.telemetry import PHASES, SIDES, ContactPlan, Footstep, Telemetry
 from wbc.topics import column_fields
@@ -23,6 +24,28 @@ _STATE = "/controller_state"
 _LATE = 1.5  # s; older plans are not shown
 _HELD = ("true_q", "true_v", "sole_pose/")  # not sent in every tick: the latest value counts
 _POSE = (*XYZ, "qx", "qy", "qz", "qw")
+_COP = Column(
+    name="cop",
+    doc="measured centre of pressure of both feet",
+    unit="m",
+    labels=XYZ,
+    scalar=False,
+    frame=ODOM,
+    message="point",
+    topic="",
+    single=False,
+)
+#: What the log writer computes from the ticks, by how the topics' names begin.
+_COMPUTED = {
+    "/balance/cop": _COP,
+    "/sole_pose/": replace(
+        _COP, name="sole_pose/", doc="pose of the sole", labels=_POSE, message="composite"
+    ),
+    "/command/wrench/": replace(
+        _COP, name="commanded_wrench/", doc="commanded wrench at the contact", unit="N, N·m",
+        labels=WRENCH, frame="", message="wrench",
+    ),
+}  # fmt: skip
 
 
 class LoggedRun:
@@ -100,7 +123,8 @@ class LoggedRun:
 
         These are the quantities of the tick (`wbc.runtime.quantities` and those given to
         `wbc.run`), the commanded wrench of each contact (`commanded_wrench/…`, contact axes), the
-        pose of each sole (`sole_pose/…`), and the measured centre of pressure (`cop`).
+        pose of each sole (`sole_pose/…`), and the measured centre of pressure (`cop`), where there
+        is one.
 
         Raises:
             LogError: The log does not describe its quantities.
@@ -109,16 +133,11 @@ class LoggedRun:
             columns = list(columns_from_json(self.log.files["quantities.json"]))
         except (KeyError, ValueError, TypeError) as error:
             raise LogError(f"{self.log.path} does not describe its quantities") from error
-        doc = "measured centre of pressure of both feet"
-        columns.append(_column("cop", doc, "m", XYZ, "point", "balance/cop"))
         for topic in self.log.topics:
-            kind, _, name = topic[1:].rpartition("/")
-            if kind == "command/wrench":
-                name, doc = f"commanded_wrench/{name}", "commanded wrench at the contact"
-                columns.append(_column(name, doc, "N, N·m", WRENCH, "wrench", topic[1:]))
-            elif kind == "sole_pose":
-                doc = "pose of the sole"
-                columns.append(_column(topic[1:], doc, "m", _POSE, "composite", topic[1:]))
+            for prefix, column in _COMPUTED.items():
+                if topic.startswith(prefix):
+                    name = column.name + topic.removeprefix(prefix)
+                    columns.append(replace(column, name=name, topic=topic[1:]))
         return {c.name: c for c in sorted(columns, key=lambda c: c.name) if _fields(c)}
 
     @property
@@ -207,14 +226,6 @@ class LoggedRun:
             name.removeprefix(prefix): self[name][tick] for name in self if name.startswith(prefix)
         }
         return {name: value for name, value in found.items() if np.isfinite(value).all()}
-
-
-def _column(
-    name: str, doc: str, unit: str, labels: tuple[str, ...], message: MessageKind, topic: str
-) -> Column:
-    """Return the description of a quantity that is not declared but computed by the log writer."""
-    frame = "" if message == "wrench" else ODOM
-    return Column(name, doc, unit, labels, False, frame, message, topic, False)
 
 
 def _fields(column: Column) -> list[tuple[str, str]]:

@@ -161,6 +161,5 @@ def footprints(run: LoggedRun) -> Iterator[tuple[str, np.ndarray]]:
 
 def _known_curves(run: LoggedRun) -> Iterator[tuple[Curve, np.ndarray]]:
     for curve in CURVES:
-        points = run[curve.quantity]
-        if np.isfinite(points).any():
-            yield curve, points
+        if curve.quantity in run and np.isfinite(run[curve.quantity]).any():
+            yield curve, run[curve.quantity]
