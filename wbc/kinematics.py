@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from wbc.errors import StateError, WbcError
+from wbc.errors import StateError
 from wbc.robot import Robot
 from wbc.state import State
 
@@ -107,6 +107,7 @@ class Kinematics:
         self._centroid: Centroid | None = None
         self._p_com: np.ndarray | None = None
         self._velocities_propagated = False
+        self._placements_copied = False
         self.update(state)
 
     def __getstate__(self) -> tuple[Robot, State]:
@@ -136,26 +137,27 @@ class Kinematics:
         self._local.clear()
         self._centroid = self._p_com = None
         self._velocities_propagated = False
+        if self._placements_copied:
+            del self.joint_placements
+            self._placements_copied = False
 
     @cached_property
     def joint_placements(self) -> np.ndarray:
-        """(njoints, 12) view of `data.oMi`: the rotation's columns, then the translation.
+        """(njoints, 12) placements in `data.oMi`: the rotation's columns, then the translation.
 
         The rows are Pinocchio's own memory, valid as long as `data` and changed by every pass
-        over the model: compiled code reads all placements without a call for each.
+        over the model: compiled code reads all placements without a call for each. A build of
+        Pinocchio that does not store them one after the other gets a copy per update instead.
         """
-        placements = self.data.oMi
-        rotations = [placements[i].rotation for i in range(self.model.njoints)]
-        addresses = [rotation.ctypes.data for rotation in rotations]
+        placements = [self.data.oMi[i] for i in range(self.model.njoints)]
+        addresses = [placement.rotation.ctypes.data for placement in placements]
         translation = placements[0].translation.ctypes.data
         expected = range(addresses[0], addresses[0] + _SE3_BYTES * len(addresses), _SE3_BYTES)
         if addresses != list(expected) or translation != addresses[0] + 72:
-            raise WbcError(
-                "this build of Pinocchio does not store placements one after the other; use "
-                "formulation=wbc.Formulation.REDUCED"
-            )
+            self._placements_copied = True
+            return np.array([[*T.rotation.T.flat, *T.translation] for T in placements])
         shape, strides = (self.model.njoints, 12), (_SE3_BYTES, 8)
-        return np.lib.stride_tricks.as_strided(rotations[0].T, shape, strides)
+        return np.lib.stride_tricks.as_strided(placements[0].rotation.T, shape, strides)
 
     def frame(self, frame: str | int) -> pin.SE3:
         """Return `T_world_frame` of a frame, by name or by frame index.

@@ -196,3 +196,17 @@ def test_joint_placements_are_pinocchios_and_follow_the_state(name):
             expected = kin.data.oMi[joint]
             np.testing.assert_array_equal(placements[joint, :9].reshape(3, 3).T, expected.rotation)
             np.testing.assert_array_equal(placements[joint, 9:], expected.translation)
+
+
+def test_placements_that_are_not_stored_in_a_row_are_copied_after_each_update(monkeypatch):
+    bot = robot("simple_humanoid")
+    kin, other = (wbc.Kinematics(bot, bot.standing()) for _ in range(2))
+    monkeypatch.setattr(wbc.kinematics, "_SE3_BYTES", 128)
+    for seed in range(2):
+        for each in (kin, other):
+            each.update(random_state(bot, seed))
+        copied = kin.joint_placements
+        assert copied.flags.owndata
+        assert copied.flags.c_contiguous
+        np.testing.assert_array_equal(copied[:, 9:], [T.translation for T in other.data.oMi])
+        np.testing.assert_array_equal(copied[1, :9].reshape(3, 3).T, other.base.rotation)

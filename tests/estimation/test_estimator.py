@@ -394,8 +394,17 @@ def test_repr_of_measurement_and_estimate_states_values_with_units():
 
 
 WITHOUT_NUMBA = """
-import pickle, sys
+import sys
 sys.modules["numba"] = None
+"""
+WITH_A_BROKEN_NUMBA = """
+import numba
+def njit(*args, **kwargs):
+    raise RuntimeError("no such target")
+numba.njit = njit
+"""
+ESTIMATE = """
+import pickle, sys
 import numpy as np
 import wbc
 measurements = pickle.load(sys.stdin.buffer)
@@ -406,10 +415,11 @@ pickle.dump(np.array([np.concatenate([s.q, s.v]) for s in states]), sys.stdout.b
 """
 
 
-def test_estimate_is_the_same_without_numba():
+@pytest.mark.parametrize("numba", [WITHOUT_NUMBA, WITH_A_BROKEN_NUMBA])
+def test_estimate_is_the_same_without_a_working_numba(numba):
     measurements = swaying(duration=2.0).measurements[:60]
     done = subprocess.run(
-        [sys.executable, "-c", WITHOUT_NUMBA],
+        [sys.executable, "-c", numba + ESTIMATE],
         input=pickle.dumps(measurements),
         capture_output=True,
         check=True,

@@ -264,4 +264,4 @@ print([str(w.message) for w in caught if "pip install numba" in str(w.message)])
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     first, second = done.stdout.splitlines()
     assert first == "ok daqp reduced"
-    assert "three times" in second
+    assert "nine times" in second

@@ -1,6 +1,7 @@
 """How kernels are compiled: when their module is imported, and cached on disk.
 
-Without Numba the decorators return the function as it is: plain Python.
+Without Numba, or with one that cannot compile, the decorators return the function as it is: plain
+Python.
 """
 
 from __future__ import annotations
@@ -25,6 +26,17 @@ _OPTIONS: dict[str, Any] = {
     "fastmath": {"reassoc", "contract", "nsz"},
     "error_model": "numpy",
 }
+
+
+def can_compile() -> bool:
+    """Return whether kernels that are imported from now on are compiled."""
+    return numba is not None
+
+
+def do_without_numba() -> None:
+    """Leave kernels that are imported from now on plain Python: Numba cannot compile here."""
+    global numba
+    numba = None
 
 
 def argument_types(*examples: Any) -> tuple[Any, ...]:

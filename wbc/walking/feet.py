@@ -1,31 +1,17 @@
-"""Feet as estimated: placements of the soles, contacts by side, and the centre of pressure."""
+"""Feet as estimated: contacts by side, and the centre of pressure."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
 
 from wbc.estimation import Estimate
-from wbc.gait import Feet, Placement
+from wbc.gait import Feet
 from wbc.geometry.planar import planar_rotation
-from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 
 _LEAST_LOAD = 0.8  # share of the weight on the soles below which there is no centre of pressure
-
-
-def foot_placements(kin: Kinematics) -> Feet:
-    """Both soles, as the kinematics place them."""
-    left, right = kin.robot.soles
-    return Feet(_placement(kin, left.frame_id), _placement(kin, right.frame_id))
-
-
-def _placement(kin: Kinematics, frame_id: int) -> Placement:
-    T_world_sole = kin.frame(frame_id)
-    (xx, _, _, x), (yx, _, _, y), (_, _, _, z), _ = T_world_sole.homogeneous.tolist()
-    return Placement(complex(x, y), math.atan2(yx, xx), z)
 
 
 def sides_in_contact(robot: Robot, estimate: Estimate) -> frozenset[str] | None:

@@ -22,7 +22,8 @@ from wbc.qp import Solver
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.telemetry import ContactPlan, Telemetry
-from wbc.walking.feet import foot_placements, sides_in_contact
+from wbc.walking.feet import sides_in_contact
+from wbc.walking.ground_kinematics import GroundKinematics
 
 _GROUND_TIME = 0.15  # s, smoothing of the ground's height under the robot
 _SETTLED = 0.005  # m, of the DCM
@@ -80,6 +81,7 @@ class JumpController:
         self._gains = gains or JumpGains()
         self._gravity = robot.gravity
         self._kin = Kinematics(robot, robot.standing())
+        self._ground_kinematics = GroundKinematics(self._kin)
         self._tasks = JumpTasks(self._kin, dt, self._gains, solver)
         self.reset(robot.standing())
 
@@ -96,7 +98,7 @@ class JumpController:
         """
         kin, plan = self._kin, self.plan
         kin.update(state)
-        feet = foot_placements(kin)
+        feet = self._feet = self._ground_kinematics.read()[0]
         self._ground = 0.5 * (feet.left.height + feet.right.height)
         self._heading = feet.left.yaw + 0.5 * wrap_angle(feet.right.yaw - feet.left.yaw)
         self._standing = float(kin.p_com[2]) - self._ground
@@ -127,7 +129,7 @@ class JumpController:
         contacts = sides_in_contact(self.robot, estimate)
         kin = self._kin
         kin.update(estimate.state)
-        feet = foot_placements(kin)
+        feet = self._feet = self._ground_kinematics.read()[0]
         self._advance(kin, feet, self._touching(contacts))
         self._time += self.dt
         if self._flight is None:
@@ -259,7 +261,7 @@ class JumpController:
         return Telemetry(
             com=kin.p_com.copy(),
             dcm=self._on_ground(here + ground_point(kin.v_com) / omega),
-            dcm_reference=self._on_ground(foot_placements(kin).middle),
+            dcm_reference=self._on_ground(self._feet.middle),
             zmp=np.full(3, np.nan) if flying else self._on_ground(self._zmp),
             heading=self._heading,
             dcm_error=self.dcm_error,
@@ -271,7 +273,7 @@ class JumpController:
         """The support polygon; empty in flight."""
         if self._flight is not None:
             return ContactPlan()
-        corners = self._support(foot_placements(self._kin), 0.0)
+        corners = self._support(self._feet, 0.0)
         return ContactPlan(support=np.array([self._on_ground(p) for p in corners]))
 
     def _on_ground(self, p: complex) -> np.ndarray:
