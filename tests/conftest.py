@@ -23,7 +23,7 @@ settings.load_profile("calm")
 
 @pytest.fixture(scope="session", autouse=True)
 def kernels() -> None:
-    """Compiled before the first test: in no test's time or output, nor in a process's it starts."""
+    """Compile the kernels before the first test, outside of its time and output."""
     load_qp_kernels()
     importlib.import_module("wbc.walking.kernels")
 
@@ -37,53 +37,60 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture(scope="module")
 def domain() -> int:
-    """A DDS domain of the module's own."""
-    from rostools import new_domain
+    """DDS domain that only this module uses."""
+    from rostools import unused_domain
 
-    return new_domain()
+    return unused_domain()
 
 
 @pytest.fixture(scope="module")
-def walking(domain: int) -> Iterator[Any]:
-    """The process of a robot that a ROS 2 system drives."""
-    from rostools import Peer
+def walking_robot(domain: int) -> Iterator[Any]:
+    """Process of a simulated robot that ROS 2 nodes can command."""
+    from rostools import PeerProcess
 
     arguments = ("--robot", "simple_humanoid", "--duration", "3000", "--as-fast-as-possible")
-    with Peer.wbc(domain, "ros2", "walk", *arguments) as peer:
+    with PeerProcess.start_wbc(domain, "ros2", "walk", *arguments) as peer:
         yield peer
 
 
 @pytest.fixture(scope="module")
-def driver(walking: Any, domain: int) -> Iterator[Any]:
-    """A node beside it."""
+def client_node(walking_robot: Any, domain: int) -> Iterator[Any]:
+    """Node that observes and commands the robot."""
     from rostools import node
 
-    with node("driver", domain) as made:
+    with node("client_node", domain) as made:
         yield made
 
 
 @pytest.fixture(scope="module")
-def try_parameter(driver: Any) -> Callable[..., Any]:
-    """Asks the robot's node for a parameter's value; returns what it answers."""
-    from rostools import PATIENCE
+def try_parameter(client_node: Any) -> Callable[..., Any]:
+    """Sets a parameter of the robot's node to a bool, float or list; returns the result."""
+    from rostools import TIMEOUT
 
     from wbc.messages import message_type
 
-    client = driver.create_client("rcl_interfaces/srv/SetParameters", "/wbc/set_parameters")
+    client = client_node.create_client("rcl_interfaces/srv/SetParameters", "/wbc/set_parameters")
+    parameter_type = message_type("rcl_interfaces/msg/ParameterType")
     parameter = message_type("rcl_interfaces/msg/Parameter")
-    value = message_type("rcl_interfaces/msg/ParameterValue")
+    parameter_value = message_type("rcl_interfaces/msg/ParameterValue")
+    type_names = {bool: "bool", float: "double", list: "double_array"}
 
-    def ask(name: str, **fields: Any) -> Any:
-        request = client.request_type(parameters=[parameter(name=name, value=value(**fields))])
-        return client.call(request, PATIENCE).results[0]
+    def call(name: str, value: Any) -> Any:
+        kind = type_names[type(value)]
+        number = getattr(parameter_type, f"PARAMETER_{kind.upper()}")
+        message = parameter_value(**{"type": number, f"{kind}_value": value})
+        request = client.request_type(parameters=[parameter(name=name, value=message)])
+        return client.call(request, TIMEOUT).results[0]
 
-    return ask
+    return call
 
 
 @pytest.fixture(scope="module")
 def set_parameter(try_parameter: Callable[..., Any]) -> Callable[..., None]:
-    def set_one(name: str, **fields: Any) -> None:
-        result = try_parameter(name, **fields)
+    """Sets a parameter of the robot's node; the test fails if the value is refused."""
+
+    def call(name: str, value: Any) -> None:
+        result = try_parameter(name, value)
         assert result.successful, result.reason
 
-    return set_one
+    return call

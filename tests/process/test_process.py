@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
-from rostools import environment, hear_interrupts, new_domain
+from rostools import environment, restore_sigint, unused_domain
 
 from wbc.process import ChildProcess, RingReader, SharedRing
 from wbc.runtime.schema import Schema
@@ -125,11 +125,11 @@ def test_a_parent_that_ends_while_starting_a_child_leaves_no_child_and_no_traceb
     for number, command in commands(tmp_path):
         process = subprocess.Popen(
             [sys.executable, "-m", "wbc", *command, "--robot", "simple_humanoid"],
-            env=environment(new_domain()),
+            env=environment(unused_domain()),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
-            preexec_fn=hear_interrupts,
+            preexec_fn=restore_sigint,
         )
         running.append((process, 1 if early else number))
     waiting = list(running)

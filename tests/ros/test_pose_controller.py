@@ -20,8 +20,8 @@ poses = st.builds(
 
 
 @given(poses, poses)
-def test_relative_to_and_compose_are_inverse(goal, here):
-    back = here.compose(goal.relative_to(here))
+def test_relative_to_and_compose_are_inverse(goal, robot):
+    back = robot.compose(goal.relative_to(robot))
     assert abs(back.point - goal.point) < 1e-9
     assert math.cos(back.yaw - goal.yaw) == pytest.approx(1.0)
 
@@ -50,13 +50,13 @@ def test_robot_steps_back_to_a_near_goal_behind_it():
 @settings(max_examples=50)
 def test_robot_arrives_although_velocities_take_effect_a_step_later(goal):
     """The delay is 0.8 s, the longest one of a gait."""
-    here, dt, delay = Placement(0j, 0.0), 0.05, 16
+    robot, dt, delay = Placement(0j, 0.0), 0.05, 16
     pending = [(0.0, 0.0, 0.0)] * delay
     for _ in range(int(120.0 / dt)):
-        error = goal.relative_to(here)
+        error = goal.relative_to(robot)
         if abs(error.point) < 0.05 and abs(error.yaw) < 0.07:
             return
         pending.append(CONTROLLER.velocity(error))
         forward, left, turn = pending.pop(0)
-        here = here.compose(Placement(complex(forward, left) * dt, turn * dt))
-    pytest.fail(f"the remaining error is {goal.relative_to(here)}")
+        robot = robot.compose(Placement(complex(forward, left) * dt, turn * dt))
+    pytest.fail(f"the remaining error is {goal.relative_to(robot)}")

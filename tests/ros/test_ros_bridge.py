@@ -1,4 +1,4 @@
-"""A robot in physics as a node: it is seen and driven from another process, and never waits."""
+"""A simulated robot as a node: it is observed and commanded from another process."""
 
 from __future__ import annotations
 
@@ -11,7 +11,15 @@ import time
 import numpy as np
 import pinocchio as pin
 import pytest
-from rostools import PATIENCE, SHORT_LIVED, Hearer, Peer, new_domain, node, start_example
+from rostools import (
+    SHORT_LEASE,
+    TIMEOUT,
+    MessageCollector,
+    PeerProcess,
+    node,
+    start_example,
+    unused_domain,
+)
 
 import wbc
 from wbc.messages import message_type
@@ -29,7 +37,6 @@ pytest.importorskip("mujoco")
 ROBOT = "simple_humanoid"
 TRIGGER = "std_srvs/srv/Trigger"
 Twist = message_type("geometry_msgs/msg/Twist")
-ParameterType = message_type("rcl_interfaces/msg/ParameterType")
 JointState = message_type("sensor_msgs/msg/JointState")
 
 
@@ -39,12 +46,12 @@ def robot():
 
 
 @pytest.fixture
-def hear(driver):
-    """Subscriptions for as long as a test lasts."""
+def subscribe(client_node):
+    """Creates subscriptions that are removed at the end of the test."""
     made = []
 
     def subscribe(*arguments):
-        made.append(Hearer(driver, *arguments))
+        made.append(MessageCollector(client_node, *arguments))
         return made[-1]
 
     yield subscribe
@@ -53,62 +60,60 @@ def hear(driver):
 
 
 @pytest.fixture(scope="module")
-def odom(driver):
-    made = Hearer(driver, "nav_msgs/msg/Odometry", "odom")
+def odom(client_node):
+    made = MessageCollector(client_node, "nav_msgs/msg/Odometry", "odom")
     made.wait()
     return made
 
 
 @pytest.fixture(scope="module")
-def velocity(driver):
-    publisher = driver.create_publisher(Twist.type_name, "cmd_vel")
-    assert driver.spin_until(lambda: publisher.get_subscription_count() > 0, PATIENCE)
+def velocity(client_node):
+    publisher = client_node.create_publisher(Twist.type_name, "cmd_vel")
+    assert client_node.spin_until(lambda: publisher.get_subscription_count() > 0, TIMEOUT)
     return publisher
 
 
 @pytest.fixture(scope="module")
-def ask(driver):
-    clients = {name: driver.create_client(TRIGGER, name) for name in ("push", "reset_robot")}
-    return lambda name: clients[name].call(clients[name].request_type(), PATIENCE)
+def call_trigger(client_node):
+    clients = {name: client_node.create_client(TRIGGER, name) for name in ("push", "reset_robot")}
+    return lambda name: clients[name].call(clients[name].request_type(), TIMEOUT)
 
 
 @pytest.fixture
 def plant_time(set_parameter):
-    """Topics go by the plant's time: how often they come in it is no matter of the machine."""
-    set_parameter("use_sim_time", type=ParameterType.PARAMETER_BOOL, bool_value=True)
+    """Stamps with the plant's time: the rate of topics in it does not depend on the machine."""
+    set_parameter("use_sim_time", True)
     yield
-    set_parameter("use_sim_time", type=ParameterType.PARAMETER_BOOL, bool_value=False)
+    set_parameter("use_sim_time", False)
 
 
 @pytest.fixture(scope="module")
-def diagnostics(driver, set_parameter):
-    set_parameter(
-        "diagnostic_updater.period", type=ParameterType.PARAMETER_DOUBLE, double_value=0.1
-    )
-    return Hearer(driver, "diagnostic_msgs/msg/DiagnosticArray", "/diagnostics")
+def diagnostics(client_node, set_parameter):
+    set_parameter("diagnostic_updater.period", 0.1)
+    return MessageCollector(client_node, "diagnostic_msgs/msg/DiagnosticArray", "/diagnostics")
 
 
 @pytest.fixture(scope="module")
-def walk_to(driver):
-    made = ActionClient(driver, TYPE, "navigate_to_pose")
-    assert made.wait_for_server(PATIENCE)
+def navigate(client_node):
+    made = ActionClient(client_node, TYPE, "navigate_to_pose")
+    assert made.wait_for_server(TIMEOUT)
     return made
 
 
 @pytest.fixture
-def anew(ask, odom):
-    """The robot stands where it stood at first."""
-    assert ask("reset_robot").success
-    odom.wait(lambda m: place(m)[0] < 0.05)
+def reset(call_trigger, odom):
+    """Resets the robot to the start."""
+    assert call_trigger("reset_robot").success
+    odom.wait(lambda m: position(m)[0] < 0.05)
 
 
 def seconds(stamp):
     return stamp.sec + 1e-9 * stamp.nanosec
 
 
-def place(message):
-    position = message.pose.pose.position
-    return np.array([position.x, position.y])
+def position(message):
+    point = message.pose.pose.position
+    return np.array([point.x, point.y])
 
 
 def speed(message):
@@ -116,16 +121,16 @@ def speed(message):
     return math.hypot(linear.x, linear.y)
 
 
-def comes_to_rest(odom, diagnostics):
-    """The gait comes to a stand, and the robot stays where it is."""
+def assert_comes_to_rest(odom, diagnostics):
+    """Check that the gait stands and that the robot does not move."""
 
-    def phase(message):
+    def is_standing(message):
         return {v.key: v.value for v in message.status[0].values}["phase"] == "stand"
 
-    diagnostics.wait(phase)
-    there = place(odom.wait(lambda m: speed(m) < 0.05))
+    diagnostics.wait(is_standing)
+    before = position(odom.wait(lambda m: speed(m) < 0.05))
     odom.node.spin(timeout_sec=0.2)
-    assert np.linalg.norm(place(odom.wait()) - there) < 0.03
+    assert np.linalg.norm(position(odom.wait()) - before) < 0.03
 
 
 def goal(client, x, y=0.0, heading=0.0, frame=""):
@@ -137,9 +142,9 @@ def goal(client, x, y=0.0, heading=0.0, frame=""):
     return request
 
 
-def test_joint_states_have_position_velocity_and_effort(hear, driver, robot):
-    heard = hear("sensor_msgs/msg/JointState", "joint_states")
-    message = heard.wait()
+def test_joint_states_have_position_velocity_and_effort(subscribe, client_node, robot):
+    received = subscribe("sensor_msgs/msg/JointState", "joint_states")
+    message = received.wait()
     assert tuple(message.name) == robot.joint_names
     knee = robot.joint_index("right_knee")
     assert message.position[knee] == pytest.approx(robot.q_nominal[7 + knee], abs=0.1)
@@ -149,35 +154,37 @@ def test_joint_states_have_position_velocity_and_effort(hear, driver, robot):
     assert message.header.stamp.sec == pytest.approx(time.time(), abs=60.0)
 
 
-def test_the_parameter_sets_the_rate_of_joint_states(
-    hear, set_parameter, try_parameter, plant_time
+def test_parameter_sets_the_rate_of_joint_states(
+    subscribe, set_parameter, try_parameter, plant_time
 ):
-    heard = hear("sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
+    received = subscribe("sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
 
     def gap(rate):
-        set_parameter("update_rate", type=ParameterType.PARAMETER_DOUBLE, double_value=rate)
-        heard.wait(lambda _: len(heard) > 12)
-        return float(np.median(np.diff([seconds(m.header.stamp) for m in heard.messages])))
+        set_parameter("update_rate", rate)
+        received.wait(lambda _: len(received) > 12)
+        return float(np.median(np.diff([seconds(m.header.stamp) for m in received.messages])))
 
     assert gap(10.0) == pytest.approx(0.1)
     assert gap(50.0) == pytest.approx(0.02)
-    too_fast = try_parameter("update_rate", type=ParameterType.PARAMETER_DOUBLE, double_value=501.0)
+    too_fast = try_parameter("update_rate", 501.0)
     assert "1 to 500" in too_fast.reason
 
 
-def test_tf_puts_every_link_where_the_joints_put_it(hear, driver, robot, set_parameter):
-    """The chain of transforms against Pinocchio, for joint states of the very same tick.
+def test_tf_agrees_with_the_kinematics_of_the_joint_states(
+    subscribe, client_node, robot, set_parameter
+):
+    """Transforms are compared with Pinocchio's for joint states of the same tick.
 
-    There are such: whatever the rates were before, topics of one rate have the same stamps.
+    Such joint states exist because topics of equal rates have equal stamps.
     """
-    set_parameter("update_rate", type=ParameterType.PARAMETER_DOUBLE, double_value=29.0)
-    driver.spin(timeout_sec=0.2)
+    set_parameter("update_rate", 29.0)
+    client_node.spin(timeout_sec=0.2)
     for rate in ("update_rate", "state_rate"):
-        set_parameter(rate, type=ParameterType.PARAMETER_DOUBLE, double_value=50.0)
-    still = hear("tf2_msgs/msg/TFMessage", "/tf_static", LATCHED).wait()
-    moving = hear("tf2_msgs/msg/TFMessage", "/tf", HIGH_RATE)
-    odometry = hear("nav_msgs/msg/Odometry", "odom", QoSProfile(depth=1000))
-    joints = hear("sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
+        set_parameter(rate, 50.0)
+    static = subscribe("tf2_msgs/msg/TFMessage", "/tf_static", LATCHED).wait()
+    dynamic = subscribe("tf2_msgs/msg/TFMessage", "/tf", HIGH_RATE)
+    odometry = subscribe("nav_msgs/msg/Odometry", "odom", QoSProfile(depth=1000))
+    joints = subscribe("sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
 
     def stamp(header):
         return header.stamp.sec, header.stamp.nanosec
@@ -185,16 +192,16 @@ def test_tf_puts_every_link_where_the_joints_put_it(hear, driver, robot, set_par
     def together():
         there = {stamp(m.header): m for m in joints.messages}
         base = {stamp(m.header): m for m in odometry.messages}
-        for m in moving.messages:
+        for m in dynamic.messages:
             at = stamp(m.transforms[0].header)
             if at in there and at in base:
                 return m, there[at]
         return None
 
-    assert driver.spin_until(lambda: together() is not None, PATIENCE)
+    assert client_node.spin_until(lambda: together() is not None, TIMEOUT)
     tf, state = together()
     placed = {"odom": pin.SE3.Identity()}
-    waiting = [*tf.transforms, *still.transforms]
+    waiting = [*tf.transforms, *static.transforms]
     while waiting:
         rest = []
         for one in waiting:
@@ -206,7 +213,7 @@ def test_tf_puts_every_link_where_the_joints_put_it(hear, driver, robot, set_par
             else:
                 assert one.child_frame_id not in placed
                 placed[one.child_frame_id] = parent * local
-        assert len(rest) < len(waiting), "frames that hang on nothing"
+        assert len(rest) < len(waiting), "frames without a known parent"
         waiting = rest
     q = robot.q_nominal.copy()
     q[:7] = pin.SE3ToXYZQUAT(placed[robot.base])
@@ -221,21 +228,22 @@ def test_tf_puts_every_link_where_the_joints_put_it(hear, driver, robot, set_par
             assert np.allclose(pose.homogeneous, expected.homogeneous, atol=1e-9), name
 
 
-def test_the_description_is_latched(hear, driver, robot):
-    text = hear("std_msgs/msg/String", "robot_description", LATCHED).wait().data
+def test_description_is_latched(subscribe, client_node, robot):
+    text = subscribe("std_msgs/msg/String", "robot_description", LATCHED).wait().data
     assert text == robot.urdf_path.read_text("utf-8")
 
 
-def test_the_feet_carry_the_weight_below_the_centre_of_mass(hear, driver, robot):
+def test_contact_forces_carry_the_weight_below_the_centre_of_mass(subscribe, client_node, robot):
     feet = [
-        hear("geometry_msgs/msg/WrenchStamped", f"sensors/wrench/{sole.name}")
+        subscribe("geometry_msgs/msg/WrenchStamped", f"sensors/wrench/{sole.name}")
         for sole in robot.soles
     ]
     com, dcm, zmp = (
-        hear("geometry_msgs/msg/PointStamped", f"balance/{name}") for name in ("com", "dcm", "zmp")
+        subscribe("geometry_msgs/msg/PointStamped", f"balance/{name}")
+        for name in ("com", "dcm", "zmp")
     )
     every = (*feet, com, dcm, zmp)
-    assert driver.spin_until(lambda: all(len(h) >= 10 for h in every), PATIENCE)
+    assert client_node.spin_until(lambda: all(len(h) >= 10 for h in every), TIMEOUT)
     carried = sum(np.mean([m.wrench.force.z for m in foot.messages]) for foot in feet)
     assert carried == pytest.approx(robot.weight, rel=0.1)
     assert feet[0].last.header.frame_id == "left_sole"
@@ -247,7 +255,7 @@ def test_the_feet_carry_the_weight_below_the_centre_of_mass(hear, driver, robot)
     )
 
 
-def test_diagnostics_tell_ticks_overruns_and_status(diagnostics):
+def test_diagnostics_report_tick_times_overruns_and_status(diagnostics):
     status = diagnostics.wait().status[0]
     values = {v.key: v.value for v in status.values}
     assert status.name == "wbc: control loop"
@@ -257,27 +265,29 @@ def test_diagnostics_tell_ticks_overruns_and_status(diagnostics):
     assert values["QP status"] == "ok"
 
 
-def test_it_walks_while_told_and_stops_when_nobody_tells(anew, driver, velocity, odom, diagnostics):
+def test_robot_walks_while_it_gets_velocities_and_stops_without(
+    reset, client_node, velocity, odom, diagnostics
+):
     command = Twist()
     command.linear.x = 0.2
-    timer = driver.create_timer(0.1, lambda: velocity.publish(command))
-    odom.wait(lambda m: place(m)[0] > 0.2)
+    timer = client_node.create_timer(0.1, lambda: velocity.publish(command))
+    odom.wait(lambda m: position(m)[0] > 0.2)
     timer.cancel()
-    comes_to_rest(odom, diagnostics)
+    assert_comes_to_rest(odom, diagnostics)
 
 
-def test_a_velocity_that_is_no_number_is_ignored(anew, velocity, odom, driver):
+def test_velocity_that_is_not_finite_is_ignored(reset, velocity, odom, client_node):
     command = Twist()
     command.linear.x = math.nan
     velocity.publish(command)
-    driver.spin(timeout_sec=0.5)
-    assert place(odom.wait())[0] < 0.05
+    client_node.spin(timeout_sec=0.5)
+    assert position(odom.wait())[0] < 0.05
 
 
-def test_arms_go_where_they_are_told_and_legs_do_not(hear, anew, driver, robot):
-    joints = hear("sensor_msgs/msg/JointState", "joint_states")
-    publisher = driver.create_publisher(JointState.type_name, "joint_commands")
-    assert driver.spin_until(lambda: publisher.get_subscription_count() > 0, PATIENCE)
+def test_joint_commands_move_arms_but_not_legs(subscribe, reset, client_node, robot):
+    joints = subscribe("sensor_msgs/msg/JointState", "joint_states")
+    publisher = client_node.create_publisher(JointState.type_name, "joint_commands")
+    assert client_node.spin_until(lambda: publisher.get_subscription_count() > 0, TIMEOUT)
     elbow, knee = robot.joint_index("left_elbow"), robot.joint_index("left_knee")
     highest = robot.q_max[elbow]
     publisher.publish(JointState(name=["left_knee"], position=[1.5]))
@@ -288,12 +298,12 @@ def test_arms_go_where_they_are_told_and_legs_do_not(hear, anew, driver, robot):
     assert reached.position[knee] < 1.0
 
 
-def test_a_trajectory_is_followed(hear, anew, driver, robot):
-    joints = hear("sensor_msgs/msg/JointState", "joint_states")
+def test_joint_trajectory_is_followed(subscribe, reset, client_node, robot):
+    joints = subscribe("sensor_msgs/msg/JointState", "joint_states")
     kind = message_type("trajectory_msgs/msg/JointTrajectory")
     point = message_type("trajectory_msgs/msg/JointTrajectoryPoint")
-    publisher = driver.create_publisher(kind.type_name, "joint_trajectory")
-    assert driver.spin_until(lambda: publisher.get_subscription_count() > 0, PATIENCE)
+    publisher = client_node.create_publisher(kind.type_name, "joint_trajectory")
+    assert client_node.spin_until(lambda: publisher.get_subscription_count() > 0, TIMEOUT)
     pitch = robot.joint_index("right_shoulder_pitch")
     start = robot.q_nominal[7 + pitch]
     points = []
@@ -305,58 +315,58 @@ def test_a_trajectory_is_followed(hear, anew, driver, robot):
     joints.wait(lambda m: abs(m.position[pitch] - (start - 0.5)) < 0.05)
 
 
-def test_a_push_makes_the_dcm_jump(hear, anew, ask, plant_time):
-    dcm = hear("geometry_msgs/msg/PointStamped", "balance/dcm", QoSProfile(depth=1000))
-    still = dcm.wait().point.y
-    answer = ask("push")
-    assert answer.success
-    assert "N·s over 0.1 s" in answer.message
-    # It may be over before the answer is here.
-    dcm.find(lambda m: m.point.y > still + 0.015)
+def test_push_shifts_the_dcm(subscribe, reset, call_trigger, plant_time):
+    dcm = subscribe("geometry_msgs/msg/PointStamped", "balance/dcm", QoSProfile(depth=1000))
+    before = dcm.wait().point.y
+    response = call_trigger("push")
+    assert response.success
+    assert "N·s over 0.1 s" in response.message
+    # The push may be over before the response arrives.
+    dcm.find(lambda m: m.point.y > before + 0.015)
 
 
-def test_it_walks_to_a_pose_and_tells_how_far_it_is(anew, walk_to, odom):
+def test_robot_walks_to_a_pose_and_reports_the_remaining_distance(reset, navigate, odom):
     remaining = []
-    sent = walk_to.send_goal(goal(walk_to, 0.4), lambda f: remaining.append(f.distance_remaining))
+    sent = navigate.send_goal(goal(navigate, 0.4), lambda f: remaining.append(f.distance_remaining))
     assert sent.accepted
-    assert sent.wait_for_result(3 * PATIENCE)
+    assert sent.wait_for_result(3 * TIMEOUT)
     assert sent.status is GoalStatus.SUCCEEDED, sent.result
-    assert np.linalg.norm(place(odom.wait()) - (0.4, 0.0)) < 0.12
+    assert np.linalg.norm(position(odom.wait()) - (0.4, 0.0)) < 0.12
     assert remaining[0] > 0.3
     assert remaining[-1] < 0.2
 
 
-def test_it_stops_and_stands_when_the_goal_is_cancelled(anew, walk_to, odom, diagnostics):
-    sent = walk_to.send_goal(goal(walk_to, 30.0))
-    odom.wait(lambda m: place(m)[0] > 0.1)
+def test_cancelled_goal_ends_with_the_robot_standing(reset, navigate, odom, diagnostics):
+    sent = navigate.send_goal(goal(navigate, 30.0))
+    odom.wait(lambda m: position(m)[0] > 0.1)
     assert sent.cancel_goal()
-    assert sent.wait_for_result(PATIENCE)
+    assert sent.wait_for_result(TIMEOUT)
     assert sent.status is GoalStatus.CANCELED
-    comes_to_rest(odom, diagnostics)
+    assert_comes_to_rest(odom, diagnostics)
 
 
-def test_it_stops_when_who_sent_the_goal_is_killed(anew, domain, odom, diagnostics):
+def test_robot_stops_when_the_client_of_its_goal_is_killed(reset, domain, odom, diagnostics):
     arguments = ("30.0", "navigate_to_pose")
-    with Peer.of(domain, "pursue", *arguments, configuration=SHORT_LIVED) as peer:
-        assert peer.first == "accepted"
-        odom.wait(lambda m: place(m)[0] > 0.1)
+    with PeerProcess.start_peer(domain, "send_goal", *arguments, configuration=SHORT_LEASE) as peer:
+        assert peer.first_line == "accepted"
+        odom.wait(lambda m: position(m)[0] > 0.1)
         peer.kill()
-    comes_to_rest(odom, diagnostics)
+    assert_comes_to_rest(odom, diagnostics)
 
 
-def test_a_hand_on_the_stick_takes_over(anew, walk_to, velocity):
-    sent = walk_to.send_goal(goal(walk_to, 30.0))
+def test_velocity_command_aborts_the_goal(reset, navigate, velocity):
+    sent = navigate.send_goal(goal(navigate, 30.0))
     command = Twist()
     command.linear.x = -0.1
     velocity.publish(command)
-    assert sent.wait_for_result(PATIENCE)
+    assert sent.wait_for_result(TIMEOUT)
     assert sent.status is GoalStatus.ABORTED
     assert "took over" in sent.result.error_msg
 
 
-def test_the_example_drives_it(anew, domain):
+def test_example_drives_the_robot(reset, domain):
     example = start_example(domain, "03_drive.py", "--seconds", "1", "--goal", "0.2")
-    out, error = example.communicate(timeout=3 * PATIENCE)
+    out, error = example.communicate(timeout=3 * TIMEOUT)
     assert example.returncode == 0, error
     assert re.search(r"^\d\.\d\d m to go$", out, re.MULTILINE)
     assert out.splitlines()[-1].strip() == "succeeded"
@@ -365,105 +375,106 @@ def test_the_example_drives_it(anew, domain):
 @pytest.mark.parametrize(
     "bad", [{"x": math.nan}, {"x": 1.0, "frame": "no_such_frame"}, {"x": 1.0, "heading": math.nan}]
 )
-def test_a_goal_that_is_none_is_rejected(walk_to, bad):
-    assert walk_to.send_goal(goal(walk_to, **bad)).accepted is False
+def test_invalid_goal_is_rejected(navigate, bad):
+    assert navigate.send_goal(goal(navigate, **bad)).accepted is False
 
 
-def test_a_reset_ends_the_goal_and_sets_it_back(anew, walk_to, ask, odom):
-    sent = walk_to.send_goal(goal(walk_to, 30.0))
-    odom.wait(lambda m: place(m)[0] > 0.1)
-    answer = ask("reset_robot")
-    assert (answer.success, answer.message) == (True, "standing")
-    assert sent.wait_for_result(PATIENCE)
+def test_reset_aborts_the_goal_and_moves_the_robot_to_the_start(
+    reset, navigate, call_trigger, odom
+):
+    sent = navigate.send_goal(goal(navigate, 30.0))
+    odom.wait(lambda m: position(m)[0] > 0.1)
+    response = call_trigger("reset_robot")
+    assert (response.success, response.message) == (True, "standing")
+    assert sent.wait_for_result(TIMEOUT)
     assert sent.status is GoalStatus.ABORTED
-    assert place(odom.wait(lambda m: place(m)[0] < 0.05))[0] < 0.05
+    assert position(odom.wait(lambda m: position(m)[0] < 0.05))[0] < 0.05
 
 
-def test_the_clock_is_the_plants_and_goes_on_over_a_reset(hear, anew, ask):
-    clock = hear("rosgraph_msgs/msg/Clock", "/clock")
+def test_clock_is_plant_time_and_continuous_over_a_reset(subscribe, reset, call_trigger):
+    clock = subscribe("rosgraph_msgs/msg/Clock", "/clock")
     before = seconds(clock.wait().clock)
     assert 0.0 < before < 3000.0
     clock.wait(lambda m: seconds(m.clock) > before + 0.5)
-    assert ask("reset_robot").success
+    assert call_trigger("reset_robot").success
     clock.wait(lambda m: seconds(m.clock) > before + 1.0)
     times = [seconds(m.clock) for m in clock.messages]
     assert times == sorted(times)
 
 
-def test_with_sim_time_messages_carry_the_time_of_the_clock(
-    hear, driver, set_parameter, diagnostics
+def test_messages_carry_the_time_of_the_clock_with_sim_time(
+    subscribe, client_node, set_parameter, diagnostics
 ):
-    clock = hear("rosgraph_msgs/msg/Clock", "/clock", QoSProfile(depth=1000))
-    joints = hear("sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
+    clock = subscribe("rosgraph_msgs/msg/Clock", "/clock", QoSProfile(depth=1000))
+    joints = subscribe("sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
     clock.wait()
-    set_parameter("use_sim_time", type=ParameterType.PARAMETER_BOOL, bool_value=True)
+    set_parameter("use_sim_time", True)
     joints.wait(lambda m: m.header.stamp.sec < 1_000_000)
     stamp, sent = seconds(joints.last.header.stamp), joints.infos[-1].source_timestamp
-    assert driver.spin_until(lambda: clock.infos[-1].source_timestamp > sent, PATIENCE)
-    told = [
+    assert client_node.spin_until(lambda: clock.infos[-1].source_timestamp > sent, TIMEOUT)
+    clock_times = [
         (info.source_timestamp, seconds(m.clock))
         for info, m in zip(clock.infos, clock.messages, strict=True)
     ]
-    before = max(time for at, time in told if at < sent)
-    after = min(time for at, time in told if at > sent)
+    before = max(time for at, time in clock_times if at < sent)
+    after = min(time for at, time in clock_times if at > sent)
     assert before <= stamp <= after
     diagnostics.wait(lambda m: m.header.stamp.sec < 1_000_000)
-    set_parameter("use_sim_time", type=ParameterType.PARAMETER_BOOL, bool_value=False)
+    set_parameter("use_sim_time", False)
     joints.wait(lambda m: m.header.stamp.sec > 1_000_000)
 
 
-def test_what_it_says_is_on_rosout_for_who_comes_late_too(hear, velocity):
+def test_log_messages_are_on_rosout_also_for_late_subscribers(subscribe, velocity):
     bad = Twist()
     bad.linear.x = math.inf
-    early = hear("rcl_interfaces/msg/Log", "/rosout", ROSOUT)
+    early = subscribe("rcl_interfaces/msg/Log", "/rosout", ROSOUT)
     velocity.publish(bad)
-    for come in (lambda: early, lambda: hear("rcl_interfaces/msg/Log", "/rosout", ROSOUT)):
-        said = come().wait(lambda m: "cmd_vel" in m.msg and "inf" in m.msg)
-        assert (said.level, said.name, said.file) == (30, "wbc", "cmd_vel.py")
-        assert said.function
-        assert said.line > 0
-        assert seconds(said.stamp) == pytest.approx(time.time(), abs=60.0)
+    for create in (lambda: early, lambda: subscribe("rcl_interfaces/msg/Log", "/rosout", ROSOUT)):
+        message = create().wait(lambda m: "cmd_vel" in m.msg and "inf" in m.msg)
+        assert (message.level, message.name, message.file) == (30, "wbc", "cmd_vel.py")
+        assert message.function
+        assert message.line > 0
+        assert seconds(message.stamp) == pytest.approx(time.time(), abs=60.0)
 
 
-def test_a_robot_that_fell_lies_there_until_it_is_reset(
-    anew, hear, set_parameter, ask, odom, diagnostics
+def test_fallen_robot_is_reported_until_it_is_reset(
+    reset, subscribe, set_parameter, call_trigger, odom, diagnostics
 ):
-    rosout = hear("rcl_interfaces/msg/Log", "/rosout", ROSOUT)
+    rosout = subscribe("rcl_interfaces/msg/Log", "/rosout", ROSOUT)
     set_parameter(
         "push_impulse",
-        type=ParameterType.PARAMETER_DOUBLE_ARRAY,
-        double_array_value=[0.0, 100.0, 0.0],
+        [0.0, 100.0, 0.0],
     )
-    ask("push")
+    call_trigger("push")
     message = diagnostics.wait(lambda m: m.status[0].message == "fallen")
     assert message.status[0].level == 2  # ERROR
     rosout.find(lambda m: (m.msg, m.level) == ("the robot fell", 40))
-    odom.wait()  # its sensors do not die
-    assert ask("reset_robot").success
+    odom.wait()  # it is still published
+    assert call_trigger("reset_robot").success
     diagnostics.wait(lambda m: m.status[0].message != "fallen")
     odom.wait(lambda m: m.pose.pose.position.z > 0.7)
 
 
-def test_the_node_goes_when_its_loop_is_killed(walking, driver, odom):
-    """The last test that needs them: the loop's process dies and cannot say so."""
-    walking.kill()
-    assert driver.spin_until(lambda: odom.subscription.get_publisher_count() == 0, PATIENCE)
+def test_node_disappears_when_its_loop_is_killed(walking_robot, client_node, odom):
+    """This must be the last test that uses the robot's process."""
+    walking_robot.kill()
+    assert client_node.spin_until(lambda: odom.subscription.get_publisher_count() == 0, TIMEOUT)
 
 
-def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
+def test_loop_stops_walking_and_continues_when_the_node_is_killed(robot):
     player = MotionPlayer(robot)
     plant = wbc.sim.Mujoco(robot)
-    domain = new_domain()
+    domain = unused_domain()
     with (
         CommandHandler(player, plant, owns_clock=False) as handler,
         Bridge(handler, network=Network(domain)) as bridge,
-        node("d", domain) as driver,
+        node("client", domain) as client_node,
     ):
-        velocity = driver.create_publisher(Twist.type_name, "cmd_vel")
-        assert driver.spin_until(lambda: velocity.get_subscription_count() > 0, PATIENCE)
+        velocity = client_node.create_publisher(Twist.type_name, "cmd_vel")
+        assert client_node.spin_until(lambda: velocity.get_subscription_count() > 0, TIMEOUT)
         command = Twist()
         command.linear.x = 0.2
-        wanted = []
+        velocities = []
 
         def before_tick(now):
             if now < 0.7:
@@ -471,13 +482,13 @@ def test_the_loop_goes_on_standing_when_the_node_is_killed(robot):
             if 0.7 <= now < 0.7 + 1.5 * player.dt and bridge.alive:
                 os.kill(bridge.pid, signal.SIGKILL)
             handler.before_tick(now)
-            wanted.append(player.velocity[0])
+            velocities.append(player.velocity[0])
 
-        # In real time: a velocity lasts half a second of the wall clock.
+        # In real time, because a velocity expires after half a second of the wall clock.
         report = wbc.run(
             player, plant, 1.8, observers=[bridge], before_tick=before_tick, real_time=True
         )
-        assert max(wanted) == pytest.approx(0.2)
-        assert wanted[-1] == 0.0
+        assert max(velocities) == pytest.approx(0.2)
+        assert velocities[-1] == 0.0
         assert not bridge.alive
     assert report.survived

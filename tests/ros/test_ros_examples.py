@@ -1,9 +1,9 @@
-"""The examples of ROS 2 run as a user runs them."""
+"""The examples of ROS 2 are run as a user runs them."""
 
 from __future__ import annotations
 
 import pytest
-from rostools import new_domain, node, start_example
+from rostools import node, start_example, unused_domain
 
 from wbc.messages import message_type
 from wbc.ros.joint_publisher import JOINT_NAMES, walking_pattern
@@ -14,8 +14,8 @@ pytest.importorskip("mujoco")
 JointState = message_type("sensor_msgs/msg/JointState")
 
 
-def test_the_right_knee_is_printed_whatever_the_order_of_the_joints():
-    domain = new_domain()
+def test_example_prints_the_right_knee_for_any_order_of_the_joints():
+    domain = unused_domain()
     listener = start_example(domain, "01_right_knee.py", "-n", "3")
     with node("joint_publisher", domain) as publishing:
         publisher = publishing.create_publisher(JointState.type_name, "joint_states")
@@ -41,8 +41,8 @@ def test_the_right_knee_is_printed_whatever_the_order_of_the_joints():
     assert knees == [f"right_knee: {angle:+.3f} rad = {angle * 57.29577951308232:+.1f}°"] * 3
 
 
-def test_a_walking_robot_is_a_node():
-    done = start_example(new_domain(), "02_walking_robot.py", "--duration", "0.5")
+def test_example_runs_a_walking_robot():
+    done = start_example(unused_domain(), "02_walking_robot.py", "--duration", "0.5")
     out, error = done.communicate(timeout=60.0)
     assert done.returncode == 0, error
     assert "survived" in out

@@ -1,7 +1,7 @@
-"""Another implementation of DDS, Debian's Fast-DDS, reads what we write and writes what we read.
+"""Topics are exchanged with another implementation of DDS, Debian's Fast-DDS.
 
-Its peer, `fastdds/echo.cpp`, is built here: it needs g++ and the package libfastrtps-dev. Where
-those are missing the tests are skipped, unless WBC_REQUIRE_FASTDDS says that they must not be.
+Its peer, `fastdds/echo.cpp`, is built by this module, which needs g++ and the package libfastrtps-dev.
+Where these are missing the tests are skipped, unless WBC_REQUIRE_FASTDDS is set.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rostools import PATIENCE, ROOT, Hearer, environment, node
+from rostools import ROOT, TIMEOUT, MessageCollector, environment, node
 
 import wbc
 from wbc.messages import message_type
@@ -44,15 +44,15 @@ def program(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def here(domain):
-    with node("here", domain) as made:
+def local_node(domain):
+    with node("local", domain) as made:
         yield made
 
 
 @pytest.fixture(scope="module")
-def description(here):
-    """Published, latched, before the peer is there."""
-    publisher = here.create_publisher(Text.type_name, "robot_description", LATCHED)
+def description(local_node):
+    """Description that is published on a latched topic before the peer starts."""
+    publisher = local_node.create_publisher(Text.type_name, "robot_description", LATCHED)
     text = wbc.load("simple_humanoid").urdf_path.read_text("utf-8")
     publisher.publish(Text(data=text))
     return text
@@ -73,32 +73,34 @@ def peer(program, domain, description):
     assert process.returncode == 0
 
 
-def both_ways(here, publisher, heard, probe):
-    """Wait until a message comes back: then either side has found the other's reader and writer."""
+def wait_for_echo(local_node, publisher, received, probe):
+    """Wait until a message is echoed, when both sides have discovered each other."""
 
     def connected():
-        return publisher.get_subscription_count() and heard.subscription.get_publisher_count()
+        return publisher.get_subscription_count() and received.subscription.get_publisher_count()
 
-    assert here.spin_until(connected, PATIENCE)
-    for _ in range(round(PATIENCE / 0.25)):
+    assert local_node.spin_until(connected, TIMEOUT)
+    for _ in range(round(TIMEOUT / 0.25)):
         publisher.publish(probe)
-        if here.spin_until(lambda: len(heard) > 0, 0.25):
+        if local_node.spin_until(lambda: len(received) > 0, 0.25):
             break
-    assert len(heard) > 0
+    assert len(received) > 0
 
 
-def test_joint_states_go_there_and_come_back_the_same(peer, here):
-    publisher = here.create_publisher(JointState.type_name, "joint_states")
+def test_joint_states_are_echoed_unchanged(peer, local_node):
+    publisher = local_node.create_publisher(JointState.type_name, "joint_states")
     back = []
     probe = JointState().encode()
 
-    def hear(data, _):
-        if data[: len(probe)] != probe:  # it may come several times, and late
+    def subscribe(data, _):
+        if data[: len(probe)] != probe:  # it may arrive several times, and late
             back.append(data)
 
-    here.create_raw_subscription(JointState.dds_name(), "joint_states_echo", hear)
-    heard = Hearer(here, JointState.type_name, "joint_states_echo", QoSProfile(depth=100))
-    both_ways(here, publisher, heard, JointState())
+    local_node.create_raw_subscription(JointState.dds_name(), "joint_states_echo", subscribe)
+    received = MessageCollector(
+        local_node, JointState.type_name, "joint_states_echo", QoSProfile(depth=100)
+    )
+    wait_for_echo(local_node, publisher, received, JointState())
     rng = np.random.default_rng(0)
     sent = []
     for count in (0, 1, 15, 32):
@@ -112,33 +114,33 @@ def test_joint_states_go_there_and_come_back_the_same(peer, here):
         message.header.stamp.sec, message.header.stamp.nanosec = 1_700_000_000, 999_999_999
         sent.append(message.encode())
         publisher.publish(message)
-    assert here.spin_until(lambda: len(back) == len(sent), PATIENCE)
+    assert local_node.spin_until(lambda: len(back) == len(sent), TIMEOUT)
     assert back == [data + bytes(-len(data) % 4) for data in sent]
-    assert here.spin_until(lambda: len(heard.last.name) == 32, PATIENCE)
+    assert local_node.spin_until(lambda: len(received.last.name) == 32, TIMEOUT)
 
 
-def test_a_velocity_goes_there_and_comes_back_the_same(peer, here):
-    publisher = here.create_publisher(Twist.type_name, "cmd_vel")
-    heard = Hearer(here, Twist.type_name, "cmd_vel_echo")
-    both_ways(here, publisher, heard, Twist())
+def test_velocity_is_echoed_unchanged(peer, local_node):
+    publisher = local_node.create_publisher(Twist.type_name, "cmd_vel")
+    received = MessageCollector(local_node, Twist.type_name, "cmd_vel_echo")
+    wait_for_echo(local_node, publisher, received, Twist())
     command = Twist()
     command.linear.x, command.linear.y, command.angular.z = 0.3, -0.1, 0.2
     publisher.publish(command)
-    assert heard.wait(lambda message: message != Twist()) == command
+    assert received.wait(lambda message: message != Twist()) == command
 
 
-def test_a_latched_description_reaches_who_comes_late_both_ways(peer, here, description):
-    """The peer came after it was published, and we listen after the peer has published it."""
-    here.spin(timeout_sec=1.0)
-    heard = Hearer(here, Text.type_name, "robot_description_echo", LATCHED)
-    assert heard.wait().data == description
+def test_latched_description_reaches_late_subscribers_on_both_sides(peer, local_node, description):
+    """Each side subscribes after the other one has published."""
+    local_node.spin(timeout_sec=1.0)
+    received = MessageCollector(local_node, Text.type_name, "robot_description_echo", LATCHED)
+    assert received.wait().data == description
 
 
-def test_a_megabyte_goes_there_and_comes_back(peer, here):
-    publisher = here.create_publisher(JointState.type_name, "joint_states")
-    heard = Hearer(here, JointState.type_name, "joint_states_echo")
-    both_ways(here, publisher, heard, JointState())
+def test_message_of_a_megabyte_is_echoed_unchanged(peer, local_node):
+    publisher = local_node.create_publisher(JointState.type_name, "joint_states")
+    received = MessageCollector(local_node, JointState.type_name, "joint_states_echo")
+    wait_for_echo(local_node, publisher, received, JointState())
     numbers = np.arange(100_000.0)
     publisher.publish(JointState(position=numbers))
-    message = heard.wait(lambda m: m.position.size == numbers.size)
+    message = received.wait(lambda m: m.position.size == numbers.size)
     assert np.array_equal(message.position, numbers)

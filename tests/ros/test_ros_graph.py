@@ -1,4 +1,4 @@
-"""A node is one as ROS 2 would have it: its name, types and quality of service are discovered."""
+"""Name, types, endpoints and quality of service of a node are discovered as in ROS 2."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import time
 
 import numpy as np
 import pytest
-from rostools import PATIENCE, Hearer, Peer, environment, new_domain, node
+from rostools import TIMEOUT, MessageCollector, PeerProcess, environment, node, unused_domain
 
 import wbc
 from wbc.cli import main
@@ -22,95 +22,95 @@ from wbc.ros.qos import LATCHED
 
 pytest.importorskip("cyclonedds")
 
-#: As `ros2 topic info --verbose` tells it of the joint_state_broadcaster of Jazzy.
+#: Printed by `ros2 topic info --verbose` in Jazzy for the topic of joint_state_broadcaster.
 JOINT_STATE_HASH = "RIHS01_a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"
 
 
 @pytest.fixture(scope="module")
 def publisher(domain):
-    with Peer.wbc(domain, "ros2", "joint-publisher", "--rate", "100") as peer:
-        assert "started at 100.0 Hz" in peer.first
+    with PeerProcess.start_wbc(domain, "ros2", "joint-publisher", "--rate", "100") as peer:
+        assert "started at 100.0 Hz" in peer.first_line
         yield peer
 
 
 @pytest.fixture(scope="module")
-def looker(domain):
-    with node("looker", domain) as made:
+def observer(domain):
+    with node("observer", domain) as made:
         yield made
 
 
 @pytest.fixture(scope="module")
-def graph(publisher, looker):
-    return looker.graph
+def graph(publisher, observer):
+    return observer.graph
 
 
 @pytest.fixture(scope="module")
-def seen(graph):
+def snapshot(graph):
     def complete(state):
         named = all(e.node for e in state.endpoints)
         return len(state.services()) >= 6 and len(state.topics()) >= 4 and named
 
-    state = graph.wait_for(complete, PATIENCE)
+    state = graph.wait_for(complete, TIMEOUT)
     assert state is not None, graph.snapshot()
     return state
 
 
-def raw_endpoints(looker):
-    """Publications as Cyclone discovers them, by their DDS names, and all participants."""
+def raw_endpoints(observer):
+    """Return all participants, and the publications that Cyclone DDS discovers by DDS name."""
     from cyclonedds.builtin import (
         BuiltinDataReader,
         BuiltinTopicDcpsParticipant,
         BuiltinTopicDcpsPublication,
     )
 
-    dds = looker.participant.dds
+    dds = observer.participant.dds
     participants = BuiltinDataReader(dds, BuiltinTopicDcpsParticipant).read(100)
     publications = BuiltinDataReader(dds, BuiltinTopicDcpsPublication).read(1000)
     return participants, {p.topic_name: p for p in publications}
 
 
-def test_a_node_has_its_name_in_the_graph(seen):
-    assert seen.nodes == ("/joint_publisher",)
+def test_node_name_is_in_the_graph(snapshot):
+    assert snapshot.nodes == ("/joint_publisher",)
 
 
-def test_topics_have_their_types(seen):
-    types = {name: topic.types for name, topic in seen.topics().items()}
+def test_topics_have_their_types(snapshot):
+    types = {name: topic.types for name, topic in snapshot.topics().items()}
     assert types["/joint_states"] == ["sensor_msgs/msg/JointState"]
     assert types["/robot_description"] == ["std_msgs/msg/String"]
     assert types["/parameter_events"] == ["rcl_interfaces/msg/ParameterEvent"]
 
 
-def test_every_endpoint_belongs_to_the_node(seen):
-    assert {e.node for e in seen.endpoints} == {"/joint_publisher"}
+def test_every_endpoint_belongs_to_the_node(snapshot):
+    assert {e.node for e in snapshot.endpoints} == {"/joint_publisher"}
 
 
-def test_services_have_their_types(seen):
-    services = seen.services()
+def test_services_have_their_types(snapshot):
+    services = snapshot.services()
     name = "/joint_publisher/set_parameters_atomically"
     assert services[name] == "rcl_interfaces/srv/SetParametersAtomically"
 
 
-def test_a_participant_tells_its_enclave(seen, looker):
+def test_participant_announces_its_enclave(snapshot, observer):
     from cyclonedds.core import Policy
 
-    participants, _ = raw_endpoints(looker)
+    participants, _ = raw_endpoints(observer)
     assert participants
     assert {p.qos[Policy.Userdata].data for p in participants} == {b"enclave=/;"}
 
 
-def test_a_writer_tells_the_hash_that_ros_gives_its_type(seen, looker):
+def test_writer_announces_the_type_hash_of_ros(snapshot, observer):
     from cyclonedds.core import Policy
 
-    _, publications = raw_endpoints(looker)
+    _, publications = raw_endpoints(observer)
     joint_states = publications["rt/joint_states"]
     assert joint_states.type_name == "sensor_msgs::msg::dds_::JointState_"
     assert joint_states.qos[Policy.Userdata].data.decode() == f"typehash={JOINT_STATE_HASH};"
 
 
-def test_the_quality_of_service_is_that_of_rmw_cyclonedds(seen, looker):
+def test_quality_of_service_equals_that_of_rmw_cyclonedds(snapshot, observer):
     from cyclonedds.core import Policy
 
-    _, publications = raw_endpoints(looker)
+    _, publications = raw_endpoints(observer)
     qos = publications["rt/joint_states"].qos
     assert qos[Policy.Reliability] == Policy.Reliability.Reliable((1 << 63) - 1)
     assert qos[Policy.Durability] == Policy.Durability.Volatile
@@ -130,29 +130,31 @@ def test_the_quality_of_service_is_that_of_rmw_cyclonedds(seen, looker):
     assert service[Policy.History] == Policy.History.KeepLast(1000)
 
 
-def test_a_service_marks_its_two_ends_as_one(seen):
-    ends = [e for e in seen.endpoints if e.topic == "/joint_publisher/get_parameters"]
+def test_reader_and_writer_of_a_service_carry_the_same_id(snapshot):
+    ends = [e for e in snapshot.endpoints if e.topic == "/joint_publisher/get_parameters"]
     assert len(ends) == 2
     (identity,) = {e.user_data["serviceid"] for e in ends}
     assert re.fullmatch(r"[0-9a-f]{1,2}(\.[0-9a-f]{1,2}){15}", identity)
     assert all(re.fullmatch(r"RIHS01_[0-9a-f]{64}", e.type_hash) for e in ends)
 
 
-def test_the_joints_are_those_of_the_chapter_and_swing_as_there(publisher, looker):
-    heard = Hearer(looker, "sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000))
-    heard.wait(lambda _: len(heard) >= 20)
-    assert tuple(heard.last.name) == JOINT_NAMES
+def test_joint_publisher_has_the_joints_and_the_pattern_of_the_source_chapter(publisher, observer):
+    received = MessageCollector(
+        observer, "sensor_msgs/msg/JointState", "joint_states", QoSProfile(depth=1000)
+    )
+    received.wait(lambda _: len(received) >= 20)
+    assert tuple(received.last.name) == JOINT_NAMES
     assert len(JOINT_NAMES) == 15
-    assert heard.last.header.frame_id == "base_link"
-    assert heard.last.velocity.size == heard.last.effort.size == 0
-    # The time goes on by the timer's period, which the chapter's program forgets.
-    hips = [m.position[JOINT_NAMES.index("right_hip_pitch")] for m in heard.messages]
+    assert received.last.header.frame_id == "base_link"
+    assert received.last.velocity.size == received.last.effort.size == 0
+    # The phase advances by the timer's period, which the program of the chapter omits.
+    hips = [m.position[JOINT_NAMES.index("right_hip_pitch")] for m in received.messages]
     steps = np.diff(np.unwrap(np.arcsin(np.clip(np.array(hips) / 0.3, -1.0, 1.0))))
     rising = steps[np.abs(np.abs(steps) - 0.01) < 1e-6]
     assert rising.size > 0.7 * steps.size
 
 
-def test_the_pattern_is_that_of_the_chapter():
+def test_walking_pattern_equals_that_of_the_source_chapter():
     at = dict(zip(JOINT_NAMES, walking_pattern(math.pi / 2), strict=True))
     assert at["right_hip_pitch"] == pytest.approx(0.3)
     assert at["right_knee"] == pytest.approx(0.5)
@@ -164,23 +166,23 @@ def test_the_pattern_is_that_of_the_chapter():
     assert at["torso_yaw"] == pytest.approx(0.0, abs=1e-12)
 
 
-def test_its_description_comes_late_and_has_its_joints(publisher, looker):
-    heard = Hearer(looker, "std_msgs/msg/String", "robot_description", LATCHED)
-    text = heard.wait().data
+def test_late_subscriber_gets_a_description_that_has_the_published_joints(publisher, observer):
+    received = MessageCollector(observer, "std_msgs/msg/String", "robot_description", LATCHED)
+    text = received.wait().data
     robot = wbc.load("simple_humanoid")
     assert text == robot.urdf_path.read_text("utf-8")
     assert set(JOINT_NAMES) <= set(robot.joint_names)
 
 
 @pytest.fixture
-def here(domain, monkeypatch):
+def environment_of_domain(domain, monkeypatch):
     for key in ("CYCLONEDDS_URI", "ROS_LOCALHOST_ONLY", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
         monkeypatch.delenv(key, raising=False)
     monkeypatch.setenv("ROS_DOMAIN_ID", environment(domain)["ROS_DOMAIN_ID"])
 
 
 @pytest.fixture
-def command(publisher, here, capsys):
+def command(publisher, environment_of_domain, capsys):
     def run(*arguments):
         code = main(["ros2", *arguments])
         taken = capsys.readouterr()
@@ -216,7 +218,7 @@ def test_hz_measures_the_rate(command):
     assert re.match(r"average rate: \d+\.\d+ Hz +min: ", text)
 
 
-def test_info_tells_who_and_how(command):
+def test_info_prints_node_type_hash_and_quality_of_service(command):
     code, text, _ = command("info", "/joint_states")
     assert code == 0
     assert "publishers: 1\n  /joint_publisher\n" in text
@@ -224,83 +226,84 @@ def test_info_tells_who_and_how(command):
     assert "reliable, volatile, keep last 10" in text
 
 
-def test_a_topic_that_nobody_has_is_told_with_a_near_one(command):
+def test_error_for_an_unknown_topic_suggests_a_similar_one(command):
     code, _, error = command("echo", "/joint_state", "--wait", "0.3")
     assert code == 2
     assert "did you mean '/joint_states'?" in error
 
 
-def test_a_field_that_is_not_there_is_told(command):
+def test_error_for_an_unknown_field_names_it(command):
     code, _, error = command("echo", "/joint_states", "-n", "1", "--field", "positions[2]")
     assert code == 2
     assert "positions" in error
 
 
-def test_an_odd_rate_is_refused(here, capsys):
+def test_rate_out_of_range_is_refused(environment_of_domain, capsys):
     assert main(["ros2", "joint-publisher", "--rate", "900"]) == 2
     assert "1 to 500" in capsys.readouterr().err
 
 
-def test_a_node_that_leaves_is_gone_at_once(looker, graph, domain):
-    with node("guest", domain + 0):
-        assert graph.wait_for(lambda seen: "/guest" in seen.nodes, PATIENCE)
-    # Well before the 5 s after which a silent one is taken for dead.
+def test_node_that_leaves_disappears_from_the_graph_at_once(observer, graph, domain):
+    with node("guest", domain):
+        assert graph.wait_for(lambda snapshot: "/guest" in snapshot.nodes, TIMEOUT)
+    # This is well before the 5 s after which a silent participant counts as dead.
     start = time.monotonic()
-    assert graph.wait_for(lambda seen: "/guest" not in seen.nodes, 4.0), time.monotonic() - start
+    assert graph.wait_for(lambda snapshot: "/guest" not in snapshot.nodes, 4.0), (
+        time.monotonic() - start
+    )
 
 
-def test_all_nodes_that_were_there_before_are_known_to_one_who_looks_late():
-    domain = new_domain()
+def test_late_observer_discovers_all_nodes():
+    domain = unused_domain()
     with contextlib.ExitStack() as stack:
-        looker = stack.enter_context(node("looker", domain))
+        observer = stack.enter_context(node("observer", domain))
         others = [stack.enter_context(node(f"other_{i}", domain)) for i in range(4)]
         for other in others:
             other.create_publisher("std_msgs/msg/String", "chatter")
-        graph = looker.graph
-        time.sleep(0.5)  # all of them have told about themselves by then, and nobody has read it
+        graph = observer.graph
+        time.sleep(0.5)  # all have announced themselves, and nobody has read it
         names = [other.fully_qualified_name for other in others]
 
-        def all_known(seen):
-            chatter = seen.topics().get("/chatter")
+        def all_known(snapshot):
+            chatter = snapshot.topics().get("/chatter")
             owners = sorted(e.node for e in chatter.publishers) if chatter else []
-            return list(seen.nodes) == owners == names
+            return list(snapshot.nodes) == owners == names
 
-        assert graph.wait_for(all_known, PATIENCE), graph.snapshot()
+        assert graph.wait_for(all_known, TIMEOUT), graph.snapshot()
 
 
-def test_the_graph_settles_when_even_the_slowest_has_told_its_nodes(publisher, seen, domain):
-    """A process that is here, and does not get to say more for longer than news may take."""
+def test_settle_waits_for_a_process_that_has_not_announced_its_nodes(publisher, snapshot, domain):
+    """A stopped process is discovered, but announces its nodes only after it continues."""
     process = publisher.process
-    with node("patient", domain) as patient:
+    with node("late", domain) as late:
         process.send_signal(signal.SIGSTOP)
         threading.Timer(0.8, process.send_signal, (signal.SIGCONT,)).start()
-        state = patient.graph.settle(max_sec=PATIENCE)
+        state = late.graph.settle(max_sec=TIMEOUT)
     assert "/joint_publisher" in state.nodes
     assert all(e.node for e in state.endpoints)
 
 
-def test_what_was_true_once_ends_the_waiting():
-    answers = iter([False, True, False, False])
-    with node("waiting", new_domain()) as waiting:
-        assert waiting.spin_until(lambda: next(answers), PATIENCE)
-        assert list(answers) == [False, False]
+def test_spin_until_returns_when_the_condition_was_true_once():
+    results = iter([False, True, False, False])
+    with node("waiting", unused_domain()) as waiting:
+        assert waiting.spin_until(lambda: next(results), TIMEOUT)
+        assert list(results) == [False, False]
 
 
-def test_the_graph_waits_for_one_state_in_which_all_is_true(looker, graph):
-    """Not for one half of it now and the other in the next look."""
-    met = []
+def test_wait_for_returns_the_snapshot_that_fulfils_the_condition(observer, graph):
+    snapshots = []
 
     def third(state):
-        met.append(state)
-        return len(met) == 3
+        snapshots.append(state)
+        return len(snapshots) == 3
 
-    assert graph.wait_for(third, PATIENCE) is met[2]
-    assert len(met) == 3
+    assert graph.wait_for(third, TIMEOUT) is snapshots[2]
+    assert len(snapshots) == 3
     assert graph.wait_for(lambda _: False, 0.1) is None
 
 
 @pytest.mark.parametrize(("distribution", "size"), [("humble", 24), ("jazzy", 16), ("", 16)])
-def test_nodes_are_told_in_the_form_of_the_distribution(distribution, size):
+def test_discovery_message_has_the_format_of_the_distribution(distribution, size):
     typesys = pytest.importorskip("rosbags.typesys")
     form = DiscoveryFormat.from_environment({"ROS_DISTRO": distribution})
     assert form.gid_size == size

@@ -1,4 +1,4 @@
-"""Messages on the wire, between two processes: every type, and what is no message."""
+"""Messages between two processes: every type, invalid data, lossy networks, dead peers."""
 
 from __future__ import annotations
 
@@ -9,14 +9,13 @@ import sys
 import numpy as np
 import pytest
 from rostools import (
-    PATIENCE,
-    SHORT_LIVED,
-    Hearer,
-    Peer,
+    SHORT_LEASE,
+    TIMEOUT,
+    MessageCollector,
+    PeerProcess,
     configuration,
-    new_domain,
     node,
-    some_message,
+    random_message,
     used_types,
 )
 
@@ -26,7 +25,7 @@ from wbc.ros.qos import LATCHED, ReliabilityPolicy
 
 pytest.importorskip("cyclonedds")
 
-#: As `ros2 topic info --verbose` and `ros2 service type` tell them in Jazzy.
+#: Printed by `ros2 topic info --verbose` in Jazzy.
 KNOWN_HASHES = {
     "action_msgs/msg/GoalStatusArray": (
         "6c1684b00f177d37438febe6e709fc4e2b0d4248dca4854946f9ed8b30cda83e"
@@ -59,7 +58,7 @@ KNOWN_HASHES = {
         "a13ee3a330e346c9d87b5aa18d24e11690752bd33a0350f11c5882bc9179260e"
     ),
 }
-#: Every fifth packet is lost; a participant tells about itself so often that others soon know it.
+#: Every fifth packet is lost; a short discovery interval makes up for lost announcements.
 LOSSY = ",".join(
     (
         configuration("Internal/Test/XmitLossiness", "200"),
@@ -72,60 +71,60 @@ JointState = message_type(KIND)
 
 @pytest.fixture(scope="module")
 def echo():
-    domain = new_domain()
-    with Peer.of(domain, "echo"), node("tester", domain) as made:
+    domain = unused_domain()
+    with PeerProcess.start_peer(domain, "echo"), node("tester", domain) as made:
         yield made
 
 
 @pytest.mark.parametrize("name", KNOWN_HASHES)
-def test_types_have_the_hashes_that_ros_gives_them(name):
+def test_type_hashes_equal_those_of_ros(name):
     assert message_type(name).type_hash() == f"RIHS01_{KNOWN_HASHES[name]}"
 
 
-def test_every_type_comes_back_from_another_process_as_it_was_sent(echo):
-    """Bytes go out, are decoded and encoded there, and come back the same."""
-    expected, heard, writers = {}, {}, []
+def test_every_type_is_echoed_by_another_process_unchanged(echo):
+    """The peer decodes and encodes the messages."""
+    expected, received, writers = {}, {}, []
     for seed, name in enumerate(used_types()):
         topic = name.replace("/", "_").lower()
-        data = some_message(name, seed).encode()
+        data = random_message(name, seed).encode()
         writers.append((echo.create_publisher(name, f"forth/{topic}"), data))
         expected[name] = data
         dds_name = message_type(name).dds_name()
-        hear = lambda d, _, n=name: heard.setdefault(n, d)  # noqa: E731
-        echo.create_raw_subscription(dds_name, f"back/{topic}", hear, LATCHED)
-    assert echo.spin_until(lambda: all(w.get_subscription_count() for w, _ in writers), PATIENCE)
+        subscribe = lambda d, _, n=name: received.setdefault(n, d)  # noqa: E731
+        echo.create_raw_subscription(dds_name, f"back/{topic}", subscribe, LATCHED)
+    assert echo.spin_until(lambda: all(w.get_subscription_count() for w, _ in writers), TIMEOUT)
     for writer, data in writers:
         writer.publish(data)
-    assert echo.spin_until(lambda: len(heard) == len(expected), PATIENCE), set(expected) - set(
-        heard
+    assert echo.spin_until(lambda: len(received) == len(expected), TIMEOUT), set(expected) - set(
+        received
     )
     for name, data in expected.items():
-        # DDS fills messages up to whole words.
-        assert heard[name] == data + bytes(-len(data) % 4), name
+        # DDS pads messages to a multiple of four bytes.
+        assert received[name] == data + bytes(-len(data) % 4), name
 
 
-def test_a_large_message_arrives_whole(echo):
-    heard = Hearer(echo, KIND, "back/sensor_msgs_msg_jointstate", LATCHED)
+def test_large_message_arrives_complete(echo):
+    received = MessageCollector(echo, KIND, "back/sensor_msgs_msg_jointstate", LATCHED)
     publisher = echo.create_publisher(KIND, "forth/sensor_msgs_msg_jointstate")
     assert echo.spin_until(
-        lambda: publisher.get_subscription_count() and heard.subscription.get_publisher_count(),
-        PATIENCE,
+        lambda: publisher.get_subscription_count() and received.subscription.get_publisher_count(),
+        TIMEOUT,
     )
     numbers = np.arange(1_000_000.0)  # 8 MB
     publisher.publish(JointState(position=numbers))
-    message = heard.wait(lambda m: len(m.position) == len(numbers))
+    message = received.wait(lambda m: len(m.position) == len(numbers))
     assert np.array_equal(message.position, numbers)
 
 
 @pytest.fixture
 def pair():
-    """Two nodes that talk through the network although they are in one process."""
-    domain = new_domain()
+    """Two nodes in one process, which communicate through the network."""
+    domain = unused_domain()
     with node("reader", domain) as reader, node("writer", domain) as writer:
         yield reader, writer
 
 
-def spin(nodes, until, timeout=PATIENCE):
+def spin(nodes, until, timeout=TIMEOUT):
     one, *others = nodes
 
     def work():
@@ -149,61 +148,66 @@ BAD = {
 
 
 @pytest.fixture(scope="module")
-def rogue():
-    """A writer of the same topics and type name in another process, and a node that listens."""
-    domain = new_domain()
-    with Peer.of(domain, "rogue", JointState.dds_name()) as peer, node("good", domain) as made:
+def raw_peer():
+    """A peer that publishes arbitrary bytes with a valid type name, and a node."""
+    domain = unused_domain()
+    with (
+        PeerProcess.start_peer(domain, "publish_raw", JointState.dds_name()) as peer,
+        node("good", domain) as made,
+    ):
         yield peer, made
 
 
 @pytest.mark.parametrize("what", BAD)
-def test_what_is_no_message_is_skipped(rogue, what):
-    peer, listener = rogue
+def test_invalid_message_is_skipped(raw_peer, what):
+    peer, listener = raw_peer
     topic = what.replace(" ", "_")
-    heard = Hearer(listener, KIND, topic)
+    received = MessageCollector(listener, KIND, topic)
     for data in (GOOD, BAD[what], GOOD):
-        peer.tell(f"{topic} {data.hex()}")
-    assert listener.spin_until(lambda: len(heard) >= 2, PATIENCE)
+        peer.write_line(f"{topic} {data.hex()}")
+    assert listener.spin_until(lambda: len(received) >= 2, TIMEOUT)
     listener.spin(timeout_sec=0.05)
-    assert [m.position.tolist() for m in heard.messages] == [[0.5], [0.5]]
+    assert [m.position.tolist() for m in received.messages] == [[0.5], [0.5]]
 
 
-def test_a_message_of_another_type_is_not_published(pair):
+def test_message_of_another_type_is_refused(pair):
     publisher = pair[1].create_publisher(KIND, "joint_states")
     with pytest.raises(RosError, match="carries sensor_msgs/msg/JointState"):
         publisher.publish(message_type("std_msgs/msg/String")())
 
 
-def test_a_topic_of_another_type_is_not_heard(pair):
+def test_publisher_of_another_type_is_not_matched(pair):
     reader, writer = pair
-    heard = Hearer(reader, KIND, "joint_states")
+    received = MessageCollector(reader, KIND, "joint_states")
     text = message_type("std_msgs/msg/String")
     writer.create_publisher(text.type_name, "joint_states").publish(text(data="hello"))
     right = writer.create_publisher(KIND, "joint_states")
     assert spin(pair, lambda: right.get_subscription_count())
     right.publish(JointState(name=["knee"], position=[0.5]))
-    assert spin(pair, lambda: len(heard) > 0)
-    assert len(heard) == 1
+    assert spin(pair, lambda: len(received) > 0)
+    assert len(received) == 1
 
 
-def test_what_a_network_loses_is_sent_again():
-    """Every fifth packet of the sender is lost; nothing is missing, nothing comes twice."""
-    domain = new_domain()
-    sender = Peer.of(domain, "count", "400", "100", "1000", configuration=LOSSY)
+def test_lost_packets_are_sent_again():
+    """Every fifth packet of the sender is lost; each message arrives once."""
+    domain = unused_domain()
+    sender = PeerProcess.start_peer(
+        domain, "publish_numbers", "400", "100", "1000", configuration=LOSSY
+    )
     with sender, node("receiver", domain) as receiver:
-        heard = Hearer(receiver, KIND, "joint_states", QoSProfile(depth=1000))
-        assert receiver.spin_until(lambda: len(heard) >= 100, PATIENCE), len(heard)
+        received = MessageCollector(receiver, KIND, "joint_states", QoSProfile(depth=1000))
+        assert receiver.spin_until(lambda: len(received) >= 100, TIMEOUT), len(received)
         receiver.spin(timeout_sec=0.2)
-        assert [m.position[0] for m in heard.messages] == list(range(100))
+        assert [m.position[0] for m in received.messages] == list(range(100))
 
 
 def packets(capture):
-    """Where each captured packet went (address, port), and its bytes: pcap of IPv4 and UDP."""
+    """Iterate over destination (address, port) and payload of the UDP packets of a pcap file."""
     at = 24
     while at + 16 <= len(capture):
         size = int.from_bytes(capture[at + 8 : at + 12], sys.byteorder)
         packet = capture[at + 16 : at + 16 + size]
-        if len(packet) < size:  # a file that is still written ends anywhere
+        if len(packet) < size:  # the file is still being written
             break
         head = 4 * (packet[0] & 15)
         port = int.from_bytes(packet[head + 2 : head + 4], "big")
@@ -211,51 +215,62 @@ def packets(capture):
         at += 16 + size
 
 
-def test_what_a_network_delivers_twice_comes_once(tmp_path):
-    """Every packet that the sender has sent is sent again, some time later."""
-    domain, capture = new_domain(), tmp_path / "sent.pcap"
+def test_duplicate_packets_are_delivered_once(tmp_path):
+    """All packets of the sender are captured and sent once more."""
+    domain, capture = unused_domain(), tmp_path / "sent.pcap"
     kept = configuration("Tracing/PacketCaptureFile", str(capture))
-    sender = Peer.of(domain, "count", "400", "50", "1000", configuration=kept)
+    sender = PeerProcess.start_peer(
+        domain, "publish_numbers", "400", "50", "1000", configuration=kept
+    )
     with sender, node("receiver", domain) as receiver:
-        heard = Hearer(receiver, KIND, "joint_states", QoSProfile(depth=1000))
-        assert receiver.spin_until(lambda: len(heard) >= 50, PATIENCE), len(heard)
+        received = MessageCollector(receiver, KIND, "joint_states", QoSProfile(depth=1000))
+        assert receiver.spin_until(lambda: len(received) >= 50, TIMEOUT), len(received)
         again = list(packets(capture.read_bytes()))
         assert sum(b"joint_31" in data for _, data in again) > 25  # the last ones may be buffered
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as network:
             for where, data in again:
                 network.sendto(data, where)
         receiver.spin(timeout_sec=0.3)
-        assert [m.position[0] for m in heard.messages] == list(range(50))
+        assert [m.position[0] for m in received.messages] == list(range(50))
 
 
-def test_without_reliability_what_is_lost_stays_lost_and_the_rest_comes_in_order():
-    domain = new_domain()
-    sender = Peer.of(domain, "count", "400", "1000000", "1000", configuration=LOSSY)
+def test_best_effort_loses_messages_but_keeps_their_order():
+    domain = unused_domain()
+    sender = PeerProcess.start_peer(
+        domain, "publish_numbers", "400", "1000000", "1000", configuration=LOSSY
+    )
     with sender, node("receiver", domain) as receiver:
-        heard = Hearer(
+        received = MessageCollector(
             receiver, KIND, "joint_states", QoSProfile(1000, ReliabilityPolicy.BEST_EFFORT)
         )
-        assert receiver.spin_until(lambda: len(heard) >= 100, PATIENCE), len(heard)
-        numbers = np.array([m.position[0] for m in heard.messages])
+        assert receiver.spin_until(lambda: len(received) >= 100, TIMEOUT), len(received)
+        numbers = np.array([m.position[0] for m in received.messages])
         assert (np.diff(numbers) > 0).all()
         assert numbers[-1] - numbers[0] > len(numbers) - 1
 
 
-def test_the_latest_of_a_latched_topic_comes_late_and_once():
-    domain = new_domain()
-    with Peer.of(domain, "latch", "old", "new"), node("late", domain) as late:
+def test_late_subscriber_gets_the_latest_latched_message_once():
+    domain = unused_domain()
+    with (
+        PeerProcess.start_peer(domain, "publish_latched", "old", "new"),
+        node("late", domain) as late,
+    ):
         latched = LATCHED
-        heard = Hearer(late, "std_msgs/msg/String", "robot_description", latched)
-        assert heard.wait().data == "new"
+        received = MessageCollector(late, "std_msgs/msg/String", "robot_description", latched)
+        assert received.wait().data == "new"
         late.spin(timeout_sec=0.3)
-        assert len(heard) == 1
+        assert len(received) == 1
 
 
-def test_a_peer_that_dies_is_forgotten():
-    domain = new_domain()
-    mortal = Peer.of(domain, "count", "100", "1000000", configuration=SHORT_LIVED)
-    with mortal, node("here", domain) as here:
-        heard = Hearer(here, KIND, "joint_states")
-        heard.wait()
-        mortal.kill()
-        assert here.spin_until(lambda: heard.subscription.get_publisher_count() == 0, PATIENCE)
+def test_dead_peer_is_removed():
+    domain = unused_domain()
+    sender = PeerProcess.start_peer(
+        domain, "publish_numbers", "100", "1000000", configuration=SHORT_LEASE
+    )
+    with sender, node("local", domain) as local_node:
+        received = MessageCollector(local_node, KIND, "joint_states")
+        received.wait()
+        sender.kill()
+        assert local_node.spin_until(
+            lambda: received.subscription.get_publisher_count() == 0, TIMEOUT
+        )

@@ -1,4 +1,4 @@
-"""Names are those of ROS 2, and what it makes of them in DDS."""
+"""Names of ROS 2, and the DDS names that they map to."""
 
 from __future__ import annotations
 
@@ -17,58 +17,58 @@ from wbc.ros import InvalidName, names
         ("arm/wrench", "/robot/arm/wrench"),
     ],
 )
-def test_names_are_resolved_as_ros_does(name, full):
+def test_names_are_resolved_as_in_ros(name, full):
     assert names.resolve_name(name, "legs", "/robot") == full
 
 
-def test_the_root_namespace_adds_nothing():
+def test_root_namespace_adds_no_prefix():
     assert names.resolve_name("chatter", "talker") == "/chatter"
     assert names.resolve_name("~/x", "talker") == "/talker/x"
 
 
 @pytest.mark.parametrize("bad", ["", "a b", "1st", "a//b", "a/", "ä", "a__b", "a-b", "/x" * 200])
-def test_names_that_ros_refuses_are_refused(bad):
+def test_invalid_names_are_refused(bad):
     with pytest.raises(InvalidName):
         names.resolve_name(bad, "node")
 
 
 @pytest.mark.parametrize("bad", ["", "a b", "1st", "a/b", "ä"])
-def test_names_of_nodes_that_ros_refuses_are_refused(bad):
+def test_invalid_node_names_are_refused(bad):
     with pytest.raises(InvalidName):
         names.validate_node_name(bad)
 
 
-def test_topics_and_services_have_their_names_in_dds():
+def test_dds_names_of_topics_and_services():
     assert names.dds_topic_name(names.TOPIC, "/tf") == "rt/tf"
     assert names.dds_topic_name(names.REQUEST, "/a/set") == "rq/a/setRequest"
     assert names.dds_topic_name(names.REPLY, "/a/set") == "rr/a/setReply"
 
 
 @pytest.mark.parametrize("kind", [names.TOPIC, names.REQUEST, names.REPLY])
-def test_names_in_dds_are_read_back(kind):
+def test_dds_names_are_parsed_back(kind):
     assert names.parse_dds_topic_name(names.dds_topic_name(kind, "/a/b")) == (kind, "/a/b")
 
 
-def test_what_is_none_of_ros_is_told_apart():
+def test_names_and_types_outside_ros_are_recognised():
     assert names.parse_dds_topic_name("ros_discovery_info") is None
     assert names.parse_dds_topic_name("rtfm") is None
     assert names.ros_type_name("My::Type") == "My::Type"
     assert names.ros_type_name("sensor_msgs::msg::dds_::Imu_") == "sensor_msgs/msg/Imu"
 
 
-def test_a_service_is_named_by_either_of_its_messages():
+def test_service_type_follows_from_request_and_response():
     for part in ("Request", "Response"):
         assert names.service_type_name(f"std_srvs/srv/Trigger_{part}") == "std_srvs/srv/Trigger"
 
 
-def test_any_text_becomes_a_part_of_a_name():
+def test_any_text_becomes_a_valid_part_of_a_name():
     for text in ("left_sole", "left sole", "1st", "", "l-foot__x", "Fuß"):
         made = names.to_name_token(text)
         assert names.resolve_name(f"/{made}", "node") == f"/{made}"
     assert names.to_name_token("left_sole") == "left_sole"
 
 
-def test_hidden_names_have_a_part_that_starts_with_an_underscore():
+def test_name_with_a_part_that_begins_with_an_underscore_is_hidden():
     assert names.is_hidden("/walk/_action/status")
     assert names.is_hidden("/_tool")
-    assert not names.is_hidden("/walk_to")
+    assert not names.is_hidden("/navigate")

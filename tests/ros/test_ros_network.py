@@ -1,4 +1,4 @@
-"""Where a node looks for others: on the loopback interface, unless it is told otherwise."""
+"""DDS domain and network interface: the loopback interface unless configured otherwise."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def interface(network: Network) -> dict[str, str]:
     return {} if found is None else dict(found.attrib)
 
 
-def test_without_a_word_it_keeps_to_the_loopback_interface():
+def test_default_is_the_loopback_interface():
     network = Network.from_environment(environment={})
     assert network.domain_id == 0
     assert interface(network) == {"address": "127.0.0.1"}
@@ -39,19 +39,19 @@ def test_without_a_word_it_keeps_to_the_loopback_interface():
     assert peers(network) == ["127.0.0.1"]
 
 
-def test_the_domain_is_that_of_the_option_or_of_the_variable():
+def test_domain_id_is_the_argument_or_the_variable():
     assert Network.from_environment(environment={"ROS_DOMAIN_ID": "42"}).domain_id == 42
     assert Network.from_environment(7, environment={"ROS_DOMAIN_ID": "42"}).domain_id == 7
 
 
 @pytest.mark.parametrize("bad", ["-1", "233", "x", "1.5"])
-def test_a_domain_that_cannot_be_is_refused(bad):
+def test_invalid_domain_id_is_refused(bad):
     with pytest.raises(RosError, match=r"0 to 232"):
         Network.from_environment(environment={"ROS_DOMAIN_ID": bad})
 
 
 @pytest.mark.parametrize(
-    ("variables", "reach"),
+    ("variables", "discovery_range"),
     [
         ({"ROS_LOCALHOST_ONLY": "1"}, DiscoveryRange.LOCALHOST),
         ({"ROS_LOCALHOST_ONLY": "0"}, DiscoveryRange.SUBNET),
@@ -63,16 +63,16 @@ def test_a_domain_that_cannot_be_is_refused(bad):
         ({"ROS_STATIC_PEERS": "192.0.2.7"}, DiscoveryRange.LOCALHOST),
     ],
 )
-def test_the_variables_of_ros_say_how_far(variables, reach):
-    assert Network.from_environment(environment=variables).discovery_range is reach
+def test_variables_of_ros_select_the_discovery_range(variables, discovery_range):
+    assert Network.from_environment(environment=variables).discovery_range is discovery_range
 
 
-def test_a_range_that_ros_does_not_know_is_refused():
+def test_unknown_discovery_range_is_refused():
     with pytest.raises(RosError, match="SYSTEM_DEFAULT"):
         Network.from_environment(environment={"ROS_AUTOMATIC_DISCOVERY_RANGE": "EVERYWHERE"})
 
 
-def test_the_localhost_of_ros_is_configured_as_rmw_cyclonedds_does_it():
+def test_localhost_is_configured_as_in_rmw_cyclonedds():
     network = Network.from_environment(environment={"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"})
     assert interface(network) == {}
     assert text(network, "General/AllowMulticast") == "false"
@@ -81,12 +81,12 @@ def test_the_localhost_of_ros_is_configured_as_rmw_cyclonedds_does_it():
     assert peers(network) == ["127.0.0.1"]
 
 
-def test_static_peers_are_looked_at_besides():
+def test_static_peers_are_added():
     network = Network.from_environment(environment={"ROS_STATIC_PEERS": "192.0.2.7;192.0.2.8"})
     assert peers(network) == ["127.0.0.1", "192.0.2.7", "192.0.2.8"]
 
 
-def test_an_interface_goes_before_every_variable():
+def test_interface_argument_overrides_the_variables():
     network = Network.from_environment(interface="eth7", environment={"ROS_LOCALHOST_ONLY": "1"})
     assert interface(network) == {"name": "eth7"}
     assert text(network, "General/AllowMulticast") is None
@@ -99,7 +99,7 @@ def test_an_interface_goes_before_every_variable():
     )
 
 
-def test_nobody_is_looked_for_when_discovery_is_off():
+def test_discovery_off_has_no_peers():
     network = Network.from_environment(
         environment={"ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF", "ROS_STATIC_PEERS": "192.0.2.7"}
     )
@@ -107,28 +107,28 @@ def test_nobody_is_looked_for_when_discovery_is_off():
     assert text(network, "Discovery/Tag")
 
 
-def test_cyclones_own_variable_has_the_last_word():
+def test_cyclonedds_uri_overrides_all_other_settings():
     own = "<CycloneDDS><Domain><Discovery><Tag>x</Tag></Discovery></Domain></CycloneDDS>"
     assert Network.from_environment(environment={"CYCLONEDDS_URI": own}).xml() == own
     both = {"CYCLONEDDS_URI": own, "ROS_LOCALHOST_ONLY": "1"}
     assert Network.from_environment(environment=both).xml().endswith(f",{own}")
 
 
-def test_an_interface_that_is_not_there_is_told():
+def test_missing_interface_is_reported():
     with pytest.raises(RosError, match="cannot be joined"):
         Network(102, DiscoveryRange.SUBNET, "no_such_interface").join()
 
 
-def test_a_process_joins_a_domain_in_one_way_only():
+def test_domain_cannot_be_joined_with_two_configurations():
     Network(101).join()
     with pytest.raises(RosError, match="another configuration"):
         Network(101, DiscoveryRange.LOCALHOST).join()
 
 
-def test_without_cyclonedds_the_extra_is_named(monkeypatch):
+def test_error_without_cyclonedds_names_the_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "cyclonedds", None)
     with pytest.raises(MissingExtra, match=r"pip install 'wbc\[ros2\]'"):
-        Node("lonely")
+        Node("node")
 
 
 def test_wbc_ros_loads_no_middleware_before_it_is_needed():

@@ -1,4 +1,4 @@
-"""Services and parameters, between two processes."""
+"""Services and parameters between two processes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from rostools import PATIENCE, Hearer, Peer, node
+from rostools import TIMEOUT, MessageCollector, PeerProcess, node
 
 from wbc.messages import message_type
 from wbc.ros import QoSProfile, ResponseTimeout, RosError
@@ -21,63 +21,68 @@ Value = message_type("rcl_interfaces/msg/ParameterValue")
 
 
 @pytest.fixture(scope="module")
-def here(domain):
-    with Peer.of(domain, "serve"), node("here", domain) as made:
+def local_node(domain):
+    with PeerProcess.start_peer(domain, "serve"), node("local", domain) as made:
         yield made
 
 
 @pytest.fixture(scope="module")
-def call(here):
+def call(local_node):
     clients = {}
 
-    def ask(kind, **fields):
+    def call_service(kind, **fields):
         name = "".join("_" + c.lower() if c.isupper() else c for c in kind)[1:]
         if kind not in clients:
-            clients[kind] = here.create_client(f"rcl_interfaces/srv/{kind}", f"/peer_serve/{name}")
-        return clients[kind].call(clients[kind].request_type(**fields), PATIENCE)
+            clients[kind] = local_node.create_client(
+                f"rcl_interfaces/srv/{kind}", f"/peer_serve/{name}"
+            )
+        return clients[kind].call(clients[kind].request_type(**fields), TIMEOUT)
 
-    return ask
+    return call_service
 
 
 def value_of(call, name):
     return call("GetParameters", names=[name]).values[0]
 
 
-def test_a_request_is_answered(here):
-    client = here.create_client(SET_BOOL, "switch")
-    first = client.call(client.request_type(data=True), PATIENCE)
-    second = client.call(client.request_type(data=False), PATIENCE)
+def test_request_gets_a_response(local_node):
+    client = local_node.create_client(SET_BOOL, "switch")
+    first = client.call(client.request_type(data=True), TIMEOUT)
+    second = client.call(client.request_type(data=False), TIMEOUT)
     assert (first.success, second.success) == (True, False)
     assert int(second.message.split()[1]) == int(first.message.split()[1]) + 1
 
 
-def test_each_client_gets_its_own_answers(here, domain):
+def test_each_client_gets_its_own_responses(local_node, domain):
     with node("other", domain) as other:
-        one, two = here.create_client(SET_BOOL, "switch"), other.create_client(SET_BOOL, "switch")
-        assert one.wait_for_service(PATIENCE)
-        assert two.wait_for_service(PATIENCE)
-        answers = {"one": [], "two": []}  # futures
-        for _ in range(4):  # a service keeps ten requests
-            answers["one"].append(one.call_async(one.request_type(data=True)))
-            answers["two"].append(two.call_async(two.request_type(data=False)))
+        one, two = (
+            local_node.create_client(SET_BOOL, "switch"),
+            other.create_client(SET_BOOL, "switch"),
+        )
+        assert one.wait_for_service(TIMEOUT)
+        assert two.wait_for_service(TIMEOUT)
+        futures = {"one": [], "two": []}
+        for _ in range(4):  # a service queues ten requests
+            futures["one"].append(one.call_async(one.request_type(data=True)))
+            futures["two"].append(two.call_async(two.request_type(data=False)))
 
         def complete():
             other.spin_once(0.0)
-            return all(future.done() for a in answers.values() for future in a)
+            return all(future.done() for pending in futures.values() for future in pending)
 
-        assert here.spin_until(complete, PATIENCE)
-        assert all(future.result().success for future in answers["one"])
-        assert not any(future.result().success for future in answers["two"])
+        assert local_node.spin_until(complete, TIMEOUT)
+        assert all(future.result().success for future in futures["one"])
+        assert not any(future.result().success for future in futures["two"])
 
 
-def test_requests_and_replies_carry_the_header_of_rmw_cyclonedds(here):
-    """After the CDR header: uint64 handle of the client's writer, int64 number, the request."""
+def test_requests_and_replies_carry_the_header_of_rmw_cyclonedds(local_node):
+    """The header follows the CDR header: uint64 handle of the client's writer, int64 number."""
     raw = []
-    client = here.create_client(SET_BOOL, "switch")
-    assert client.wait_for_service(PATIENCE)
+    client = local_node.create_client(SET_BOOL, "switch")
+    assert client.wait_for_service(TIMEOUT)
     write = client.writer.write
     client.writer.write = lambda data: (raw.append(bytes(data)), write(data))
-    client.call(client.request_type(data=True), PATIENCE)
+    client.call(client.request_type(data=True), TIMEOUT)
     (data,) = raw
     assert data[:4] == b"\x00\x01\x00\x00"
     assert int.from_bytes(data[4:12], "little") == client.writer.handle
@@ -85,32 +90,32 @@ def test_requests_and_replies_carry_the_header_of_rmw_cyclonedds(here):
     assert data[20:] == b"\x01"
 
 
-def test_nobody_answers_where_nobody_serves(here):
-    client = here.create_client(SET_BOOL, "no_such_service")
+def test_missing_server_raises_a_timeout(local_node):
+    client = local_node.create_client(SET_BOOL, "no_such_service")
     with pytest.raises(ResponseTimeout, match="no server for /no_such_service"):
         client.call(client.request_type(), 0.2)
 
 
-def test_a_request_of_another_service_is_refused(here):
-    client = here.create_client(SET_BOOL, "switch")
+def test_request_of_another_service_is_refused(local_node):
+    client = local_node.create_client(SET_BOOL, "switch")
     with pytest.raises(RosError, match="takes std_srvs/srv/SetBool_Request"):
         client.call_async(message_type("std_srvs/srv/Trigger_Request")())
 
 
-def test_bad_requests_are_skipped_and_good_ones_answered(here):
+def test_invalid_requests_are_skipped_and_valid_ones_get_a_response(local_node):
     from wbc.ros.dds_endpoints import DdsWriter, EndpointConfig
     from wbc.ros.dds_types import raw_dds_type
     from wbc.ros.qos import DEFAULT
 
     name = f"{message_type(SET_BOOL + '_Request').dds_name()}"
-    rogue = DdsWriter(
-        here.participant.dds, EndpointConfig("rq/switchRequest", raw_dds_type(name), DEFAULT)
+    writer = DdsWriter(
+        local_node.participant.dds, EndpointConfig("rq/switchRequest", raw_dds_type(name), DEFAULT)
     )
-    assert here.spin_until(lambda: rogue.matched, PATIENCE)
+    assert local_node.spin_until(lambda: writer.matched, TIMEOUT)
     for data in (b"\x00\x01\x00\x00" + bytes(8), b"\x00\x01\x00\x00" + b"\xff" * 64):
-        rogue.write(data)
-    client = here.create_client(SET_BOOL, "switch")
-    assert client.call(client.request_type(data=True), PATIENCE).success
+        writer.write(data)
+    client = local_node.create_client(SET_BOOL, "switch")
+    assert client.call(client.request_type(data=True), TIMEOUT).success
 
 
 def test_parameters_are_listed_by_prefix_and_depth(call):
@@ -123,7 +128,7 @@ def test_parameters_are_listed_by_prefix_and_depth(call):
 
 
 def test_parameters_have_their_types_and_values(call):
-    names = ["rate", "count", "on", "name", "gait.impulse", "nothing"]
+    names = ["rate", "count", "on", "name", "gait.impulse", "undeclared"]
     kinds = [
         ParameterType.PARAMETER_DOUBLE,
         ParameterType.PARAMETER_INTEGER,
@@ -133,18 +138,18 @@ def test_parameters_have_their_types_and_values(call):
         ParameterType.PARAMETER_NOT_SET,
     ]
     assert list(call("GetParameterTypes", names=names).types) == kinds
-    rate, count, on, name, impulse, nothing = call("GetParameters", names=names).values
+    rate, count, on, name, impulse, undeclared = call("GetParameters", names=names).values
     assert rate.double_value == 50.0
     assert count.integer_value == 3
     assert on.bool_value is True
-    assert name.string_value == "me"
+    assert name.string_value == "text"
     assert np.array_equal(impulse.double_array_value, [0.0, 1.0, 2.0])
-    assert nothing.type == ParameterType.PARAMETER_NOT_SET
+    assert undeclared.type == ParameterType.PARAMETER_NOT_SET
 
 
 def test_parameters_are_described(call):
-    rate, count, built, nothing = call(
-        "DescribeParameters", names=["rate", "count", "built", "nothing"]
+    rate, count, built, undeclared = call(
+        "DescribeParameters", names=["rate", "count", "built", "undeclared"]
     ).descriptors
     assert (rate.name, rate.type, rate.description) == (
         "rate",
@@ -157,16 +162,16 @@ def test_parameters_are_described(call):
     assert (whole.from_value, whole.to_value) == (0, 10)
     assert built.read_only
     assert not rate.read_only
-    assert nothing.type == ParameterType.PARAMETER_NOT_SET
+    assert undeclared.type == ParameterType.PARAMETER_NOT_SET
 
 
-def test_a_parameter_is_set_and_told(here, call):
-    events = Hearer(
-        here, "rcl_interfaces/msg/ParameterEvent", "/parameter_events", QoSProfile(depth=1000)
+def test_parameter_is_set_and_the_event_is_published(local_node, call):
+    events = MessageCollector(
+        local_node, "rcl_interfaces/msg/ParameterEvent", "/parameter_events", QoSProfile(depth=1000)
     )
-    # It answers a new client when it knows it, and so all that was here before, the hearer too.
-    client = here.create_client(SET_BOOL, "switch")
-    client.call(client.request_type(), PATIENCE)
+    # A response shows that the peer has discovered this node with all its subscriptions.
+    client = local_node.create_client(SET_BOOL, "switch")
+    client.call(client.request_type(), TIMEOUT)
     new = Parameter(
         name="rate", value=Value(type=ParameterType.PARAMETER_DOUBLE, double_value=100.0)
     )
@@ -212,7 +217,11 @@ def test_a_parameter_is_set_and_told(here, call):
             {"type": ParameterType.PARAMETER_STRING, "string_value": "never"},
             "is read-only",
         ),
-        ("nothing", {"type": ParameterType.PARAMETER_BOOL}, "there is no parameter 'nothing'"),
+        (
+            "undeclared",
+            {"type": ParameterType.PARAMETER_BOOL},
+            "there is no parameter 'undeclared'",
+        ),
         (
             "gait.impulse",
             {"type": ParameterType.PARAMETER_DOUBLE_ARRAY, "double_array_value": [0.0, 0.0, 11.0]},
@@ -226,7 +235,7 @@ def test_a_parameter_is_set_and_told(here, call):
         ("rate", {"type": 77}, "unknown (77)"),
     ],
 )
-def test_a_value_that_cannot_be_is_refused_with_the_reason(call, name, value, reason):
+def test_invalid_value_is_refused_with_the_reason(call, name, value, reason):
     before = value_of(call, name)
     new = Parameter(name=name, value=Value(**value))
     (result,) = call("SetParameters", parameters=[new]).results
@@ -235,7 +244,7 @@ def test_a_value_that_cannot_be_is_refused_with_the_reason(call, name, value, re
     assert value_of(call, name) == before
 
 
-def test_an_integer_will_do_for_a_number(call):
+def test_integer_is_accepted_for_a_double(call):
     new = Parameter(
         name="rate", value=Value(type=ParameterType.PARAMETER_INTEGER, integer_value=200)
     )
@@ -243,7 +252,7 @@ def test_an_integer_will_do_for_a_number(call):
     assert value_of(call, "rate").double_value == 200.0
 
 
-def test_atomically_means_all_or_nothing(call):
+def test_setting_atomically_sets_all_parameters_or_none(call):
     good = Parameter(
         name="count", value=Value(type=ParameterType.PARAMETER_INTEGER, integer_value=9)
     )
@@ -258,7 +267,7 @@ def test_atomically_means_all_or_nothing(call):
     assert value_of(call, "count").integer_value == 9
 
 
-def test_a_parameter_is_declared_once_and_within_its_range(domain):
+def test_parameter_is_declared_once_and_within_its_range(domain):
     with node("own", domain) as own:
         own.declare_parameter("x", 1.0, bounds=(0.0, 2.0))
         with pytest.raises(RosError, match="already declared"):
@@ -269,18 +278,18 @@ def test_a_parameter_is_declared_once_and_within_its_range(domain):
             own.declare_parameter("z", object())
 
 
-def test_a_service_waits_for_a_client_that_does_not_listen_yet(here, domain):
-    """Reply and discovery race: a client that asks in its first moment gets its answer."""
+def test_service_waits_for_a_client_whose_reader_is_not_matched_yet(local_node, domain):
+    """A client that calls before discovery is complete gets its response."""
     for _ in range(5):
-        with node("hasty", domain) as hasty:
-            client = hasty.create_client(SET_BOOL, "switch")
-            assert hasty.spin_until(lambda client=client: client.writer.matched, PATIENCE)
+        with node("early", domain) as early:
+            client = early.create_client(SET_BOOL, "switch")
+            assert early.spin_until(lambda client=client: client.writer.matched, TIMEOUT)
             future = client.call_async(client.request_type(data=True))
-            assert hasty.spin_until_future_complete(future, PATIENCE)
+            assert early.spin_until_future_complete(future, TIMEOUT)
             assert future.result().success
 
 
-def test_timers_keep_their_rate_and_do_not_catch_up(domain):
+def test_timers_do_not_make_up_for_missed_calls(domain):
     with node("clock", domain) as clock:
         calls = []
         clock.create_timer(0.02, lambda: calls.append(time.monotonic()))

@@ -1,4 +1,4 @@
-"""Helpers for the tests of ROS 2: unused domains, and peers in other processes."""
+"""Helpers for the tests of ROS 2: unused domains, peer processes, subscriptions, messages."""
 
 from __future__ import annotations
 
@@ -20,83 +20,85 @@ from wbc.messages.typestore import number_dtype, typestore
 from wbc.ros import Network, Node
 
 ROOT = Path(__file__).resolve().parents[2]
-PATIENCE = 20.0  # s: this machine may be busy
-# Below 102, where the system takes no ports at random.
+TIMEOUT = 20.0  # s, because the machine may be busy
+# Domains below 102 do not use the range of ephemeral ports.
 _domains = itertools.count(os.getpid() * 13)
-_claims: list[socket.socket] = []
+_reservations: list[socket.socket] = []
 
 
-def new_domain() -> int:
+def unused_domain() -> int:
     """Return a domain that no other test run uses; a bound TCP port reserves it."""
     for number in itertools.islice(_domains, 100):
         domain = 1 + number % 100
-        claim = socket.socket()  # TCP, where DDS has UDP
+        reservation = socket.socket()  # TCP, whereas DDS uses UDP
         try:
-            claim.bind(("127.0.0.1", 7400 + 250 * domain))
+            reservation.bind(("127.0.0.1", 7400 + 250 * domain))
         except OSError:
-            claim.close()
+            reservation.close()
         else:
-            _claims.append(claim)
+            _reservations.append(reservation)
             return domain
-    raise AssertionError("all hundred domains are taken")
+    raise AssertionError("all hundred domains are in use")
 
 
 def environment(domain: int) -> dict[str, str]:
     """Return the environment of a process that discovers peers on the loopback interface only."""
-    kept = {
+    variables = {
         key: value
         for key, value in os.environ.items()
         if not key.startswith("ROS_") and key != "CYCLONEDDS_URI"
     }
     paths = os.pathsep.join((str(ROOT), str(ROOT / "tests" / "tools")))
-    return {**kept, "PYTHONPATH": paths, "ROS_DOMAIN_ID": str(domain)}
+    return {**variables, "PYTHONPATH": paths, "ROS_DOMAIN_ID": str(domain)}
 
 
-def hear_interrupts() -> None:
+def restore_sigint() -> None:
     """Restore SIGINT in a child process, which background test runs ignore."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-class Peer:
+class PeerProcess:
     """Another process in the same domain, which has reported that it is ready."""
 
     def __init__(self, domain: int, *command: str, configuration: str = "") -> None:
         self.process = subprocess.Popen(
             [sys.executable, *command],
             env={**environment(domain), "PEER_CONFIGURATION": configuration},
-            preexec_fn=hear_interrupts,
+            preexec_fn=restore_sigint,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
         )
-        self.first = self.line()
-        if not self.first:
+        self.first_line = self.read_line()
+        if not self.first_line:
             self.process.kill()
             raise AssertionError(f"{command} did not start: {self.process.communicate()[1]}")
 
     @classmethod
-    def of(cls, domain: int, kind: str, *arguments: str, configuration: str = "") -> Peer:
+    def start_peer(
+        cls, domain: int, kind: str, *arguments: str, configuration: str = ""
+    ) -> PeerProcess:
         """Start a peer of `rospeer.py`, optionally with a configuration of Cyclone DDS."""
         script = str(ROOT / "tests" / "tools" / "rospeer.py")
         return cls(domain, script, kind, str(domain), *arguments, configuration=configuration)
 
     @classmethod
-    def wbc(cls, domain: int, *arguments: str) -> Peer:
+    def start_wbc(cls, domain: int, *arguments: str) -> PeerProcess:
         """Start the `wbc` command."""
         return cls(domain, "-m", "wbc", *arguments)
 
-    def line(self) -> str:
+    def read_line(self) -> str:
         """Return the next output line; empty if the process has ended or a timeout has passed."""
         assert self.process.stdout is not None
-        end = threading.Timer(3 * PATIENCE, self.process.kill)
+        end = threading.Timer(3 * TIMEOUT, self.process.kill)
         end.start()
         try:
             return self.process.stdout.readline().strip()
         finally:
             end.cancel()
 
-    def tell(self, line: str) -> None:
+    def write_line(self, line: str) -> None:
         assert self.process.stdin is not None
         self.process.stdin.write(f"{line}\n")
         self.process.stdin.flush()
@@ -105,7 +107,7 @@ class Peer:
         self.process.send_signal(signal.SIGKILL)
         self.process.wait()
 
-    def __enter__(self) -> Peer:
+    def __enter__(self) -> PeerProcess:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -131,16 +133,16 @@ def start_example(domain: int, script: str, *arguments: str) -> subprocess.Popen
     )
 
 
-class Hearer:
+class MessageCollector:
     """Collects the messages of one topic."""
 
     def __init__(self, node: Node, kind: str, topic: str, *args: Any) -> None:
         self.node = node
         self.messages: list[Any] = []
         self.infos: list[Any] = []
-        self.subscription = node.create_subscription(kind, topic, self._hear, *args)
+        self.subscription = node.create_subscription(kind, topic, self._on_message, *args)
 
-    def _hear(self, message: Any, info: Any) -> None:
+    def _on_message(self, message: Any, info: Any) -> None:
         self.messages.append(message)
         self.infos.append(info)
 
@@ -158,23 +160,25 @@ class Hearer:
         self.messages.clear()
         self.infos.clear()
 
-    def wait(self, until: Callable[[Any], bool] = lambda _: True, timeout: float = PATIENCE) -> Any:
+    def wait(
+        self, condition: Callable[[Any], bool] = lambda _: True, timeout: float = TIMEOUT
+    ) -> Any:
         """Wait for the first new message that satisfies a condition; return it."""
         self.clear()
-        return self.find(until, timeout)
+        return self.find(condition, timeout)
 
-    def find(self, until: Callable[[Any], bool], timeout: float = PATIENCE) -> Any:
+    def find(self, condition: Callable[[Any], bool], timeout: float = TIMEOUT) -> Any:
         """Return the first message, received or new, that satisfies a condition."""
         found: list[Any] = []
-        looked = 0
+        checked = 0
 
-        def look() -> bool:
-            nonlocal looked
-            found.extend(m for m in self.messages[looked:] if until(m))
-            looked = len(self.messages)
+        def is_found() -> bool:
+            nonlocal checked
+            found.extend(m for m in self.messages[checked:] if condition(m))
+            checked = len(self.messages)
             return bool(found)
 
-        assert self.node.spin_until(look, timeout), (
+        assert self.node.spin_until(is_found, timeout), (
             f"no such message on {self.subscription.topic_name}"
         )
         return found[0]
@@ -191,11 +195,11 @@ def configuration(path: str, value: str) -> str:
     return value
 
 
-#: Lease duration after which a silent participant counts as dead.
-SHORT_LIVED = configuration("Discovery/LeaseDuration", "3 s")
+#: A silent participant counts as dead after this lease duration.
+SHORT_LEASE = configuration("Discovery/LeaseDuration", "3 s")
 
 
-def some_message(name: str, seed: int) -> Any:
+def random_message(name: str, seed: int) -> Any:
     """Return a message with a random value in every field."""
     from rosbags.interfaces import Nodetype
 
@@ -204,7 +208,7 @@ def some_message(name: str, seed: int) -> Any:
     def value(desc: Any) -> Any:
         match desc:
             case Nodetype.NAME, name:
-                return some_message(name, int(rng.integers(1 << 30)))
+                return random_message(name, int(rng.integers(1 << 30)))
             case Nodetype.BASE, ("string", _):
                 return "".join(rng.choice(list("abc äß€\n'"), rng.integers(0, 8)))
             case Nodetype.BASE, (primitive, _):

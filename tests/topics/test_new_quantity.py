@@ -83,14 +83,14 @@ def test_points_and_odometry_of_the_log_are_in_the_frame_of_ros(run):
 
 def test_ros_node_publishes_an_own_quantity(robot):
     pytest.importorskip("cyclonedds")
-    from rostools import PATIENCE, new_domain, node
+    from rostools import TIMEOUT, node, unused_domain
 
     from wbc.motions import MotionPlayer
     from wbc.ros import Network
     from wbc.ros.bridge import Bridge
     from wbc.teleop import CommandHandler
 
-    player, domain = MotionPlayer(robot), new_domain()
+    player, domain = MotionPlayer(robot), unused_domain()
     heard = []
     with (
         wbc.sim.Mujoco(robot) as plant,
@@ -108,7 +108,7 @@ def test_ros_node_publishes_an_own_quantity(robot):
         wbc.run(
             player,
             plant,
-            PATIENCE,
+            TIMEOUT,
             observers=[bridge],
             quantities=[TOTAL],
             before_tick=before_tick,
