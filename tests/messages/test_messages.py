@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rostools import some_message, used_types
+from rostools import random_message, used_types
 
 from wbc.messages import MessageError, message_layout, message_type
 
@@ -20,7 +20,7 @@ TransformStamped = message_type("geometry_msgs/msg/TransformStamped")
 @pytest.mark.parametrize("name", used_types())
 def test_every_type_is_read_as_it_was_written(name):
     for seed in range(3):
-        message = some_message(name, seed)
+        message = random_message(name, seed)
         data = message.encode()
         again = type(message).decode(data)
         assert repr(again) == repr(message)
@@ -178,7 +178,7 @@ def test_a_layout_reaches_into_messages_in_arrays():
 
 @pytest.mark.parametrize("name", used_types())
 def test_a_layout_finds_every_number(name):
-    message = some_message(name, seed=1)
+    message = random_message(name, seed=1)
     fields = np.frombuffer(message.encode(), message_layout(message))
     for path in fields.dtype.names or ():
         value = message

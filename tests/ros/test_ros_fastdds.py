@@ -1,7 +1,7 @@
 """Topics are exchanged with another implementation of DDS, Debian's Fast-DDS.
 
-Its peer, `fastdds/echo.cpp`, is built by this module, which needs g++ and the package libfastrtps-dev.
-Where these are missing the tests are skipped, unless WBC_REQUIRE_FASTDDS is set.
+Its peer, `fastdds/echo.cpp`, is built with g++ and libfastrtps-dev. Where these are missing the
+tests are skipped, unless WBC_REQUIRE_FASTDDS is set.
 """
 
 from __future__ import annotations

@@ -16,6 +16,7 @@ from rostools import (
     configuration,
     node,
     random_message,
+    unused_domain,
     used_types,
 )
 

@@ -91,18 +91,18 @@ def test_ros_node_publishes_an_own_quantity(robot):
     from wbc.teleop import CommandHandler
 
     player, domain = MotionPlayer(robot), unused_domain()
-    heard = []
+    received = []
     with (
         wbc.sim.Mujoco(robot) as plant,
         CommandHandler(player, plant, owns_clock=False) as handler,
         Bridge(handler, network=Network(domain)) as bridge,
         node("listener", domain) as listener,
     ):
-        listener.create_subscription("std_msgs/msg/Float64", "/wbc/total_power", heard.append)
+        listener.create_subscription("std_msgs/msg/Float64", "/wbc/total_power", received.append)
 
         def before_tick(now):
-            if heard:
-                raise wbc.StopRun("heard")
+            if received:
+                raise wbc.StopRun("received")
             listener.spin_once(0.0)
 
         wbc.run(
@@ -114,4 +114,4 @@ def test_ros_node_publishes_an_own_quantity(robot):
             before_tick=before_tick,
             real_time=True,
         )
-    assert np.isfinite(heard[0].data)
+    assert np.isfinite(received[0].data)
