@@ -13,10 +13,12 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import errno
 import gc
 import os
+import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +28,10 @@ from wbc.runtime.loop_conditions import LoopConditions, SystemRequest
 
 _PR_SET_TIMERSLACK, _PR_GET_TIMERSLACK = 29, 30  # <linux/prctl.h>
 _MCL_CURRENT, _MCL_ONFAULT = 1, 4  # <sys/mman.h>
+_NICE = -20
 _LIMITS = "/etc/security/limits.conf"
+
+Restore = Callable[[], object]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,13 +67,87 @@ def real_time_thread(wanted: RealTime) -> Iterator[LoopConditions]:
     Yields:
         What was granted.
     """
+    requests = []
     with ExitStack() as undo:
-        requests = []
+
+        def request(what: str, change: Callable[[], Restore], cure: str = "") -> bool:
+            refusal = _refusal(undo, change, cure)
+            requests.append(SystemRequest(what, refusal is None, refusal or ""))
+            return refusal is None
+
         if wanted.lock_memory:
-            requests.append(_lock_memory(undo))
-        requests += _priority(wanted.priority, undo)
-        requests.append(_switch_interval(wanted.switch_interval, undo))
-        yield LoopConditions(tuple(requests))
+            request("memory locked", _lock_memory, f"needs 'memlock unlimited' in {_LIMITS}")
+        level = wanted.priority
+        fifo = level and request(
+            f"SCHED_FIFO {level}", lambda: _set_fifo(level), f"needs 'rtprio {level}' in {_LIMITS}"
+        )
+        if level and not fifo:
+            request(f"nice {_NICE}", _set_nice, f"needs 'nice {_NICE}' in {_LIMITS}")
+        if not fifo:
+            request("timer slack 1 ns", _set_timer_slack)
+        undo.callback(sys.setswitchinterval, sys.getswitchinterval())
+        sys.setswitchinterval(wanted.switch_interval)
+        switches = f"thread switches within {1e3 * wanted.switch_interval:g} ms"
+        yield LoopConditions((*requests, SystemRequest(switches, True)))
+
+
+def _refusal(undo: ExitStack, change: Callable[[], Restore], cure: str) -> str | None:
+    """Make a change that `undo` restores; return why the system refused it, or None."""
+    if sys.platform != "linux":
+        return "only Linux has it"
+    try:
+        undo.callback(change())
+    except OSError as error:
+        return cure if error.errno in (errno.EPERM, errno.ENOMEM, errno.EAGAIN) else error.strerror
+    return None
+
+
+def _set_fifo(priority: int) -> Restore:
+    if len(os.sched_getaffinity(0)) < 2:
+        raise OSError(errno.EBUSY, "with one processor nothing else would run")
+    policy, before = os.sched_getscheduler(0), os.sched_getparam(0)
+    # What the loop starts, a viewer for one, begins at ordinary priority.
+    fifo = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
+    os.sched_setscheduler(0, fifo, os.sched_param(priority))
+
+    def restore() -> None:
+        try:
+            os.sched_setscheduler(0, policy, before)
+        except OSError:  # without privileges, RESET_ON_FORK stays
+            os.sched_setscheduler(0, policy | os.SCHED_RESET_ON_FORK, before)
+
+    return restore
+
+
+def _set_nice() -> Restore:
+    before = os.getpriority(os.PRIO_PROCESS, 0)
+    os.setpriority(os.PRIO_PROCESS, 0, _NICE)
+    return lambda: os.setpriority(os.PRIO_PROCESS, 0, before)
+
+
+def _set_timer_slack() -> Restore:
+    libc = ctypes.CDLL(None, use_errno=True)
+    before = libc.prctl(_PR_GET_TIMERSLACK, 0, 0, 0, 0)
+    if before < 0 or libc.prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0) != 0:
+        raise OSError(errno.ENOTSUP, os.strerror(ctypes.get_errno()))
+    return lambda: libc.prctl(_PR_SET_TIMERSLACK, before, 0, 0, 0)
+
+
+def _lock_memory() -> Restore:
+    if _locked_kilobytes() > 0:  # the caller's own lock, which is to last
+        return lambda: None
+    libc = ctypes.CDLL(None, use_errno=True)
+    # Only what is mapped by now: were later mappings locked as well, an allocation in mid-tick
+    # could exceed the limit and fail. On fault: what nobody has touched takes no memory.
+    if libc.mlockall(_MCL_CURRENT | _MCL_ONFAULT) != 0:
+        raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
+    return libc.munlockall
+
+
+def _locked_kilobytes() -> int:
+    """Memory of this process that is locked by now, kB."""
+    found = re.search(r"^VmLck:\s*(\d+)", Path("/proc/self/status").read_text("ascii"), re.M)
+    return int(found[1]) if found else 0
 
 
 @contextlib.contextmanager
@@ -83,95 +162,3 @@ def garbage_collection_paused() -> Iterator[None]:
             undo.callback(gc.unfreeze)
         gc.disable()
         yield
-
-
-def _priority(priority: int, undo: ExitStack) -> list[SystemRequest]:
-    requests = []
-    if priority:
-        fifo = _fifo(priority, undo)
-        if fifo.granted:  # it has no use for the rest
-            return [fifo]
-        requests = [fifo, _nice(undo)]
-    return [*requests, _timer_slack(undo)]
-
-
-def _fifo(priority: int, undo: ExitStack) -> SystemRequest:
-    what = f"SCHED_FIFO {priority}"
-    if sys.platform != "linux":
-        return SystemRequest(what, False, "only Linux has it")
-    if len(os.sched_getaffinity(0)) < 2:
-        return SystemRequest(what, False, "with one processor nothing else would run")
-    policy, before = os.sched_getscheduler(0), os.sched_getparam(0)
-    # What the loop starts, a viewer for one, begins at ordinary priority.
-    fifo = os.SCHED_FIFO | os.SCHED_RESET_ON_FORK
-    try:
-        os.sched_setscheduler(0, fifo, os.sched_param(priority))
-    except OSError:
-        return SystemRequest(what, False, f"needs 'rtprio {priority}' in {_LIMITS}")
-
-    def restore() -> None:
-        try:
-            os.sched_setscheduler(0, policy, before)
-        except OSError:  # without privileges, RESET_ON_FORK stays
-            os.sched_setscheduler(0, policy | os.SCHED_RESET_ON_FORK, before)
-
-    undo.callback(restore)
-    return SystemRequest(what, True)
-
-
-def _nice(undo: ExitStack, level: int = -20) -> SystemRequest:
-    what = f"nice {level}"
-    if sys.platform != "linux":  # where it is the whole process's
-        return SystemRequest(what, False, "only Linux has it per thread")
-    before = os.getpriority(os.PRIO_PROCESS, 0)
-    try:
-        os.setpriority(os.PRIO_PROCESS, 0, level)
-    except OSError:
-        return SystemRequest(what, False, f"needs 'nice {level}' in {_LIMITS}")
-    undo.callback(os.setpriority, os.PRIO_PROCESS, 0, before)
-    return SystemRequest(what, True)
-
-
-def _timer_slack(undo: ExitStack) -> SystemRequest:
-    what = "timer slack 1 ns"
-    libc = _libc()
-    if libc is None:
-        return SystemRequest(what, False, "only Linux has it")
-    before = libc.prctl(_PR_GET_TIMERSLACK, 0, 0, 0, 0)
-    if before < 0 or libc.prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0) != 0:
-        return SystemRequest(what, False, os.strerror(ctypes.get_errno()))
-    undo.callback(libc.prctl, _PR_SET_TIMERSLACK, before, 0, 0, 0)
-    return SystemRequest(what, True)
-
-
-def _lock_memory(undo: ExitStack) -> SystemRequest:
-    what = "memory locked"
-    libc = _libc()
-    if libc is None:
-        return SystemRequest(what, False, "only Linux has it")
-    if _locked_kilobytes() > 0:  # somebody's own, which is to last
-        return SystemRequest(what, True)
-    # Only what is mapped by now: were later mappings locked as well, an allocation in mid-tick
-    # could exceed the limit and fail. On fault: what nobody has touched takes no memory.
-    if libc.mlockall(_MCL_CURRENT | _MCL_ONFAULT) != 0:
-        return SystemRequest(what, False, f"needs 'memlock unlimited' in {_LIMITS}")
-    undo.callback(libc.munlockall)
-    return SystemRequest(what, True)
-
-
-def _switch_interval(interval: float, undo: ExitStack) -> SystemRequest:
-    undo.callback(sys.setswitchinterval, sys.getswitchinterval())
-    sys.setswitchinterval(interval)
-    return SystemRequest(f"thread switches within {1e3 * interval:g} ms", True)
-
-
-def _libc() -> ctypes.CDLL | None:
-    return ctypes.CDLL(None, use_errno=True) if sys.platform == "linux" else None
-
-
-def _locked_kilobytes() -> int:
-    """Memory of this process that is locked by now, kB."""
-    for line in Path("/proc/self/status").read_text("ascii").splitlines():
-        if line.startswith("VmLck:"):
-            return int(line.split()[1])
-    return 0

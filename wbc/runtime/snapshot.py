@@ -33,7 +33,7 @@ class Snapshot:
         wrenches: sole or contact name -> (6,) force then moment that the ground exerts on the
             robot, at the contact's centre, in contact axes; N, N·m. A name must be that of a
             frame of the model.
-        telemetry: balance quantities, world axes.
+        telemetry: CoM, DCM, its reference and ZMP, world axes, and the gait phase.
         contact_plan: support polygon, footsteps and swing path, world axes.
         status: how the tick's QP ended.
         text: one short line, at most 240 bytes.
@@ -100,11 +100,7 @@ class Snapshot:
                 dcm=record["dcm"],
                 dcm_reference=record["dcm_reference"],
                 zmp=record["zmp"],
-                velocity=record["velocity_command"],
-                heading=float(record["heading"]),
-                dcm_error=float(record["dcm_error"]),
                 phase=PHASES[int(record["phase"])],
-                steps=int(record["steps"]),
             ),
             contact_plan_of(record),
             STATUSES[int(record["status"])],
