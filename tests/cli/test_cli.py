@@ -52,7 +52,7 @@ def test_walk_ends_with_a_table_and_survives(wbc_command, tmp_path):
     assert report["distance_m"] > 0.2
 
 
-def test_html_leaves_a_recording(wbc_command, tmp_path):
+def test_html_writes_a_recording(wbc_command, tmp_path):
     html = tmp_path / "walk.html"
     code, out, _ = wbc_command("walk", *QUICK, "--duration", "3", "--html", str(html))
     assert code == 0
@@ -94,7 +94,7 @@ def test_ground_truth_and_another_solver(wbc_command):
     assert "survived" in out
 
 
-def test_too_fast_is_clamped_and_said_in_one_line(wbc_command):
+def test_a_clamped_velocity_is_noted_in_one_line(wbc_command):
     code, _, err = wbc_command("walk", *QUICK, "--velocity", "9", "0", "0", "--duration", "0.3")
     notes = [line for line in err.splitlines() if line.startswith("note:")]
     assert code == 0
@@ -161,7 +161,7 @@ def test_a_malformed_urdf_is_one_line_that_names_the_line(wbc_command, tmp_path)
     assert len(err.splitlines()) == 1
 
 
-def test_help_is_pleasant(wbc_command):
+def test_help_lists_subcommands_and_exit_codes_in_100_columns(wbc_command):
     code, out, _ = wbc_command("--help")
     assert code == 0
     for word in ("walk", "stand", "view", "robots", "doctor", "exit code"):
@@ -169,7 +169,7 @@ def test_help_is_pleasant(wbc_command):
     assert max(len(line) for line in out.splitlines()) <= 100
 
 
-def test_version(wbc_command):
+def test_version_is_that_of_the_library(wbc_command):
     assert wbc_command("--version")[:2] == (0, f"wbc {wbc.__version__}\n")
 
 
@@ -185,14 +185,14 @@ def test_robots_lists_what_was_derived_and_what_was_stated(wbc_command):
     assert "90.3 kg" in lines["talos"]
 
 
-def test_robots_by_name_tells_every_fact(wbc_command):
+def test_robots_by_name_lists_every_property_and_its_source(wbc_command):
     code, out, _ = wbc_command("robots", "talos")
     assert code == 0
     for word in ("left_sole_link", "stated", "derived", "talos.toml"):
         assert word in out
 
 
-def test_doctor_diagnoses_the_chapters_robot(wbc_command):
+def test_doctor_reports_the_errors_of_a_description(wbc_command):
     code, out, err = wbc_command("doctor", str(CHAPTER))
     assert code == 1
     assert err == ""
@@ -200,7 +200,7 @@ def test_doctor_diagnoses_the_chapters_robot(wbc_command):
         assert word in out.lower()
 
 
-def test_doctor_finds_our_own_robot_usable(wbc_command):
+def test_doctor_accepts_a_robot_of_the_library(wbc_command):
     code, out, _ = wbc_command("doctor", "simple_humanoid")
     assert code == 0
     assert "error" not in out
@@ -220,7 +220,7 @@ def test_view_serves_a_page_until_its_time_is_over(wbc_command):
     assert "http://127.0.0.1:" in out
 
 
-def test_walk_shows_itself_in_the_browser_unless_told_otherwise(wbc_command):
+def test_a_run_is_shown_in_the_browser_without_no_view(wbc_command):
     code, out, _ = wbc_command("stand", "--robot", "simple_humanoid", "--duration", "0.2")
     assert code == 0
     assert out.startswith("Viewer: http://127.0.0.1:")
@@ -238,7 +238,7 @@ def test_ctrl_c_ends_with_the_report_so_far():
     assert "Traceback" not in err
 
 
-def test_an_error_in_the_library_is_no_fall(wbc_command, monkeypatch):
+def test_an_error_in_the_library_has_its_own_exit_code(wbc_command, monkeypatch):
     monkeypatch.setattr("wbc.cli.robots.available", lambda: 1 / 0)
     code, _, err = wbc_command("robots")
     assert code == 70

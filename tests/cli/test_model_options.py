@@ -46,7 +46,7 @@ def test_the_posture_is_that_of_the_options(urdf):
     assert q[robot.joint_index("right_elbow")] == -0.25
 
 
-def test_fixed_joints_are_welded(urdf):
+def test_fixed_joints_are_not_actuated(urdf):
     robot = load(urdf, *FEET, "--fixed-joint", "*elbow*")
     assert robot.na == load(urdf, *FEET).na - 2
     assert not any("elbow" in name for name in robot.joint_names)
@@ -84,7 +84,7 @@ def test_the_properties_of_a_urdf_are_listed_under_its_own_name(urdf, tmp_path, 
         (("--armature", "-1"), "armature"),
     ],
 )
-def test_an_option_that_makes_no_sense_is_named(options, words, urdf, capsys):
+def test_an_invalid_option_is_named(options, words, urdf, capsys):
     assert main(("robots", urdf, *FEET, *options)) == 2
     out, err = capsys.readouterr()
     assert out == ""
@@ -93,6 +93,6 @@ def test_an_option_that_makes_no_sense_is_named(options, words, urdf, capsys):
 
 
 @pytest.mark.parametrize("name", ["xyzzy", "walker", "qqqqqq"])
-def test_a_name_that_resembles_nothing_is_compared_with_nothing(name, capsys):
+def test_no_name_is_suggested_where_none_is_similar(name, capsys):
     assert main(("robots", name)) == 2
     assert "did you mean" not in capsys.readouterr().err

@@ -20,7 +20,7 @@ def test_list_names_every_motion_and_fits_a_terminal(capsys):
 
 
 @pytest.mark.parametrize("motion", MOTIONS, ids=lambda motion: motion.name)
-def test_each_motion_explains_its_options(motion, capsys):
+def test_the_help_of_each_motion_lists_its_options(motion, capsys):
     assert main(["motion", motion.name, "--help"]) == 0
     said = capsys.readouterr().out
     for parameter in motion.parameters():
@@ -56,7 +56,7 @@ def test_a_motion_is_played_and_reported(tmp_path, capsys):
         (["wave", "--robot", "no_such_robot"], "no_such_robot"),
     ],
 )
-def test_bad_input_is_told_in_one_line(arguments, why, capsys):
+def test_bad_input_is_reported_in_one_line(arguments, why, capsys):
     assert main(["motion", *arguments, "--no-view"]) == 2
     said = capsys.readouterr().err.strip()
     assert why in said

@@ -91,7 +91,7 @@ def test_commands_arrive_whole_and_in_order_and_are_acknowledged(handler, client
     assert poll(client, 5) == [(number, CommandOutcome.ACCEPTED, "") for number in numbers]
 
 
-def test_a_command_that_makes_no_sense_never_reaches_the_loop(handler, client):
+def test_an_invalid_command_never_reaches_the_loop(handler, client):
     with pytest.raises(CommandRefused, match="out of range"):
         client.send(VelocityCommand(50.0))
     with pytest.raises(CommandRefused, match="no motion"):
@@ -133,8 +133,8 @@ def test_a_motion_whose_planning_fails_is_refused(client):
 @pytest.mark.parametrize(
     ("command", "reason"),
     [
-        (VelocityCommand(0.1), "told to walk"),
-        (StandCommand(), "told to stand"),
+        (VelocityCommand(0.1), "commanded to walk"),
+        (StandCommand(), "commanded to stand"),
         (ResetCommand(), "was reset"),
         (MotionCommand(WaitingMotion()), "another motion"),
     ],
@@ -155,7 +155,7 @@ def test_standing_velocities_do_not_supersede_a_motion(client, tmp_path):
     (tmp_path / "plan").touch()
 
 
-def test_a_loop_that_takes_no_commands_is_noticed(client):
+def test_sending_to_a_loop_that_takes_no_commands_is_refused(client):
     for _ in range(32):
         client.send(VelocityCommand(0.1))
     with pytest.raises(CommandRefused, match="too many commands at once"):

@@ -171,7 +171,7 @@ def test_without_a_client_that_could_reset_it_a_run_ends_with_the_fall(handler):
     assert run.report.duration_s < 5.0
 
 
-def test_one_thing_at_a_time_walking_a_motion_and_walking_again(handler, player):
+def test_walking_and_a_motion_follow_one_another(handler, player):
     sway, again = MotionCommand(Sway()), VelocityCommand(0.15)
     run = Run(handler, 5.4, [(0.0, VelocityCommand(0.1)), (0.8, sway), (2.8, again)])
     assert run.report.survived
@@ -220,7 +220,7 @@ def test_the_push_that_a_motion_requests_is_given_and_counted(handler, player, m
     assert (handler.pushes.survived, handler.pushes.decided) == (1, 1)
 
 
-def test_stand_ends_everything(handler):
+def test_stand_ends_walking_and_motions(handler):
     sway, squat = MotionCommand(Sway()), MotionCommand(Squat())
     run = Run(handler, 2.5, [(0.0, sway), (0.5, squat), (0.6, StandCommand())])
     assert set(run.playing[400:]) == {None}
@@ -312,7 +312,7 @@ def test_gait_parameters_may_be_set_to_their_bounds_while_it_walks(handler, play
     assert player.walker.gait == wbc.gait.GaitParameters.for_robot(player.robot)
 
 
-def test_velocities_at_random_make_nobody_fall(handler):
+def test_the_robot_survives_random_velocity_commands(handler):
     rng, at, script = np.random.default_rng(2), 0.3, []
     while at < 7.0:
         script.append((at, VelocityCommand(0.2 * float(rng.integers(2)))))
@@ -368,7 +368,7 @@ def test_a_velocity_ends_with_its_timeout(still, player, monkeypatch):
     assert player.velocity == (0.0, 0.0, 0.0)
 
 
-def test_what_was_commanded_before_a_reset_is_forgotten_except_parameters(still, player):
+def test_a_reset_discards_earlier_commands_except_parameters(still, player):
     acks = []
     still.add_observer(lambda sent, ack: acks.append((type(sent.command), ack.outcome)))
     apply(still, VelocityCommand(0.1))
@@ -408,7 +408,7 @@ def test_joints_move_no_faster_than_they_may_and_arrive(still, robot, player):
     assert np.array_equal(posture.value[others], start[others])
 
 
-def test_joints_take_their_time_when_they_have_it(still, robot, player):
+def test_joints_arrive_at_the_end_of_the_commanded_duration(still, robot, player):
     elbow, posture = robot.joint_index("left_elbow"), player.context.posture
     start = posture.value[elbow]
     apply(still, JointCommand(("left_elbow",), (start + 0.1,), duration=100.0))
@@ -508,12 +508,12 @@ def test_commands_of_other_threads_are_all_applied(still, player):
         ("walk", "'walk' is not a command"),
     ],
 )
-def test_a_command_that_makes_no_sense_is_refused_with_the_reason(still, command, words):
+def test_an_invalid_command_is_refused_with_the_reason(still, command, words):
     with pytest.raises(CommandRefused, match=words):
         still.submit(command)
 
 
-def test_bounds_are_part_of_what_is_accepted(still):
+def test_a_value_at_its_bound_is_accepted(still):
     for parameter in still.capabilities.parameters:
         group, _, name = parameter.name.partition(".")
         for value in (parameter.low, parameter.high, parameter.default):
@@ -536,7 +536,7 @@ def test_each_task_has_a_parameter_and_each_motion_is_offered(still, player):
     assert still.capabilities.motions == MOTIONS
 
 
-def test_what_a_plant_cannot_do_is_refused(player):
+def test_pushes_and_resets_are_refused_where_the_plant_has_none(player):
     with new_handler(player, SimpleNamespace(time=0.0)) as handler:
         with pytest.raises(CommandRefused, match="cannot be pushed"):
             handler.submit(PushCommand((0.0, 1.0, 0.0)))

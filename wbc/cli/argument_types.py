@@ -1,4 +1,4 @@
-"""Types of command-line arguments: each parses a text and refuses what makes no sense."""
+"""Types of command-line arguments: each parses a text and refuses invalid ones."""
 
 from __future__ import annotations
 

@@ -283,7 +283,7 @@ def _walk(
     )
 
 
-_VERBS: dict[str, Function] = {
+VERBS: dict[str, Function] = {
     "nodes": _nodes,
     "topics": _topics,
     "services": _services,
@@ -300,6 +300,6 @@ def add_verbs(parser: Parser) -> None:
     """Add the verbs."""
     parser.description = _DESCRIPTION
     verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
-    for name, command in _VERBS.items():
+    for name, command in VERBS.items():
         summary = (command.__doc__ or "").partition(".\n")[0]
         set_command(verbs.add_parser(name, help=summary[:1].lower() + summary[1:]), command)

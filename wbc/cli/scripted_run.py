@@ -1,4 +1,4 @@
-"""What `wbc walk`, `wbc stand` and `wbc motion` share: a run that needs nobody to drive it."""
+"""What `wbc walk`, `wbc stand` and `wbc motion` share: a run with commands known beforehand."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Schedule = list[tuple[float, Velocity]]
 
 @dataclass(frozen=True)
 class RunOptions:
-    """Options of a run that needs nobody to drive it.
+    """Options of a run whose commands are known before it begins.
 
     Attributes:
         simulation: robot and ground.

@@ -1,4 +1,4 @@
-"""What the sender of a command is told about it."""
+"""Acknowledgement of a command to its sender."""
 
 from __future__ import annotations
 

@@ -17,10 +17,7 @@ from wbc.teleop.parameters import (
     TIME_SCALE,
     VELOCITY,
     TunableParameter,
-    gain_parameters,
-    gait_parameters,
-    time_scale_parameter,
-    velocity_parameters,
+    tunable_parameters,
 )
 
 _MAX_PUSH = 2.0  # m/s: the largest push changes the robot's velocity by that
@@ -37,7 +34,7 @@ class Capabilities:
         motions: what can be played.
         max_impulse: largest push, N·s; 0 if the robot cannot be pushed.
         can_reset: whether the robot can be set back to the start.
-        joints: name -> (lowest, highest) position, rad, of the joints that are free to be led.
+        joints: name -> (lowest, highest) position, rad, of the joints that commands may move.
         leg_joints: names of the joints that the gait needs.
     """
 
@@ -65,16 +62,11 @@ class Capabilities:
         """
         for motion in motions:
             check_importable(motion)
-        robot, walker = player.robot, player.walker
+        robot = player.robot
         legs = {int(i) - 6 for leg in robot.legs for i in leg}
         names = robot.joint_names
         return Capabilities(
-            parameters=(
-                *velocity_parameters(walker.gait),
-                *((time_scale_parameter(),) if time_scale else ()),
-                *gait_parameters(walker.gait),
-                *gain_parameters(walker),
-            ),
+            parameters=tunable_parameters(player.walker, time_scale),
             motions=tuple(motions),
             max_impulse=_MAX_PUSH * robot.mass if hasattr(plant, "push") else 0.0,
             can_reset=hasattr(plant, "reset"),
@@ -105,7 +97,7 @@ class Capabilities:
         return (forward, left, turn)
 
     def check(self, command: commands.TeleopCommand) -> None:
-        """Refuse a command that makes no sense for this robot.
+        """Refuse a command that is invalid for this robot.
 
         Raises:
             CommandRefused: the text names the value and the bounds.
@@ -174,7 +166,7 @@ class Capabilities:
         check_number("max_speed", command.max_speed, 1e-3, math.inf, "rad/s")
 
     def check_joint_names(self, names: Sequence[str]) -> None:
-        """Refuse names of joints that cannot be led.
+        """Refuse names of joints that commands may not move.
 
         Raises:
             CommandRefused: a joint is unknown, named twice or part of a leg, or there are none.

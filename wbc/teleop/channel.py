@@ -155,7 +155,7 @@ class CommandClient:
             Its number, by which it is acknowledged.
 
         Raises:
-            CommandRefused: it makes no sense, or the loop does not take any.
+            CommandRefused: it is invalid for this robot, or the loop takes no commands.
         """
         self.capabilities.check(command)
         number = next(self._numbers)
@@ -174,9 +174,9 @@ class CommandClient:
             case VelocityCommand():
                 walks = any(command.velocity)
                 if walks and self.planning is not None and not self.planning.while_walking:
-                    self._supersede("the robot was told to walk")
+                    self._supersede("the robot was commanded to walk")
             case StandCommand():
-                self._supersede("the robot was told to stand")
+                self._supersede("the robot was commanded to stand")
             case ResetCommand():
                 self._supersede("the robot was reset")
         return number

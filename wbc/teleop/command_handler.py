@@ -115,7 +115,7 @@ class CommandHandler(Closeable):
             Number of the command, by which it is acknowledged to the observers.
 
         Raises:
-            CommandRefused: the command makes no sense for this robot.
+            CommandRefused: the command is invalid for this robot.
             MotionError: the robot cannot play the motion.
         """
         self.capabilities.check(command)

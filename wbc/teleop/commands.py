@@ -96,7 +96,7 @@ class GainCommand:
 
 @dataclass(frozen=True, slots=True)
 class JointCommand:
-    """Lead joints of arms, trunk and head to positions; the legs belong to the gait.
+    """Move joints of arms, trunk and head to positions; the gait alone moves the legs.
 
     Attributes:
         joints: names of the joints.

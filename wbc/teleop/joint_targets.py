@@ -1,4 +1,4 @@
-"""Leads the joints of arms, trunk and head to commanded positions."""
+"""Moves the joints of arms, trunk and head to commanded positions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class JointTargets:
     The latest command holds for its joints; the others keep their targets.
 
     Args:
-        player: the controller whose posture is led.
+        player: the controller whose posture is moved.
     """
 
     def __init__(self, player: MotionPlayer) -> None:

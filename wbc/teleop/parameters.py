@@ -6,12 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wbc.gait import GaitParameters
 from wbc.walking import Walker
 
 VELOCITY, TIME, GAIT = "velocity", "time", "gait"  # groups; the others are names of tasks
 TIME_SCALE = "speed"
-GAINS = ("weight", "kp", "kd")
 
 #: Gait parameters: (name, label, unit, lowest and highest share of the robot's own value). The
 #: step width goes down to what is safe for the feet.
@@ -24,7 +22,7 @@ _GAIT = (
     ("dcm_gain", "DCM gain", "1/s", 0.4, 2.0),
 )
 _VELOCITY = (("forward", "Forward", "m/s"), ("left", "Left", "m/s"), ("turn", "Turn left", "rad/s"))
-_GAIN_LABELS = {"weight": ("Weight", ""), "kp": ("kp", "1/s²"), "kd": ("kd", "1/s")}
+_GAINS = {"weight": ("Weight", ""), "kp": ("kp", "1/s²"), "kd": ("kd", "1/s")}
 _GAIN_RANGE = 10.0  # gains go from a tenth to ten times their value
 
 
@@ -53,43 +51,33 @@ class TunableParameter:
     logarithmic: bool = False
 
 
-def velocity_parameters(gait: GaitParameters) -> list[TunableParameter]:
-    """One parameter per direction, as far as the robot's gait goes."""
-    return [
+def tunable_parameters(walker: Walker, time_scale: bool) -> tuple[TunableParameter, ...]:
+    """Return the parameters of a walker: velocity, time scale, gait, and gains of its tasks.
+
+    The gain of a task with several rows is that of the largest row.
+
+    Args:
+        walker: the walker.
+        time_scale: whether the loop can run slower than real time.
+    """
+    gait = walker.gait
+    found = [
         TunableParameter(f"{VELOCITY}.{name}", VELOCITY, label, unit, -limit, limit, 0.0)
         for (name, label, unit), limit in zip(_VELOCITY, gait.max_velocity, strict=True)
     ]
-
-
-def time_scale_parameter() -> TunableParameter:
-    """Seconds of the plant per second of the wall clock."""
-    return TunableParameter(TIME_SCALE, TIME, "Speed", "×", 0.05, 1.0, 1.0, logarithmic=True)
-
-
-def gait_parameters(gait: GaitParameters) -> list[TunableParameter]:
-    """Timing, geometry and feedback of the gait."""
-    parameters = []
+    if time_scale:
+        found.append(TunableParameter(TIME_SCALE, TIME, "Speed", "×", 0.05, 1.0, 1.0, True))
     for name, label, unit, lowest, highest in _GAIT:
         value = float(getattr(gait, name))
         low = max(lowest * value, gait.least_width if name == "step_width" else 0.0)
-        parameters.append(
+        found.append(
             TunableParameter(f"{GAIT}.{name}", GAIT, label, unit, low, highest * value, value)
         )
-    return parameters
-
-
-def gain_parameters(walker: Walker) -> list[TunableParameter]:
-    """Weight, stiffness and damping of each of the walker's tasks: the largest of their rows."""
-    parameters = []
     for task in walker.tasks:
-        for gain in GAINS:
+        for gain, (label, unit) in _GAINS.items():
             value = float(np.max(getattr(task, gain)))
             if value > 0.0:
-                low, high = value / _GAIN_RANGE, value * _GAIN_RANGE
+                bounds = (value / _GAIN_RANGE, value * _GAIN_RANGE)
                 name = f"{task.name}.{gain}"
-                parameters.append(
-                    TunableParameter(
-                        name, task.name, *_GAIN_LABELS[gain], low, high, value, logarithmic=True
-                    )
-                )
-    return parameters
+                found.append(TunableParameter(name, task.name, label, unit, *bounds, value, True))
+    return tuple(found)

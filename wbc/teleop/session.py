@@ -43,7 +43,7 @@ def run(
     progress: Callable[[Progress], None] | None = None,
     message: Callable[[str], None] = lambda _: None,
 ) -> Report | None:
-    """Run until the duration is over. A robot that fell lies there until a command resets it.
+    """Run until the duration is over; after a fall wait until a command resets the robot.
 
     Args:
         handler: takes the commands; it knows controller and plant, which is a simulator.
@@ -61,8 +61,7 @@ def run(
 
     Returns:
         The report of the last run between two resets; None when the physics diverged in its first
-        tick. If the robot lies there without anybody to reset it (no clients), the run ends with
-        its fall.
+        tick. Without clients, which could reset the robot, the run ends with its fall.
     """
 
     def on_progress(now: Progress) -> None:
