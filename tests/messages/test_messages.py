@@ -98,14 +98,19 @@ def test_arrays_of_a_received_message_are_writable():
         ("nav_msgs/msg/Odometry", "child_frame_id", None, "child_frame_id = None"),
         ("builtin_interfaces/msg/Time", "sec", 2**31, "sec = 2147483648: .* int32"),
         ("builtin_interfaces/msg/Time", "sec", 0.5, "sec = 0.5"),
-        ("unique_identifier_msgs/msg/UUID", "uuid", [1, 2], "there must be 16"),
+        ("unique_identifier_msgs/msg/UUID", "uuid", [1, 2], "it must be between 16 and 16"),
         (
             "rcl_interfaces/msg/ParameterDescriptor",
             "integer_range",
             [message_type("rcl_interfaces/msg/IntegerRange")()] * 2,
-            "at most 1",
+            "it must be between 0 and 1",
         ),
-        ("rmw_dds_common/msg/NodeEntitiesInfo", "node_name", "n" * 257, "at most 256"),
+        (
+            "rmw_dds_common/msg/NodeEntitiesInfo",
+            "node_name",
+            "n" * 257,
+            "it must be between 0 and 256",
+        ),
     ],
 )
 def test_a_value_that_does_not_fit_is_named(name, field, value, says):

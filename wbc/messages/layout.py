@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import copy
-import math
-from collections import defaultdict
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -21,16 +19,6 @@ class _Number(NamedTuple):
     holder: Message
     field: str
     dtype: np.dtype[Any]
-    shape: tuple[int, ...]
-
-    @property
-    def size(self) -> int:
-        return math.prod(self.shape) * self.dtype.itemsize
-
-    def fill(self, byte: int) -> None:
-        """Set all bytes of the number."""
-        values = np.frombuffer(bytes([byte]) * self.size, self.dtype)
-        setattr(self.holder, self.field, values if self.shape else values[0])
 
 
 def message_layout(message: Message) -> np.dtype[np.void]:
@@ -48,35 +36,38 @@ def message_layout(message: Message) -> np.dtype[np.void]:
         array([[0., 2., 0.]])
     """
     probes = []
-    for byte in (0x00, 0x3F):  # the bytes that differ are those of the numbers, in their order
+    for byte in (b"\x00", b"\x3f"):  # the bytes that differ are those of the numbers, in order
         probe = copy.deepcopy(message)
-        numbers = [number for number in _numbers(probe) if number.size]
-        for number in numbers:
-            number.fill(byte)
+        numbers = list(_numbers(probe))
+        for _, holder, field, dtype in numbers:
+            setattr(holder, field, np.frombuffer(byte * dtype.itemsize, dtype)[0])
         probes.append(np.frombuffer(probe.encode(), np.uint8))
-    offsets = np.flatnonzero(probes[0] != probes[1]).tolist()
-    parts: dict[str, list[tuple[int, _Number]]] = defaultdict(list)
+    offsets = np.flatnonzero(probes[0] != probes[1])
+    fields: dict[str, tuple[Any, int] | None] = {}
     start = 0
-    for number in numbers:
-        steps = number.path.split(".")
-        for depth in range(len(steps)):
-            parts[".".join(steps[: depth + 1])].append((offsets[start], number))
-        start += number.size
-    fields: dict[str, tuple[int, Any]] = {}
-    for path, found in parts.items():
-        (first, number), (last, end) = found[0], found[-1]
-        size = sum(one.size for _, one in found)
-        if size == last + end.size - first and all(n.dtype == number.dtype for _, n in found):
-            shape = number.shape if len(found) == 1 else (size // number.dtype.itemsize,)
-            fields[path] = (first, (number.dtype, shape))
+    for path, _, _, dtype in numbers:
+        steps = path.split(".")
+        for depth in range(1, len(steps) + 1):
+            name = ".".join(steps[:depth])
+            part = (dtype, int(offsets[start]))
+            fields[name] = _joined(fields[name], part) if name in fields else part
+        start += dtype.itemsize
+    known = {name: field for name, field in fields.items() if field is not None}
+    forms, places = [form for form, _ in known.values()], [place for _, place in known.values()]
     return np.dtype(
-        {
-            "names": list(fields),
-            "formats": [form for _, form in fields.values()],
-            "offsets": [offset for offset, _ in fields.values()],
-            "itemsize": len(probes[0]),
-        }
+        {"names": list(known), "formats": forms, "offsets": places, "itemsize": len(probes[0])}
     )
+
+
+def _joined(first: tuple[Any, int] | None, second: tuple[Any, int]) -> tuple[Any, int] | None:
+    """Return the array that two fields side by side are together; None if they are not."""
+    if first is None:
+        return None
+    (one, offset), (other, after) = first, second
+    size = after - offset + other.itemsize
+    if one.base != other.base or size != one.itemsize + other.itemsize:
+        return None
+    return np.dtype((one.base, (size // one.base.itemsize,))), offset
 
 
 def _numbers(message: Message, prefix: str = "") -> Iterator[_Number]:
@@ -86,10 +77,11 @@ def _numbers(message: Message, prefix: str = "") -> Iterator[_Number]:
         if isinstance(value, Message):
             yield from _numbers(value, f"{path}.")
         elif isinstance(value, np.ndarray):
-            yield _Number(path, message, field, value.dtype, value.shape)
+            if value.size:
+                yield _Number(path, message, field, np.dtype((value.dtype, value.shape)))
         elif isinstance(value, list):
             for index, element in enumerate(value):
                 if isinstance(element, Message):
                     yield from _numbers(element, f"{path}[{index}].")
         elif not isinstance(value, str):
-            yield _Number(path, message, field, number_dtype(str(desc[1][0])), ())
+            yield _Number(path, message, field, number_dtype(str(desc[1][0])))

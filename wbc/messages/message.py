@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import operator
 from collections.abc import Callable
 from functools import cache, partial
+from operator import index
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
@@ -17,13 +17,8 @@ if TYPE_CHECKING:
     from rosbags.interfaces.typing import FieldDesc
 
 MessageT = TypeVar("MessageT", bound="Message")
-_UNLIMITED = 2**32 - 1  # elements of a sequence
-_PYTHON_NUMBERS: dict[str, Callable[[Any], Any]] = {
-    "b": bool,
-    "i": operator.index,
-    "u": operator.index,
-    "f": float,
-}
+_UNLIMITED = 2**32 - 1
+_PYTHON_NUMBERS: dict[str, Callable[[Any], Any]] = {"b": bool, "i": index, "u": index, "f": float}
 #: Initial values that are not zero; `rosbags` does not keep them.
 _DEFAULTS = {("geometry_msgs/msg/Quaternion", "w"): 1.0}
 
@@ -134,7 +129,7 @@ def message_type(name: str) -> type[Message]:
     constants, definitions = store.fielddefs[name]
     kinds = {field: _field(desc) for field, desc in definitions}
     fields: list[Any] = [
-        (field, Any, dataclasses.field(default_factory=_initial(name, field, zero)))
+        (field, Any, _DEFAULTS.get((name, field), dataclasses.field(default_factory=zero)))
         for field, (_, zero) in kinds.items()
     ]
     namespace = {
@@ -151,18 +146,13 @@ def message_type(name: str) -> type[Message]:
     return made
 
 
-def _initial(name: str, field: str, zero: Callable[[], Any]) -> Callable[[], Any]:
-    default = _DEFAULTS.get((name, field))
-    return zero if default is None else lambda: default
-
-
 def _field(desc: FieldDesc) -> tuple[Callable[[Any], Any], Callable[[], Any]]:
     """Return a function that checks and converts values of a field, and one that returns zero."""
     from rosbags.interfaces import Nodetype
 
     match desc:
         case Nodetype.BASE, ("string", limit):
-            return partial(_text, limit), str
+            return partial(_text, limit or _UNLIMITED), str
         case Nodetype.BASE, (primitive, _):
             dtype = number_dtype(primitive)
             return partial(_number, dtype), dtype.type().item
@@ -180,12 +170,10 @@ def _field(desc: FieldDesc) -> tuple[Callable[[Any], Any], Callable[[], Any]]:
     raise AssertionError(f"a field of an unknown kind: {desc}")
 
 
-def _text(limit: int, value: Any) -> str:
+def _text(most: int, value: Any) -> str:
     if not isinstance(value, str):
         raise TypeError("it must be a string")
-    size = len(value.encode())
-    if limit and size > limit:
-        raise ValueError(f"it has {size} bytes; at most {limit} are allowed")
+    _check_length(len(value.encode()), 0, most)
     return value
 
 
@@ -200,11 +188,11 @@ def _message(kind: type[Message], value: Any) -> Message:
 
 
 def _array(dtype: np.dtype[Any], least: int, most: int, value: Any) -> np.ndarray:
-    array = np.asarray(value, dtype)
+    array = np.asarray(value, dtype, order="C")
     if array.ndim != 1:
         raise ValueError(f"it has shape {array.shape}; it must have one dimension")
     _check_length(len(array), least, most)
-    return np.ascontiguousarray(array)
+    return array
 
 
 def _list(convert: Callable[[Any], Any], least: int, most: int, value: Any) -> list[Any]:
@@ -215,5 +203,4 @@ def _list(convert: Callable[[Any], Any], least: int, most: int, value: Any) -> l
 
 def _check_length(length: int, least: int, most: int) -> None:
     if not least <= length <= most:
-        wanted = f"there must be {least}" if least else f"at most {most} are allowed"
-        raise ValueError(f"it has {length} elements; {wanted}")
+        raise ValueError(f"its length is {length}; it must be between {least} and {most}")
