@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -60,9 +59,7 @@ class Live(ProcessObserver):
         robot = handler.player.robot
         self._handler = handler
         channel = handler.open_channel().config
-        config = LiveServerConfig(
-            robot, port, _RATE, checked_boxes(boxes), os.getpid(), channel, host
-        )
+        config = LiveServerConfig(robot, port, _RATE, checked_boxes(boxes), channel, host)
         super().__init__(
             ChildProcess("wbc.live.server", channel.descriptors, title="the live page")
         )

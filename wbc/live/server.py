@@ -18,7 +18,7 @@ from wbc.live.address import allowed_hosts, check_host, url_host
 from wbc.live.broker import RequestBroker
 from wbc.live.config import LiveServerConfig
 from wbc.motions.engine import SWITCH_INTERVAL
-from wbc.process import parent
+from wbc.process import ParentConnection
 from wbc.view.server import SceneServer
 from wbc.view.web import listen
 
@@ -95,7 +95,8 @@ class LiveServer(SceneServer):
 async def main() -> None:
     """Serve the page that the parent's configuration describes."""
     sys.setswitchinterval(SWITCH_INTERVAL)
-    await LiveServer(parent.receive_config()).serve()
+    parent = ParentConnection()
+    await LiveServer(parent.config).serve(parent)
 
 
 if __name__ == "__main__":

@@ -16,10 +16,8 @@ class LogConfig:
         robot: Robot whose run is logged.
         path: Path of the log file.
         status: File descriptor of the shared `LogStatus`.
-        parent: Process id of the parent. The log writer ends when the parent ends.
     """
 
     robot: Robot
     path: Path
     status: int
-    parent: int

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -62,7 +61,7 @@ class FlightRecorder(ProcessObserver):
         self._observed = 0
         self._next_check = 0.0
         self._warned = self._closed = self._configured = False
-        config = LogConfig(robot, self.path, self._status.descriptor, os.getpid())
+        config = LogConfig(robot, self.path, self._status.descriptor)
         super().__init__(ChildProcess("wbc.log.writer", (self._status.descriptor,), _GRACE))
         self._configure(config, LogError, f"the log {self.path}: ")
         self._configured = True

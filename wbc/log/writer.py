@@ -19,7 +19,7 @@ from wbc.log.metadata import Metadata, versions
 from wbc.log.recovery import repair
 from wbc.log.robot_info import RobotInfo
 from wbc.log.status import LogStatus
-from wbc.process import parent
+from wbc.process import ParentConnection
 from wbc.runtime.mode import Mode
 from wbc.runtime.record import contact_names
 from wbc.runtime.schema import Schema, columns_to_json
@@ -121,20 +121,21 @@ class LogWriter:
             self._file.close()
 
 
-def serve(config: LogConfig) -> int:
+def serve(parent: ParentConnection) -> int:
     """Write until the parent has ended; return the exit code."""
+    config: LogConfig = parent.config
     try:
         writer = LogWriter(config)
     except OSError as error:
         parent.reply({"error": f"{error.strerror}; give another path"})
         return _DISK_ERROR
     parent.reply({"pid": os.getpid()})
-    parent_monitor = parent.ParentMonitor(config.parent, writer.on_message)
+    parent.listen(writer.on_message)
     try:
-        while not parent_monitor.gone:
+        while not parent.gone:
             if not writer.advance():
-                parent_monitor.wait(_PAUSE)
-        parent_monitor.wait(_PAUSE)  # the parent's last message may still be in transit
+                parent.wait(_PAUSE)
+        parent.wait(_PAUSE)  # the parent's last message may still be in transit
         writer.finish()
     except OSError as error:
         writer.give_up(f"{error.strerror}: {config.path}")
@@ -148,7 +149,7 @@ def main() -> int:
     """Write the log that the parent's configuration describes."""
     with contextlib.suppress(OSError):
         os.nice(_NICENESS)
-    return serve(parent.receive_config())
+    return serve(ParentConnection())
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from wbc.process.blobs import BlobQueue, BlobQueueFull, BlobTooLarge
 from wbc.process.child import ChildProcess, ProcessStartError
 from wbc.process.memory import SharedMemory
+from wbc.process.parent import ParentConnection
 from wbc.process.ring import RingReader, SharedRing
 
 __all__ = [
@@ -10,6 +11,7 @@ __all__ = [
     "BlobQueueFull",
     "BlobTooLarge",
     "ChildProcess",
+    "ParentConnection",
     "ProcessStartError",
     "RingReader",
     "SharedMemory",

@@ -1,26 +1,24 @@
 """A child process that runs one module of the library, seen from its parent.
 
 Unlike `multiprocessing`, this needs no `__main__` guard in scripts, and the child imports only what
-its module needs. The child reads pickled messages from its standard input, a socket that can also
-carry file descriptors of shared memory. It answers the first message with a line of JSON, and ends
-when its input is closed: a parent that dies, even by SIGKILL, ends it. `wbc.process.parent` is the
+its module needs. The child's standard input is its end of a `multiprocessing.Pipe`, which carries
+messages and file descriptors of shared memory. The child replies to the first message, and ends
+when the pipe is closed: a parent that dies, even by SIGKILL, ends it. `wbc.process.parent` is the
 child's side.
 """
 
 from __future__ import annotations
 
 import contextlib
-import json
 import logging
+import multiprocessing
 import os
-import pickle
-import selectors
-import socket
-import struct
 import subprocess
 import sys
 import weakref
 from collections.abc import Sequence
+from multiprocessing.connection import Connection
+from multiprocessing.reduction import send_handle
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +27,6 @@ from wbc.errors import WbcError
 
 logger = logging.getLogger(__name__)
 
-LENGTH = struct.Struct("<Q")  # precedes each message: its size, bytes
 _START_TIMEOUT = 60.0  # s; on a busy machine the imports alone take many seconds
 _CHECK_PERIOD = 0.5  # s between two checks whether the process still runs
 
@@ -58,17 +55,17 @@ class ChildProcess:
         self._title = title
         self._next_check = 0.0
         paths = [str(Path(wbc.__file__).resolve().parent.parent), *(p for p in sys.path if p)]
-        self._socket, child_end = socket.socketpair()
+        self._connection, child_end = multiprocessing.Pipe()
         self._process = subprocess.Popen(
             [sys.executable, "-m", module],
             stdin=child_end.fileno(),
-            stdout=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
             pass_fds=tuple(descriptors),
             env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
             start_new_session=True,  # the parent alone handles Ctrl-C
         )
         child_end.close()
-        self._finalizer = weakref.finalize(self, _end, self._process, self._socket, grace)
+        self._finalizer = weakref.finalize(self, _end, self._process, self._connection, grace)
 
     @property
     def pid(self) -> int:
@@ -108,13 +105,10 @@ class ChildProcess:
         Raises:
             ProcessStartError: the process did not start, or its reply is an error.
         """
-        assert self._process.stdout is not None
         self.send(config)
-        with selectors.DefaultSelector() as selector:
-            selector.register(self._process.stdout, selectors.EVENT_READ)
-            line = self._process.stdout.readline() if selector.select(_START_TIMEOUT) else b""
-        self._process.stdout.close()
-        reply: dict[str, Any] = json.loads(line) if line else {}
+        reply: dict[str, Any] = {}
+        with contextlib.suppress(EOFError, OSError):
+            reply = self._connection.recv() if self._connection.poll(_START_TIMEOUT) else {}
         if "error" in reply:
             raise ProcessStartError(reply["error"])
         if not reply:
@@ -129,15 +123,11 @@ class ChildProcess:
             descriptor: file descriptor that goes with it. The child gets one of its own, as the
                 field `descriptor` of the message, which is a dataclass then.
         """
-        data = pickle.dumps(message)
-        head = LENGTH.pack(len(data))
         # A dead process is noticed by its missing reply, or by `warn_if_exited`.
         with contextlib.suppress(OSError):
-            if descriptor is None:
-                self._socket.sendall(head + data)
-            else:
-                socket.send_fds(self._socket, [head], [descriptor])
-                self._socket.sendall(data)
+            self._connection.send((message, descriptor is not None))
+            if descriptor is not None:
+                send_handle(self._connection, descriptor, self.pid)
 
     def close(self) -> None:
         """Ask the process to end, and wait until it has."""
@@ -145,7 +135,7 @@ class ChildProcess:
         self._finalizer()
 
 
-def _end(process: subprocess.Popen[bytes], connection: socket.socket, grace: float) -> None:
+def _end(process: subprocess.Popen[bytes], connection: Connection[Any, Any], grace: float) -> None:
     connection.close()  # tells the child to end
     try:
         process.wait(grace)

@@ -20,11 +20,9 @@ class ViewerConfig:
         port: Port of the page; None for the first free one, 0 for any.
         rate: Frame rate, Hz.
         boxes: Terrain as upright boxes: centre and half sizes, m, shape (n, 6).
-        parent: Process id of the parent. The viewer ends when the parent ends.
     """
 
     robot: Robot
     port: int | None
     rate: float
     boxes: np.ndarray
-    parent: int

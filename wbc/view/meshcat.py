@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 import webbrowser
 from pathlib import Path
@@ -67,7 +66,7 @@ class Meshcat(ProcessObserver):
         self._robot = robot
         self._record = Path(record) if record is not None else None
         self._recording = Recording(robot, boxes=boxes) if record is not None else None
-        config = ViewerConfig(robot, port, float(rate), checked_boxes(boxes), os.getpid())
+        config = ViewerConfig(robot, port, float(rate), checked_boxes(boxes))
         super().__init__(ChildProcess("wbc.view.server", title="the viewer"))
         self.url = str(self._configure(config, ViewerError, "the viewer: ")["url"])
         if announce:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from wbc.errors import WbcError
-from wbc.process import parent
+from wbc.process import ParentConnection
 from wbc.runtime.rate_limiter import RateLimiter
 from wbc.runtime.snapshot import Snapshot
 from wbc.runtime.stream import TickReader
@@ -131,9 +131,9 @@ class SceneServer:
         """Send what is new to the pages; called at twice the frame rate."""
         self.live_scene.result().advance()
 
-    async def serve(self) -> None:
+    async def serve(self, parent: ParentConnection) -> None:
         """Serve until the parent process has ended."""
-        monitor = parent.ParentMonitor(self.config.parent, self.reader.on_message)
+        parent.listen(self.reader.on_message)
         try:
             parent.reply({"url": self.listen()})
         except WbcError as error:
@@ -144,14 +144,15 @@ class SceneServer:
         self.live_scene.set_result(scene)
         self.start()
         period = 0.5 / self.config.rate  # half of a frame's, which keeps the delay of a frame small
-        while not monitor.gone:
+        while not parent.gone:
             self.advance()
             await asyncio.sleep(period)
 
 
 async def main() -> None:
     """Serve the page that the parent's configuration describes."""
-    await SceneServer(parent.receive_config()).serve()
+    parent = ParentConnection()
+    await SceneServer(parent.config).serve(parent)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -74,7 +73,6 @@ class Bridge(ProcessObserver):
             update_rate=update_rate,
             use_sim_time=use_sim_time,
             dt=dt,
-            parent=os.getpid(),
             topics=tuple(topics),
         )
         super().__init__(

@@ -26,7 +26,6 @@ class NodeConfig:
         update_rate: initial rate of the joint states, Hz.
         use_sim_time: whether messages are initially stamped with the plant's time.
         dt: control period, s.
-        parent: id of the process whose end also ends the node.
         topics: additional topics of the node.
     """
 
@@ -38,5 +37,4 @@ class NodeConfig:
     update_rate: float
     use_sim_time: bool
     dt: float
-    parent: int
     topics: tuple[NodeTopic, ...] = ()

@@ -11,7 +11,7 @@ import sys
 
 from wbc.errors import WbcError
 from wbc.motions.engine import SWITCH_INTERVAL
-from wbc.process import parent
+from wbc.process import ParentConnection
 from wbc.ros.bridge.config import NodeConfig
 from wbc.ros.bridge.robot_node import RobotNode
 from wbc.ros.node import Node
@@ -22,7 +22,8 @@ from wbc.runtime.stream import TickReader
 def main() -> None:
     """Serve until the parent is gone."""
     sys.setswitchinterval(SWITCH_INTERVAL)
-    config: NodeConfig = parent.receive_config()
+    parent = ParentConnection()
+    config: NodeConfig = parent.config
     reader = TickReader()
     with contextlib.ExitStack() as stack:
         try:
@@ -34,8 +35,8 @@ def main() -> None:
             parent.reply({"error": str(error)})
             return
         parent.reply({"node": node.fully_qualified_name})
-        monitor = parent.ParentMonitor(config.parent, reader.on_message)
-        node.spin_until(lambda: monitor.gone)
+        parent.listen(reader.on_message)
+        node.spin_until(lambda: parent.gone)
         robot_node.stop()
 
 
