@@ -536,3 +536,17 @@ def test_a_robot_that_fell_is_reset_from_the_page_whose_status_tells(live, handl
         until(lambda g: g["mode"] == "paused")
     assert [line.split(":")[0] for line in messages][1:] == ["fell", "reset", "reset"]
     assert "press Reset (R) on the page" in messages[1]
+
+
+def test_the_page_receives_the_quantity_that_it_selects(live, handler, monkeypatch):
+    monkeypatch.setattr("wbc.teleop.command_handler.Clock.wait", lambda clock: None)
+    page = Client(live.url)
+    with commanded(live, handler, 1000.0):
+        while "com: z, m" not in page.hear("quantities")["quantities"]:
+            pass
+        page.ask("quantity", "com: z, mm")
+        assert "did you mean 'com: z, m'" in page.hear("error")["error"]
+        page.ask("quantity", "com: z, m")
+        label, value = page.hear("quantity")["quantity"]
+        assert label == "com: z, m"
+        assert value == pytest.approx(handler.player.robot.com_height, rel=0.05)

@@ -123,8 +123,11 @@ class RequestBroker:
             self._run = status["run"]
             self._zero_velocity()
         for page, label in tuple(self._pages.items()):
-            name, index = self._series.get(label, ("time", 0))
-            page.send({"status": status, "quantity": _finite(np.atleast_1d(last[name])[index])})
+            message: dict[str, Any] = {"status": status}
+            if label in self._series:
+                name, index = self._series[label]
+                message["quantity"] = [label, _finite(np.atleast_1d(last[name])[index])]
+            page.send(message)
 
     def _broadcast(self, message: dict[str, Any], but: PageClient | None = None) -> None:
         for page in tuple(self._pages):

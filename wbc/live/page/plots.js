@@ -43,11 +43,12 @@ function offer(labels) {
   select.replaceChildren(make("option", {value: "", textContent: "any quantity…"}), ...options);
 }
 
-function add(status, quantity) {
+function add(status, [label, quantity] = []) {
   const stamp = status.stamp;
   offset = Math.min(offset, performance.now() / 1000 - stamp);
   for (const plot of PLOTS) {
-    if (plot === selected && !select.value) continue;
+    // The server may not have received the latest selection yet.
+    if (plot === selected && label !== select.value) continue;
     plot.points.push([stamp, plot.value(status, quantity), plot.reference?.(status)]);
     while (plot.points[0][0] < stamp - SPAN - 1) plot.points.shift();
   }
