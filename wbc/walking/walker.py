@@ -26,22 +26,21 @@ from wbc.gait import (
 )
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.planners import PREVIEW_STEPS
-from wbc.geometry.planar import rotation_about_z, wrap_angle
+from wbc.geometry.planar import rotation_about_z
 from wbc.kinematics import Kinematics
 from wbc.qp import Solver
 from wbc.robot import Robot
 from wbc.state import State
-from wbc.tasks import AngularMomentumTask, ComTask, PostureTask, Task
+from wbc.tasks import Task
 from wbc.telemetry import ContactPlan, Footstep, Telemetry
+from wbc.walking.balance_tasks import BalanceTasks, mean_heading
 from wbc.walking.command_checks import parse_footsteps, parse_velocity
 from wbc.walking.contact_manager import ContactManager
 from wbc.walking.feet import centre_of_pressure, sides_in_contact
 from wbc.walking.gains import WalkerGains
 from wbc.walking.ground_kinematics import GroundKinematics
-from wbc.walking.height_reference import HeightReference
 from wbc.walking.reference_offset import ReferenceOffset
 from wbc.walking.stabilizer import Stabilizer, StabilizerOutput
-from wbc.walking.trunk_tasks import TrunkTasks
 
 
 class VelocityClamped(UserWarning):
@@ -61,6 +60,7 @@ class Walker:
 
     Attributes:
         controller: the whole-body controller; add tasks of your own to it.
+        com: the task of the centre of mass.
         posture: the posture task, for arms and head.
         planner: plans footsteps and DCM.
         stabilizer: DCM feedback, step adjustment, bias of the CoM.
@@ -87,26 +87,11 @@ class Walker:
         self.gait = gait or GaitParameters.for_robot(robot, workspace)
         self.gains = gains = gains or WalkerGains()
         self.controller = controller = WholeBodyController(robot, dt, solver=solver)
-        kp = gains.height_kp
-        self.com = controller.add(
-            ComTask(
-                np.zeros(3),
-                weight=gains.com_weight,
-                kp=np.array([0.0, 0.0, kp]),
-                kd=np.array([0.0, 0.0, 2.0 * np.sqrt(kp)]),
-            )
-        )
         self._kin = Kinematics(robot, robot.standing())
         self._ground = GroundKinematics(self._kin)
-        self._trunk = TrunkTasks(controller, self._kin, gains)
-        weights = np.full(robot.na, gains.posture_weight)
-        for leg in robot.legs:
-            weights[np.array(leg) - 6] = gains.leg_posture_weight
-        weights[list(workspace.knees)] = gains.knee_posture_weight
-        self.posture = controller.add(PostureTask(robot, weight=weights, kp=gains.posture_kp))
-        self.momentum = controller.add(AngularMomentumTask(weight=gains.momentum_weight))
+        self._tasks = BalanceTasks(controller, self._kin, workspace, gains)
+        self.com, self.posture = self._tasks.com, self._tasks.posture
         self._contact_manager = ContactManager(robot, controller, gains)
-        self._height = HeightReference(workspace, gains.ground_time)
         self.stabilizer = Stabilizer(robot, gains)
         self.planner: Planner = planner or DcmPlanner()
         self.reference_offset: ReferenceOffset | None = None
@@ -164,13 +149,7 @@ class Walker:
     @property
     def tasks(self) -> tuple[Task, ...]:
         """Its own tasks, the swing feet's included: gains and weights may be set at any tick."""
-        return (
-            self.com,
-            *self._trunk.tasks,
-            self.posture,
-            self.momentum,
-            *self._contact_manager.swing_tasks,
-        )
+        return (*self._tasks.tasks, *self._contact_manager.swing_tasks)
 
     def follow(self, footsteps: Sequence[Footstep]) -> None:
         """Walk over given footsteps, alternating sides, then stop.
@@ -207,8 +186,8 @@ class Walker:
         feet, com, _ = self._ground.read()
         self.state_machine = GaitStateMachine(self.gait, feet, self.planner)
         ground = 0.5 * (feet.left.height + feet.right.height)
-        self._height.reset(ground, float(self._kin.p_com[2]))
-        self._heading = feet.left.yaw + 0.5 * wrap_angle(feet.right.yaw - feet.left.yaw)
+        self._tasks.height.reset(ground, float(self._kin.p_com[2]))
+        self._heading = mean_heading(self.gait_state)
         at_rest = DcmReference(com, 0j, com)
         landing = self.gait_state.landing
         self._balance = StabilizerOutput(at_rest.dcm, at_rest, at_rest.zmp, 0j, landing)
@@ -237,8 +216,9 @@ class Walker:
         machine.update(dt, feet, self._command, sides_in_contact(self.robot, estimate))
         balance = self._balance = stabilizer.update(state, self._reference)
         machine.move_swing(dt, balance.landing)
-        self._set_com_reference(state)
-        self._set_heading(state)
+        self._heading = mean_heading(state)
+        step_length, offset = machine.step_length, self.reference_offset
+        self._tasks.update(state, balance.com_acceleration, self._heading, step_length, offset, dt)
         self._contact_manager.update(state)
         return self.controller.solve(kin)
 
@@ -250,34 +230,10 @@ class Walker:
             reference if offset is None else offset.apply(reference, self.gait_state, self._heading)
         )
 
-    def _set_com_reference(self, state: GaitState) -> None:
-        com, acceleration = self.com, self._balance.com_acceleration
-        com.acceleration[0], com.acceleration[1] = acceleration.real, acceleration.imag
-        assert com.target is not None
-        com.target[2] = self._height.update(state, self.state_machine.step_length, self.dt)
-        offset = self.reference_offset
-        if offset is not None:
-            com.target[2] += offset.com[2]
-            com.velocity[2] = offset.com_velocity[2]
-            com.acceleration[2] = offset.com_acceleration[2]
-
-    def _set_heading(self, state: GaitState) -> None:
-        """Face the mean heading of both feet, the swing foot's as planned."""
-        left, right = state.feet.left.yaw, state.feet.right.yaw
-        yaw_rate, swing = 0.0, state.swing
-        if swing is not None:
-            yaw_rate = 0.5 * swing.yaw_rate
-            if state.support == "right":
-                left = swing.yaw
-            else:
-                right = swing.yaw
-        self._heading = left + 0.5 * wrap_angle(right - left)
-        self._trunk.update(self._heading, yaw_rate, self.reference_offset)
-
     @property
     def telemetry(self) -> Telemetry:
         """What the walker sees and intends after the last tick, for observers."""
-        state, balance, z = self.gait_state, self._balance, self._height.ground
+        state, balance, z = self.gait_state, self._balance, self._tasks.height.ground
         dcm, reference, zmp = balance.dcm, balance.reference.dcm, balance.zmp
         rows = np.array(
             (
@@ -302,7 +258,7 @@ class Walker:
     @property
     def contact_plan(self) -> ContactPlan:
         """Where the robot stands and will step; computed anew at each call."""
-        state, ground = self.gait_state, self._height.ground
+        state, ground = self.gait_state, self._tasks.height.ground
         swing, corners = state.swing, self.stabilizer.support.corners(state)
         return ContactPlan(
             support=np.array([[p.real, p.imag, ground] for p in corners]),
@@ -345,7 +301,7 @@ class Walker:
     @property
     def height(self) -> float:
         """Wanted height of the CoM over the ground at this tick, m."""
-        return self._height.above_ground
+        return self._tasks.height.above_ground
 
     @property
     def steps(self) -> int:

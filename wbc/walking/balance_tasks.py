@@ -1,0 +1,108 @@
+"""Tasks of a walker that stay in the QP in every phase: CoM, trunk, posture, angular momentum."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wbc.controller import WholeBodyController
+from wbc.gait import GaitState
+from wbc.gait.leg_workspace import LegWorkspace
+from wbc.geometry.planar import wrap_angle
+from wbc.kinematics import Kinematics
+from wbc.tasks import AngularMomentumTask, ComTask, PostureTask, Task
+from wbc.walking.gains import WalkerGains
+from wbc.walking.height_reference import HeightReference
+from wbc.walking.reference_offset import ReferenceOffset
+from wbc.walking.trunk_tasks import TrunkTasks
+
+
+class BalanceTasks:
+    """Adds the tasks to the controller and sets their references in each tick.
+
+    The CoM's horizontal acceleration is what the stabilizer commands; its height is a position
+    reference.
+
+    Args:
+        controller: gets the tasks.
+        kin: standing upright, heading along x.
+        workspace: of the legs.
+        gains: weights and gains.
+
+    Attributes:
+        com: centre of mass.
+        posture: all actuated joints.
+        height: reference of the CoM's height.
+    """
+
+    def __init__(
+        self,
+        controller: WholeBodyController,
+        kin: Kinematics,
+        workspace: LegWorkspace,
+        gains: WalkerGains,
+    ) -> None:
+        robot, kp = controller.robot, gains.height_kp
+        self._com_target = np.zeros(3)
+        self.com = controller.add(
+            ComTask(
+                self._com_target,
+                weight=gains.com_weight,
+                kp=np.array([0.0, 0.0, kp]),
+                kd=np.array([0.0, 0.0, 2.0 * np.sqrt(kp)]),
+            )
+        )
+        self._trunk = TrunkTasks(controller, kin, gains)
+        weights = np.full(robot.na, gains.posture_weight)
+        for leg in robot.legs:
+            weights[np.array(leg) - 6] = gains.leg_posture_weight
+        weights[list(workspace.knees)] = gains.knee_posture_weight
+        self.posture = controller.add(PostureTask(robot, weight=weights, kp=gains.posture_kp))
+        self._momentum = controller.add(AngularMomentumTask(weight=gains.momentum_weight))
+        self.height = HeightReference(workspace, gains.ground_time)
+
+    @property
+    def tasks(self) -> tuple[Task, ...]:
+        """The tasks in the order in which the controller has them."""
+        return (self.com, *self._trunk.tasks, self.posture, self._momentum)
+
+    def update(
+        self,
+        state: GaitState,
+        com_acceleration: complex,
+        heading: float,
+        step_length: float,
+        offset: ReferenceOffset | None,
+        dt: float,
+    ) -> None:
+        """Set the references of this tick.
+
+        Args:
+            state: phase, feet and swing foot.
+            com_acceleration: horizontal acceleration of the CoM, world axes, m/s².
+            heading: that the trunk faces, rad.
+            step_length: of the present steps, m.
+            offset: what a motion adds; None: nothing.
+            dt: time since the last tick, s.
+        """
+        com = self.com
+        com.acceleration[0], com.acceleration[1] = com_acceleration.real, com_acceleration.imag
+        height = self.height.update(state, step_length, dt)
+        if offset is not None:
+            height += offset.com[2]
+            com.velocity[2] = offset.com_velocity[2]
+            com.acceleration[2] = offset.com_acceleration[2]
+        self._com_target[2] = height
+        com.target = self._com_target
+        swing = state.swing
+        self._trunk.update(heading, 0.0 if swing is None else 0.5 * swing.yaw_rate, offset)
+
+
+def mean_heading(state: GaitState) -> float:
+    """Return the mean heading of both feet, the swing foot's as planned, rad."""
+    left, right, swing = state.feet.left.yaw, state.feet.right.yaw, state.swing
+    if swing is not None:
+        if state.support == "right":
+            left = swing.yaw
+        else:
+            right = swing.yaw
+    return left + 0.5 * wrap_angle(right - left)
