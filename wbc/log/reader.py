@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -47,13 +48,21 @@ class Log:
         except OSError as error:
             raise LogError(f"cannot read {self.path}: {error.strerror}") from error
 
+    def __iter__(self) -> Iterator[str]:
+        """Yield the names of the topics."""
+        return iter(self.topics)
+
+    def __contains__(self, topic: object) -> bool:
+        """Return whether the log has messages of a topic."""
+        return topic in self.topics
+
     def __getitem__(self, topic: str) -> TopicTable:
         """Return the messages of a topic, for example "/joint_states".
 
         Raises:
             LogError: The log has no messages of the topic.
         """
-        if topic not in self.topics:
+        if topic not in self:
             raise LogError(
                 f"{self.path} has no messages of topic '{topic}'{did_you_mean(topic, self.topics)}"
             )

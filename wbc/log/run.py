@@ -73,7 +73,7 @@ class LoggedRun:
     def __init__(self, log: Log) -> None:
         self.log = log
         self.robot_info: RobotInfo = log.robot_info()
-        if _STATE not in log.topics:
+        if _STATE not in log:
             raise LogError(f"{log.path} holds no tick")
         self.stamps = log[_STATE].stamps
         self.time = 1e-9 * self.stamps
@@ -97,7 +97,7 @@ class LoggedRun:
         """Yield the names of the quantities."""
         return iter(self.quantities)
 
-    def __contains__(self, name: str) -> bool:
+    def __contains__(self, name: object) -> bool:
         """Return whether the log has a quantity."""
         return name in self.quantities
 
@@ -133,7 +133,7 @@ class LoggedRun:
             columns = list(columns_from_json(self.log.files["quantities.json"]))
         except (KeyError, ValueError, TypeError) as error:
             raise LogError(f"{self.log.path} does not describe its quantities") from error
-        for topic in self.log.topics:
+        for topic in self.log:
             for prefix, column in _COMPUTED.items():
                 if topic.startswith(prefix):
                     name = column.name + topic.removeprefix(prefix)
@@ -153,7 +153,7 @@ class LoggedRun:
     @cached_property
     def plans(self) -> list[ContactPlan]:
         """The contact plans, in the order of `plan_stamps`."""
-        if "/footsteps" not in self.log.topics:
+        if "/footsteps" not in self.log:
             return []
         parts = (self.log[t].messages() for t in ("/support_polygon", "/footsteps", "/swing_path"))
         return [
@@ -202,7 +202,7 @@ class LoggedRun:
             near = did_you_mean(name, self.quantities)
             raise LogError(f"{self.log.path} has no quantity '{name}'{near}")
         fields = _fields(column)
-        if not all(topic in self.log.topics for topic, _ in fields):
+        if not all(topic in self.log for topic, _ in fields):
             return np.full((len(self), *(() if column.scalar else (column.size,))), np.nan)
         held = name.startswith(_HELD)
         values = np.hstack([self._at_ticks(topic, field, held) for topic, field in fields])

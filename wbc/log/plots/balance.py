@@ -49,15 +49,15 @@ CURVES = (
 )
 
 
-class Contact(NamedTuple):
-    """One contact of a sole with the ground.
+class StancePeriod(NamedTuple):
+    """A period in which a sole is in contact with the ground.
 
     Attributes:
         side: "left" or "right".
         colour: Colour of the side.
-        pose: Pose of the sole in the middle of the contact: position, m, quaternion x y z w.
+        pose: Pose of the sole in the middle of the period: position, m, quaternion x y z w.
         half_size: Half length and half width of the sole, m.
-        ticks: First tick of the contact, and the first one after it.
+        ticks: First tick of the period, and the first one after it.
     """
 
     side: str
@@ -67,8 +67,8 @@ class Contact(NamedTuple):
     ticks: tuple[int, int]
 
 
-def contacts(run: LoggedRun) -> Iterator[Contact]:
-    """Yield every contact of the left, then of the right sole, in order of time."""
+def stance_periods(run: LoggedRun) -> Iterator[StancePeriod]:
+    """Yield every stance period of the left, then of the right sole, in order of time."""
     least = _MIN_LOAD * run.robot_info.weight
     sides = (("left", LEFT), ("right", RIGHT))
     for (side, colour), half_size in zip(sides, run.robot_info.soles, strict=True):
@@ -78,7 +78,7 @@ def contacts(run: LoggedRun) -> Iterator[Contact]:
         if known and pose in run:
             for start, stop in spans(np.nan_to_num(run[known[0]][:, 2]) > least):
                 middle = run[pose][(start + stop) // 2]
-                yield Contact(side, colour, middle, half_size, (start, stop))
+                yield StancePeriod(side, colour, middle, half_size, (start, stop))
 
 
 def draw_coordinate(axes: Any, run: LoggedRun, coordinate: int) -> None:
@@ -89,11 +89,11 @@ def draw_coordinate(axes: Any, run: LoggedRun, coordinate: int) -> None:
         run: Logged run.
         coordinate: 0 for x, 1 for y.
     """
-    for contact in contacts(run):
-        start, stop = contact.ticks
-        middle, half = contact.pose[coordinate], contact.half_size[coordinate]
+    for stance in stance_periods(run):
+        start, stop = stance.ticks
+        middle, half = stance.pose[coordinate], stance.half_size[coordinate]
         axes.fill_between(
-            run.time[[start, stop - 1]], middle - half, middle + half, color=contact.colour,
+            run.time[[start, stop - 1]], middle - half, middle + half, color=stance.colour,
             alpha=0.12, linewidth=0,
         )  # fmt: skip
     every = thin(len(run))
@@ -149,14 +149,14 @@ def draw_top_view(axes: Any, run: LoggedRun) -> None:
 def footprints(run: LoggedRun) -> Iterator[tuple[str, np.ndarray]]:
     """Yield the side and the corners, shape (4, 2), m, world axes, of every footstep made."""
     dt = float(np.median(np.diff(run.time))) if len(run) > 1 else 0.0
-    for contact in contacts(run):
-        ticks = contact.ticks[1] - contact.ticks[0]
+    for stance in stance_periods(run):
+        ticks = stance.ticks[1] - stance.ticks[0]
         if ticks * dt >= _SHORTEST or ticks == len(run):
-            x, y, z, w = contact.pose[3:]
+            x, y, z, w = stance.pose[3:]
             yaw = float(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
-            placement = Placement(ground_point(contact.pose), yaw)
-            corners = sole_corners(placement, *contact.half_size)
-            yield contact.side, np.array([[corner.real, corner.imag] for corner in corners])
+            placement = Placement(ground_point(stance.pose), yaw)
+            corners = sole_corners(placement, *stance.half_size)
+            yield stance.side, np.array([[corner.real, corner.imag] for corner in corners])
 
 
 def _known_curves(run: LoggedRun) -> Iterator[tuple[Curve, np.ndarray]]:
