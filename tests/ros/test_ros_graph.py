@@ -302,6 +302,18 @@ def test_wait_for_returns_the_snapshot_that_fulfils_the_condition(observer, grap
     assert graph.wait_for(lambda _: False, 0.1) is None
 
 
+def test_nodes_discover_each_other_in_the_format_of_humble(monkeypatch):
+    monkeypatch.setenv("ROS_DISTRO", "humble")
+    domain = unused_domain()
+    with node("observer", domain) as first, node("talker", domain) as second:
+        second.create_publisher("std_msgs/msg/String", "chatter")
+
+        def is_announced(snapshot):
+            return [e.node for e in snapshot.topic("/chatter").publishers] == ["/talker"]
+
+        assert first.graph.wait_for(is_announced, TIMEOUT), first.graph.snapshot()
+
+
 @pytest.mark.parametrize(("distribution", "size"), [("humble", 24), ("jazzy", 16), ("", 16)])
 def test_discovery_message_has_the_format_of_the_distribution(distribution, size):
     typesys = pytest.importorskip("rosbags.typesys")

@@ -53,7 +53,7 @@ def dds_type(name: str) -> Any:
     Raises:
         MessageError: there is no such type.
     """
-    return carry_bytes(_structure(name, {}))
+    return _carry_bytes(_structure(name, {}))
 
 
 @cache
@@ -71,7 +71,7 @@ def dds_service_type(name: str) -> Any:
 
     # What `rmw_cyclonedds` puts before a request or reply: the client and its sequence number.
     header = {"client_guid": uint64, "sequence_number": int64}
-    return carry_bytes(_structure(name, header))
+    return _carry_bytes(_structure(name, header))
 
 
 @cache
@@ -90,7 +90,7 @@ def raw_dds_type(dds_name: str) -> Any:
     full = dds_name.replace("::", ".")
     fields = {"first": uint8}
     structure = make_idl_struct(full.rpartition(".")[2], full, fields, dataclassify=False)
-    return carry_bytes(structure)
+    return _carry_bytes(structure)
 
 
 @cache
@@ -109,7 +109,7 @@ def _structure(name: str, header: dict[str, Any]) -> Any:
     )
 
 
-def carry_bytes(structure: Any) -> Any:
+def _carry_bytes(structure: Any) -> Any:
     """Make the samples of a structure carry only `data`, the serialized bytes; return it.
 
     The methods are not inherited, because DDS would take a base class for a part of the structure.

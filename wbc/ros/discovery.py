@@ -1,28 +1,26 @@
 """The message that assigns DDS endpoints to nodes.
 
 DDS discovers writers and readers; `rmw_dds_common/ParticipantEntitiesInfo`, published on
-`ros_discovery_info`, says which node they belong to. An endpoint id takes 24 bytes in it up to
-Humble, and 16 bytes from Iron on.
+`ros_discovery_info`, assigns them to nodes. An id of an endpoint takes 24 bytes in this message up
+to Humble, and 16 bytes from Iron on.
 """
 
 from __future__ import annotations
 
 import os
-import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cached_property
 from typing import Any
 
-from wbc.messages import message_type
-from wbc.ros.dds_types import carry_bytes
+import numpy as np
+
+from wbc.messages import message_type, typestore
+from wbc.ros.dds_types import dds_type, raw_dds_type
 
 TOPIC = "ros_discovery_info"
 TYPE = "rmw_dds_common/msg/ParticipantEntitiesInfo"
-_HEADER = b"\x00\x01\x00\x00"
-_WORD = struct.Struct("<I")
-_GUID = 16  # bytes
-_LONG_GID, _GID = 24, 16  # bytes
+_GID, _LONG_GID = 16, 24  # bytes
 _WITH_LONG_GID = ("dashing", "eloquent", "foxy", "galactic", "humble")
 
 
@@ -71,22 +69,32 @@ class DiscoveryFormat:
 
     def dds_type(self) -> Any:
         """Return the DDS type of the message."""
-        return _dds_type(self.gid_size)
+        message = message_type(TYPE)
+        return dds_type(TYPE) if self.gid_size == _GID else raw_dds_type(message.dds_name())
 
     def user_data(self) -> str:
         """Return the USER_DATA of the endpoints: the type hash, introduced with the shorter ids."""
-        return "" if self.gid_size == _LONG_GID else f"typehash={message_type(TYPE).type_hash()};"
+        return f"typehash={message_type(TYPE).type_hash()};" if self.gid_size == _GID else ""
 
     def encode(self, participant: bytes, nodes: tuple[NodeEntities, ...]) -> bytes:
         """Return the serialized message."""
-        out = bytearray(_HEADER + self._gid(participant) + _WORD.pack(len(nodes)))
-        for node in nodes:
-            _write_text(out, node.namespace)
-            _write_text(out, node.name)
-            for gids in (node.readers, node.writers):
-                _align(out)
-                out += _WORD.pack(len(gids)) + b"".join(map(self._gid, gids))
-        return bytes(out)
+        types: Any = self._typestore.types
+
+        def gid(data: bytes) -> Any:
+            padded = data.ljust(self.gid_size, b"\0")
+            return types["rmw_dds_common/msg/Gid"](data=np.frombuffer(padded, np.uint8))
+
+        entities = [
+            types["rmw_dds_common/msg/NodeEntitiesInfo"](
+                node_namespace=node.namespace,
+                node_name=node.name,
+                reader_gid_seq=[gid(reader) for reader in node.readers],
+                writer_gid_seq=[gid(writer) for writer in node.writers],
+            )
+            for node in nodes
+        ]
+        message = types[TYPE](gid=gid(participant), node_entities_info_seq=entities)
+        return bytes(self._typestore.serialize_cdr(message, TYPE, little_endian=True))
 
     def decode(self, data: bytes) -> tuple[bytes, tuple[NodeEntities, ...]]:
         """Return the participant's 16-byte id and its nodes.
@@ -94,71 +102,31 @@ class DiscoveryFormat:
         Raises:
             ValueError: the bytes are not a discovery message.
         """
-        reader = _DiscoveryReader(data, self.gid_size)
-        participant = reader.gid()
-        nodes = []
-        for _ in range(reader.word()):
-            namespace, name = reader.text(), reader.text()
-            readers = tuple(reader.gid() for _ in range(reader.word()))
-            writers = tuple(reader.gid() for _ in range(reader.word()))
-            nodes.append(NodeEntities(namespace, name, readers, writers))
-        return participant, tuple(nodes)
+        from rosbags.serde import SerdeError
 
-    def _gid(self, gid: bytes) -> bytes:
-        return gid.ljust(self.gid_size, b"\0")
+        try:
+            message = self._typestore.deserialize_cdr(data, TYPE)
+        except SerdeError as error:
+            raise ValueError(f"the bytes are not a discovery message: {error}") from error
 
+        def gids(sequence: Any) -> tuple[bytes, ...]:
+            return tuple(bytes(gid.data)[:_GID] for gid in sequence)
 
-def _align(out: bytearray) -> None:
-    out += bytes(-len(out) % 4)
+        return bytes(message.gid.data)[:_GID], tuple(
+            NodeEntities(
+                info.node_namespace,
+                info.node_name,
+                gids(info.reader_gid_seq),
+                gids(info.writer_gid_seq),
+            )
+            for info in message.node_entities_info_seq
+        )
 
+    @cached_property
+    def _typestore(self) -> Any:
+        from rosbags.typesys import Stores, get_typestore
 
-def _write_text(out: bytearray, text: str) -> None:
-    data = text.encode() + b"\0"
-    _align(out)
-    out += _WORD.pack(len(data)) + data
-
-
-class _DiscoveryReader:
-    def __init__(self, data: bytes, gid_size: int) -> None:
-        self._data, self._at, self._gid_size = data, len(_HEADER), gid_size
-
-    def take(self, size: int) -> bytes:
-        part = self._data[self._at : self._at + size]
-        if len(part) < size:
-            raise ValueError(f"{size} bytes expected at offset {self._at} of {len(self._data)}")
-        self._at += size
-        return part
-
-    def word(self) -> int:
-        self._at += -self._at % 4
-        return int(_WORD.unpack(self.take(4))[0])
-
-    def text(self) -> str:
-        return self.take(self.word()).rstrip(b"\0").decode("utf-8", "replace")
-
-    def gid(self) -> bytes:
-        return self.take(self._gid_size)[:_GUID]
-
-
-@cache
-def _dds_type(gid_size: int) -> Any:
-    from cyclonedds.idl import make_idl_struct
-    from cyclonedds.idl.types import array, bounded_str, sequence, uint8
-
-    def structure(name: str, fields: dict[str, Any]) -> Any:
-        full = f"rmw_dds_common.msg.dds_.{name}_"
-        return make_idl_struct(f"{name}_", full, fields, dataclassify=False)
-
-    gid = structure("Gid", {"data": array[uint8, gid_size]})
-    node = structure(
-        "NodeEntitiesInfo",
-        {
-            "node_namespace": bounded_str[256],
-            "node_name": bounded_str[256],
-            "reader_gid_seq": sequence[gid],
-            "writer_gid_seq": sequence[gid],
-        },
-    )
-    return carry_bytes(
-        structure("ParticipantEntitiesInfo", {"gid": gid, "node_entities_info_seq": sequence[node]})
-    )
+        if self.gid_size == _LONG_GID:
+            return get_typestore(Stores.ROS2_HUMBLE)
+        message_type(TYPE)  # registers the class with the typestore
+        return typestore()
