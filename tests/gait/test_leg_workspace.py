@@ -33,6 +33,18 @@ def test_knees_are_found_and_long_steps_lower_the_com(name: str, knees: tuple[st
     assert 0.7 * robot.com_height < heights[-1] < heights[0]
 
 
+def test_a_leg_that_ends_with_its_knee_reaches_to_its_sole() -> None:
+    robot = wbc.load("bolt", left_foot="FL_FOOT", right_foot="FR_FOOT")
+    workspace = LegWorkspace(robot)
+    assert tuple(robot.joint_names[k] for k in workspace.knees) == ("FL_KFE", "FR_KFE")
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.q_nominal)
+    sole = robot.soles[0]
+    hip = data.oMi[robot.model.getJointId("FL_HAA")].translation
+    nominal = float(np.linalg.norm(data.oMf[sole.frame_id].translation - hip))
+    assert 0.8 * nominal < workspace.reach < 1.3 * nominal
+
+
 def test_knees_that_carry_little_more_than_the_robot_allow_only_short_steps() -> None:
     romeo, talos = wbc.load("romeo"), wbc.load("talos")
     assert GaitParameters.for_robot(romeo).max_step < 0.3 * romeo.leg_length

@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from wbc.errors import GaitError
 from wbc.robot import Robot
+from wbc.robot.posture import find_knee
 
 _BEND = 0.6  # rad: a knee straighter than this has little grip on height and swing
 _SHORTENING = 0.02  # m by which a knee, at least, brings the ankle nearer to the hip
@@ -20,8 +21,6 @@ _TRAIL = 0.7  # share of a step that the rear foot is behind the hip when it lea
 
 class LegWorkspace:
     """Geometry of the legs: their knees, and hip to ankle distance with an almost straight knee.
-
-    A knee is the joint of its leg that changes the distance from hip to ankle most.
 
     A rear foot that stays flat is left behind by about 0.7 of the step's length; with the
     hip's height z_h over the ankle and the leg's reach ρ, `z_h² + (0.7 L)² ≤ ρ²`.
@@ -76,38 +75,39 @@ class _Leg:
     def __init__(self, robot: Robot, side: int) -> None:
         model, q = robot.model, robot.q_nominal
         data = model.createData()
-        leg = robot.legs[side]
+        sole, leg = robot.soles[side], robot.legs[side]
         joints = [j for j in range(1, model.njoints) if model.joints[j].idx_v in leg]
-        if len(joints) < 3:
+        knee = find_knee(model, q, sole, leg)
+        if knee is None:
             raise _no_knee(robot, side)
+        self.knee = knee - 6
+        ankle = joints[-1]
+        # A leg that ends with its knee has no ankle: its sole is as good.
+        below = pin.SE3.Identity() if model.joints[ankle].idx_v != knee else sole.placement
 
         def span(configuration: np.ndarray) -> np.ndarray:
             """From the last ankle joint to the first hip joint, world axes."""
             pin.forwardKinematics(model, data, configuration)
-            return np.array(data.oMi[joints[0]].translation - data.oMi[joints[-1]].translation)
+            foot = data.oMi[ankle].act(below.translation)
+            return np.array(data.oMi[joints[0]].translation - foot)
 
-        def bent(index: int, angle: float) -> np.ndarray:
+        def length(angle: float) -> float:
+            """From hip to ankle with the knee at an angle, m."""
             trial = q.copy()
-            trial[index + 1] = angle
-            return trial
+            trial[knee + 1] = angle
+            return float(np.linalg.norm(span(trial)))
 
         self.roll = self._roll_range(robot, data, joints)
-        best = 0.0
-        for index in leg[1:-1]:
-            lower = max(model.lowerPositionLimit[index + 1], -3.0)
-            upper = min(model.upperPositionLimit[index + 1], 3.0)
-            angles = np.linspace(lower, upper, 61)
-            spans = [float(np.linalg.norm(span(bent(index, a)))) for a in angles]
-            if max(spans) - min(spans) > best:
-                best = max(spans) - min(spans)
-                straight = float(angles[int(np.argmax(spans))])
-                self.knee = index - 6
-        if best < _SHORTENING:
+        lower = max(model.lowerPositionLimit[knee + 1], -3.0)
+        upper = min(model.upperPositionLimit[knee + 1], 3.0)
+        angles = np.linspace(lower, upper, 61)
+        lengths = [length(angle) for angle in angles]
+        longest = max(lengths)
+        if longest - min(lengths) < _SHORTENING:
             raise _no_knee(robot, side)
-        bend = math.copysign(_BEND, q[self.knee + 7] - straight)
-        self.reach = float(np.linalg.norm(span(bent(self.knee + 6, straight + bend))))
+        straight = float(angles[int(np.argmax(lengths))])
+        self.reach = length(straight + math.copysign(_BEND, q[knee + 1] - straight))
         self.hip_height = float(span(q)[2])
-        longest = float(np.linalg.norm(span(bent(self.knee + 6, straight))))
         self.drop = self._bearable_drop(robot, data, longest)
 
     def _roll_range(self, robot: Robot, data: pin.Data, joints: list[int]) -> float:
