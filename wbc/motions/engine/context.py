@@ -10,12 +10,10 @@ import numpy as np
 from wbc.command import Command
 from wbc.errors import MotionError
 from wbc.estimation import Estimate
-from wbc.geometry.planar import ground_point, planar_rotation
 from wbc.ik.objective import PostureSolution
 from wbc.ik.posture_checks import MAX_PELVIS_TILT
-from wbc.limits.per_joint import default_braking
+from wbc.motions.engine.body import BodyReferences
 from wbc.motions.engine.clock import Script, ScriptClock
-from wbc.motions.engine.com_reference import ComReference
 from wbc.motions.engine.feet import FootReferences
 from wbc.motions.engine.hands import HandReferences
 from wbc.motions.engine.motion_reference import MotionReference
@@ -24,10 +22,7 @@ from wbc.motions.engine.reference import SmoothReference
 from wbc.motions.engine.stance import Stance
 from wbc.robot.upper_body import UpperBody
 from wbc.state import State
-from wbc.walking import ReferenceOffset, Walker
-
-_MAX_POSTURE_ERROR = 0.3  # rad, of arms and trunk
-_HANDOVER_TIME = 1.5  # s, for the posture after an override
+from wbc.walking import Walker
 
 
 class MotionContext:
@@ -48,6 +43,7 @@ class MotionContext:
         stance: which feet carry, and where the weight is.
         feet: shifts the weight, lifts and places feet, steps.
         hands: leads the hands.
+        body: references of CoM, trunk and joints, the next four.
         com: (3,) offset of the CoM from its place when standing, m; see `ComReference`.
         torso: (3,) rotation vector of the upper trunk from upright, standing frame, rad.
         pelvis: (3,) likewise of the root link; `turn_trunk` shares a rotation between both.
@@ -62,38 +58,23 @@ class MotionContext:
 
     def __init__(self, walker: Walker) -> None:
         self.walker = walker
-        self.robot = robot = walker.robot
-        self.upper_body = UpperBody.of(robot)
-        omega = walker.gait.omega
+        self.robot = walker.robot
+        self.upper_body = UpperBody.of(walker.robot)
         self.clock = ScriptClock(walker.dt)
         self.stance = Stance(walker)
-        self.com = ComReference(
-            speed=0.3 * omega * robot.leg_length,
-            acceleration=0.1 * omega**2,
-            omega=omega,
-            descent=self._descent,
-            support=self.stance.polygon,
-        )
+        self.body = BodyReferences(walker, self.stance)
+        self.com, self.torso = self.body.com, self.body.torso
+        self.pelvis, self.posture = self.body.pelvis, self.body.posture
         self.feet = FootReferences(walker, self.clock, self.stance, self.com)
         self.hands = HandReferences(walker, self.upper_body)
-        self.torso = SmoothReference(np.zeros(3), speed=1.2, acceleration=4.0)
-        self.pelvis = SmoothReference(np.zeros(3), speed=1.2, acceleration=4.0)
-        self.posture = SmoothReference(
-            robot.q_nominal[7:],
-            speed=0.6 * np.minimum(robot.v_max, 5.0),
-            acceleration=0.5 * default_braking(robot),
-        )
-        self._not_legs = np.ones(robot.na, dtype=bool)
-        self._not_legs[[index - 6 for leg in robot.legs for index in leg]] = False
-        self._offset = ReferenceOffset()
-        self._estimate: Estimate | None = None
         self.notes: list[str] = []
         self.pushes: list[np.ndarray] = []
         self.override: ControllerOverride | None = None
         self.last_torque: np.ndarray | None = None
 
     def __repr__(self) -> str:
-        away = [name for name, r in self._named_references() if not r.at_home]
+        references = {**self.body.references, "weight": self.stance.weight_shift}
+        away = [name for name, r in references.items() if not r.at_home]
         return (
             f"MotionContext({self.robot.name} at {self.time:.2f} s, "
             f"{'away from home: ' + ', '.join(away) if away else 'at home'})"
@@ -104,32 +85,11 @@ class MotionContext:
         self.clock.time = self.note_time = 0.0
         self.notes.clear()
         self.pushes.clear()
-        self.posture.home = self.walker.posture.target.copy()
-        for reference in self._upper_body_references():
-            reference.reset()
         self.feet.reset()
         self.hands.reset()
-        self._offset = ReferenceOffset()
-        self.walker.reference_offset = self._offset
         self.walker.velocity = (0.0, 0.0, 0.0)
         self.override = None
-        self._bring_com_home()
-
-    def _named_references(self) -> tuple[tuple[str, SmoothReference], ...]:
-        return (
-            ("com", self.com),
-            ("torso", self.torso),
-            ("pelvis", self.pelvis),
-            ("posture", self.posture),
-            ("weight", self.stance.weight_shift),
-        )
-
-    def _upper_body_references(self) -> tuple[SmoothReference, ...]:
-        return (self.com, self.torso, self.pelvis, self.posture)
-
-    def _descent(self) -> float:
-        state = self.state
-        return self.stance.descent(self.robot.q_nominal if state is None else state.q)
+        self.body.reset()
 
     # State.
 
@@ -146,7 +106,7 @@ class MotionContext:
     @property
     def state(self) -> State | None:
         """Estimated state of this tick; None before the first."""
-        return None if self._estimate is None else self._estimate.state
+        return self.body.state
 
     @property
     def standing(self) -> bool:
@@ -159,8 +119,7 @@ class MotionContext:
         return self.standing and self.feet.at_home and self._upper_body_at_home()
 
     def _upper_body_at_home(self) -> bool:
-        references = self._upper_body_references()
-        return all(r.at_home for r in references) and not self.hands.engaged
+        return self.body.at_home and not self.hands.engaged
 
     # Waiting.
 
@@ -228,8 +187,7 @@ class MotionContext:
 
     def home_upper_body(self, duration: float = 1.0) -> None:
         """Send posture, trunk, CoM and hands home, without waiting; the feet continue."""
-        for reference in self._upper_body_references():
-            reference.move_to(reference.home, duration)
+        self.body.move_home(duration)
         self.hands.release(0.5 * duration)
 
     def home_all(self, duration: float = 1.0) -> None:
@@ -273,70 +231,23 @@ class MotionContext:
         assert self.state is not None
         self.override = None
         self.walker.resume(self.state)
-        for reference in self._upper_body_references():
-            reference.reset()
         self.feet.reset()
-        self._bring_com_home()
-        self.posture.start_from(self.state.q[7:], self.state.v[6:])
-        self.posture.move_to(self.posture.home, _HANDOVER_TIME)
-
-    def _bring_com_home(self) -> None:
-        """Bring the CoM home from its present position and velocity."""
-        kin, feet = self.walker.kinematics, self.walker.feet
-        to_heading = planar_rotation(-self.walker.heading)
-        offset = (ground_point(kin.p_com) - feet.middle) * to_heading
-        velocity = ground_point(kin.v_com) * to_heading
-        self.com.start_from(
-            np.array([offset.real, offset.imag, 0.0]),
-            np.array([velocity.real, velocity.imag, float(kin.v_com[2])]),
-        )
-        self.com.move_to(0.0, 1.0)
+        self.body.resume()
 
     # The tick; called by the player.
 
     def begin_tick(self, estimate: Estimate) -> None:
         """Take the tick's estimate, before the script runs."""
-        self._estimate = estimate
+        self.body.state = estimate.state
 
     def advance(self) -> None:
         """Advance the references by a tick and hand them to the walker."""
         self.clock.advance()
-        for reference in self._upper_body_references():
-            reference.advance(self.dt)
+        self.body.advance(self.dt)
         self.feet.advance(self.dt)
-        self._write_offset()
+        self.body.apply()
         self.hands.advance(self.dt)
-        posture = self.walker.posture
-        posture.target = self._bounded(self.posture.value)
-        posture.velocity = self.posture.velocity
-        posture.acceleration = self.posture.acceleration
         self.feet.apply()
-
-    def _write_offset(self) -> None:
-        offset, weight_shift = self._offset, self.stance.weight_shift
-        offset.com, offset.com_velocity = self.com.value, self.com.velocity
-        offset.com_acceleration = self.com.acceleration
-        offset.weight_shift = float(weight_shift.value[0])
-        offset.weight_shift_velocity = float(weight_shift.velocity[0])
-        offset.weight_shift_acceleration = float(weight_shift.acceleration[0])
-        for rotation, reference in ((offset.torso, self.torso), (offset.base, self.pelvis)):
-            rotation.is_zero = reference.at_home
-            rotation.vector, rotation.rate = reference.value, reference.velocity
-            rotation.acceleration = reference.acceleration
-
-    def _bounded(self, posture: np.ndarray) -> np.ndarray:
-        """Bound the posture error of arms and trunk, for which the CoM would pay.
-
-        A joint whose torque does not suffice stays behind; what it asks for must stay bounded.
-        """
-        if self.state is None:
-            return posture
-        error = posture - self.state.q[7:]
-        far = self._not_legs & (np.abs(error) > _MAX_POSTURE_ERROR)
-        if not far.any():
-            return posture
-        bounded = np.clip(error, -_MAX_POSTURE_ERROR, _MAX_POSTURE_ERROR)
-        return np.where(far, self.state.q[7:] + bounded, posture)
 
     def reference(self) -> MotionReference:
         """Return what the references commit to at this tick."""
