@@ -99,7 +99,7 @@ def test_every_argument_of_every_command_is_described(function):
     assert all(action.help for action in parser._actions)
 
 
-def test_help_and_version_load_no_robotics():
+def test_the_help_does_not_import_pinocchio():
     code = (
         "import sys; from wbc.cli import main; main(['--help']); print('pinocchio' in sys.modules)"
     )

@@ -10,6 +10,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
+#: Start of a push, s, and its impulse, N·s, in world axes; the robot starts heading along +x.
+ScheduledPush = tuple[float, tuple[float, float, float]]
+
 
 class Argument(NamedTuple):
     """How an argument is typed on the command line; the metadata of an annotated type.
@@ -23,18 +26,6 @@ class Argument(NamedTuple):
     metavar: str | tuple[str, ...]
     parse: Callable[[str], Any] = str
     flag: str = ""
-
-
-class Push(NamedTuple):
-    """A push on the torso.
-
-    Attributes:
-        time: start of the push, s.
-        impulse: impulse, N·s, in world axes; the robot starts heading along +x.
-    """
-
-    time: float
-    impulse: tuple[float, float, float]
 
 
 def number(text: str) -> float:
@@ -69,7 +60,7 @@ def positive_number(text: str) -> int:
     return whole_number(text, 1)
 
 
-def _push(text: str) -> Push:
+def _push(text: str) -> ScheduledPush:
     """Parse `"T IX IY IZ"`."""
     parts = text.replace(",", " ").split()
     if len(parts) != 4:
@@ -80,7 +71,7 @@ def _push(text: str) -> Push:
     time, x, y, z = (number(part) for part in parts)
     if time < 0.0:
         raise argparse.ArgumentTypeError(f"'{text}': the time of a push must not be negative")
-    return Push(time, (x, y, z))
+    return time, (x, y, z)
 
 
 def joint_value(text: str) -> tuple[str, float]:
@@ -111,10 +102,10 @@ def _output_file(text: str) -> Path:
     return path
 
 
-Robot = Annotated[str, Argument("NAME|FILE")]
+RobotName = Annotated[str, Argument("NAME|FILE")]
 Seconds = Annotated[float, Argument("S", _seconds)]
 Port = Annotated[int, Argument("N", functools.partial(whole_number, high=65535))]
-Pushes = Annotated[tuple[Push, ...], Argument('"T IX IY IZ"', _push)]
+Pushes = Annotated[tuple[ScheduledPush, ...], Argument('"T IX IY IZ"', _push)]
 OutputFile = Annotated[Path, Argument("FILE", _output_file)]
 LogFile = Annotated[Path, Argument("FILE.mcap", _output_file)]
 VideoFile = Annotated[Path, Argument("FILE.mp4", _output_file)]

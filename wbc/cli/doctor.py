@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 
-from wbc.cli.argument_types import Robot
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.formatting import paragraph
 from wbc.cli.model_options import ModelOptions
@@ -14,7 +13,7 @@ from wbc.robot.finding import SEVERITIES
 _INDENT = 10
 
 
-def doctor(robot: Robot, model: ModelOptions) -> ExitCode:
+def doctor(robot: str, model: ModelOptions) -> ExitCode:
     """Check a robot description and print each defect with its consequence and its cure.
 
     Exit code 0: the robot can be controlled; 1: the description has errors.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import webbrowser
 from pathlib import Path
 
-from wbc.cli.argument_types import OutputFile, Port, Robot, VideoFile
+from wbc.cli.argument_types import OutputFile, Port, RobotName, VideoFile
 from wbc.cli.outputs import write_recording
 from wbc.log.logged_robot import logged_robot
 from wbc.log.run import LoggedRun
@@ -17,7 +17,7 @@ from wbc.view.video import Video
 def replay(
     log: Path,
     *,
-    robot: Robot | None = None,
+    robot: RobotName | None = None,
     open: bool = False,
     port: Port | None = None,
     html: OutputFile | None = None,

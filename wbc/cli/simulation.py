@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import wbc
-from wbc.cli.argument_types import Argument, Robot
+from wbc.cli.argument_types import Argument, RobotName
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.interrupt import exit_on_interrupt, graceful_interrupt
 from wbc.cli.model_options import ModelOptions
@@ -41,7 +41,7 @@ class SimulationOptions:
 
     outputs: OutputOptions
     model: ModelOptions
-    robot: Robot = "talos"
+    robot: RobotName = "talos"
     solver: Annotated[str | None, Argument("NAME")] = None
     terrain: Literal["flat", "tiles"] = "flat"
     seed: int = 0

@@ -6,14 +6,14 @@ import math
 import time
 
 import wbc
-from wbc.cli.argument_types import OutputFile, Robot, Seconds
+from wbc.cli.argument_types import OutputFile, Seconds
 from wbc.cli.model_options import ModelOptions
 from wbc.cli.output import writing_results
 from wbc.view import Meshcat, Recording, Snapshot
 
 
 def view(
-    robot: Robot,
+    robot: str,
     model: ModelOptions,
     *,
     duration: Seconds = math.inf,

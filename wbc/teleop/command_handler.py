@@ -56,6 +56,8 @@ class CommandHandler(Closeable):
         reset_wanted: whether a reset has been accepted since the run began.
         pushes: how many pushes were survived.
         quantities: what the stream of ticks has beside the library's own quantities.
+        on_idle: called with the mode, every few milliseconds, while there are no ticks.
+        stop: tells whether to end the run while it is paused.
 
     Raises:
         MotionError: another process could not import a motion.
