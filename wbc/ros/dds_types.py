@@ -66,7 +66,6 @@ def dds_service_type(name: str) -> Any:
     Raises:
         MessageError: there is no such type.
     """
-    import_cyclonedds()
     from cyclonedds.idl.types import int64, uint64
 
     # What `rmw_cyclonedds` puts before a request or reply: the client and its sequence number.
@@ -83,7 +82,6 @@ def raw_dds_type(dds_name: str) -> Any:
     Args:
         dds_name: DDS name of the type, for example `std_msgs::msg::dds_::String_`.
     """
-    import_cyclonedds()
     from cyclonedds.idl import make_idl_struct
     from cyclonedds.idl.types import uint8
 
@@ -99,7 +97,6 @@ def _nested_type(name: str) -> Any:
 
 
 def _structure(name: str, header: dict[str, Any]) -> Any:
-    import_cyclonedds()
     from cyclonedds.idl import make_idl_struct
 
     package, kind, short = message_type(name).type_name.split("/")

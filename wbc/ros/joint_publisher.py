@@ -28,7 +28,6 @@ JOINT_NAMES = (
     "right_shoulder_pitch", "right_elbow",
     "left_shoulder_pitch", "left_elbow",
 )  # fmt: skip
-DEFAULT_RATE = 50.0  #: Hz
 RATE_BOUNDS = (1.0, 500.0)  #: Hz
 
 
@@ -66,7 +65,7 @@ class JointPublisher:
         phase: phase of the pattern, rad.
     """
 
-    def __init__(self, node: Node, rate: float = DEFAULT_RATE, urdf: Path | None = None) -> None:
+    def __init__(self, node: Node, rate: float = 50.0, urdf: Path | None = None) -> None:
         node.declare_parameter(
             "update_rate",
             float(rate),

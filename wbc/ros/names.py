@@ -60,12 +60,6 @@ def resolve_name(name: str, node: str, namespace: str = "/") -> str:
     return _validated(full, "topic or service")
 
 
-def to_name_token(text: str) -> str:
-    """Return a text as one part of a name; invalid characters become underscores."""
-    text = re.sub(r"_+", "_", re.sub(r"\W", "_", text, flags=re.ASCII))
-    return f"_{text}" if not text or text[0].isdigit() else text
-
-
 def _validated(name: str, what: str) -> str:
     if name == "/" and what == "namespace":
         return name

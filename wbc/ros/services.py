@@ -42,7 +42,6 @@ class _ServiceEndpoints:
         srv_type: `pkg/srv/Name`.
         request_type: class of the requests.
         response_type: class of the responses.
-        invalid_count: number of messages that could not be decoded and were skipped.
         writer: DDS writer.
         reader: DDS reader.
     """
@@ -61,7 +60,6 @@ class _ServiceEndpoints:
         self.service_name, self.srv_type = node.resolve_topic_name(srv_name), srv_type
         self.request_type = message_type(f"{srv_type}_Request")
         self.response_type = message_type(f"{srv_type}_Response")
-        self.invalid_count = 0
         identity = f"{id_key}={'.'.join(f'{byte:x}' for byte in uuid.uuid4().bytes)};"
 
         def config(prefix: str) -> EndpointConfig:
@@ -83,7 +81,6 @@ class _ServiceEndpoints:
                 client, number, body = without_header(data)
                 message = kind.decode(body)
             except (MessageError, struct.error) as error:
-                self.invalid_count += 1
                 logger.warning("%s: skipped a message: %s", self.service_name, error)
             else:
                 yield client, number, message, info

@@ -100,9 +100,10 @@ class RawSubscription:
 class Subscription(RawSubscription):
     """Passes the messages of one topic to a function; created by `Node.create_subscription`.
 
+    Messages that cannot be decoded are skipped with a warning.
+
     Attributes:
         msg_type: class of the messages.
-        invalid_count: number of messages that could not be decoded and were skipped.
     """
 
     def __init__(
@@ -114,7 +115,6 @@ class Subscription(RawSubscription):
         qos_profile: QoSProfile | int,
     ) -> None:
         self.msg_type = _message_class(msg_type)
-        self.invalid_count = 0
         self._next_warning = 0.0
         name = node.resolve_topic_name(topic)
         config = _endpoint_config(name, self.msg_type, QoSProfile.of(qos_profile))
@@ -124,16 +124,11 @@ class Subscription(RawSubscription):
         try:
             message = self.msg_type.decode(data)
         except MessageError as error:
-            self._warn(error)
+            if time.monotonic() >= self._next_warning:
+                self._next_warning = time.monotonic() + _WARNING_PERIOD
+                logger.warning("%s: skipped a message: %s", self.topic_name, error)
         else:
             self._callback(message, info)
-
-    def _warn(self, error: MessageError) -> None:
-        self.invalid_count += 1
-        now = time.monotonic()
-        if now >= self._next_warning:
-            self._next_warning = now + _WARNING_PERIOD
-            logger.warning("%s: skipped a message: %s", self.topic_name, error)
 
     def __repr__(self) -> str:
         return f"Subscription({self.msg_type.type_name} on {self.topic_name}: {self.qos_profile})"

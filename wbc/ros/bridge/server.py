@@ -20,7 +20,7 @@ from wbc.runtime.stream import TickReader
 
 
 def main() -> None:
-    """Serve until the parent is gone."""
+    """Run the node until the parent has ended."""
     sys.setswitchinterval(SWITCH_INTERVAL)
     parent = ParentConnection()
     config: NodeConfig = parent.config
