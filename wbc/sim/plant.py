@@ -243,18 +243,12 @@ class Mujoco(Closeable):
             PlantError: a shape, a duration or a time that makes no sense.
             FrameNotFound: the model has no such frame.
         """
-        vector = np.asarray(impulse, dtype=float)
-        if vector.shape != (3,) or not np.isfinite(vector).all():
-            raise PlantError(f"a push needs a finite (3,) impulse in N·s, not {impulse!r}")
-        if not (np.isfinite(duration) and duration > 0.0):
-            raise PlantError(f"a push of {duration} s: the duration must be positive")
         if not (np.isfinite(at_time) and at_time > self.time - 0.5 * self.timestep):
             raise PlantError(f"a push at {at_time} s: the time is {self.time:.3f} s already")
         body, point = self._push_point(frame)
-        first = round(at_time / self.timestep)
-        steps = max(1, round(duration / self.timestep))
-        force = vector / (steps * self.timestep)
-        self._pushes.add(Push(first, first + steps, force, body, point))
+        self._pushes.add(
+            Push.of_impulse(impulse, at_time, duration, self.timestep, body=body, point=point)
+        )
 
     def ground_truth(self) -> State:
         """Return the exact state now: for reports and tests, not for controllers."""

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from wbc.errors import PlantError
+
 _NO_TORQUE = np.zeros(3)
 
 
@@ -27,6 +29,37 @@ class Push:
     force: np.ndarray
     body: int
     point: np.ndarray
+
+    @staticmethod
+    def of_impulse(
+        impulse: Any,
+        at_time: float,
+        duration: float,
+        timestep: float,
+        *,
+        body: int,
+        point: np.ndarray,
+    ) -> Push:
+        """Return the constant force that delivers an impulse exactly, F = impulse / duration.
+
+        Args:
+            impulse: (3,) world axes, N·s.
+            at_time: when it begins, rounded to physics steps, s.
+            duration: rounded to physics steps, at least one, s.
+            timestep: of the physics, s.
+            body: see `Push`.
+            point: see `Push`.
+
+        Raises:
+            PlantError: the impulse is not finite or of wrong shape, or the duration not positive.
+        """
+        vector = np.asarray(impulse, dtype=float)
+        if vector.shape != (3,) or not np.isfinite(vector).all():
+            raise PlantError(f"a push needs a finite (3,) impulse in N·s, not {impulse!r}")
+        if not (np.isfinite(duration) and duration > 0.0):
+            raise PlantError(f"a push of {duration} s: the duration must be positive")
+        first, steps = round(at_time / timestep), max(1, round(duration / timestep))
+        return Push(first, first + steps, vector / (steps * timestep), body, point)
 
     def acts(self, step: int) -> bool:
         """Return whether the force acts in a physics step."""
