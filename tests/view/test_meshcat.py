@@ -213,11 +213,11 @@ def test_a_recording_that_cannot_be_written_is_an_error_with_its_path(robot, tmp
         recording.save(tmp_path / "file" / "run.html")
 
 
-def test_a_viewer_can_record_what_it_shows(robot, tmp_path):
+def test_leaving_a_recording_writes_its_file(robot, tmp_path):
     path = tmp_path / "run.html"
-    with Meshcat(robot, port=0, record=path, announce=False) as viewer:
+    with Recording(robot, path) as recording:
         for k in range(5):
-            viewer.show(Snapshot(0.1 * k, robot.q_nominal, text="</script>"))
+            recording.show(Snapshot(0.1 * k, robot.q_nominal, text="</script>"))
     html = path.read_text("utf-8")
     recording = json.loads(html.split('id="recording">')[1].split("</script>")[0])
     times = [caption["time"] for caption in recording["captions"]]

@@ -67,8 +67,6 @@ class LiveServer(SceneServer):
         config: Configuration of the server.
     """
 
-    files = (*SceneServer.files, *(_HERE / name for name in _FILES))
-
     def __init__(self, config: LiveServerConfig) -> None:
         super().__init__(config)
         self._host = config.host
@@ -80,6 +78,9 @@ class LiveServer(SceneServer):
         size = {"websocket_max_message_size": _MAX_SIZE}
         port = listen(self.handlers(), self.config.port, self._host, names, **size)
         return f"http://{url_host(self._host)}:{port}/static/"
+
+    def files(self) -> list[Path]:
+        return [*super().files(), *(_HERE / name for name in _FILES)]
 
     def handlers(self) -> list[Any]:
         return [(r"/controls", ControlSocket, {"broker": self._broker}), *super().handlers()]

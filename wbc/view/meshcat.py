@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 import webbrowser
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,12 +16,10 @@ from wbc.runtime.snapshot import Snapshot
 from wbc.runtime.stream import TickStream
 from wbc.view.config import ViewerConfig
 from wbc.view.errors import ViewerError
-from wbc.view.recording import Recording
 from wbc.view.terrain import checked_boxes
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
-    from wbc.runtime.tick import Tick
 
 
 class Meshcat(ProcessObserver):
@@ -36,7 +33,6 @@ class Meshcat(ProcessObserver):
         port: Port of the page on this machine; None takes the first free one from 7000 on, 0 any
             free one.
         rate: Frame rate, Hz.
-        record: Path of a recording to write when the viewer closes; None records nothing.
         open: Whether to open the page in the browser.
         boxes: Terrain as upright boxes: centre, then half sizes, m, shape (n, 6).
         announce: Whether to print the page's address.
@@ -56,7 +52,6 @@ class Meshcat(ProcessObserver):
         *,
         port: int | None = None,
         rate: float = 30.0,
-        record: str | Path | None = None,
         open: bool = False,
         boxes: np.ndarray | None = None,
         announce: bool = True,
@@ -64,8 +59,6 @@ class Meshcat(ProcessObserver):
         if not rate > 0.0:
             raise ViewerError(f"rate is {rate} Hz; a viewer needs a positive one")
         self._robot = robot
-        self._record = Path(record) if record is not None else None
-        self._recording = Recording(robot, boxes=boxes) if record is not None else None
         config = ViewerConfig(robot, port, float(rate), checked_boxes(boxes))
         super().__init__(ChildProcess("wbc.view.server", title="the viewer"))
         self.url = str(self._configure(config, ViewerError, "the viewer: ")["url"])
@@ -86,12 +79,6 @@ class Meshcat(ProcessObserver):
                 "make the viewer with the plant's robot"
             )
         super().attach(stream)
-
-    def observe(self, tick: Tick) -> None:
-        """Record the tick if a recording is made. The viewer's process reads it from the stream."""
-        if self._recording is not None:
-            self._recording.observe(tick)
-        super().observe(tick)
 
     def show(self, snapshot: Snapshot) -> None:
         """Show a snapshot outside a loop, without waiting for the viewer's process.
@@ -114,13 +101,4 @@ class Meshcat(ProcessObserver):
             raise ViewerError(
                 f"the snapshot at {snapshot.time} s cannot be shown: {error}"
             ) from error
-        if self._recording is not None:
-            self._recording.show(snapshot)
         self._process.warn_if_exited(time.perf_counter())
-
-    def close(self) -> None:
-        """End the viewer's process, and write the recording if one was made."""
-        super().close()
-        recording, self._recording = self._recording, None
-        if recording is not None and self._record is not None and len(recording):
-            recording.save(self._record)

@@ -68,21 +68,14 @@ class Replay:
 
     async def _serve(self, ready: Callable[[str], None]) -> None:
         files = viewer_scripts("socket.js", "player.js", "replay.js")
-        handlers = [
-            (r"/socket", _ReplayPage, {"replay": self}),
-            *page_handlers(self._robot.name, files),
-        ]
-        ready(f"http://{HOST}:{listen(handlers, self._port)}/static/")
+        page = (r"/socket", _ReplayPage, {"new_scene": self.new_scene, "series": self._series})
+        port = listen([page, *page_handlers(self._robot.name, files)], self._port)
+        ready(f"http://{HOST}:{port}/static/")
         await asyncio.Event().wait()
 
     def new_scene(self) -> ReplayScene:
         """Return a scene for one page."""
         return ReplayScene(Scene(self._robot, self._boxes), self._timeline)
-
-    def introduction(self) -> dict[str, Any]:
-        """Return what a page needs to know of the run: its start and end, s, and its series."""
-        timeline = self._timeline
-        return {"start": timeline.start, "end": timeline.end, "series": self._series}
 
 
 class ReplayScene:
@@ -94,8 +87,7 @@ class ReplayScene:
     """
 
     def __init__(self, scene: Scene, timeline: Timeline) -> None:
-        self.scene = scene
-        self._timeline = timeline
+        self.scene, self.timeline = scene, timeline
         self._time: float | None = None
 
     def show(self, time: float) -> Snapshot:
@@ -106,22 +98,22 @@ class ReplayScene:
         """
         if not math.isfinite(time):
             raise ViewerError(f"time = {time} s must be finite")
-        for snapshot in up_to(self._timeline, time, self._time, _HISTORY):
+        for snapshot in up_to(self.timeline, time, self._time, _HISTORY):
             self.scene.update(snapshot)
-        self._time = min(max(time, self._timeline.start), self._timeline.end)
+        self._time = min(max(time, self.timeline.start), self.timeline.end)
         return snapshot
 
 
 class _ReplayPage(ScenePage):
     """The web socket of one page, which sends a frame for each request."""
 
-    def initialize(self, replay: Replay) -> None:
-        self._replay = replay
+    def initialize(self, new_scene: Callable[[], ReplayScene], series: list[Any]) -> None:
+        self._replay_scene, self._series = new_scene(), series
 
     async def open(self, *_: str, **__: str) -> None:
-        self._replay_scene = self._replay.new_scene()
-        scene = self._replay_scene.scene
-        await self.send_objects(scene, list(scene.commands()), **self._replay.introduction())
+        scene, timeline = self._replay_scene.scene, self._replay_scene.timeline
+        times = {"start": timeline.start, "end": timeline.end}
+        await self.send_objects(scene, list(scene.commands()), series=self._series, **times)
 
     def on_message(self, message: str | bytes) -> None:
         try:

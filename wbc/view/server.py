@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -98,12 +97,9 @@ class SceneServer:
         config: Configuration of the viewer.
 
     Attributes:
-        files: Paths of the page's scripts and style sheets.
         reader: Reader of the ticks.
         live_scene: The scene, once its meshes are read.
     """
-
-    files: Sequence[Path] = viewer_scripts("socket.js", "live.js")
 
     def __init__(self, config: ViewerConfig) -> None:
         self.config = config
@@ -114,15 +110,19 @@ class SceneServer:
         """Listen on the port; return the address of the page.
 
         Raises:
-            WbcError: The port is in use.
+            WbcError: The port is in use, or meshcat is not installed.
         """
         port = listen(self.handlers(), self.config.port)
         return f"http://{HOST}:{port}/static/"
 
+    def files(self) -> list[Path]:
+        """Return the paths of the page's scripts and style sheets."""
+        return viewer_scripts("socket.js", "live.js")
+
     def handlers(self) -> list[Any]:
         """Return the request handlers."""
         socket = (r"/socket", LivePage, {"live_scene": self.live_scene})
-        return [socket, *page_handlers(self.config.robot.name, self.files)]
+        return [socket, *page_handlers(self.config.robot.name, self.files())]
 
     def start(self) -> None:
         """Do nothing; called once, when the scene is complete."""

@@ -77,7 +77,10 @@ class Video:
 
     @contextlib.contextmanager
     def _encoding(self, rate: float) -> Iterator[IO[bytes]]:
-        """Yield the encoder's input; the file exists afterwards only if all succeeded."""
+        """Yield the encoder's input; the file exists afterwards only if all succeeded.
+
+        `imageio_ffmpeg.write_frames` does not report that the encoder has failed.
+        """
         self.path.parent.mkdir(parents=True, exist_ok=True)
         command = [
             self._encoder,
