@@ -22,6 +22,7 @@ from wbc.log.errors import LogError
 from wbc.log.reader import Log
 from wbc.log.recovery import repair
 from wbc.log.run import LoggedRun
+from wbc.messages import message_type
 
 ROOT = Path(wbc.__file__).parent.parent
 
@@ -192,6 +193,34 @@ def test_a_log_with_a_damaged_chunk_is_read_up_to_the_damage(whole, tmp_path):
     run = LoggedRun.read(path)
     assert run.stamps[-1] == chunks[0].message_end_time
     assert len(run) < 90
+
+
+@pytest.mark.parametrize("compression", ["NONE", "LZ4", "ZSTD"])
+def test_a_log_of_another_program_is_read_up_to_a_damaged_chunk(tmp_path, compression):
+    from mcap.reader import make_reader
+    from mcap.writer import CompressionType, Writer
+
+    path = tmp_path / "other.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file, compression=CompressionType[compression])
+        writer.start("ros2")
+        schema = writer.register_schema("std_msgs/msg/Float64", "ros2msg", b"float64 data")
+        channel = writer.register_channel("/number", "cdr", schema)
+        number = message_type("std_msgs/msg/Float64")
+        for k in range(60):
+            writer.add_message(channel, k, number(data=0.1 * k).encode(), k)
+            if k % 20 == 19:
+                writer.flush()
+        writer.finish()
+    with path.open("rb") as file:
+        damaged = make_reader(file).get_summary().chunk_indexes[1]
+    data = bytearray(path.read_bytes())
+    middle = damaged.chunk_start_offset + damaged.chunk_length // 2
+    data[middle : middle + 4] = b"\xff" * 4
+    path.write_bytes(data)
+    log = Log(path)
+    assert not log.complete
+    np.testing.assert_array_equal(log["/number"].numbers("data")[:, 0], 0.1 * np.arange(20))
 
 
 def test_repair_does_not_change_a_complete_log(whole, tmp_path):

@@ -18,7 +18,7 @@ from zstandard import ZstdError
 from wbc.log.errors import LogError
 
 #: What the package `mcap` raises where a file is truncated or damaged.
-DAMAGE = (McapError, ZstdError, struct.error, ValueError)
+DAMAGE = (McapError, ZstdError, RuntimeError, struct.error, ValueError)  # RuntimeError: lz4
 
 
 class RecordReader:
