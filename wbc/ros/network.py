@@ -98,10 +98,11 @@ class Network:
         peers = tuple(
             filter(None, map(str.strip, environment.get("ROS_STATIC_PEERS", "").split(";")))
         )
-        default = DiscoveryRange.LOCALHOST if peers else DiscoveryRange.LOOPBACK
-        if uri:
-            default = DiscoveryRange.SYSTEM_DEFAULT
-        return Network(domain_id, _parse_range(environment) or default, "", peers, uri)
+        default = DiscoveryRange.SYSTEM_DEFAULT if uri else DiscoveryRange.LOOPBACK
+        discovery_range = _parse_range(environment) or default
+        if peers and discovery_range is DiscoveryRange.LOOPBACK:
+            discovery_range = DiscoveryRange.LOCALHOST
+        return Network(domain_id, discovery_range, "", peers, uri)
 
     def xml(self) -> str:
         """Return the Cyclone DDS configuration for this network, for all versions ROS 2 ships."""
