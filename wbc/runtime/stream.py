@@ -17,7 +17,7 @@ from wbc.process.ring import RingReader, SharedRing
 from wbc.runtime.mode import Mode
 from wbc.runtime.quantities import QUANTITIES
 from wbc.runtime.record import VaryingFieldsWriter
-from wbc.runtime.schema import Quantity, Schema, SchemaError, declared_columns
+from wbc.runtime.schema import Column, Quantity, Schema, SchemaError, declared_columns
 from wbc.runtime.tick import Tick
 
 if TYPE_CHECKING:
@@ -85,7 +85,11 @@ class TickStream:
         self._numbers = struct.Struct(f"={len(numbers)}d")
         end = len(numbers) + sum(size for _, size in self._arrays)
         self._array_words = self._words[len(numbers) : end]
-        self._functions = [(c.name, self._record[c.name], f) for c, f in columns if callable(f)]
+        self._functions = [(c.name, self._words_of(c), f) for c, f in columns if callable(f)]
+
+    def _words_of(self, column: Column) -> int | slice:
+        start = self.schema.dtype.fields[column.name][1] // 8  # type: ignore[index]
+        return start if column.scalar else slice(start, start + column.size)
 
     def begin_run(self) -> int:
         """Return the number of the run that begins, counted from 1."""
@@ -117,12 +121,13 @@ class TickStream:
         except ValueError as error:
             raise SchemaError(self._misfit(tick)) from error
         self._varying.set_text(tick.command.explanation or tick.telemetry.status_text)
-        for name, value, function in self._functions:
+        words = self._words
+        for name, place, function in self._functions:
             try:
-                value[:] = function(tick)
+                words[place] = function(tick)
             except Exception:
                 logger.exception("the quantity '%s' fails and is NaN from now on", name)
-                value[:] = np.nan
+                words[place] = np.nan
                 self._functions = [f for f in self._functions if f[0] != name]
         self._publish()
 
