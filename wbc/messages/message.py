@@ -52,8 +52,8 @@ class Message:
             known = did_you_mean(name, self._convert)
             raise MessageError(f"{self.type_name} has no field '{name}'{known}") from None
         except (TypeError, ValueError, OverflowError) as error:
-            shown = f"{value!r:.100}"
-            raise MessageError(f"{self.type_name}: {name} = {shown}: {error}") from None
+            text = f"{self.type_name}: {name} = {value!r:.100}: {error}"
+            raise MessageError(text) from None
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Message) or other.type_name != self.type_name:
