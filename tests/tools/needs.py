@@ -7,7 +7,7 @@ import os
 import pytest
 
 from wbc.errors import WbcError
-from wbc.view.browser import check_browser
+from wbc.view.browser import find_browser
 
 
 def need(condition: object, what: str) -> None:
@@ -19,6 +19,6 @@ def need(condition: object, what: str) -> None:
 
 def need_browser() -> None:
     try:
-        check_browser()
+        find_browser()
     except WbcError as error:
         need(False, str(error))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib.util
+import os
 import shutil
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -26,8 +27,8 @@ _FLAGS = (
 SOFTWARE = ("--use-gl=angle", "--use-angle=swiftshader")
 
 
-def check_browser() -> None:
-    """Check that `new_page` will find playwright and a browser.
+def find_browser() -> str:
+    """Return the path of the system's browser, or of the one that playwright has installed.
 
     Raises:
         MissingExtra: `playwright` is not installed.
@@ -35,11 +36,18 @@ def check_browser() -> None:
     """
     if importlib.util.find_spec("playwright") is None:
         raise MissingExtra("playwright", "video")
-    if _installed() is None and not _own():
-        raise ViewerError(
-            "there is no chromium to render with; run  playwright install chromium,  or your "
-            "system's  apt install chromium"
-        )
+    from playwright.sync_api import sync_playwright
+
+    for found in filter(None, map(shutil.which, _NAMES)):
+        return found
+    with sync_playwright() as playwright:
+        own = playwright.chromium.executable_path
+    if os.path.isfile(own):
+        return str(own)
+    raise ViewerError(
+        "there is no chromium to render with; run  playwright install chromium,  or your "
+        "system's  apt install chromium"
+    )
 
 
 @contextlib.contextmanager
@@ -53,14 +61,12 @@ def new_browser(flags: Sequence[str] = ()) -> Iterator[Any]:
         MissingExtra: `playwright` is not installed.
         ViewerError: No browser is installed, or it does not start.
     """
-    check_browser()
+    executable = find_browser()
     from playwright.sync_api import Error, sync_playwright
 
     with sync_playwright() as playwright:
         try:
-            browser = playwright.chromium.launch(
-                executable_path=_installed(), args=[*_FLAGS, *flags]
-            )
+            browser = playwright.chromium.launch(executable_path=executable, args=[*_FLAGS, *flags])
         except Error as error:
             reason = str(error).strip().splitlines()[0]
             raise ViewerError(f"the browser does not start: {reason}") from error
@@ -80,17 +86,3 @@ def new_page(width: int, height: int) -> Iterator[Any]:
     """
     with new_browser() as browser:
         yield browser.new_page(viewport={"width": width, "height": height})
-
-
-def _installed() -> str | None:
-    return next(filter(None, map(shutil.which, _NAMES)), None)
-
-
-def _own() -> bool:
-    """Return whether playwright has installed its own browser."""
-    from pathlib import Path
-
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        return Path(playwright.chromium.executable_path).is_file()

@@ -116,6 +116,6 @@ def _array(rows: np.ndarray, kind: str, normalized: bool = False) -> Json:
     return {"itemSize": rows.shape[1], "type": name, "array": data, "normalized": normalized}
 
 
-def set_object(path: str, thing: Json) -> bytes:
+def set_object(path: str, description: Json) -> bytes:
     """Return the command that sets the object at a path of the scene."""
-    return bytes(umsgpack.packb({"type": "set_object", "path": path, "object": thing}))
+    return bytes(umsgpack.packb({"type": "set_object", "path": path, "object": description}))

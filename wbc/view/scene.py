@@ -82,8 +82,8 @@ class Scene:
     def commands(self) -> Iterator[bytes]:
         """Yield the commands that create all objects."""
         for path, node in zip(self.paths, self.nodes, strict=True):
-            for i, thing in enumerate(node.objects):
-                yield set_object(f"{path}/{i}", thing)
+            for i, description in enumerate(node.objects):
+                yield set_object(f"{path}/{i}", description)
         if len(self._boxes):
             yield set_object(f"{ROOT}/terrain", drawable(box_mesh(self._boxes), matte(TERRAIN)))
 

@@ -23,43 +23,47 @@ logger = logging.getLogger(__name__)
 _DARKEST = 0.25
 
 
-def shapes_of(thing: pin.GeometryObject) -> list[tuple[Trimesh, Colour]]:
+def shapes_of(geometry_object: pin.GeometryObject) -> list[tuple[Trimesh, Colour]]:
     """Return the shapes of a geometry object in joint axes, m, and their colours.
 
     The list is empty for unbounded shapes (planes) and unsupported types.
     """
     try:
-        shapes = list(_file_shapes(thing))
+        shapes = list(_file_shapes(geometry_object))
     except Exception as error:  # the loaders of the formats raise exceptions of many types
-        logger.warning("%s is drawn without the colours of its file: %s", thing.meshPath, error)
+        logger.warning(
+            "%s is drawn without the colours of its file: %s", geometry_object.meshPath, error
+        )
         shapes = []
-    if not shapes and (shape := _coal_shape(thing.geometry)) is not None:
-        shapes = [(shape, _stated_colour(thing))]
+    if not shapes and (shape := _coal_shape(geometry_object.geometry)) is not None:
+        shapes = [(shape, _stated_colour(geometry_object))]
     if not shapes:
         logger.warning(
-            "'%s' is a %s, which is not drawn", thing.name, type(thing.geometry).__name__
+            "'%s' is a %s, which is not drawn",
+            geometry_object.name,
+            type(geometry_object.geometry).__name__,
         )
     for shape, _ in shapes:
-        shape.apply_transform(thing.placement.homogeneous)
+        shape.apply_transform(geometry_object.placement.homogeneous)
     return [(shape, _visible(colour)) for shape, colour in shapes]
 
 
-def _file_shapes(thing: pin.GeometryObject) -> Iterator[tuple[Trimesh, Colour]]:
+def _file_shapes(geometry_object: pin.GeometryObject) -> Iterator[tuple[Trimesh, Colour]]:
     """Yield the shapes of the object's mesh file: Pinocchio keeps neither their colours nor units.
 
     As in ROS, a Collada file's `up_axis` does not rotate them.
     """
-    path = Path(thing.meshPath)
+    path = Path(geometry_object.meshPath)
     if not path.is_file():
         return
     for shape in trimesh.load_scene(path).dump():
         if not isinstance(shape, Trimesh):
             continue
         metres = unit_conversion(shape.units, "meters") if shape.units else 1.0
-        shape.apply_scale(metres * np.asarray(thing.meshScale).reshape(3))
+        shape.apply_scale(metres * np.asarray(geometry_object.meshScale).reshape(3))
         material = getattr(shape.visual, "material", None)
         if material is None:
-            yield shape, _stated_colour(thing)
+            yield shape, _stated_colour(geometry_object)
         else:
             red, green, blue = (float(c) / 255 for c in material.main_color[:3])
             yield shape, (red, green, blue, 1.0)
@@ -91,10 +95,10 @@ def _indices(triangle: Any, count: int) -> np.ndarray:
     return np.array([(t[0], t[1], t[2]) for t in map(triangle, range(count))], dtype=int)
 
 
-def _stated_colour(thing: pin.GeometryObject) -> Colour:
-    if not thing.overrideMaterial:
+def _stated_colour(geometry_object: pin.GeometryObject) -> Colour:
+    if not geometry_object.overrideMaterial:
         return BARE
-    red, green, blue, opacity = (float(c) for c in thing.meshColor)
+    red, green, blue, opacity = (float(c) for c in geometry_object.meshColor)
     return (red, green, blue, opacity if opacity > 0.0 else 1.0)
 
 

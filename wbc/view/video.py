@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
 from wbc.errors import MissingExtra
-from wbc.view.browser import check_browser, new_page
+from wbc.view.browser import find_browser, new_page
 from wbc.view.errors import ViewerError
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class Video:
         self.path = Path(path)
         self._size = (width, height)
         self._encoder = _encoder()
-        check_browser()
+        find_browser()
 
     def render(
         self, recording: Recording, progress: Callable[[int, int], None] | None = None

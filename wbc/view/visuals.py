@@ -59,9 +59,9 @@ def _geometry_shapes(robot: Robot, kind: str) -> dict[int, list[tuple[Trimesh, C
         logger.warning("%s", error)
         return {}
     shapes: dict[int, list[tuple[Trimesh, Colour]]] = defaultdict(list)
-    for thing in geometry.geometryObjects:
-        if pairs := shapes_of(thing):
-            shapes[int(thing.parentJoint)] += pairs
+    for geometry_object in geometry.geometryObjects:
+        if pairs := shapes_of(geometry_object):
+            shapes[int(geometry_object.parentJoint)] += pairs
     return shapes
 
 
