@@ -86,7 +86,7 @@ def test_a_seed_gives_the_same_walk_again(wbc_command, tmp_path):
     assert first["torque_peak_ratio"] == second["torque_peak_ratio"]
 
 
-def test_ground_truth_and_another_solver(wbc_command):
+def test_walk_runs_with_ground_truth_and_another_solver(wbc_command):
     code, out, _ = wbc_command(
         "stand", *QUICK, "--duration", "0.2", "--ground-truth", "--solver", "osqp"
     )

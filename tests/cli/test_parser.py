@@ -71,7 +71,7 @@ def run(parser, *arguments):
     return parsed.execute(parsed)
 
 
-def test_what_is_not_given_has_the_default_of_the_function(parser):
+def test_omitted_arguments_have_the_defaults_of_the_function(parser):
     assert run(parser, "a") == ("a", Ground(), None, None, (), False, True)
 
 

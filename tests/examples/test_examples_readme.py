@@ -40,7 +40,7 @@ def test_the_python_blocks_run_one_after_the_other(tmp_path):
 
 
 @pytest.mark.parametrize("name", available())
-def test_the_table_of_robots_is_right(name):
+def test_the_table_of_robots_equals_the_loaded_robots(name):
     robot = wbc.load(name)
     row = next(line for line in TEXT.splitlines() if line.startswith(f"| `{name}` "))
     cells = [cell.strip() for cell in row.strip("|").split("|")]
@@ -50,7 +50,7 @@ def test_the_table_of_robots_is_right(name):
     assert cells[3] == f"{2000 * left.half_length:.0f} × {2000 * left.half_width:.0f} mm"
 
 
-def test_its_command_lines_parse(capsys):
+def test_command_lines_of_the_readme_parse(capsys):
     lines = [line for block in blocks("sh") for line in block.splitlines()]
     commands = [shlex.split(line, comments=True)[1:] for line in lines if line.startswith("wbc ")]
     assert len(commands) >= 8
@@ -60,7 +60,7 @@ def test_its_command_lines_parse(capsys):
     capsys.readouterr()
 
 
-def test_every_file_that_it_points_to_is_there():
+def test_linked_files_exist():
     for target in re.findall(r"\]\(([^)#]+)\)", TEXT):
         if "://" not in target:
             assert (ROOT / target).exists(), target
@@ -68,5 +68,5 @@ def test_every_file_that_it_points_to_is_there():
         assert (ROOT / target).exists()
 
 
-def test_the_measured_table_has_its_place():
+def test_the_measured_table_can_be_inserted():
     assert TEXT.index("<!-- walk:begin -->") < TEXT.index("<!-- walk:end -->")

@@ -30,7 +30,7 @@ SAYS = {
 
 
 @pytest.mark.parametrize("name", SAYS)
-def test_example_does_what_it_says(name, capsys):
+def test_example_prints_the_expected_result(name, capsys):
     runpy.run_path(str(FOLDER / f"{name}.py"), run_name="__main__")
     said = capsys.readouterr().out
     assert SAYS[name] in said

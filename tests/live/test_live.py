@@ -127,7 +127,7 @@ def parsed(controls, message):
 
 
 @pytest.mark.parametrize("message", BAD, ids=lambda m: repr(m[:40]))
-def test_a_message_that_makes_no_sense_is_refused_with_a_reason(controls, capabilities, message):
+def test_an_invalid_message_is_refused_with_a_reason(controls, capabilities, message):
     with pytest.raises(CommandRefused, match=r"\w{3}"):
         capabilities.check(parsed(controls, message))
 
@@ -146,7 +146,7 @@ def test_a_message_that_makes_no_sense_is_refused_with_a_reason(controls, capabi
         ("reset", None, ResetCommand()),
     ],
 )
-def test_each_control_stands_for_a_command(controls, capabilities, control, value, command):
+def test_each_control_gives_its_command(controls, capabilities, control, value, command):
     message = {"control": control, "value": value}
     assert parsed(controls, json.dumps(message)) == command
     assert decode(json.dumps(message)).source == "page"
@@ -154,7 +154,7 @@ def test_each_control_stands_for_a_command(controls, capabilities, control, valu
     capabilities.check(command)
 
 
-def test_a_slider_may_go_to_its_ends(controls, capabilities):
+def test_a_slider_may_be_set_to_its_bounds(controls, capabilities):
     for parameter in controls.describe()["parameters"]:
         for value in (parameter["low"], parameter["high"], parameter["default"]):
             message = json.dumps({"control": parameter["name"], "value": value})
@@ -166,7 +166,7 @@ def test_a_slider_may_go_to_its_ends(controls, capabilities):
     capabilities.check(parsed(controls, json.dumps({"control": "push", "value": largest})))
 
 
-def test_velocity_sliders_add_up_and_go_to_zero_together(controls):
+def test_velocity_sliders_form_one_command_and_are_zeroed_together(controls):
     for name, value in (("forward", 0.1), ("turn", 0.2)):
         message = json.dumps({"control": f"velocity.{name}", "value": value})
         command = parsed(controls, message)
@@ -176,7 +176,7 @@ def test_velocity_sliders_add_up_and_go_to_zero_together(controls):
     assert parsed(controls, '{"control": "velocity.turn", "value": 0.1}').forward == 0.0
 
 
-def test_a_motion_may_be_asked_for_with_its_parameters(controls):
+def test_a_motion_request_may_have_parameters(controls):
     chosen = parsed(controls, motion("squat", depth=5, times=2)).motion
     assert chosen == Squat(depth=5.0, times=2)
     chosen = parsed(controls, motion("reach", left=[0.3, 0.2, 1.0], right=None)).motion
@@ -277,7 +277,7 @@ def take(handler, live):
     return take
 
 
-def test_a_bad_message_is_answered_and_ignored_and_the_next_one_counts(live, take, player):
+def test_an_invalid_message_is_answered_and_the_next_one_is_applied(live, take, player):
     page = Client(live.url)
     offered = page.hear("controls")["controls"]
     assert [motion["name"] for motion in offered["motions"]][-2:] == [
@@ -292,9 +292,7 @@ def test_a_bad_message_is_answered_and_ignored_and_the_next_one_counts(live, tak
     assert player.walker.com.weight[0] == 2000.0
 
 
-def test_a_message_of_a_megabyte_costs_its_sender_the_connection_and_nobody_else(
-    live, take, handler
-):
+def test_a_message_of_a_megabyte_closes_only_its_senders_connection(live, take, handler):
     rude, page = Client(live.url), Client(live.url)
     rude.say("x" * (1 << 20))
     while rude.heard.get(timeout=20.0) is not None:
@@ -304,7 +302,7 @@ def test_a_message_of_a_megabyte_costs_its_sender_the_connection_and_nobody_else
     assert handler.paused
 
 
-def test_pages_agree_and_one_that_leaves_or_comes_back_harms_nothing(live, take):
+def test_pages_show_the_same_values_when_others_close_or_reconnect(live, take):
     one, two = Client(live.url), Client(live.url)
     two.hear("values")
     one.ask("velocity.forward", 0.1)
@@ -317,7 +315,7 @@ def test_pages_agree_and_one_that_leaves_or_comes_back_harms_nothing(live, take)
     assert (again["velocity.forward"], again["velocity.turn"]) == (0.1, 0.2)
 
 
-def test_a_motion_that_the_robot_cannot_do_is_told_and_never_reaches_the_loop(live, take):
+def test_an_infeasible_motion_is_refused_and_never_reaches_the_loop(live, take):
     page = Client(live.url)
     page.ask("motion", "infeasible_motion")
     assert "no robot can do it" in page.hear("error")["error"]
@@ -328,7 +326,7 @@ def test_a_motion_that_the_robot_cannot_do_is_told_and_never_reaches_the_loop(li
         pass  # the checks of all of them take their time
 
 
-def test_a_motion_is_planned_with_its_parameters_before_the_loop_hears_of_it(live, take, handler):
+def test_a_motion_is_planned_with_its_parameters_before_the_loop_receives_it(live, take, handler):
     page = Client(live.url)
     page.say(motion("squat", depth=90.0))
     assert "cannot go down by 90 %" in page.hear("error")["error"]
@@ -337,7 +335,7 @@ def test_a_motion_is_planned_with_its_parameters_before_the_loop_hears_of_it(liv
     assert handler.waiting == WaitingMotion(0.2)
 
 
-def test_a_motion_that_is_still_being_planned_is_forgotten_for_something_else(
+def test_a_motion_that_is_being_planned_is_superseded_by_another_command(
     live, take, handler, tmp_path
 ):
     page = Client(live.url)
@@ -353,7 +351,7 @@ def test_a_motion_that_is_still_being_planned_is_forgotten_for_something_else(
     assert handler.waiting == WaitingMotion(0.3)
 
 
-def test_a_motion_whose_planning_breaks_is_told_and_the_page_goes_on(live, take):
+def test_a_motion_whose_planning_fails_is_reported_and_the_page_continues(live, take):
     page = Client(live.url)
     page.say(motion("slowly_planned", folder="nowhere"))
     assert "FileNotFoundError" in page.hear("error")["error"]
@@ -361,7 +359,7 @@ def test_a_motion_whose_planning_breaks_is_told_and_the_page_goes_on(live, take)
     take(1)
 
 
-def test_a_loop_that_does_not_listen_is_told_of(live):
+def test_a_loop_that_takes_no_commands_is_reported(live):
     page = Client(live.url)
     for k in range(60):
         page.ask("velocity.forward", 0.001 * k)
@@ -384,9 +382,7 @@ def test_pages_of_other_origins_are_refused(live, path):
         ("PUT", {"Origin": "http://elsewhere.example"}, 405),
     ],
 )
-def test_requests_by_another_name_or_that_would_change_something_are_refused(
-    live, method, headers, code
-):
+def test_requests_with_another_host_name_or_method_are_refused(live, method, headers, code):
     data = b"{}" if method != "GET" else None
     request = urllib.request.Request(live.url, data=data, headers=headers, method=method)
     with pytest.raises(urllib.error.HTTPError) as refusal:
@@ -407,13 +403,13 @@ def test_requests_by_another_name_or_that_would_change_something_are_refused(
         ("::", "[fe80::1]", True),
     ],
 )
-def test_a_page_open_to_the_network_is_asked_for_by_address_not_by_any_name(listening, name, known):
+def test_a_page_on_all_interfaces_accepts_addresses_but_not_any_host_name(listening, name, known):
     from wbc.live.address import allowed_hosts
 
     assert bool(re.fullmatch(allowed_hosts(listening), name)) is known
 
 
-def test_the_page_needs_nothing_from_elsewhere(live):
+def test_the_page_loads_nothing_from_other_servers(live):
     def text_of(name):
         with urllib.request.urlopen(live.url + name, timeout=20.0) as answer:
             return answer.read().decode()
@@ -426,7 +422,7 @@ def test_the_page_needs_nothing_from_elsewhere(live):
         assert "https://" not in text
 
 
-def test_a_port_that_is_taken_is_told(live, handler):
+def test_a_port_in_use_is_refused_by_number(live, handler):
     port = int(live.url.split(":")[2].split("/")[0])
     with pytest.raises(LiveError, match=f"port {port} is in use"):
         Live(handler, port=port, announce=False)
@@ -441,7 +437,7 @@ def test_a_port_that_is_taken_is_told(live, handler):
         ("a" * 70 + ".example", "neither an address"),
     ],
 )
-def test_a_host_that_is_none_of_this_machine_is_told_at_once(host, words):
+def test_a_host_of_another_machine_is_refused_at_once(host, words):
     from wbc.live.address import check_host
 
     with pytest.raises(LiveError, match=re.escape(words)):
@@ -455,7 +451,7 @@ def test_addresses_of_this_machine_are_accepted(host):
     check_host(host)
 
 
-def test_the_run_goes_on_when_the_pages_process_dies_and_says_so_once(
+def test_the_run_continues_and_warns_once_when_the_pages_process_dies(
     live, handler, monkeypatch, caplog
 ):
     monkeypatch.setattr("wbc.teleop.command_handler.Clock.wait", lambda clock: None)
@@ -473,7 +469,7 @@ def test_the_run_goes_on_when_the_pages_process_dies_and_says_so_once(
     assert [record.message.count("the live page") for record in caplog.records] == [1]
 
 
-def test_pages_that_come_and_go_leave_nothing_behind(live, take):
+def test_closed_pages_leave_no_resources_open(live, take):
     files = Path(f"/proc/{live.pid}/fd")
     if not files.is_dir():
         pytest.skip("no /proc here")
@@ -510,7 +506,9 @@ def commanded(live, handler, duration):
     assert not thread.is_alive()
 
 
-def test_a_robot_that_fell_is_reset_from_the_page_whose_status_tells(live, handler, monkeypatch):
+def test_a_fallen_robot_is_reset_from_the_page_after_its_status_reports_the_fall(
+    live, handler, monkeypatch
+):
     monkeypatch.setattr("wbc.teleop.command_handler.Clock.wait", lambda clock: None)
     page = Client(live.url)
 

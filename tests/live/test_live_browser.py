@@ -16,7 +16,7 @@ from wbc.motions.registry import MOTIONS
 
 pytestmark = pytest.mark.browser
 
-PATIENCE = 60_000  # ms; software rendering on a busy machine is slow
+TIMEOUT = 60_000  # ms; software rendering on a busy machine is slow
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def url(browser, tmp_path_factory):
 def new_page(context, url, ready):
     """A page on which nothing may go wrong."""
     page = context.new_page()
-    page.set_default_timeout(PATIENCE)
+    page.set_default_timeout(TIMEOUT)
     errors = []
     page.on("pageerror", lambda error: errors.append(error))
     page.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
@@ -181,7 +181,7 @@ def test_every_motion_has_a_button_that_plays_it(page):
     page.wait_for_function("wbc.live.status.playing < 0")
 
 
-def test_parameters_unfold_below_their_button_and_what_cannot_be_is_answered_there(page):
+def test_parameters_of_a_motion_are_below_its_button_with_the_reason_of_a_refusal(page):
     page.click("[data-more=squat]")
     assert page.locator("form:visible").count() == 1
     offered = page.locator("[data-form=squat] [data-parameter]")
@@ -203,7 +203,7 @@ def test_parameters_unfold_below_their_button_and_what_cannot_be_is_answered_the
     assert page.locator("form:visible").count() == 0
 
 
-def test_letters_typed_into_a_field_drive_nothing(page):
+def test_keys_typed_into_a_field_send_no_command(page):
     run, pushes = page.evaluate("[wbc.live.status.run, wbc.live.status.pushes]")
     page.click("[data-more=keyframes]")
     page.locator("[data-parameter='keyframes.file']").press_sequentially("pr up.csv")
@@ -260,7 +260,7 @@ def test_the_tuner_lists_the_tasks_and_a_gain_reaches_every_page(url, page):
     assert page.evaluate("wbc.live.values['com.weight']") == pytest.approx(3000.0)
 
 
-def test_a_page_that_is_loaded_again_shows_the_present(page):
+def test_a_reloaded_page_shows_the_present_state(page):
     turn(page, "velocity.forward", 0.8)
     page.wait_for_function("wbc.live.status.velocity[0] > 0")
     velocity = page.evaluate("wbc.live.values['velocity.forward']")
@@ -270,7 +270,7 @@ def test_a_page_that_is_loaded_again_shows_the_present(page):
     assert page.evaluate("wbc.live.status.mode") == "running"
 
 
-def test_what_is_shown_can_be_chosen(page):
+def test_the_shown_objects_can_be_selected(page):
     page.click("#panel summary >> text=Show")
     visible = "viewer.scene_tree.find(['wbc', 'robot']).object.visible"
     page.locator("[data-shown=robot]").uncheck()

@@ -46,7 +46,7 @@ def test_a_schema_has_every_type_inside_once():
     assert "MSG: geometry_msgs/Vector3" in named
 
 
-def test_known_bytes_of_a_joint_state():
+def test_a_joint_state_has_the_known_bytes():
     message = JointState(name=["knee", "hip"], position=[0.5, -1.0])
     message.header.stamp.sec = 3
     message.header.stamp.nanosec = 7
@@ -57,11 +57,11 @@ def test_known_bytes_of_a_joint_state():
     )
 
 
-def test_known_bytes_of_an_empty_request():
+def test_an_empty_request_has_the_known_bytes():
     assert message_type("std_srvs/srv/Empty_Request")().encode() == b"\0\1\0\0\0"
 
 
-def test_known_bytes_of_an_action_goal():
+def test_an_action_goal_has_the_known_bytes():
     message = message_type("play_motion2_msgs/action/PlayMotion2_SendGoal_Request")()
     message.goal_id.uuid = range(16)
     message.goal.motion_name = "wave"
@@ -127,7 +127,7 @@ def test_an_element_that_does_not_fit_is_refused():
 
 @given(st.binary(max_size=200))
 @settings(max_examples=200, database=None)
-def test_foreign_bytes_are_a_message_or_a_message_error(data):
+def test_random_bytes_give_a_message_or_a_message_error(data):
     for kind in (JointState, TFMessage):
         for header in (b"", b"\0\1\0\0"):
             try:
@@ -145,13 +145,13 @@ def test_every_truncation_of_a_message_is_refused():
     assert JointState.decode(data + bytes(3)).encode() == data  # DDS pads to whole words
 
 
-def test_an_absurd_length_costs_no_memory():
+def test_an_impossible_length_allocates_no_memory():
     with pytest.raises(MessageError, match="4294967295"):
         JointState.decode(b"\0\1\0\0" + bytes(8) + b"\1\0\0\0\0\0\0\0" + b"\xff\xff\xff\xff")
 
 
 @pytest.mark.parametrize("name", ["sensor_msgs/msg/JointStates", "sensor_msgs/JointState"])
-def test_an_unknown_type_is_told_with_near_names(name):
+def test_an_unknown_type_is_refused_with_similar_names(name):
     with pytest.raises(MessageError, match="did you mean 'sensor_msgs/msg/JointState'"):
         message_type(name)
 

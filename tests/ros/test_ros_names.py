@@ -38,7 +38,7 @@ def test_invalid_node_names_are_refused(bad):
         names.validate_node_name(bad)
 
 
-def test_dds_names_of_topics_and_services():
+def test_topics_and_services_have_the_dds_names_of_ros():
     assert names.dds_topic_name(names.TOPIC, "/tf") == "rt/tf"
     assert names.dds_topic_name(names.REQUEST, "/a/set") == "rq/a/setRequest"
     assert names.dds_topic_name(names.REPLY, "/a/set") == "rr/a/setReply"

@@ -18,16 +18,16 @@ from wbc.view import Meshcat, Recording, Snapshot
 
 pytestmark = pytest.mark.browser
 
-clock = itertools.count(1)  # every snapshot has a time of its own, to be told by
-PATIENCE = 60_000  # ms; software rendering on a busy machine is slow, completeness is what counts
+times = itertools.count(1)  # s: each snapshot has its own time, by which the page identifies it
+TIMEOUT = 60_000  # ms; software rendering on a busy machine is slow, completeness is what counts
 
 
 @contextmanager
 def new_page(browser, **options):
-    """A page on which no script may fail."""
+    """Yield a new page; check at the end that no script of it failed."""
     context = browser.new_context(viewport={"width": 360, "height": 280}, **options)
     page = context.new_page()
-    page.set_default_timeout(PATIENCE)
+    page.set_default_timeout(TIMEOUT)
     errors = []
     page.on("pageerror", lambda error: errors.append(error))
     yield page
@@ -54,8 +54,8 @@ def live(robot, browser):
         yield viewer, page
 
 
-def picture(page):
-    """The canvas, (h, w, 3), rendered now."""
+def rendered_image(page):
+    """Render the canvas and return its pixels, (h, w, 3)."""
     from PIL import Image
 
     url = page.evaluate("viewer.capture_image()")
@@ -63,8 +63,8 @@ def picture(page):
     return np.asarray(image.convert("RGB"), dtype=float)
 
 
-def changed(a, b):
-    """Share of the pixels that clearly differ."""
+def changed_share(a, b):
+    """Return the share of the pixels that clearly differ."""
     return float((np.abs(a - b).max(axis=2) > 24).mean())
 
 
@@ -74,9 +74,9 @@ def hide(page, name, hidden=True):
     )
 
 
-def see(page, viewer, snapshot):
-    """LiveScene a snapshot until the page has drawn it."""
-    snapshot = replace(snapshot, time=float(next(clock)))
+def show_and_wait(page, viewer, snapshot):
+    """Show a snapshot and wait until the page has drawn it."""
+    snapshot = replace(snapshot, time=float(next(times)))
     viewer.show(snapshot)
     page.wait_for_function(f"wbc.ready && wbc.time === {snapshot.time}")
 
@@ -89,8 +89,8 @@ def raised_arm(robot):
     return pin.integrate(robot.model, robot.q_nominal, v)
 
 
-def busy(robot, time=0.0, q=None, status=Status.OK):
-    """A snapshot with everything in it."""
+def full_snapshot(robot, time=0.0, q=None, status=Status.OK):
+    """Return a snapshot with all optional content."""
     weight = 9.81 * robot.mass
     x, y = 0.3, 0.15
     telemetry = Telemetry(
@@ -114,8 +114,8 @@ def busy(robot, time=0.0, q=None, status=Status.OK):
 
 def test_page_shows_the_robot_and_every_marker(robot, live):
     viewer, page = live
-    see(page, viewer, busy(robot))
-    full = picture(page)
+    show_and_wait(page, viewer, full_snapshot(robot))
+    full = rendered_image(page)
     for name, least in (
         ("robot", 0.02),
         ("forces", 0.0005),
@@ -126,41 +126,41 @@ def test_page_shows_the_robot_and_every_marker(robot, live):
         ("status_light", 0.0002),
     ):
         hide(page, name)
-        assert changed(full, picture(page)) > least, name
+        assert changed_share(full, rendered_image(page)) > least, name
         hide(page, name, hidden=False)
-    assert changed(full, picture(page)) == 0.0
+    assert changed_share(full, rendered_image(page)) == 0.0
     assert page.inner_text("#text") == "all is well"
     assert "support polygon" in page.inner_text("#legend")
 
 
 def test_the_page_follows_the_configuration_and_the_status(robot, live):
     viewer, page = live
-    see(page, viewer, busy(robot))
-    before = picture(page)
+    show_and_wait(page, viewer, full_snapshot(robot))
+    before = rendered_image(page)
     assert page.evaluate("element('status-light').title") == "ok"
-    see(page, viewer, busy(robot, q=raised_arm(robot), status=Status.FAILED))
-    assert changed(before, picture(page)) > 0.003
+    show_and_wait(page, viewer, full_snapshot(robot, q=raised_arm(robot), status=Status.FAILED))
+    assert changed_share(before, rendered_image(page)) > 0.003
     assert page.evaluate("element('status-light').title") == "failed"
 
 
 def test_camera_of_the_page_follows_the_robot(robot, live):
     viewer, page = live
     hidden = ("surroundings", "trail")
-    see(page, viewer, Snapshot(0.0, robot.q_nominal))
+    show_and_wait(page, viewer, Snapshot(0.0, robot.q_nominal))
     for name in hidden:
         hide(page, name)
-    here = picture(page)
+    here = rendered_image(page)
     far = robot.q_nominal.copy()
     far[:2] += (40.0, -25.0)
-    see(page, viewer, Snapshot(0.0, far))
+    show_and_wait(page, viewer, Snapshot(0.0, far))
     for name in hidden:
         hide(page, name)
-    assert changed(here, picture(page)) < 0.01
+    assert changed_share(here, rendered_image(page)) < 0.01
 
 
 def test_a_page_opened_again_shows_the_present_state(robot, live):
     viewer, page = live
-    snapshot = busy(robot, 1e6)
+    snapshot = full_snapshot(robot, 1e6)
     viewer.show(snapshot)
     page.reload()
     page.wait_for_function("wbc.ready && wbc.time === 1e6")
@@ -170,15 +170,15 @@ def test_meshes_arrive_complete_at_the_page(page):
     robot = wbc.load("romeo")
     with Meshcat(robot, port=0, announce=False) as viewer:
         page.goto(viewer.url)
-        see(page, viewer, Snapshot(0.0, robot.q_nominal))
+        show_and_wait(page, viewer, Snapshot(0.0, robot.q_nominal))
         meshes = page.evaluate(
             "(() => { let n = 0; viewer.scene_tree.find(['wbc', 'robot']).object.traverse("
             "(o) => { n += o.isMesh ? 1 : 0; }); return n; })()"
         )
         assert meshes >= len(robot.visual_model.geometryObjects)
-        full = picture(page)
+        full = rendered_image(page)
         hide(page, "robot")
-        assert changed(full, picture(page)) > 0.04
+        assert changed_share(full, rendered_image(page)) > 0.04
 
 
 def test_a_robot_without_shapes_is_visible(robot, page, tmp_path):
@@ -189,10 +189,10 @@ def test_a_robot_without_shapes_is_visible(robot, page, tmp_path):
     other = wbc.load(bare, left_foot="left_foot", right_foot="right_foot")
     with Meshcat(other, port=0, announce=False) as viewer:
         page.goto(viewer.url)
-        see(page, viewer, Snapshot(0.0, other.q_nominal))
-        full = picture(page)
+        show_and_wait(page, viewer, Snapshot(0.0, other.q_nominal))
+        full = rendered_image(page)
         hide(page, "robot")
-        assert changed(full, picture(page)) > 0.02
+        assert changed_share(full, rendered_image(page)) > 0.02
         assert "collision shapes" in page.inner_text("#text")
 
 
@@ -203,7 +203,7 @@ def test_a_recording_opens_offline_plays_by_itself_and_moves(robot, browser, tmp
         q = pin.interpolate(robot.model, start, end, k / 90)
         q[0] = k / 90
         status = Status.FAILED if k >= 60 else Status.OK
-        recording.show(busy(robot, 5.0 + k / 30, q, status))
+        recording.show(full_snapshot(robot, 5.0 + k / 30, q, status))
     path = recording.save(tmp_path / "run.html")
     assert path.stat().st_size < 4e6
 
@@ -219,17 +219,17 @@ def test_a_recording_opens_offline_plays_by_itself_and_moves(robot, browser, tmp
         def at(time):
             page.evaluate(f"element('seek').value = {5.0 + time}; element('seek').oninput()")
             page.wait_for_function(f"Math.abs(wbc.time - {5.0 + time}) < 0.04")
-            return picture(page)
+            return rendered_image(page)
 
         first, last = at(0.0), at(2.9)
-        assert changed(first, last) > 0.003
+        assert changed_share(first, last) > 0.003
         assert page.evaluate("element('status-light').title") == "failed"
         at(3.0)
         root = robot.model.names[1]
         x = page.evaluate(f"viewer.scene_tree.find(['wbc', 'robot', '{root}']).object.position.x")
         assert x == pytest.approx(1.0, abs=1e-3)  # it ends where the run ended
         hide(page, "forces")
-        assert changed(last, picture(page)) > 0.0005
+        assert changed_share(last, rendered_image(page)) > 0.0005
         page.click("#play")
         page.wait_for_function("wbc.player.playing")
         page.wait_for_function("wbc.time < 5.5")  # it goes round

@@ -25,12 +25,12 @@ from wbc.view.browser import new_page
 from wbc.view.timeline import record, thinned, up_to
 
 ROOT = Path(wbc.__file__).parent.parent
-PATIENCE = 120_000  # ms: software rendering on a busy machine
+TIMEOUT = 120_000  # ms: software rendering on a busy machine
 
 
 @dataclass
-class Glide:
-    """The robot glides forward at 1 m/s and nods."""
+class LinearTimeline:
+    """A timeline of a robot that moves forward at 1 m/s."""
 
     robot: wbc.Robot
     start: float = 2.0
@@ -42,12 +42,12 @@ class Glide:
         v[0] = time - self.start
         q = pin.integrate(self.robot.model, self.robot.q_nominal, v)
         zmp = np.array([time, 0.0, 0.0])
-        return Snapshot(time, q, telemetry=Telemetry(zmp=zmp), text=f"nod {time:.3f}")
+        return Snapshot(time, q, telemetry=Telemetry(zmp=zmp), text=f"t = {time:.3f}")
 
 
 @pytest.fixture(scope="module")
 def timeline():
-    return Glide(wbc.load("simple_humanoid"))
+    return LinearTimeline(wbc.load("simple_humanoid"))
 
 
 def test_seeking_replays_the_preceding_snapshots(timeline):
@@ -104,9 +104,9 @@ def served(timeline, tmp_path):
 import sys
 sys.path[:0] = sys.argv[1:]
 import wbc
-from test_replay import Glide
+from test_replay import LinearTimeline
 from wbc.view import Replay, TimeSeries
-timeline = Glide(wbc.load("simple_humanoid"))
+timeline = LinearTimeline(wbc.load("simple_humanoid"))
 import numpy as np
 series = TimeSeries("lean, mm", np.array([2.0, 7.0, 12.0]), np.array([0.0, 3.0, 1.0]))
 Replay(timeline.robot, timeline, port=0, series=[series]).serve(lambda url: print(url, flush=True))
@@ -180,7 +180,7 @@ def test_replay_page_plays_seeks_and_steps(served):
     need_browser()
     _, url = served
     with new_page(400, 300) as page:
-        page.set_default_timeout(PATIENCE)
+        page.set_default_timeout(TIMEOUT)
         errors = []
         page.on("pageerror", lambda error: errors.append(error))
         page.goto(url)
@@ -197,7 +197,7 @@ def test_replay_page_plays_seeks_and_steps(served):
         page.wait_for_function("wbc.time === 7.02")
         page.keyboard.press("Home")
         page.wait_for_function("wbc.time === 2 && !waiting")
-        assert page.evaluate("element('text').textContent") == "nod 2.000"
+        assert page.evaluate("element('text').textContent") == "t = 2.000"
         here = page.evaluate(camera)
         assert there - here == pytest.approx(6.0, abs=0.6)
         assert page.evaluate("document.querySelectorAll('.series').length") == 1

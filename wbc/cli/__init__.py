@@ -1,4 +1,4 @@
-"""The `wbc` command: one file per subcommand, over the Python API."""
+"""Command line: the `wbc` command, one file per subcommand, over the Python API."""
 
 from __future__ import annotations
 

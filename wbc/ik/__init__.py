@@ -1,4 +1,4 @@
-"""Inverse kinematics of whole postures, and what a posture asks of a robot."""
+"""Inverse kinematics: postures on both feet, and the joint torques that hold them."""
 
 from wbc.ik.objective import PostureObjective, PostureSolution
 from wbc.ik.posture_checks import HoldingEffort, holding_effort, max_effort_along, pelvis_violation

@@ -1,4 +1,4 @@
-"""Just-in-time compilation by Numba: how kernels are compiled, cached and loaded.
+"""Just-in-time compilation: kernels that Numba compiles, caches and loads.
 
 Importing this room does not import Numba; `wbc.jit.compile`, which kernels import, does.
 """

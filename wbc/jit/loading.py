@@ -13,7 +13,9 @@ from pathlib import Path
 
 from wbc.jit.cache import cache_folder
 
-_PATIENCE = 4.0  # s of computing before a word: several times what reading them from the disk takes
+_NOTICE_DELAY = (
+    4.0  # s of computing before the notice: several times what reading kernels from the disk takes
+)
 
 
 class KernelsUnavailable(UserWarning):
@@ -77,7 +79,7 @@ def _warn(why: str) -> None:
 
 def _tell_when_slow(done: threading.Event, module: str) -> None:
     start = time.process_time()  # not the wall clock: a busy machine is no compiler
-    while time.process_time() - start < _PATIENCE:
+    while time.process_time() - start < _NOTICE_DELAY:
         if done.wait(0.1):
             return
     spec = importlib.util.find_spec(module)

@@ -1,7 +1,8 @@
-"""ROS 2 messages without ROS, on the type system of `rosbags` (extras `log` and `ros2`).
+"""Messages: a class for every ROS 2 message type, without ROS (extras `log` and `ros2`).
 
-`message_type` returns message classes, which serialize to CDR; `message_layout` locates the
-numbers of a serialized message, to write or read many of them at once.
+The definitions are those of the package `rosbags`. `message_type` returns message classes, which
+serialize to CDR; `message_layout` locates the numbers of a serialized message, to write or read
+many of them at once.
 """
 
 from wbc.messages.layout import message_layout

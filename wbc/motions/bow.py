@@ -33,9 +33,9 @@ class Bow(Motion):
     name: ClassVar[str] = "bow"
     summary: ClassVar[str] = "bow with waist and hips"
 
-    angle: float = parameter(30.0, "of the upper trunk, °")
+    angle: float = parameter(30.0, "pitch of the upper trunk, °")
     hold: float = parameter(1.0, "pause at the bottom, s")
-    seconds: float = parameter(1.5, "duration of the way down, and up, s")
+    seconds: float = parameter(1.5, "duration of the way down, and of the way up, s")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""

@@ -41,7 +41,7 @@ class Demo(Motion):
     name: ClassVar[str] = "demo"
     summary: ClassVar[str] = "play every motion in a row, without a reset"
 
-    pause: float = parameter(0.3, "between two motions, s")
+    pause: float = parameter(0.3, "pause between two motions, s")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""

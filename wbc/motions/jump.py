@@ -28,7 +28,7 @@ class Jump(Motion):
     name: ClassVar[str] = "jump"
     summary: ClassVar[str] = "jump on the spot, as high as asked within the robot's limits"
 
-    clearance: float = parameter(0.05, "of both soles over the ground, m")
+    clearance: float = parameter(0.05, "height of both soles over the ground at the apex, m")
 
     @once_per_robot
     def plan(self, robot: Robot) -> JumpPlan:

@@ -43,9 +43,9 @@ class Look(Motion):
     point: tuple[float, ...] | None = parameter(
         None, "centre of the ellipse, standing frame, m (default: ahead)", names=("X", "Y", "Z")
     )
-    radius: float = parameter(0.4, "of the ellipse: sideways; half of it up and down, m")
-    frequency: float = parameter(0.2, "rounds per second, Hz")
-    seconds: float = parameter(6.0, "duration, s")
+    radius: float = parameter(0.4, "half-axis of the ellipse sideways, m; half of it vertically")
+    frequency: float = parameter(0.2, "frequency of the ellipse, Hz")
+    seconds: float = parameter(6.0, "duration of the motion, s")
 
     @property
     def while_walking(self) -> bool:

@@ -27,10 +27,12 @@ class OneLeg(Motion):
     name: ClassVar[str] = "one-leg"
     summary: ClassVar[str] = "stand on one leg, be pushed lightly, stand on both again"
 
-    leg: str = parameter("both", "that carries", choices=("left", "right", "both"))
+    leg: str = parameter("both", "leg to stand on", choices=("left", "right", "both"))
     hold: float = parameter(5.0, "time on one leg, s")
-    height: float = parameter(8.0, "of the lifted sole, % of the leg's length")
-    impulse: float = parameter(0.05, "of the push in mid-hold, in simulation, N·s per kg")
+    height: float = parameter(8.0, "height of the lifted sole, % of the leg's length")
+    impulse: float = parameter(
+        0.05, "impulse of the push in mid-hold, only in simulation, N·s per kg"
+    )
     towards: float = parameter(90.0, "direction of the push: 0 forward, 90 left, °")
 
     def check(self, robot: Robot) -> None:

@@ -85,10 +85,12 @@ class Sine(Motion):
     """
 
     name: ClassVar[str] = "sine"
-    summary: ClassVar[str] = "fifteen joints on sines of time, open loop or balanced"
+    summary: ClassVar[str] = "move fifteen joints along sines of time, open loop or balanced"
 
-    balanced: bool = parameter(False, "keep the balance; without it the robot may fall")
-    seconds: float = parameter(4.0 * math.pi, "duration of the pattern, whose period is 6.28 s, s")
+    balanced: bool = parameter(
+        False, "whether the walker's controller keeps the balance; if not, the robot may fall"
+    )
+    seconds: float = parameter(4.0 * math.pi, "duration of the pattern, s; its period is 6.28 s")
 
     def check(self, robot: Robot) -> None:
         """See `Motion.check`."""

@@ -34,8 +34,8 @@ class Squat(Motion):
     name: ClassVar[str] = "squat"
     summary: ClassVar[str] = "go down by a share of the leg's length, and up"
 
-    depth: float = parameter(10.0, "of the CoM's way down, % of the leg's length")
-    frequency: float = parameter(0.5, "squats per second, Hz")
+    depth: float = parameter(10.0, "descent of the CoM, % of the leg's length")
+    frequency: float = parameter(0.5, "frequency of the squats, Hz")
     times: int = parameter(4, "number of squats")
 
     def check(self, robot: Robot) -> None:

@@ -23,9 +23,9 @@ class Sway(Motion):
     name: ClassVar[str] = "sway"
     summary: ClassVar[str] = "move the centre of mass on a circle or a figure of eight"
 
-    size: float = parameter(0.04, "radius of the circle, half the length of the eight, m")
-    frequency: float = parameter(0.5, "rounds per second, Hz")
-    shape: str = parameter("circle", "of the path", choices=("circle", "eight"))
+    size: float = parameter(0.04, "radius of the circle, or half the length of the eight, m")
+    frequency: float = parameter(0.5, "frequency of the rounds, Hz")
+    shape: str = parameter("circle", "shape of the path", choices=("circle", "eight"))
     rounds: float = parameter(4.0, "number of rounds")
 
     def check(self, robot: Robot) -> None:

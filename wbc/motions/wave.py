@@ -38,9 +38,9 @@ class Wave(Motion):
     name: ClassVar[str] = "wave"
     summary: ClassVar[str] = "wave with both arms, standing or walking"
 
-    frequency: float = parameter(1.0, "waves per second, Hz")
+    frequency: float = parameter(1.0, "frequency of the waving, Hz")
     seconds: float = parameter(5.0, "duration of the waving, s")
-    walk: float = parameter(0.0, "forward velocity meanwhile, m/s")
+    walk: float = parameter(0.0, "forward velocity while waving, m/s")
 
     @property
     def while_walking(self) -> bool:

@@ -1,4 +1,4 @@
-"""The MuJoCo plant: a robot with motors, sensors, ground and pushes.
+"""Simulation: a robot in MuJoCo, with motors, sensors, ground and pushes.
 
 Importing this room does not import MuJoCo; making a plant does.
 """

@@ -1,4 +1,4 @@
-"""Tasks: desired accelerations, as linear rows `A v̇ = b`."""
+"""Tasks: desired accelerations as linear rows `A v̇ = b`, weighted or exact."""
 
 from wbc.tasks.com import ComTask
 from wbc.tasks.frame import FrameTask, OrientationTask, PositionTask

@@ -18,7 +18,7 @@ from wbc.view.errors import ViewerError
 if TYPE_CHECKING:
     from wbc.view.recording import Recording
 
-_PATIENCE = 180_000  # ms, timeout for the page to load, which software rendering makes slow
+_PAGE_TIMEOUT = 180_000  # ms, for the page to load, which software rendering makes slow
 _QUALITY = 92  # JPEG quality of the frames sent to the encoder, of 100
 _RATE_FACTOR = 19  # constant rate factor of H.264; at 18 losses are hardly visible
 
@@ -63,7 +63,7 @@ class Video:
         with tempfile.TemporaryDirectory(prefix="wbc-video") as folder:
             page_path = recording.save(Path(folder) / "recording.html")
             with new_page(*self._size) as page, self._encoding(recording.rate) as frames_in:
-                page.set_default_timeout(_PATIENCE)
+                page.set_default_timeout(_PAGE_TIMEOUT)
                 page.goto(page_path.as_uri())
                 page.wait_for_function("wbc.ready")
                 start, end = page.evaluate("[wbc.player.start, wbc.player.end]")
