@@ -108,7 +108,7 @@ def plant(robot):
     return wbc.sim.Mujoco(robot)
 
 
-# What may be asked.
+# Requests and the commands that they give.
 
 
 @pytest.fixture
@@ -187,14 +187,14 @@ def test_a_motion_request_may_have_parameters(controls):
         assert parsed(controls, motion(kind.name, **values)).motion == kind()
 
 
-# The page's process.
+# The process of the page.
 
 
 class Client:
-    """A web socket on a thread of its own, for tests that wait in words of one line."""
+    """A web socket on a thread of its own, whose messages a test awaits one by one."""
 
     def __init__(self, url, path="controls", origin=None):
-        self.heard = queue.Queue()
+        self._received = queue.Queue()
         self._url = url.replace("http", "ws").replace("static/", path)
         self._headers = {} if origin is None else {"Origin": origin}
         self._ready = threading.Event()
@@ -224,22 +224,22 @@ class Client:
         self._ready.set()
         while (message := await self._socket.read_message()) is not None:
             if isinstance(message, str):
-                self.heard.put(json.loads(message))
-        self.heard.put(None)
+                self._received.put(json.loads(message))
+        self._received.put(None)
 
-    def say(self, message):
+    def send(self, message):
         binary = isinstance(message, bytes)
         self._loop.call_soon_threadsafe(self._socket.write_message, message, binary)
 
-    def ask(self, control, value=None):
-        self.say(json.dumps({"control": control, "value": value}))
+    def request(self, control, value=None):
+        self.send(json.dumps({"control": control, "value": value}))
 
-    def hear(self, key):
-        """The next news of that kind."""
+    def receive(self, key):
+        """Return the next message that has a key; None when the connection is closed."""
         while True:
-            news = self.heard.get(timeout=20.0)
-            if news is None or key in news:
-                return news
+            message = self._received.get(timeout=20.0)
+            if message is None or key in message:
+                return message
 
     def close(self):
         self._loop.call_soon_threadsafe(self._socket.close)
@@ -260,7 +260,7 @@ def live(handler):
 
 @pytest.fixture
 def take(handler, live):
-    """Applies commands as the loop does, until there were so many; returns them all."""
+    """Apply commands as the loop does until there were `count`; return them all."""
     applied = []
     handler.add_observer(lambda sent, ack: applied.append(sent))
     handler.stop = lambda: True
@@ -279,58 +279,58 @@ def take(handler, live):
 
 def test_an_invalid_message_is_answered_and_the_next_one_is_applied(live, take, player):
     page = Client(live.url)
-    offered = page.hear("controls")["controls"]
+    offered = page.receive("controls")["controls"]
     assert [motion["name"] for motion in offered["motions"]][-2:] == [
         "slowly_planned",
         "infeasible_motion",
     ]
     for message in BAD:
-        page.say(message)
-        assert page.hear("error")["error"]
-    page.ask("com.weight", 2000.0)
+        page.send(message)
+        assert page.receive("error")["error"]
+    page.request("com.weight", 2000.0)
     take(1)
     assert player.walker.com.weight[0] == 2000.0
 
 
 def test_a_message_of_a_megabyte_closes_only_its_senders_connection(live, take, handler):
     rude, page = Client(live.url), Client(live.url)
-    rude.say("x" * (1 << 20))
-    while rude.heard.get(timeout=20.0) is not None:
+    rude.send("x" * (1 << 20))
+    while rude._received.get(timeout=20.0) is not None:
         pass
-    page.ask("pause", True)
+    page.request("pause", True)
     take(1)
     assert handler.paused
 
 
 def test_pages_show_the_same_values_when_others_close_or_reconnect(live, take):
     one, two = Client(live.url), Client(live.url)
-    two.hear("values")
-    one.ask("velocity.forward", 0.1)
-    assert two.hear("values")["values"] == {"velocity.forward": 0.1}
+    two.receive("values")
+    one.request("velocity.forward", 0.1)
+    assert two.receive("values")["values"] == {"velocity.forward": 0.1}
     one.close()
     take(1)
-    two.ask("velocity.turn", 0.2)
+    two.request("velocity.turn", 0.2)
     take(2)
-    again = Client(live.url).hear("values")["values"]
+    again = Client(live.url).receive("values")["values"]
     assert (again["velocity.forward"], again["velocity.turn"]) == (0.1, 0.2)
 
 
 def test_an_infeasible_motion_is_refused_and_never_reaches_the_loop(live, take):
     page = Client(live.url)
-    page.ask("motion", "infeasible_motion")
-    assert "no robot can do it" in page.hear("error")["error"]
-    page.ask("motion", "waiting")
+    page.request("motion", "infeasible_motion")
+    assert "no robot can do it" in page.receive("error")["error"]
+    page.request("motion", "waiting")
     take(1)
     later = Client(live.url)
-    while "infeasible_motion" not in later.hear("infeasible")["infeasible"]:
+    while "infeasible_motion" not in later.receive("infeasible")["infeasible"]:
         pass  # the checks of all of them take their time
 
 
 def test_a_motion_is_planned_with_its_parameters_before_the_loop_receives_it(live, take, handler):
     page = Client(live.url)
-    page.say(motion("squat", depth=90.0))
-    assert "cannot go down by 90 %" in page.hear("error")["error"]
-    page.say(motion("waiting", duration=0.2))
+    page.send(motion("squat", depth=90.0))
+    assert "cannot go down by 90 %" in page.receive("error")["error"]
+    page.send(motion("waiting", duration=0.2))
     take(1)
     assert handler.waiting == WaitingMotion(0.2)
 
@@ -339,13 +339,13 @@ def test_a_motion_that_is_being_planned_is_superseded_by_another_command(
     live, take, handler, tmp_path
 ):
     page = Client(live.url)
-    page.say(motion("slowly_planned", folder=str(tmp_path)))
-    assert page.hear("planning")["planning"] == "slowly_planned"
-    page.ask("stand")
-    assert page.hear("planning")["planning"] is None
+    page.send(motion("slowly_planned", folder=str(tmp_path)))
+    assert page.receive("planning")["planning"] == "slowly_planned"
+    page.request("stand")
+    assert page.receive("planning")["planning"] is None
     take(1)
-    page.say(motion("waiting", duration=0.3))  # is planned after the other one
-    assert page.hear("planning")["planning"] == "waiting"
+    page.send(motion("waiting", duration=0.3))  # is planned after the other one
+    assert page.receive("planning")["planning"] == "waiting"
     (tmp_path / "alarm").touch()
     take(2)
     assert handler.waiting == WaitingMotion(0.3)
@@ -353,17 +353,17 @@ def test_a_motion_that_is_being_planned_is_superseded_by_another_command(
 
 def test_a_motion_whose_planning_fails_is_reported_and_the_page_continues(live, take):
     page = Client(live.url)
-    page.say(motion("slowly_planned", folder="nowhere"))
-    assert "FileNotFoundError" in page.hear("error")["error"]
-    page.say(motion("waiting", duration=0.3))
+    page.send(motion("slowly_planned", folder="nowhere"))
+    assert "FileNotFoundError" in page.receive("error")["error"]
+    page.send(motion("waiting", duration=0.3))
     take(1)
 
 
 def test_a_loop_that_takes_no_commands_is_reported(live):
     page = Client(live.url)
     for k in range(60):
-        page.ask("velocity.forward", 0.001 * k)
-    assert "too many" in page.hear("error")["error"]
+        page.request("velocity.forward", 0.001 * k)
+    assert "too many" in page.receive("error")["error"]
 
 
 @pytest.mark.parametrize("path", ["controls", "socket"])
@@ -474,7 +474,7 @@ def test_closed_pages_leave_no_resources_open(live, take):
     if not files.is_dir():
         pytest.skip("no /proc here")
     staying = Client(live.url)
-    staying.hear("infeasible")
+    staying.receive("infeasible")
     before = len(list(files.iterdir()))
     for k in range(50):
         Client(live.url, ("controls", "socket")[k % 2]).close()
@@ -482,7 +482,7 @@ def test_closed_pages_leave_no_resources_open(live, take):
     while len(list(files.iterdir())) > before:
         assert time.monotonic() < end
         time.sleep(0.05)
-    staying.ask("pause", True)
+    staying.request("pause", True)
     take(1)
     live.close()
     assert not Path(f"/proc/{live.pid}").exists()
@@ -513,26 +513,26 @@ def test_a_fallen_robot_is_reset_from_the_page_after_its_status_reports_the_fall
     page = Client(live.url)
 
     def until(condition):
-        while not condition(status := page.hear("status")["status"]):
+        while not condition(status := page.receive("status")["status"]):
             pass
         return status
 
     with commanded(live, handler, 1000.0) as messages:
         first = until(lambda g: g["mode"] == "running" and g["time"] > 0.1)
         assert 0.0 < first["tick_time"] < 1.0
-        page.ask("velocity.forward", 0.1)
+        page.request("velocity.forward", 0.1)
         until(lambda g: g["velocity"] == [0.1, 0.0, 0.0])
-        page.ask("push", [0.0, 0.3 * handler.capabilities.max_impulse])
+        page.request("push", [0.0, 0.3 * handler.capabilities.max_impulse])
         until(lambda g: g["mode"] == "fallen" and g["pushes"] == 1 and g["survived"] == 0)
-        page.ask("velocity.forward", 0.1)
-        assert page.hear("error")["error"] == "the robot has fallen: reset it first"
-        page.ask("reset")
+        page.request("velocity.forward", 0.1)
+        assert page.receive("error")["error"] == "the robot has fallen: reset it first"
+        page.request("reset")
         until(lambda g: g["mode"] == "running")
-        page.ask("pause", True)
+        page.request("pause", True)
         until(lambda g: g["mode"] == "paused")
-        page.ask("reset")
+        page.request("reset")
         until(lambda g: g["mode"] == "running")
-        page.ask("pause", True)  # and so it ends: a run that is paused can be stopped
+        page.request("pause", True)  # and so it ends: a run that is paused can be stopped
         until(lambda g: g["mode"] == "paused")
     assert [line.split(":")[0] for line in messages][1:] == ["fell", "reset", "reset"]
     assert "press Reset (R) on the page" in messages[1]
@@ -542,11 +542,11 @@ def test_the_page_receives_the_quantity_that_it_selects(live, handler, monkeypat
     monkeypatch.setattr("wbc.teleop.command_handler.Clock.wait", lambda clock: None)
     page = Client(live.url)
     with commanded(live, handler, 1000.0):
-        while "com: z, m" not in page.hear("quantities")["quantities"]:
+        while "com: z, m" not in page.receive("quantities")["quantities"]:
             pass
-        page.ask("quantity", "com: z, mm")
-        assert "did you mean 'com: z, m'" in page.hear("error")["error"]
-        page.ask("quantity", "com: z, m")
-        label, value = page.hear("quantity")["quantity"]
+        page.request("quantity", "com: z, mm")
+        assert "did you mean 'com: z, m'" in page.receive("error")["error"]
+        page.request("quantity", "com: z, m")
+        label, value = page.receive("quantity")["quantity"]
         assert label == "com: z, m"
         assert value == pytest.approx(handler.player.robot.com_height, rel=0.05)

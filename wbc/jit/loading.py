@@ -13,9 +13,8 @@ from pathlib import Path
 
 from wbc.jit.cache import cache_folder
 
-_NOTICE_DELAY = (
-    4.0  # s of computing before the notice: several times what reading kernels from the disk takes
-)
+# s of computing before the notice: several times what reading kernels from the disk takes
+_NOTICE_DELAY = 4.0
 
 
 class KernelsUnavailable(UserWarning):
