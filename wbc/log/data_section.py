@@ -14,10 +14,9 @@ from typing import IO
 
 from mcap import records
 from mcap.data_stream import RecordBuilder
-from mcap.stream_reader import breakup_chunk
 from mcap.writer import MCAP0_MAGIC
 
-from wbc.log.record_reader import DAMAGE, RecordReader
+from wbc.log.record_reader import DAMAGE, RecordReader, chunk_records
 
 
 class DataSection:
@@ -130,7 +129,7 @@ class DataSection:
 
     def _add_chunk(self, chunk: records.Chunk, start: int, length: int) -> None:
         counts = Counter[int]()
-        for record in breakup_chunk(chunk, validate_crc=True):
+        for record in chunk_records(chunk):
             if isinstance(record, records.Message):
                 counts[record.channel_id] += 1
             elif isinstance(record, records.Schema):

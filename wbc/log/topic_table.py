@@ -3,11 +3,53 @@
 from __future__ import annotations
 
 from array import array
+from collections import defaultdict
+from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 
 from wbc.log.errors import LogError
 from wbc.messages import Message, message_layout, message_type
+
+_BLOCK = 512  # messages
+
+
+class _SameSize:
+    """Messages of one size. What those of a block have in common is stored once.
+
+    Attributes:
+        indices: Index of each message in its topic.
+    """
+
+    def __init__(self) -> None:
+        self.indices = array("q")
+        # First message, offsets of the bytes that differ, and the values of these bytes.
+        self._packed: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
+        self._recent: list[bytes] = []
+
+    def add(self, index: int, data: bytes) -> None:
+        """Add a message."""
+        self.indices.append(index)
+        self._recent.append(data)
+        if len(self._recent) == _BLOCK:
+            rows = _rows(self._recent)
+            differing = np.flatnonzero((rows != rows[0]).any(axis=0))
+            self._packed.append((rows[0].copy(), differing, rows.take(differing, axis=1)))
+            self._recent.clear()
+
+    def blocks(self) -> Iterator[np.ndarray]:
+        """Yield the bytes of the messages in blocks of shape (n, size)."""
+        for first, differing, values in self._packed:
+            rows = np.tile(first, (len(values), 1))
+            rows[:, differing] = values
+            yield rows
+        if self._recent:
+            yield _rows(self._recent)
+
+
+def _rows(messages: list[bytes]) -> np.ndarray:
+    return np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), -1)
 
 
 class TopicTable:
@@ -26,7 +68,7 @@ class TopicTable:
         self.topic = topic
         self.type_name = type_name
         self._stamps = array("q")
-        self._messages: list[bytes] = []
+        self._sizes: defaultdict[int, _SameSize] = defaultdict(_SameSize)
 
     def __len__(self) -> int:
         """Return the number of messages."""
@@ -39,13 +81,14 @@ class TopicTable:
             stamp: Log time, ns.
             data: Serialized message.
         """
+        self._sizes[len(data)].add(len(self), data)
         self._stamps.append(stamp)
-        self._messages.append(data)
 
     @property
     def first(self) -> Message:
         """The first message."""
-        return message_type(self.type_name).decode(self._messages[0])
+        alike = next(iter(self._sizes.values()))
+        return message_type(self.type_name).decode(next(alike.blocks())[0])
 
     @property
     def stamps(self) -> np.ndarray:
@@ -55,7 +98,12 @@ class TopicTable:
     def messages(self) -> list[Message]:
         """Return the messages."""
         kind = message_type(self.type_name)
-        return [kind.decode(data) for data in self._messages]
+        found = {
+            index: kind.decode(row)
+            for alike in self._sizes.values()
+            for index, row in zip(alike.indices, chain(*alike.blocks()), strict=True)
+        }
+        return [found[index] for index in range(len(self))]
 
     def numbers(self, field: str) -> np.ndarray:
         """Return the values of a field, shape (n, k); NaN where a message has not k of them.
@@ -67,22 +115,21 @@ class TopicTable:
             LogError: The messages have no numeric field of that name.
         """
         kind = message_type(self.type_name)
-        sizes = np.array([len(data) for data in self._messages])
-        rows: np.ndarray | None = None
-        for size in dict.fromkeys(sizes.tolist()):  # messages of one size have one layout
-            alike = np.flatnonzero(sizes == size)
-            layout = message_layout(kind.decode(self._messages[alike[0]]))
+        found: np.ndarray | None = None
+        for alike in self._sizes.values():  # messages of one size have one layout
+            layout = message_layout(kind.decode(next(alike.blocks())[0]))
             if field in (layout.names or ()):
-                data = b"".join([self._messages[k] for k in alike])
-                values = np.frombuffer(data, layout)[field].reshape(len(alike), -1)
-                if rows is None:
-                    rows = np.full((len(sizes), values.shape[1]), np.nan)
-                if values.shape[1] == rows.shape[1]:
-                    rows[alike] = values
-        if rows is None:
+                values = np.concatenate(
+                    [rows.view(layout)[field].reshape(len(rows), -1) for rows in alike.blocks()]
+                )
+                if found is None:
+                    found = np.full((len(self), values.shape[1]), np.nan)
+                if values.shape[1] == found.shape[1]:
+                    found[alike.indices] = values
+        if found is None:
             known = message_layout(self.first).names or ()
             raise LogError(
                 f"'{self.topic}' ({self.type_name}) has no numeric field '{field}'; it has: "
                 + ", ".join(known[:12])
             )
-        return rows
+        return found

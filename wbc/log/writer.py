@@ -21,10 +21,9 @@ from wbc.log.robot_info import RobotInfo
 from wbc.log.status import LogStatus
 from wbc.process import ParentConnection
 from wbc.runtime.mode import Mode
-from wbc.runtime.record import contact_names
 from wbc.runtime.schema import Schema, columns_to_json
 from wbc.runtime.stream import TickReader
-from wbc.topics import BatchMaker, MessageTopic, commanded_wrench, tick_topics
+from wbc.topics import BatchMaker, CommandedWrenchTopics, MessageTopic, tick_topics
 
 _PAUSE = 0.1  # s, between two polls for new ticks
 _CHUNK = 0.4  # s, between the ends of two chunks
@@ -54,7 +53,7 @@ class LogWriter:
         self._batches = BatchMaker(robot)
         self._topics: list[MessageTopic] = []
         self._schema = self._reader.schema
-        self._contacts: set[str] = set()
+        self._wrench_topics = CommandedWrenchTopics()
         self._ticks = 0
         self._due = self._longest = 0.0
 
@@ -78,9 +77,7 @@ class LogWriter:
             self._begin_stream(self._reader.schema)
         if len(records):
             running = records[records["mode"] == Mode.RUNNING]
-            for name in sorted(contact_names(running) - self._contacts):
-                self._contacts.add(name)
-                self._topics.append(commanded_wrench(name))
+            self._topics += self._wrench_topics.new_in(running)
             self._file.write(self._batches.batch(running), self._topics)
             self._ticks += len(running)
             self._status.dropped = self._reader.lost
@@ -93,7 +90,7 @@ class LogWriter:
 
     def _begin_stream(self, schema: Schema) -> None:
         """Prepare the topics of another stream and describe its quantities."""
-        self._schema, self._contacts = schema, set()
+        self._schema, self._wrench_topics = schema, CommandedWrenchTopics()
         self._topics = tick_topics(schema, self._robot)
         self._file.add(Metadata({}, {"quantities.json": columns_to_json(schema.columns)}))
 

@@ -36,6 +36,8 @@ class VaryingFieldsWriter:
         self._record = record
         self._contacts: tuple[str, ...] | None = None
         self._wrenches = tuple(record["contact_wrenches"][0])
+        self._support, self._footsteps = record["support"][0], record["footsteps"][0]
+        self._swing_path = record["swing_path"][0]
         self._text: str | None = None
         self.set_wrenches({})
         self.set_text("")
@@ -56,12 +58,12 @@ class VaryingFieldsWriter:
         path = plan.swing_path
         if len(path) > SWING:
             path = path[np.linspace(0, len(path) - 1, SWING).round().astype(int)]
-        steps = [(SIDES.index(s.side), *s.position, s.yaw) for s in plan.footsteps[:FOOTSTEPS]]
-        record = self._record[0]
-        record["contact_plan_tick"] = tick
-        _set_rows(record["support"], plan.support[:SUPPORT])
-        _set_rows(record["footsteps"], np.array(steps).reshape(-1, 5))
-        _set_rows(record["swing_path"], path)
+        self._record["contact_plan_tick"] = tick
+        _set_rows(self._support, plan.support[:SUPPORT])
+        _set_rows(self._swing_path, path)
+        self._footsteps[:] = np.nan
+        for row, step in zip(self._footsteps, plan.footsteps, strict=False):
+            row[0], row[1:4], row[4] = SIDES.index(step.side), step.position, step.yaw
 
     def set_text(self, text: str) -> None:
         """Write a text."""

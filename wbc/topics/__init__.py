@@ -5,19 +5,24 @@ The log and the ROS 2 node publish the same topics, from the same declarations: 
 """
 
 from wbc.topics.batch import BatchMaker, TickBatch
-from wbc.topics.catalogue import column_fields, commanded_wrench, latched_topics, tick_topics
+from wbc.topics.catalogue import (
+    CommandedWrenchTopics,
+    column_fields,
+    latched_topics,
+    tick_topics,
+)
 from wbc.topics.numeric import NumericTopic
 from wbc.topics.topic import LatchedTopic, MessageTopic, TopicMessage
 
 __all__ = [
     "BatchMaker",
+    "CommandedWrenchTopics",
     "LatchedTopic",
     "MessageTopic",
     "NumericTopic",
     "TickBatch",
     "TopicMessage",
     "column_fields",
-    "commanded_wrench",
     "latched_topics",
     "tick_topics",
 ]

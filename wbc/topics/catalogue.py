@@ -9,7 +9,7 @@ import numpy as np
 
 from wbc.messages import Message, message_type
 from wbc.robot import Robot
-from wbc.runtime.record import text_of
+from wbc.runtime.record import contact_names, text_of
 from wbc.runtime.schema import ODOM, Column, Schema
 from wbc.topics.batch import TickBatch
 from wbc.topics.contact_plan import contact_plan_topics
@@ -83,7 +83,20 @@ def latched_topics(robot: Robot) -> list[LatchedTopic]:
     return [fixed_link_transforms(robot), LatchedTopic("robot_description", description)]
 
 
-def commanded_wrench(contact: str) -> NumericTopic:
+class CommandedWrenchTopics:
+    """The topics of the commanded wrenches, one for each contact that has had a wrench."""
+
+    def __init__(self) -> None:
+        self._contacts: set[str] = set()
+
+    def new_in(self, records: np.ndarray) -> list[NumericTopic]:
+        """Return the topics of the contacts that appear for the first time in records, (n,)."""
+        new = sorted(contact_names(records) - self._contacts)
+        self._contacts.update(new)
+        return [_commanded_wrench(contact) for contact in new]
+
+
+def _commanded_wrench(contact: str) -> NumericTopic:
     """Return the topic of the commanded wrench from the environment on the robot at a contact."""
 
     def values(batch: TickBatch) -> dict[str, np.ndarray]:

@@ -11,13 +11,12 @@ from wbc.ros.node import Node
 from wbc.ros.qos import HIGH_RATE, LATCHED
 from wbc.ros.topics import Publisher
 from wbc.runtime.rate_limiter import RateLimiter
-from wbc.runtime.record import contact_names
 from wbc.runtime.schema import Schema
 from wbc.topics import (
     BatchMaker,
+    CommandedWrenchTopics,
     LatchedTopic,
     MessageTopic,
-    commanded_wrench,
     latched_topics,
     tick_topics,
 )
@@ -50,7 +49,7 @@ class TickTopics:
         self._schema: Schema | None = None
         self._topics: list[tuple[MessageTopic, Publisher]] = []
         self._publishers: dict[str, Publisher] = {}
-        self._contacts: set[str] = set()
+        self._wrench_topics = CommandedWrenchTopics()
         for topic in latched_topics(config.robot):
             self._publisher(topic).publish(topic.data)
 
@@ -68,16 +67,14 @@ class TickTopics:
         """Publish the quantities of a stream from now on; an empty schema changes nothing."""
         if schema is self._schema or not schema.columns:
             return
-        self._schema, self._contacts = schema, set()
+        self._schema, self._wrench_topics = schema, CommandedWrenchTopics()
         topics = tick_topics(schema, self._robot, period=0.0)
         self._topics = [(t, self._publisher(t)) for t in topics if not isinstance(t, LatchedTopic)]
 
     def publish(self, tick: StampedTick) -> None:
         """Publish a tick on the topics that are due."""
-        for name in sorted(contact_names(tick.record) - self._contacts):
-            self._contacts.add(name)
-            wrench = commanded_wrench(name)
-            self._topics.append((wrench, self._publisher(wrench)))
+        wrench_topics = self._wrench_topics.new_in(tick.record)
+        self._topics += [(topic, self._publisher(topic)) for topic in wrench_topics]
         update_due = self._update_limiter.is_due(tick.stamp)
         state_due = self._state_limiter.is_due(tick.stamp)
         subscribed = [
