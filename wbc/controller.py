@@ -77,7 +77,7 @@ class WholeBodyController:
 
     Attributes:
         tasks: those added, in order.
-        kinematics: of the last state; None before the first tick.
+        kinematics: kinematics of the last state; None before the first tick.
         problem: the last tick's QP; its arrays are overwritten by the next one.
 
     Raises:

@@ -31,8 +31,8 @@ class _NameNotFound(WbcError, KeyError):
     """The model has nothing of that name; the text lists similar names.
 
     Args:
-        name: that was looked up.
-        names: that exist.
+        name: name that was looked up.
+        names: existing names.
         caller: who looked it up, for the message.
     """
 

@@ -119,7 +119,7 @@ def test_a_killed_writer_loses_less_than_a_second_and_the_run_continues(humanoid
             time.sleep(0.002)
         os.kill(log.log.pid, signal.SIGKILL)
         record_until_it_ends(log, humanoid)
-    said = [r for r in caplog.records if "the run goes on without it" in r.getMessage()]
+    said = [r for r in caplog.records if "the run continues without it" in r.getMessage()]
     assert len(said) == 1
     log.close()
     run = LoggedRun.read(path)
@@ -254,7 +254,7 @@ def record_until_it_ends(log, humanoid, at_most=10.0):
 
 
 def check_after_full_disk(path, caplog, said):
-    told = [r.getMessage() for r in caplog.records if "the run goes on without it" in r.message]
+    told = [r.getMessage() for r in caplog.records if "the run continues without it" in r.message]
     assert len(told) == 1
     assert said in told[0]
     run = LoggedRun.read(path)

@@ -20,7 +20,7 @@ class Argument(NamedTuple):
     Attributes:
         metavar: name of the value in the help; a tuple for as many values.
         parse: converts the text of a value.
-        flag: of an option; by default the name of the parameter with hyphens.
+        flag: flag of an option; by default the name of the parameter with hyphens.
     """
 
     metavar: str | tuple[str, ...]

@@ -4,7 +4,7 @@ from enum import IntEnum
 
 
 class ExitCode(IntEnum):
-    """What the exit code of a command tells."""
+    """The exit codes of a command and their meanings."""
 
     SUCCESS = 0
     FAILED = 1  #: the robot fell, the model has errors, the logs differ

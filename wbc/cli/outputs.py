@@ -43,7 +43,7 @@ class RunOutputs:
     """The files that a run writes.
 
     Args:
-        options: which files.
+        options: the files to write.
         robot: the robot.
         boxes: boxes of the terrain, shape (n, 6).
 

@@ -15,7 +15,7 @@ from wbc.robot import available, examples
 def robots(robots: Annotated[tuple[str, ...], Argument("ROBOT")], model: ModelOptions) -> None:
     """List the robots that can be loaded by name, or the properties of a robot.
 
-    The list tells which properties were derived from the model, and which the robot's data file
+    The list states which properties were derived from the model, and which the robot's data file
     states. With names or files, all properties of these robots are listed, and where they come
     from.
 

@@ -69,7 +69,7 @@ class TopicOptions:
 
     Attributes:
         topic: e.g. /joint_states.
-        network: where the topic is.
+        network: network of the topic.
         wait: time to wait for the topic to appear, s.
     """
 

@@ -53,7 +53,7 @@ class Session:
 
     Attributes:
         stack: closes what is entered when the run is over.
-        observers: of the run.
+        observers: observers of the run.
         line: shows the progress.
         interrupted: not empty once Ctrl-C was pressed; the run is to end then.
     """

@@ -54,7 +54,7 @@ class ContactDetector:
         trigger: the thresholds.
 
     Attributes:
-        names: of the soles, in the order of all lists here.
+        names: names of the soles, in the order of all lists here.
         stands: per sole, whether it stands.
         contacts: names of the soles that stand.
         slip: per sole, the factor on its drift over the last period; 0 for one in the air.

@@ -58,7 +58,7 @@ def _links(
     Args:
         model: the robot's.
         axes: motion subspace of each joint, (6,).
-        joint: that carries the frame.
+        joint: joint that carries the frame.
         end: placement of the frame on it.
     """
     for i in list(model.supports[joint])[2:]:  # behind the universe and the base
@@ -83,7 +83,7 @@ def leg_covariance(robot: Robot, index: int, encoder: float) -> np.ndarray:
 
     Args:
         robot: the robot.
-        index: of the sole.
+        index: index of the sole.
         encoder: σ, rad.
     """
     model, sole = robot.model, robot.soles[index]

@@ -20,10 +20,10 @@ class EstimatorNoise:
         gyro: rad/s.
         accelerometer: m/s²; above the sensor's own noise, for what the sampled signal
             does not tell: vibration and impacts.
-        gyro_walk: of the gyro's bias, rad/s per √s.
-        accelerometer_walk: of the accelerometer's bias, m/s² per √s.
-        gyro_bias: of the unknown bias at a reset, rad/s.
-        accelerometer_bias: of the unknown bias at a reset, m/s².
+        gyro_walk: random walk of the gyro's bias, rad/s per √s.
+        accelerometer_walk: random walk of the accelerometer's bias, m/s² per √s.
+        gyro_bias: unknown bias of the gyro at a reset, rad/s.
+        accelerometer_bias: unknown bias of the accelerometer at a reset, m/s².
         encoder: joint position, rad.
         joint_velocity: rad/s.
         slip: random walk of a fully loaded sole, m per √s.
@@ -32,8 +32,8 @@ class EstimatorNoise:
             sole rolls over edges; a tilt that is assumed fixed would bias the velocity.
         slip_gate: χ² of a sole's six readings from which on it has slipped; noise alone
             gets there once in 3000 corrections; infinity: a slip is never detected.
-        tilt: of the state given at a reset, rad.
-        speed: of the state given at a reset, m/s.
+        tilt: error of the tilt given at a reset, rad.
+        speed: error of the velocity given at a reset, m/s.
 
     Raises:
         MeasurementError: a value that is negative or not finite.

@@ -16,7 +16,7 @@ class LiftedFoot:
     It has a `SwingFoot`'s attributes, and stays where it is relative to the support foot.
 
     Args:
-        start: where the sole left the ground.
+        start: placement of the sole when it left the ground.
         stance: the support sole.
 
     Attributes:

@@ -31,7 +31,7 @@ class GaitParameters:
         max_step: longest forward step, m.
         max_side_step: widest change of the lateral distance, m.
         max_turn: largest heading change of a step, rad.
-        com_height: of the CoM above the soles while walking, m.
+        com_height: height of the CoM above the soles while walking, m.
         dcm_gain: k of the DCM feedback, 1/s.
         gravity: gravitational acceleration, m/s².
     """

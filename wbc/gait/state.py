@@ -33,10 +33,10 @@ class PlannedFootstep(NamedTuple):
 
 @dataclass(slots=True)
 class GaitCommand:
-    """What the gait is asked for.
+    """The command to the gait.
 
     Attributes:
-        velocity: of walking.
+        velocity: walking velocity.
         footsteps: given ones, the next first; they take precedence over the velocity. A
             planner removes a footstep when its swing begins.
     """
@@ -60,7 +60,7 @@ class GaitState:
         phase: part of the gait cycle.
         support: side of the foot that carries, or that the weight moves to.
         time: since the phase began, s; 0 in the tick in which it begins.
-        duration: of the phase, s.
+        duration: duration of the phase, s.
         hold: time at the beginning of a transfer in which the weight does not move yet, s.
         starting: the transfer begins from standing on both feet.
         stopping: the transfer ends in standing on both feet.

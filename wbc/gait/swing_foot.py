@@ -23,16 +23,16 @@ class SwingFoot:
     because the DCM runs away from a foot that is late.
 
     Args:
-        start: where the sole leaves the ground.
-        target: where it should land.
-        duration: of the whole swing, s.
-        height: of the apex above the higher end, m.
+        start: placement at which the sole leaves the ground.
+        target: placement at which it is to land.
+        duration: duration of the whole swing, s.
+        height: height of the apex above the higher end, m.
         touchdown_speed: downward, m/s.
 
     Attributes:
-        start: where the sole left the ground.
-        target: where it lands.
-        duration: of the whole swing, s.
+        start: placement at which the sole left the ground.
+        target: placement at which it lands.
+        duration: duration of the whole swing, s.
         time: since lift-off, s.
         motion: pose, velocity and acceleration of the sole's centre now, world axes.
         yaw: heading now, rad.

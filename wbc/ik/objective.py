@@ -1,4 +1,4 @@
-"""What a standing posture should be like, and the posture that was found."""
+"""The objective of a standing posture, and the posture that was found for it."""
 
 from __future__ import annotations
 

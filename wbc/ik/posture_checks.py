@@ -1,4 +1,4 @@
-"""What a standing posture asks for: torques, height and tilt of the pelvis, size of the support."""
+"""Checks of a standing posture: torques, height and tilt of the pelvis, size of the support."""
 
 from __future__ import annotations
 

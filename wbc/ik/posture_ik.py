@@ -138,7 +138,7 @@ class PostureIK:
         """Return the posture that comes nearest to an objective.
 
         Args:
-            objective: what it should be like.
+            objective: targets of the posture.
             start: (nq,) posture to begin with; the nominal one when left out.
             restarts: how many other ways to bend the arms are tried when a hand misses its
                 target.

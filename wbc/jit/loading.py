@@ -1,4 +1,4 @@
-"""Loads compiled kernels, says when that takes long, and warns when it is impossible."""
+"""Loads compiled kernels, reports when that takes long, and warns when it is impossible."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _NOTICE_DELAY = 4.0
 
 
 class KernelsUnavailable(UserWarning):
-    """The compiled kernels cannot be had: ticks take longer; the text says why, and the cure."""
+    """The compiled kernels are unavailable, so ticks take longer; the text has reason and cure."""
 
 
 def load_kernels(*modules: str) -> bool:
@@ -47,7 +47,7 @@ def load_kernels(*modules: str) -> bool:
     except ImportError as error:
         _warn(f"Numba cannot be imported ({error}); run  pip install numba")
         return False
-    except Exception as error:  # whatever a compiler can come up with
+    except Exception as error:  # a compiler may raise any error
         _forget_kernels(modules)
         _warn(f"Numba cannot compile them ({type(error).__name__}: {error})")
         return False
@@ -77,7 +77,7 @@ def _warn(why: str) -> None:
 
 
 def _tell_when_slow(done: threading.Event, module: str) -> None:
-    start = time.process_time()  # not the wall clock: a busy machine is no compiler
+    start = time.process_time()  # not the wall clock, which also counts the load of other processes
     while time.process_time() - start < _NOTICE_DELAY:
         if done.wait(0.1):
             return

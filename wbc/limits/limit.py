@@ -91,5 +91,5 @@ class Limit(ABC):
 
         Args:
             kin: kinematics of the present state.
-            rows: where to write them.
+            rows: rows to write to.
         """

@@ -39,7 +39,7 @@ class LimitSet:
         """Check limits and bind them to a robot.
 
         Args:
-            limits: in any order.
+            limits: limits, in any order.
             robot: the robot.
             dt: control period, s.
 

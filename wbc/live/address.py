@@ -1,4 +1,4 @@
-"""The address that the page is served at, and the names by which it may be asked for."""
+"""The address that the page is served at, and the host names by which it may be requested."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ def check_host(host: str) -> None:
 
 
 def allowed_hosts(host: str) -> str:
-    """Return a regular expression of the host names by which the page may be asked for.
+    """Return a regular expression of the host names by which the page may be requested.
 
-    A name that somebody else can make point here (DNS rebinding) is never among them.
+    A name that others can direct to this machine (DNS rebinding) is never among them.
     """
     if host in (HOST, "localhost"):
         return LOOPBACK

@@ -1,4 +1,4 @@
-"""The controls of the page, and the command that each of its requests stands for."""
+"""The controls of the page, and the command that each of its requests gives."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Controls:
         }
 
     def command(self, request: Request) -> TeleopCommand:
-        """Return the command that a request stands for.
+        """Return the command of a request.
 
         Raises:
             CommandRefused: The request is invalid; the text states the reason.

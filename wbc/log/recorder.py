@@ -108,7 +108,7 @@ class FlightRecorder(ProcessObserver):
             return
         self._warned = True
         reason = self._status.reason or f"its process ended (exit code {code})"
-        logger.warning("the log %s ends here: %s; the run goes on without it", self.path, reason)
+        logger.warning("the log %s ends here: %s; the run continues without it", self.path, reason)
 
     def end(self, report: Report) -> None:
         """Log the report of the run; see `wbc.runtime.protocols.Observer`."""

@@ -144,7 +144,7 @@ class JointPdController:
     """PD control of the joints, without balance; a `ControllerOverride`.
 
     Args:
-        context: of the robot, whose joints start from where they are.
+        context: context of the robot, whose joints start from where they are.
         posture: time, s -> (na,) rad; after a lead-in of 1 s it is followed exactly.
     """
 

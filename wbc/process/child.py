@@ -42,7 +42,7 @@ class ChildProcess:
         module: name of the module, e.g. "wbc.view.server".
         descriptors: file descriptors that the child inherits.
         grace: time that the child gets to end by itself when it is asked to, s; it is then killed.
-        title: what the process does, for messages.
+        title: name of the process in messages.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class ChildProcess:
         if not self.alive:
             self._next_check = float("inf")
             logger.warning(
-                "%s's process has ended (exit code %s); the run goes on without it",
+                "%s's process has ended (exit code %s); the run continues without it",
                 self._title,
                 self.exit_code,
             )

@@ -43,7 +43,7 @@ class Assembly:
     Args:
         robot: the robot.
         tasks: weighted and exact ones.
-        contacts: of distinct names.
+        contacts: contacts with distinct names.
         limits: limits, by kind.
         formulation: reduced or full.
         regularisation: small costs.
@@ -110,7 +110,7 @@ class Assembly:
 
         Args:
             x: (n,).
-            kin: of the state that the QP was built for.
+            kin: kinematics of the state that the QP was built for.
             dt: control period, s.
         """
         m, x1 = self.elimination, self._x1

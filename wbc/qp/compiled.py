@@ -179,8 +179,8 @@ class _Stack:
     """Stacks the rows of dense tasks and contacts, those of the cost first.
 
     Args:
-        cost: what is in the cost.
-        exact: what becomes equalities.
+        cost: tasks and contacts whose rows are in the cost.
+        exact: tasks and contacts whose rows become equalities.
 
     Attributes:
         first: first row of each.

@@ -21,8 +21,8 @@ class Regularisation:
     """Small costs that make the optimum unique.
 
     Attributes:
-        force: on every contact force and moment, 1/N² and 1/(N·m)².
-        acceleration: on every joint acceleration, s⁴/rad².
+        force: weight on every contact force and moment, 1/N² and 1/(N·m)².
+        acceleration: weight on every joint acceleration, s⁴/rad².
     """
 
     force: float = 1e-6

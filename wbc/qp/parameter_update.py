@@ -116,7 +116,7 @@ def contact_update(
 
     Args:
         contact: the contact.
-        buffers: where to.
+        buffers: buffers to write to.
         k: its place among the contacts.
         frame: index of its frame.
         forces: its force components.
@@ -208,7 +208,7 @@ def limit_update(
 
     Args:
         limit: the limit.
-        buffers: where to.
+        buffers: buffers to write to.
         part: its rows among those of the general limits.
         forces: force components of each contact.
     """

@@ -184,8 +184,8 @@ def check_values(values: Mapping[str, Any], source: str) -> None:
     """Refuse unknown keys, and values that cannot be what their key means.
 
     Args:
-        values: by key of a robot data file.
-        source: where they are stated, for the message.
+        values: values by key of a robot data file.
+        source: origin of the values, for the message.
 
     Raises:
         RobotDescriptionError: names the key, the value and what it must be.

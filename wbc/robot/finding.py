@@ -20,10 +20,10 @@ class Fact:
     """A property of a robot that the loader derived or that was stated.
 
     Attributes:
-        name: what it is about, for example `left_sole`.
+        name: name of the property, for example `left_sole`.
         value: the value as a reader wants to see it, with its unit.
         origin: `derived` from the model, or `stated` by the data file or the caller.
-        source: where it comes from (a file, an argument, a rule).
+        source: origin of the fact (a file, an argument, a rule).
     """
 
     name: str
@@ -55,9 +55,9 @@ class Finding:
         severity: `error` (the robot cannot be controlled), `warning` (it can,
             with a substitute or a loss that is named) or `note`.
         subject: the link, joint or file that it is about.
-        what: what is wrong.
-        consequence: what follows from it.
-        cure: what to change.
+        what: description of the defect.
+        consequence: consequence of the defect.
+        cure: remedy.
         code: identifier of the kind of defect, stable for programs.
     """
 

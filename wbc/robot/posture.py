@@ -35,7 +35,7 @@ class Posture:
         q: (nq,) the configuration.
         how: description for reports; empty if no posture is stated anywhere.
         stated: whether the data file or the caller states it.
-        source: where it is stated.
+        source: file or argument that states it.
         stated_joints: velocity indices of the joints that are stated.
     """
 

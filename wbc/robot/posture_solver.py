@@ -33,7 +33,7 @@ class PostureTerm(Protocol):
 
         Args:
             model: the robot's model.
-            data: with frames, CoM and their Jacobians at q.
+            data: data with frames, CoM and their Jacobians at q.
             q: (nq,) posture.
         """
 
@@ -45,7 +45,7 @@ class PoseTerm:
     Attributes:
         frame: id of the frame.
         target: placement of the frame in the world.
-        weight: of the squared error.
+        weight: weight of the squared error.
     """
 
     frame: int
@@ -69,7 +69,7 @@ class PositionTerm:
     Attributes:
         frame: id of the frame.
         target: (3,) position, m.
-        weight: of the squared error.
+        weight: weight of the squared error.
     """
 
     frame: int
@@ -91,7 +91,7 @@ class RotationTerm:
     Attributes:
         frame: id of the frame.
         target: (3, 3) orientation of the frame in the world.
-        weight: of the squared error.
+        weight: weight of the squared error.
         axes: the world axes that count.
     """
 
@@ -115,7 +115,7 @@ class ComTerm:
 
     Attributes:
         target: (3,) position, m.
-        weight: of the squared error.
+        weight: weight of the squared error.
     """
 
     target: np.ndarray
@@ -135,7 +135,7 @@ class JointTerm:
     Attributes:
         index: index of the joint into velocities (nv,).
         target: position, rad or m.
-        weight: of the squared error.
+        weight: weight of the squared error.
     """
 
     index: int

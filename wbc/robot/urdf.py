@@ -32,7 +32,7 @@ class Urdf:
     """The parsed file.
 
     Attributes:
-        path: where it was read.
+        path: path of the file.
         element: the `<robot>` element.
         links: the first `<link>` element of each name, in file order.
         joints: the joints, in file order, duplicates included.

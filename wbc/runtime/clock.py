@@ -21,7 +21,7 @@ class Clock:
 
     Args:
         dt: period, s.
-        periods: how many are expected, so that nothing is allocated on the way.
+        periods: expected number of periods, for which memory is allocated in advance.
     """
 
     def __init__(self, dt: float, periods: int) -> None:

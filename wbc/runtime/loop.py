@@ -73,7 +73,7 @@ def run(
         estimator: measurement to estimate; `Estimator(plant.robot, plant.dt)` when left out.
         observers: viewers, recordings, logs and the like; those with processes of their own read
             one stream of ticks in shared memory.
-        quantities: of a tick, beside those of `wbc.runtime.quantities`.
+        quantities: further quantities of a tick, beside those of `wbc.runtime.quantities`.
         real_time: wait for the wall clock, so that a second takes a second. The loop asks the
             system for all that keeps its ticks on time, or for what a `RealTime` says, and gives
             it back at the end.

@@ -25,7 +25,7 @@ class LoopConditions:
     """What a real-time loop was granted to keep its ticks on time, known before the first tick.
 
     Attributes:
-        requests: in the order in which they were made.
+        requests: the requests, in the order in which they were made.
     """
 
     requests: tuple[SystemRequest, ...]

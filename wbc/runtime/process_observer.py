@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class ProcessObserver(Closeable):
     """A `wbc.runtime.protocols.StreamObserver` whose child process reads the stream of ticks.
 
-    The loop never waits for the process and goes on when it has ended.
+    The loop never waits for the process and continues when it has ended.
 
     Args:
         process: Child process, not yet configured.

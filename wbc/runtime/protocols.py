@@ -21,7 +21,7 @@ from wbc.telemetry import ContactPlan, Telemetry
 class Controller(Protocol):
     """Anything that turns estimates into commands runs in `run`.
 
-    One that is also a `TelemetrySource` is shown, logged and reported with what it tells.
+    One that is also a `TelemetrySource` is shown, logged and reported with its telemetry.
     """
 
     def reset(self, state: State) -> None:
@@ -33,7 +33,7 @@ class Controller(Protocol):
 
 @runtime_checkable
 class TelemetrySource(Protocol):
-    """A controller that tells what it sees and intends."""
+    """A controller that provides telemetry and a contact plan."""
 
     @property
     def telemetry(self) -> Telemetry:
@@ -99,7 +99,7 @@ class StateEstimator(Protocol):
         """Return the estimate now.
 
         Args:
-            measurement: of this tick.
+            measurement: measurement of this tick.
             acceleration: (nv,) what the last command was to bring about, m/s² and rad/s².
         """
 

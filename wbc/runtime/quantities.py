@@ -56,7 +56,7 @@ QUANTITIES: tuple[Quantity, ...] = (
              "m/s², rad/s²", "nv", topic="command/acceleration", single=True),
     _single("q_target", "command.q_target", "joint positions one period ahead", "rad", "na"),
     _single("v_target", "command.v_target", "joint velocities one period ahead", "rad/s", "na"),
-    # What the controller tells.
+    # Telemetry of the controller.
     _point("com", "telemetry.com", "centre of mass", topic="balance/com"),
     _point("dcm", "telemetry.dcm", "divergent component of motion", topic="balance/dcm"),
     _point("dcm_reference", "telemetry.dcm_reference", "planned DCM",

@@ -36,10 +36,10 @@ Restore = Callable[[], object]
 
 @dataclass(frozen=True, slots=True)
 class RealTime:
-    """What a real-time loop requests from the system; it goes on without what is refused.
+    """What a real-time loop requests from the system; the loop runs without what is refused.
 
     Attributes:
-        priority: of the thread under SCHED_FIFO, 1 to 99; 0 asks for no priority at all. The
+        priority: priority of the thread under SCHED_FIFO, 1 to 99; 0 requests none. The
             kernel's interrupt threads have 50: below that the loop cannot keep the network or
             the disk from working.
         lock_memory: keep the pages in memory that are there.
@@ -145,7 +145,7 @@ def _lock_memory() -> Restore:
 
 
 def _locked_kilobytes() -> int:
-    """Memory of this process that is locked by now, kB."""
+    """Return the locked memory of this process, kB."""
     found = re.search(r"^VmLck:\s*(\d+)", Path("/proc/self/status").read_text("ascii"), re.M)
     return int(found[1]) if found else 0
 
@@ -157,7 +157,9 @@ def garbage_collection_paused() -> Iterator[None]:
         if gc.isenabled():
             undo.callback(gc.enable)
         gc.collect()
-        if gc.get_freeze_count() == 0:  # else somebody's own, which is to last
+        if (
+            gc.get_freeze_count() == 0
+        ):  # otherwise the caller has frozen objects, which must stay frozen
             gc.freeze()
             undo.callback(gc.unfreeze)
         gc.disable()

@@ -16,8 +16,8 @@ class Flight:
 
     Attributes:
         duration_s: s.
-        take_off_speed_m_s: of the CoM, upward.
-        rise_mm: of the CoM from take-off to its apex.
+        take_off_speed_m_s: upward speed of the CoM at take-off, m/s.
+        rise_mm: rise of the CoM from take-off to its apex, mm.
         clearance_mm: greatest height of the lower sole's lowest corner over the ground.
         spin: angular momentum about the CoM at take-off, kg·m²/s.
         spin_change: farthest that it got from that in flight, kg·m²/s.
@@ -49,13 +49,13 @@ class Report:
     """The result of `wbc.run`.
 
     Attributes:
-        robot: its name.
-        survived: it did not fall, and nothing ended the run early.
-        fell_at_s: when it fell, s; None when it did not.
-        fell_why: the reason why it fell, or why the run ended early; or an empty text.
-        diverged: the simulated physics diverged; all figures are of the ticks before.
+        robot: name of the robot.
+        survived: whether the robot did not fall and nothing ended the run early.
+        fell_at_s: time of the fall, s; None if the robot did not fall.
+        fell_why: reason of the fall or of the early end of the run; else empty.
+        diverged: whether the simulated physics diverged; all figures are of the ticks before.
         duration_s: simulated time, s.
-        steps: touchdowns.
+        steps: number of touchdowns.
         distance_m: length of the path over the ground while moving, the sway of the gait averaged
             out.
         displacement_m: (forward, left) of the base from its start, in its first heading, m.
@@ -63,28 +63,28 @@ class Report:
         mean_speed_m_s: distance over time spent walking, starts and stops included, m/s.
         cruise_speed_m_s: median speed, over a gait cycle, while it is at least 80 % of the
             fastest, m/s.
-        dcm_error_rms_mm: of the measured DCM against its plan; None: the controller has none.
+        dcm_error_rms_mm: error of the measured DCM against its plan, mm; None without a plan.
         torque_peak_ratio: largest |τ| / τ_max of any joint.
-        torque_excess_nm: by how much any commanded torque exceeded its limit, N·m.
-        joint_limit_excess_rad: by how much any joint went beyond its position limit, rad.
-        qp_failures: ticks without a solution.
+        torque_excess_nm: largest excess of a commanded torque over its limit, N·m.
+        joint_limit_excess_rad: largest excess of a joint over its position limit, rad.
+        qp_failures: number of ticks whose QP had no solution.
         explanation: the first failed tick's explanation.
         tick_p50_us: median time of `controller.step`, µs; likewise the 99th percentile and
             the maximum.
         estimator_p50_us: median time of the state estimation, µs.
         real_time_factor: simulated time over wall time.
-        overruns: real-time ticks that began late by more than a period.
+        overruns: number of real-time ticks that began late by more than a period.
         lateness_p99_us: 99th percentile of how late a real-time tick began, µs.
-        loop_conditions: what a real-time loop asked the system for, got and did not get.
-        com_error_rms_mm: of the true CoM against a motion's reference, both relative to the
-            soles, in 3D; None when nobody judged it, likewise the next.
-        foot_slip_mm: farthest that a loaded sole moved over the ground.
-        targets: how many places a motion was to reach with a hand.
-        targets_reached: how many of them within 1 cm, in truth.
-        target_error_max_mm: the worst of them.
-        notes: what a motion has to say.
-        aborted_motions: names of motions that were broken off; the notes say why.
-        flights: when both soles were off the ground.
+        loop_conditions: what a real-time loop requested and what it was granted; else empty.
+        com_error_rms_mm: error of the true CoM against a motion's reference, relative to the
+            soles, in 3D, mm; None if it was not evaluated; likewise the next.
+        foot_slip_mm: largest displacement of a loaded sole over the ground, mm.
+        targets: number of positions that a motion was to reach with a hand.
+        targets_reached: number of them that were reached within 1 cm in the true state.
+        target_error_max_mm: largest error at a target, mm.
+        notes: remarks of motions on how they went.
+        aborted_motions: names of aborted motions; the notes give the reasons.
+        flights: periods with both soles off the ground.
     """
 
     robot: str

@@ -55,11 +55,11 @@ class Quantity:
         source: where its value comes from: the path of an attribute of `Tick`, e.g.
             "command.tau", or a function of the `Tick`, which returns NaN where it is unknown. With
             `{sole}` in the name, the path of a mapping by the names of soles.
-        doc: what it is.
-        unit: of its numbers, SI.
+        doc: meaning.
+        unit: SI unit of its numbers.
         size: 1 for a number; the length of an array, or "na", "nq", "nv" of the robot.
-        labels: of an array's numbers; by default those of the joints or coordinates.
-        frame: in which it is expressed: a ROS frame, "{base}", "{imu}" or "{sole}".
+        labels: names of an array's numbers; by default those of the joints or coordinates.
+        frame: frame in which it is expressed: a ROS frame, "{base}", "{imu}" or "{sole}".
         message: "numbers": `std_msgs/Float64` or `Float64MultiArray`; "point" and "wrench":
             `geometry_msgs/PointStamped` and `WrenchStamped`; "composite": part of a message with
             other quantities, see `wbc.topics.catalogue`.
@@ -84,11 +84,11 @@ class Column:
     """One quantity of a given robot's records.
 
     Attributes:
-        name: of the quantity.
-        doc: what it is.
-        unit: of its numbers, SI.
+        name: name of the quantity.
+        doc: meaning.
+        unit: SI unit of its numbers.
         labels: one per number.
-        scalar: it is a number, not an array of length 1.
+        scalar: whether it is a number instead of an array of length 1.
         frame: ROS frame in which it is expressed; may be empty.
         message: see `Quantity`.
         topic: name of its topic, without a leading slash.
@@ -107,7 +107,7 @@ class Column:
 
     @property
     def size(self) -> int:
-        """Number of numbers."""
+        """Number of elements."""
         return len(self.labels)
 
     def label(self, index: int) -> str:
@@ -118,13 +118,13 @@ class Column:
 
 @dataclass(frozen=True)
 class Schema:
-    """Where the quantities of one robot's ticks lie in a record.
+    """The layout of one robot's quantities in a record.
 
     A record consists of the declared quantities and then of the fields of `wbc.runtime.record`,
     whose length varies. `dtype` gives all of them their names.
 
     Attributes:
-        columns: of the declared quantities, in the order of a record.
+        columns: columns of the declared quantities, in the order of a record.
     """
 
     columns: tuple[Column, ...]

@@ -1,4 +1,4 @@
-"""Statistics of a run, collected while it goes on."""
+"""Statistics of a run, collected while it is running."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class Progress:
 
     Attributes:
         time: plant time, s.
-        duration: of the whole run, s.
-        speed: of the last second, m/s.
+        duration: duration of the whole run, s.
+        speed: mean speed over the last second, m/s.
         dcm_error: m.
         tick_us: median of the recent ticks, µs.
     """
@@ -47,7 +47,7 @@ class RunStatistics:
         robot: the robot.
         start: true state at the start.
         start_time: plant time at the start, s.
-        ticks: how many there will be at the most.
+        ticks: largest number of ticks.
     """
 
     def __init__(self, robot: Robot, start: State, start_time: float, ticks: int) -> None:
@@ -131,8 +131,8 @@ class RunStatistics:
         """Return the report.
 
         Args:
-            clock: of a run in real time.
-            conditions: of a loop in real time, described in one line.
+            clock: clock of a run in real time.
+            conditions: conditions of a loop in real time, in one line.
         """
         assert self._tick is not None
         wall = time.perf_counter() - self._wall

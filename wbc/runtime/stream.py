@@ -33,10 +33,10 @@ class StreamLink:
     """What another process needs to read a stream.
 
     Attributes:
-        schema: of the records.
-        capacity: of the ring.
+        schema: schema of the records.
+        capacity: capacity of the ring, records.
         first: number of the first record to read.
-        descriptor: of the ring's memory, in the process that has the link.
+        descriptor: file descriptor of the ring's memory, in the process that has the link.
     """
 
     schema: Schema
@@ -54,7 +54,7 @@ class TickStream:
         capacity: number of ticks that a reader may lag behind before it loses some.
 
     Attributes:
-        schema: of the records.
+        schema: schema of the records.
         quantities: beside the library's own.
 
     Raises:
@@ -135,7 +135,7 @@ class TickStream:
         """Write the last record once more, while there are no ticks.
 
         Args:
-            mode: of the loop.
+            mode: mode of the loop.
             wall_time: now, s since 1970.
             values: other numbers that have changed, by the names of columns.
         """
@@ -162,7 +162,7 @@ class TickReader:
     """Reads in another process the stream that the parent process has attached last.
 
     Attributes:
-        schema: of the records; another object for each stream.
+        schema: schema of the records; another object for each stream.
     """
 
     def __init__(self) -> None:

@@ -16,7 +16,7 @@ NO_TELEMETRY = Telemetry()
 # Not frozen: that would triple the time to make one, 3 µs of every tick.
 @dataclass(slots=True, eq=False)
 class Tick:
-    """What went in, what came out and how long it took.
+    """Inputs, outputs and computation times of one tick.
 
     All observers get the same tick, which refers to arrays of others: change nothing, and copy what
     you keep.
@@ -25,15 +25,15 @@ class Tick:
         time: plant time of the measurement, s. A time before the previous tick's begins a new run.
         measurement: sensor readings.
         estimate: state, contacts and foot loads, estimated from the measurement.
-        command: what the controller made of the estimate.
-        truth: the true state at that time, if the plant tells it.
+        command: command that the controller computed from the estimate.
+        truth: true state at that time, if the plant knows it.
         estimator_time: time that the estimator took, s.
         controller_time: time that the controller took, s.
-        telemetry: what the controller tells; unknown values for a controller that tells nothing.
+        telemetry: telemetry of the controller; unknown values if it has none.
         contact_plan: the controller's contact plan, 30 times per second; None at other ticks.
         index: number of the tick in its run, from 0.
         run: number of the run, from 1.
-        wall_time: when the tick ended, s since 1970.
+        wall_time: time at which the tick ended, s since 1970.
         period: wall time since the end of the tick before, s.
     """
 

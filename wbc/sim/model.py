@@ -69,8 +69,8 @@ def build_model(
     A motor's gear is 1 and its range the effort limit.
 
     Args:
-        robot: with a free-flyer root and joints of one degree of freedom.
-        timestep: of the physics, s.
+        robot: robot with a free-flyer root and joints of one degree of freedom.
+        timestep: time step of the physics, s.
         friction: Coulomb coefficient of soles on ground. The contact is frictional in
             two directions; a sole resists twisting and rolling through the spread of
             its corners, so torsional and rolling friction stay off.
@@ -151,7 +151,7 @@ def _surface(friction: float) -> dict[str, Any]:
 
 
 def _add_bodies(mujoco: Any, spec: Any, model: pin.Model) -> list[Any]:
-    """One body per Pinocchio joint; the list is indexed by joint id."""
+    """Add one body per Pinocchio joint; return them by joint id."""
     if model.njoints < 2 or model.joints[1].nq != 7:
         raise PlantError("the robot's model has no free-flyer root: wbc.load() adds one")
     bodies = [spec.worldbody]

@@ -38,12 +38,12 @@ class Mujoco(Closeable):
     Args:
         robot: its model is copied: later changes to it do not reach the plant.
         dt: control period, a multiple of `timestep`, s.
-        timestep: of the physics, s.
+        timestep: time step of the physics, s.
         friction: Coulomb coefficient between soles and ground.
-        terrain: what lies on the floor; placed around the robot's pose at each reset.
-        noise: of the sensors.
+        terrain: obstacles on the floor, placed around the robot's pose at each reset.
+        noise: noise of the sensors.
         ground_truth: measurements carry the exact state.
-        seed: of the sensor noise, which starts anew at every reset.
+        seed: seed of the sensor noise, which starts anew at every reset.
         latency: age of a command when it reaches the motors, s.
         feet_collide: the soles also collide with each other, as boxes of 2 cm. Nothing else of
             the robot collides: limbs pass through each other, a fallen robot through the
@@ -233,7 +233,7 @@ class Mujoco(Closeable):
         """Schedule a constant force that delivers an impulse, F = impulse / duration.
 
         Args:
-            at_time: when it begins, s; not before now.
+            at_time: time at which it begins, s; not before the present time.
             impulse: (3,) world axes, N·s.
             duration: rounded to whole physics steps, s; the impulse stays exact.
             frame: the force acts at this frame's origin; by default at the centre of mass of

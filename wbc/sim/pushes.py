@@ -44,9 +44,9 @@ class Push:
 
         Args:
             impulse: (3,) world axes, N·s.
-            at_time: when it begins, rounded to physics steps, s.
+            at_time: time at which it begins, rounded to physics steps, s.
             duration: rounded to physics steps, at least one, s.
-            timestep: of the physics, s.
+            timestep: time step of the physics, s.
             body: see `Push`.
             point: see `Push`.
 

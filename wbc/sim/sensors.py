@@ -26,8 +26,8 @@ class Sensors:
     Args:
         robot: the robot.
         mujoco: the module.
-        model: with sites "imu" and one of each sole's name.
-        data: of the running simulation.
+        model: model with sites "imu" and one of each sole's name.
+        data: data of the running simulation.
         coordinates: order of the robot's joints.
 
     Attributes:

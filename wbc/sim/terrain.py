@@ -42,7 +42,7 @@ class Tiles:
         size: side of a tile, m.
         extent: half the side of the whole patch, m.
         clearing: no tile is nearer than this to the start, m.
-        seed: of the heights.
+        seed: seed of the heights.
 
     Raises:
         PlantError: a size that is not positive.

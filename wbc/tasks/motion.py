@@ -50,7 +50,7 @@ class MotionTask(Task):
     logarithm of a rotation, or a difference of momenta.
 
     Attributes:
-        components: which of the six.
+        components: indices of the controlled components among the six.
     """
 
     components: ClassVar[slice]
@@ -75,7 +75,7 @@ class MotionTask(Task):
 
     @abstractmethod
     def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
-        """Write where the frame is to be; a target of None becomes the present pose."""
+        """Write the desired pose and motion; a target of None becomes the present pose."""
 
     def write(self, kin: Kinematics, A: np.ndarray, b: np.ndarray) -> None:
         """See `Task.write`."""

@@ -32,7 +32,7 @@ class Acknowledgement:
 
     Attributes:
         id: number of the command, see `SentCommand`.
-        outcome: what became of it.
+        outcome: outcome of the command.
         reason: why, unless it was accepted or done.
         time: time of the plant when it was decided, s; NaN if the command did not reach the loop.
     """

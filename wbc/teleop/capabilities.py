@@ -30,8 +30,8 @@ class Capabilities:
     """The commands that a robot takes, and their bounds; the one place where they are validated.
 
     Attributes:
-        parameters: what can be set.
-        motions: what can be played.
+        parameters: parameters that can be set.
+        motions: motions that can be played.
         max_impulse: largest push, N·s; 0 if the robot cannot be pushed.
         can_reset: whether the robot can be set back to the start.
         joints: name -> (lowest, highest) position, rad, of the joints that commands may move.
@@ -54,7 +54,7 @@ class Capabilities:
         Args:
             player: controller of the robot.
             plant: may have `push` and `reset`.
-            motions: what can be played.
+            motions: motions that can be played.
             time_scale: whether the loop can run slower than real time.
 
         Raises:

@@ -42,7 +42,7 @@ class ChannelConfig:
     """What another process needs to open its end of a channel.
 
     Attributes:
-        capabilities: which commands the loop takes.
+        capabilities: commands that the loop takes, with their bounds.
         commands: descriptor of the queue of commands.
         acknowledgements: descriptor of the queue of acknowledgements.
     """
@@ -62,7 +62,7 @@ class CommandChannel:
 
     Args:
         robot: the robot that is commanded.
-        capabilities: which commands the loop takes.
+        capabilities: commands that the loop takes, with their bounds.
     """
 
     def __init__(self, robot: Robot, capabilities: Capabilities) -> None:
@@ -105,13 +105,13 @@ class CommandClient:
 
     Args:
         robot: the robot that is commanded.
-        config: of the channel.
-        source: who sends the commands, e.g. "ros".
+        config: configuration of the channel.
+        source: sender of the commands, e.g. "ros".
         planned_ahead: motions that are planned, with their default parameters, when there is
             nothing else to plan.
 
     Attributes:
-        capabilities: which commands the loop takes.
+        capabilities: commands that the loop takes, with their bounds.
         infeasible: name of a motion -> why the robot cannot play it with its default parameters.
         on_motion_sent: called when a motion has been planned and sent.
     """
@@ -149,7 +149,7 @@ class CommandClient:
 
         Args:
             command: the command.
-            source: who sends it, if not the client's own source.
+            source: sender of the command; by default the client's own source.
 
         Returns:
             Its number, by which it is acknowledged.

@@ -45,19 +45,19 @@ class CommandHandler(Closeable):
     Args:
         player: the controller.
         plant: may have `push` and `reset`.
-        motions: what can be played; all registered motions when left out.
+        motions: motions that can be played; by default all registered motions.
         owns_clock: wait for the wall clock in `before_tick`, so that the loop can run slower than
             real time; otherwise whoever runs the loop keeps the time.
 
     Attributes:
-        capabilities: which commands are taken, and their bounds.
+        capabilities: commands that are taken, and their bounds.
         mode: whether the loop runs, is paused, or waits for a reset.
         paused: whether the loop is to pause.
         reset_wanted: whether a reset has been accepted since the run began.
-        pushes: how many pushes were survived.
-        quantities: what the stream of ticks has beside the library's own quantities.
+        pushes: counter of the pushes that were survived.
+        quantities: quantities of the stream of ticks beside those of the library.
         on_idle: called with the mode, every few milliseconds, while there are no ticks.
-        stop: tells whether to end the run while it is paused.
+        stop: returns whether to end the run while it is paused.
 
     Raises:
         MotionError: another process could not import a motion.
@@ -134,7 +134,7 @@ class CommandHandler(Closeable):
     # The loop.
 
     def begin(self) -> None:
-        """A run begins. If a reset caused it, commands from before it are forgotten."""
+        """Prepare for a run. If a reset caused it, commands from before it are discarded."""
         if self._resets:
             for sent in self._arrived():
                 if isinstance(sent.command, commands.PARAMETER_COMMANDS):

@@ -1,4 +1,4 @@
-"""The commands that a running robot takes, whoever sends them."""
+"""The commands that a running robot takes from any sender."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class GaitParameterCommand:
 
     Attributes:
         name: field of `wbc.GaitParameters`.
-        value: in the unit of that field.
+        value: value in the unit of that field.
     """
 
     name: str
@@ -100,7 +100,7 @@ class JointCommand:
 
     Attributes:
         joints: names of the joints.
-        positions: of each of them, rad.
+        positions: position of each of them, rad.
         duration: time to get there, s of the wall clock since the command was sent; 0 is as fast as
             `max_speed` allows.
         max_speed: largest joint speed, rad/s; half of a joint's own limit if that is less.
@@ -167,9 +167,9 @@ class SentCommand:
 
     Attributes:
         command: the command.
-        source: who sent it, e.g. "page", "keyboard", "ros" or "script".
+        source: sender, e.g. "page", "keyboard", "ros" or "script".
         id: number of the command, unique per sender.
-        stamp: when it was sent, s by `time.monotonic`, which all processes of a machine share.
+        stamp: time of sending, s by `time.monotonic`, which all processes of a machine share.
         reply: tells the sender what became of it.
     """
 

@@ -1,4 +1,4 @@
-"""How many pushes the robot survived."""
+"""Counts the pushes that the robot survived."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ class PushCounter:
 
     Attributes:
         decided: pushes that were survived or not; those that a reset cut short are left out.
-        survived: how many of them were survived.
+        survived: number of them that were survived.
     """
 
     def __init__(self) -> None:
@@ -18,21 +18,21 @@ class PushCounter:
         self._undecided: list[float] = []
 
     def on_push(self, time: float) -> None:
-        """A push begins at a time of the plant, s."""
+        """Count a push that begins at a time of the plant, s."""
         self._undecided.append(time)
 
     def on_tick(self, time: float) -> None:
-        """The robot stands at a time of the plant, s."""
+        """Count the pushes survived by a robot that stands at a time of the plant, s."""
         while self._undecided and time >= self._undecided[0] + _TIME_TO_FALL:
             del self._undecided[0]
             self.decided += 1
             self.survived += 1
 
     def on_fall(self) -> None:
-        """The robot fell: it survived none of the undecided pushes."""
+        """Count the undecided pushes as not survived, because the robot fell."""
         self.decided += len(self._undecided)
         self._undecided.clear()
 
     def on_reset(self) -> None:
-        """The time of the plant starts again at zero."""
+        """Discard the undecided pushes: the time of the plant starts again at zero."""
         self._undecided.clear()

@@ -64,7 +64,7 @@ def run_motions(
     Args:
         robot: the robot.
         motions: played one after the other.
-        seed: of the sensor noise.
+        seed: seed of the sensor noise.
         time_limit: time by which all motions must have ended, s; later counts as not survived.
         before_tick: called with time (s), player and plant before each tick, e.g. to push.
 

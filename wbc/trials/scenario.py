@@ -73,7 +73,7 @@ def forward(
     the command.
 
     Args:
-        distance: that must be reached, m.
+        distance: distance that must be reached, m.
         speed: commanded, m/s.
         stand_time: duration of stopping and standing afterwards, s.
         min_cruise_speed: lowest measured cruise speed that passes, m/s.

@@ -27,7 +27,7 @@ def run_scenario(
     Args:
         robot: the robot.
         scenario: the walk and what counts as success.
-        seed: of the sensor noise.
+        seed: seed of the sensor noise.
         walker: its controller; `Walker(robot)` by default.
         estimator: its state estimator; by default the filter on noisy sensors. A
             `GroundTruthEstimator` gets the exact state.

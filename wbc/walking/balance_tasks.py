@@ -25,7 +25,7 @@ class BalanceTasks:
     Args:
         controller: gets the tasks.
         kin: standing upright, heading along x.
-        workspace: of the legs.
+        workspace: workspace of the legs.
         gains: weights and gains.
 
     Attributes:
@@ -79,9 +79,9 @@ class BalanceTasks:
         Args:
             state: phase, feet and swing foot.
             com_acceleration: horizontal acceleration of the CoM, world axes, m/s².
-            heading: that the trunk faces, rad.
-            step_length: of the present steps, m.
-            offset: what a motion adds; None: nothing.
+            heading: heading that the trunk faces, rad.
+            step_length: length of the present steps, m.
+            offset: offset that a motion adds; None for none.
             dt: time since the last tick, s.
         """
         com = self.com

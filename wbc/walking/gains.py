@@ -10,22 +10,22 @@ class WalkerGains:
     """Weights and gains of the walker's tasks.
 
     Attributes:
-        com_weight: of the CoM's acceleration.
+        com_weight: weight of the CoM's acceleration.
         height_kp: stiffness of the CoM height, 1/s².
-        swing_weight: of the swing foot's pose.
+        swing_weight: weight of the swing foot's pose.
         swing_kp: stiffness of the swing foot, 1/s².
-        trunk_weight: of torso and base orientation.
+        trunk_weight: weight of torso and base orientation.
         trunk_kp: 1/s².
-        posture_weight: of the posture of arms, trunk and head.
-        leg_posture_weight: of the legs' posture, the knees left out: too little to pull on
+        posture_weight: weight of the posture of arms, trunk and head.
+        leg_posture_weight: weight of the legs' posture without the knees: too little to pull on
             the CoM.
-        knee_posture_weight: of the knees: a leg that is almost straight behind the robot can
+        knee_posture_weight: weight of the knees: a leg that is almost straight behind the robot can
             lift its foot by bending the knee or by hiking the hip, and only this tells it which.
         posture_kp: 1/s².
-        momentum_weight: of the angular momentum.
-        second_contact_weight: of the motion of the less important foot in double support.
+        momentum_weight: weight of the angular momentum.
+        second_contact_weight: weight of the less important foot's motion in double support.
         friction: Coulomb coefficient that the QP counts on.
-        sole_margin: what the QP leaves unused at the soles' edges, m.
+        sole_margin: width that the QP leaves unused at the soles' edges, m.
         zmp_margin: how far the commanded ZMP may leave the support polygon, m.
         ankle_share: share of the sole over which the ZMP is trusted to catch the DCM; what it
             cannot catch moves the next footstep.

@@ -15,8 +15,8 @@ class HeightReference:
     ground is that of the gait, or what the legs allow at the present length of the steps.
 
     Args:
-        workspace: of the legs.
-        time_constant: of the ground's height, s.
+        workspace: workspace of the legs.
+        time_constant: time constant of the ground's height, s.
 
     Attributes:
         ground: height of the ground below the weight, world, m.
@@ -39,7 +39,7 @@ class HeightReference:
 
         Args:
             state: phase and feet.
-            step_length: of the present steps, m.
+            step_length: length of the present steps, m.
             dt: time since the last tick, s.
         """
         ground = state.stance.height

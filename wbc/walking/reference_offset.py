@@ -58,8 +58,8 @@ class ReferenceOffset:
         com: (3,) offset of the CoM, heading axes, m.
         com_velocity: (3,) m/s.
         com_acceleration: (3,) m/s².
-        torso: of the upper trunk.
-        base: of the root link.
+        torso: rotation of the upper trunk.
+        base: rotation of the root link.
         weight_shift: where the weight is while standing: 0 over the right sole, 1 over the left.
         weight_shift_velocity: 1/s.
         weight_shift_acceleration: 1/s².
@@ -78,9 +78,9 @@ class ReferenceOffset:
         """The planner's reference, moved by the offset of the CoM and the motion of the weight.
 
         Args:
-            reference: of the planner, which has the position of the weight shift already.
+            reference: reference of the planner, which has the position of the weight shift already.
             state: phase and feet.
-            heading: of the robot, rad.
+            heading: heading of the robot, rad.
         """
         omega = state.gait.omega
         to_world = planar_rotation(heading)

@@ -21,7 +21,7 @@ class TrunkTasks:
         gains: weight and gain.
 
     Attributes:
-        tasks: of the torso, then of the base.
+        tasks: tasks of the torso, then of the base.
     """
 
     def __init__(

@@ -271,7 +271,7 @@ class Walker:
 
     @property
     def kinematics(self) -> Kinematics:
-        """Of the last tick."""
+        """The kinematics of the last tick."""
         return self._kin
 
     @property

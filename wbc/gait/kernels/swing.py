@@ -79,7 +79,7 @@ def advance_swing(
         acceleration: (6,) world axes, replaced, m/s² and rad/s².
         yaw: heading of the sole, rad.
         time: since lift-off, s.
-        duration: of the swing, s.
+        duration: duration of the swing, s.
         dt: s.
         x, y, height: centre of the sole where it lands, world, m.
         end_yaw: heading of the sole there, rad.

@@ -66,9 +66,9 @@ class FootstepPreview:
         """The DCM with which the weight should arrive on a foot, ground point, m.
 
         Args:
-            foot: where it stands.
-            side: of it.
-            velocity: of the steps that follow.
+            foot: placement of the standing foot.
+            side: side of the standing foot.
+            velocity: velocity of the steps that follow.
             most: number of steps that are looked ahead.
         """
         if self.given:

@@ -16,7 +16,7 @@ class StepPlan:
 
     Attributes:
         landing: where the swing foot is to land; None when no foot swings.
-        duration: of the present phase, s; None leaves it to the gait parameters. A planner
+        duration: duration of the present phase, s; None leaves it to the gait parameters. A planner
             that adapts the step timing changes it from tick to tick.
         step_length: length of the present steps, m; long steps lower the centre of mass.
     """

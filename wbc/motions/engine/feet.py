@@ -32,7 +32,7 @@ class FootReferences:
 
     Args:
         walker: the walker, which balances and steps.
-        clock: of the scripts.
+        clock: clock of the scripts.
         stance: which feet carry.
         com: offset of the CoM: while it is active, feet must stay on the ground.
     """
@@ -147,9 +147,9 @@ class FootReferences:
         """Stand on the other foot, and lift this one.
 
         Args:
-            side: of the foot to lift.
-            height: of the sole over where it stood, m.
-            duration: of the lifting, s, at least.
+            side: side of the foot to lift.
+            height: height of the sole over the place where it stood, m.
+            duration: shortest duration of the lifting, s.
 
         Raises:
             MotionError: a foot is in the air already, the robot walks, the CoM is away from

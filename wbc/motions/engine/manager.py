@@ -35,7 +35,7 @@ class MotionManager:
         player: the player.
 
     Attributes:
-        status: of the motion that was commanded last.
+        status: status of the motion that was commanded last.
     """
 
     def __init__(self, player: MotionPlayer) -> None:

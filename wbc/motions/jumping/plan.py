@@ -48,7 +48,7 @@ class JumpPlan:
         path: the configurations; the soles leave the ground, and touch it again, with the CoM at
             the path's top.
         lowest: height of the CoM in the crouch, m above the soles.
-        speed: of the CoM at take-off, m/s.
+        speed: speed of the CoM at take-off, m/s.
         push_off: height of the CoM above the soles over time.
         flight: height of the soles over time.
         landing: height of the CoM above the soles over time, from touchdown on.
@@ -103,7 +103,7 @@ class JumpPlan:
         Args:
             path: the configurations.
             lowest: height of the CoM in the crouch, m.
-            rise: of the CoM after take-off, m.
+            rise: rise of the CoM after take-off, m.
             clearance: height of the soles in the middle of the flight, m.
         """
         robot, g = path.robot, path.robot.gravity
@@ -152,7 +152,7 @@ def plan_jump(robot: Robot, clearance: float) -> JumpPlan:
 
     Args:
         robot: the robot.
-        clearance: of both soles over the ground, m.
+        clearance: height of both soles over the ground at the apex, m.
 
     Raises:
         JumpTooHigh: the jump is beyond the limits even so; with the bound.

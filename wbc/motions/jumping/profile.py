@@ -18,7 +18,7 @@ class HeightProfile:
 
     Args:
         start: height at time 0, m.
-        velocity: at time 0, m/s.
+        velocity: velocity at time 0, m/s.
         times: (k,) times of the knots, ascending from 0, s.
         accelerations: (k,) accelerations at the knots, m/s².
     """
@@ -79,7 +79,7 @@ def stroke(start: float, velocity: float, end: HeightState, begin: float = 0.0) 
 
     Args:
         start: height at the start, m.
-        velocity: at the start, m/s.
+        velocity: velocity at the start, m/s.
         end: height, velocity and acceleration at the end.
         begin: acceleration at the start, m/s².
     """

@@ -86,7 +86,7 @@ class JumpTasks:
         """Set the references of the trunk's orientation.
 
         Args:
-            heading: of the robot, rad.
+            heading: heading of the robot, rad.
             pitch: (3, 2) pitch, rate and acceleration of torso and base; rad, s.
         """
         turned = rotation_about_z(heading)

@@ -43,7 +43,7 @@ class FileValue:
     """A number from a file.
 
     Attributes:
-        number: in SI units.
+        number: number in SI units.
         quantity: a key of `UNITS`.
         where: its position in the file.
     """

@@ -47,7 +47,7 @@ class PlaceSampler:
 
     Attributes:
         ik: inverse kinematics of the robot.
-        seed: of the samples.
+        seed: seed of the samples.
         tried: number of postures sampled.
         colliding: number of these with a hand where the body or the other hand is.
         too_heavy: number of the rest that the joints are too weak to hold.

@@ -39,7 +39,7 @@ class ReachPlan:
     """Targets of the hands, one after the other.
 
     Attributes:
-        targets: in this order.
+        targets: targets, in this order.
         return_path: postures between the last target and standing.
         note: how the positions were sampled; empty if they were given.
     """
@@ -62,7 +62,7 @@ def plan_reach(
         robot: the robot.
         given: side -> position of the hand, standing frame, m.
         count: number of random positions.
-        seed: of the random positions.
+        seed: seed of the random positions.
 
     Raises:
         MotionError: the robot lacks an arm, or its hands reach hardly anything.

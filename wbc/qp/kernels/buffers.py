@@ -29,7 +29,7 @@ class Sizes:
     Attributes:
         joints: actuated joints, na.
         forces: contact force components, nf.
-        unknowns: of the QP, n.
+        unknowns: number of unknowns of the QP, n.
         frames: frames that tasks and contacts refer to, the centroid among them.
         motion_tasks: tasks on components of a frame's motion.
         joint_rows: rows of weighted tasks on single joints.

@@ -150,7 +150,7 @@ def solve(
         bounded: number of simple bounds, on the first unknowns.
         is_equality: (r,).
         tolerance: by how much a row of unit norm may be violated.
-        limit: of iterations.
+        limit: largest number of iterations.
         real_arrays, integer_arrays, table: the arrays of a `Memory` of `SOLVER_GROUPS`.
 
     Returns:

@@ -201,7 +201,7 @@ def assemble(
         q, v: state.
         reals, integers, table: the arrays of a `Buffers`.
         mass: kg.
-        unit: of forces in x, N.
+        unit: unit of forces in x, N.
         root_force: root of the cost of an eliminated force, 1/N.
 
     Returns:

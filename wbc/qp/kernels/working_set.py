@@ -22,7 +22,7 @@ class WorkingSet(NamedTuple):
 
     Attributes:
         size: number of rows.
-        iterations: of the last solve.
+        iterations: number of iterations of the last solve.
         row: row of lb and ub.
         side: +1 at the upper bound, −1 at the lower.
         multiplier: λ.

@@ -76,11 +76,11 @@ class Stabilizer:
         """Write CoM and DCM of this tick into the gait's state, the DCM without bias.
 
         Args:
-            state: of the gait.
+            state: state of the gait.
             com: ground point below the estimated centre of mass, m.
-            com_velocity: of the estimated centre of mass, m/s.
+            com_velocity: velocity of the estimated centre of mass, m/s.
             cop: measured centre of pressure of a robot at rest, ground point, m; else None.
-            heading: of the robot, rad.
+            heading: heading of the robot, rad.
             dt: time since the last tick, s.
         """
         omega = state.gait.omega

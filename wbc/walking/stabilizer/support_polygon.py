@@ -45,7 +45,7 @@ class SupportPolygon:
         """How far the ZMP gets from a sole's centre along and across it, m.
 
         Args:
-            side: of the sole.
+            side: side of the sole.
             share: share of the sole that is used.
         """
         sole = self._soles[side]
