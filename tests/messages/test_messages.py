@@ -1,5 +1,6 @@
 """Messages have the bytes, the definitions and the hashes that ROS 2 gives them."""
 
+import math
 import subprocess
 import sys
 
@@ -99,6 +100,9 @@ def test_arrays_of_a_received_message_are_writable():
         ("builtin_interfaces/msg/Time", "sec", 2**31, "sec = 2147483648: .* int32"),
         ("builtin_interfaces/msg/Time", "sec", 0.5, "sec = 0.5"),
         ("unique_identifier_msgs/msg/UUID", "uuid", [1, 2], "it must be between 16 and 16"),
+        ("sensor_msgs/msg/Joy", "buttons", [1.5], "its numbers must be of type int32"),
+        ("sensor_msgs/msg/Joy", "buttons", [math.nan], "its numbers must be of type int32"),
+        ("sensor_msgs/msg/Joy", "buttons", np.array([2**40]), "its numbers must be of type int32"),
         (
             "rcl_interfaces/msg/ParameterDescriptor",
             "integer_range",

@@ -21,6 +21,7 @@ import wbc
 from wbc.errors import StateError
 from wbc.runtime.stream import TickStream
 from wbc.view import Meshcat, Recording, Snapshot, ViewerError
+from wbc.view.web import listen
 
 ROOT = Path(wbc.__file__).parent.parent
 
@@ -97,6 +98,11 @@ def test_a_port_in_use_is_refused_by_number(robot):
         port = taken.getsockname()[1]
         with pytest.raises(ViewerError, match=f"port {port} is in use"):
             Meshcat(robot, port=port)
+
+
+def test_an_address_of_another_machine_is_not_called_a_port_in_use():
+    with pytest.raises(ViewerError, match=r"cannot listen on 203\.0\.113\.1, port 7000: "):
+        listen([], None, "203.0.113.1")
 
 
 @pytest.mark.parametrize("make", [Meshcat, Recording])

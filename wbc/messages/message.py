@@ -188,9 +188,13 @@ def _message(kind: type[Message], value: Any) -> Message:
 
 
 def _array(dtype: np.dtype[Any], least: int, most: int, value: Any) -> np.ndarray:
-    array = np.asarray(value, dtype, order="C")
+    given = np.asarray(value)
+    with np.errstate(invalid="ignore"):
+        array = np.asarray(given, dtype, order="C")
     if array.ndim != 1:
         raise ValueError(f"it has shape {array.shape}; it must have one dimension")
+    if dtype.kind in "iu" and not np.array_equal(array, given):  # numpy wraps and truncates
+        raise ValueError(f"its numbers must be of type {dtype}")
     _check_length(len(array), least, most)
     return array
 

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from wbc.errors import did_you_mean, short_repr
 from wbc.motions import Motion, MotionPlayer
 from wbc.motions.engine import check_importable
@@ -115,6 +117,8 @@ class Capabilities:
             case commands.GaitParameterCommand(name, value):
                 self._check_parameter(f"{GAIT}.{name}", value)
             case commands.GainCommand(task, gain, value):
+                if task in (VELOCITY, GAIT):
+                    raise CommandRefused(f"'{task}' is not a task, and has no gains")
                 self._check_parameter(f"{task}.{gain}", value)
             case commands.TimeScaleCommand(scale):
                 if TIME_SCALE not in (p.name for p in self.parameters):
@@ -141,7 +145,7 @@ class Capabilities:
         if not self.max_impulse:
             raise CommandRefused("this robot cannot be pushed: it is not simulated")
         limit = self.max_impulse
-        if len(command.impulse) != 3:
+        if np.shape(command.impulse) != (3,):
             raise CommandRefused(f"push is {short_repr(command.impulse)}; it is (x, y, z) in N·s")
         for part in command.impulse:
             check_number("push", part, -limit, limit, "N·s")

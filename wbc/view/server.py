@@ -70,8 +70,8 @@ class LivePage(ScenePage):
 
     async def open(self, *_: str, **__: str) -> None:
         live_scene = await self._live_scene
-        await self.send_objects(live_scene.scene, live_scene.commands)
         live_scene.pages.add(self)
+        await self.send_objects(live_scene.scene, live_scene.commands)
 
     def on_message(self, message: str | bytes) -> None:
         self._busy = False
@@ -86,8 +86,8 @@ class LivePage(ScenePage):
         self.send_frame(live_scene.scene, live_scene.caption)
 
     def on_close(self) -> None:
-        if self._live_scene.done():
-            self._live_scene.result().pages.discard(self)
+        # The page may close before the scene is complete, or while its objects are sent.
+        self._live_scene.add_done_callback(lambda done: done.result().pages.discard(self))
 
 
 class SceneServer:

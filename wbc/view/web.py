@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import re
 from collections.abc import Sequence
@@ -102,15 +103,20 @@ def listen(
         settings: Settings of the application.
 
     Raises:
-        ViewerError: The port is in use.
+        ViewerError: The port is in use, or the system refuses the address or port.
     """
     application = tornado.web.Application(**settings)
     application.add_handlers(names, list(handlers))
     server = tornado.httpserver.HTTPServer(application)
     for candidate in range(FIRST_PORT, FIRST_PORT + _PORTS) if port is None else (port,):
-        with contextlib.suppress(OSError):
+        try:
             sockets = tornado.netutil.bind_sockets(candidate, host)
-            server.add_sockets(sockets)
-            return int(sockets[0].getsockname()[1])
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                text = f"cannot listen on {host}, port {candidate}: {error.strerror}"
+                raise ViewerError(f"{text}; give another address or port") from error
+            continue
+        server.add_sockets(sockets)
+        return int(sockets[0].getsockname()[1])
     what = f"port {port} is" if port is not None else f"all ports from {FIRST_PORT} on are"
     raise ViewerError(f"{what} in use on {host}; give another port, or port=0 for any")
