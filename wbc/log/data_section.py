@@ -14,9 +14,10 @@ from typing import IO
 
 from mcap import records
 from mcap.data_stream import RecordBuilder
+from mcap.stream_reader import StreamReader
 from mcap.writer import MCAP0_MAGIC
 
-from wbc.log.record_reader import DAMAGE, RecordReader, chunk_records
+from wbc.log.record_reader import DAMAGE, check_magic, chunk_records
 
 
 class DataSection:
@@ -41,14 +42,15 @@ class DataSection:
         self._attachments: list[records.AttachmentIndex] = []
         self._metadata: list[records.MetadataIndex] = []
         self.size = start = len(MCAP0_MAGIC)
-        reader = RecordReader(file, emit_chunks=True)
-        for record in reader:
-            try:
+        self.complete = False
+        check_magic(file)
+        try:
+            for record in StreamReader(file, emit_chunks=True, validate_crcs=True).records:
                 self._add(record, start, file.tell() - start)
-            except DAMAGE:
-                break
-            start = file.tell()
-        self.complete = reader.complete
+                start = file.tell()
+            self.complete = True
+        except DAMAGE:
+            pass
         if self._chunks and set(self._chunks[-1].message_index_offsets) != set(self._counts[-1]):
             # A chunk has either all of its message indices or none.
             last = self._chunks[-1]

@@ -153,18 +153,16 @@ def _divergence(
 
 def _parameters(a: LoggedRun, b: LoggedRun) -> dict[str, tuple[str | None, str | None]]:
     """Return the parameters that differ, except those that differ between any two runs."""
-    flat = []
-    for run in (a, b):
-        flat.append(
-            {
-                f"{table}.{name}": value
-                for table, values in run.log.tables.items()
-                if table not in ("report", "log")
-                for name, value in values.items()
-                if (table, name) != ("run", "began")
-            }
-        )
-    one, other = flat
+    one, other = (
+        {
+            f"{table}.{name}": value
+            for table, values in run.log.tables.items()
+            if table not in ("report", "log")
+            for name, value in values.items()
+            if (table, name) != ("run", "began")
+        }
+        for run in (a, b)
+    )
     return {
         name: (one.get(name), other.get(name))
         for name in sorted({*one, *other})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Iterator
 from pathlib import Path
@@ -92,13 +93,12 @@ class Log:
     def _read(self) -> None:
         from mcap.records import Attachment, Channel, Message, Metadata, Schema
 
-        from wbc.log.record_reader import RecordReader
+        from wbc.log.record_reader import DAMAGE, read_records
 
         schemas: dict[int, str] = {}
         channels: dict[int, TopicTable] = {}
-        with self.path.open("rb") as file:
-            records = RecordReader(file)
-            for record in records:
+        with self.path.open("rb") as file, contextlib.suppress(*DAMAGE):
+            for record in read_records(file):
                 if isinstance(record, Message):
                     if record.channel_id in channels:
                         channels[record.channel_id].add(record.log_time, record.data)
@@ -111,5 +111,5 @@ class Log:
                     self.tables[record.name] = record.metadata
                 elif isinstance(record, Attachment):
                     self.files[record.name] = record.data.decode("utf-8", "replace")
-        self.complete = records.complete
+            self.complete = True
         self.topics = {name: table for name, table in sorted(self.topics.items()) if len(table)}

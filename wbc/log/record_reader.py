@@ -37,40 +37,30 @@ class _WithoutIndices(StreamReader):
         return None if opcode == Opcode.MESSAGE_INDEX else super()._read_record(opcode, length)
 
 
-class RecordReader:
-    """Iterates over the records of an MCAP file up to the first one that is truncated or damaged.
-
-    Args:
-        file: File open for reading.
-        emit_chunks: Whether chunks are returned whole, unchecked, in place of their records.
-
-    Attributes:
-        complete: Whether the whole file has been read, up to the footer at its end.
+def check_magic(file: IO[bytes]) -> None:
+    """Check that a file, open at its beginning, is an MCAP file.
 
     Raises:
+        LogError: It is not.
+    """
+    if file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
+        raise LogError(f"{file.name} is not an MCAP file")
+    file.seek(0)
+
+
+def read_records(file: IO[bytes]) -> Iterator[McapRecord]:
+    """Yield the records of an MCAP file and of its chunks, except the indices of messages.
+
+    Raises:
+        Exception: The next record is truncated or damaged: one of `DAMAGE`.
         LogError: The file is not an MCAP file.
     """
-
-    def __init__(self, file: IO[bytes], emit_chunks: bool = False) -> None:
-        if file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
-            raise LogError(f"{file.name} is not an MCAP file")
-        file.seek(0)
-        self.complete = False
-        self._emit_chunks = emit_chunks
-        reader = StreamReader if emit_chunks else _WithoutIndices
-        self._reader = reader(file, emit_chunks=True, validate_crcs=True)
-
-    def __iter__(self) -> Iterator[McapRecord]:
-        """Yield the records in the order of the file."""
-        try:
-            for record in self._reader.records:
-                if isinstance(record, Chunk) and not self._emit_chunks:
-                    yield from chunk_records(record)
-                else:
-                    yield record
-            self.complete = True
-        except DAMAGE:
-            return
+    check_magic(file)
+    for record in _WithoutIndices(file, emit_chunks=True, validate_crcs=True).records:
+        if isinstance(record, Chunk):
+            yield from chunk_records(record)
+        else:
+            yield record
 
 
 def chunk_records(chunk: Chunk) -> Iterator[Schema | Channel | Message]:

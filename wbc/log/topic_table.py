@@ -49,7 +49,7 @@ class _SameSize:
 
 
 def _rows(messages: list[bytes]) -> np.ndarray:
-    return np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), -1)
+    return np.frombuffer(b"".join(messages), np.uint8).reshape(len(messages), len(messages[0]))
 
 
 class TopicTable:
