@@ -24,6 +24,7 @@ from wbc.estimation import Estimate
 from wbc.log import FlightRecorder, LogError, repair
 from wbc.log.reader import Log
 from wbc.log.run import LoggedRun
+from wbc.log.topic_table import TopicTable
 from wbc.messages import message_type
 from wbc.runtime.schema import SchemaError
 from wbc.sim import Mujoco
@@ -402,6 +403,15 @@ def test_an_unknown_topic_or_field_is_refused_with_the_known_ones(made_up):
         log["/joint_state"].numbers("position")
     with pytest.raises(LogError, match="it has: header"):
         log["/joint_states"].numbers("force")
+
+
+@pytest.mark.parametrize("padding", [0, 1, 3])
+def test_messages_with_padding_at_their_end_are_read(padding):
+    table = TopicTable("/joint_states", "sensor_msgs/msg/JointState")
+    for k in range(3):
+        message = message_type(table.type_name)(name=["knee", "hip"], position=[k, 2.0])
+        table.add(k, message.encode() + bytes(padding))
+    np.testing.assert_array_equal(table.numbers("position"), [[0, 2], [1, 2], [2, 2]])
 
 
 def test_overwritten_ticks_are_counted_and_reported(humanoid, tmp_path, caplog):

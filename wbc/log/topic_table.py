@@ -119,8 +119,10 @@ class TopicTable:
         for alike in self._sizes.values():  # messages of one size have one layout
             layout = message_layout(kind.decode(next(alike.blocks())[0]))
             if field in (layout.names or ()):
+                # What follows the numbers is padding, which other writers of logs keep.
+                blocks = (rows[:, : layout.itemsize].copy() for rows in alike.blocks())
                 values = np.concatenate(
-                    [rows.view(layout)[field].reshape(len(rows), -1) for rows in alike.blocks()]
+                    [rows.view(layout)[field].reshape(len(rows), -1) for rows in blocks]
                 )
                 if found is None:
                     found = np.full((len(self), values.shape[1]), np.nan)
