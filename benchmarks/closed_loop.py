@@ -1,4 +1,4 @@
-"""How many times faster than real time a closed loop runs on one core, and where the time goes.
+"""The real-time factor of a closed loop on one core, and the time of each of its parts.
 
 A robot walks in MuJoCo: physics at 1 kHz, noisy sensors, state estimator, walker and controller
 at 500 Hz, without observers. The factor of real time is simulated time over the CPU time of the

@@ -1,4 +1,4 @@
-"""What a controller returns each tick."""
+"""The command that a controller returns each tick."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ class WholeBodyController:
         solver: "wbc", "daqp", "osqp" or any solver of `qpsolvers` by its name, or an
             object of your own (see `wbc.qp.Solver`); the fastest that this machine can run when
             left out.
-        limits: what the solution holds exactly; torque, position and velocity limits of the
+        limits: inequalities that hold exactly; torque, position and velocity limits of the
             robot when left out. See `set_limits`.
         formulation: which unknowns, and who assembles; the same optimum. The fastest that
             this machine can run when left out.

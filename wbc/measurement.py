@@ -1,4 +1,4 @@
-"""What the sensors of a humanoid deliver at one instant."""
+"""The readings of a humanoid's sensors at one instant."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a controller tells about itself after a tick: the input of every observer."""
+"""The telemetry of a controller after a tick: the input of every observer."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Telemetry:
 
 @dataclass(frozen=True, slots=True)
 class ContactPlan:
-    """Where the robot stands and where it will step, in world axes.
+    """The present support and the planned footsteps, in world axes.
 
     It takes some 0.1 ms to compute; the loop asks for it 30 times per second.
 

@@ -29,7 +29,7 @@ class Library:
 
 
 LIBRARIES = (
-    Library("wbc", "wbc", "ours:Ours"),
+    Library("wbc", "wbc", "wbc_controller:Wbc"),
     Library(
         "tsid",
         "TSID, eiquadprog-fast",
@@ -41,7 +41,7 @@ LIBRARIES = (
         "between two feet; 1e-8 on the base's acceleration; swing error log6 instead of "
         "(position, log3)",
     ),
-    Library("wbc-placo", "wbc, placo's problem", "ours:OursLikePlaco"),
+    Library("wbc-placo", "wbc, placo's problem", "wbc_controller:WbcLikePlaco"),
     Library(
         "placo",
         "placo DynamicsSolver",

@@ -1,6 +1,6 @@
 """The process of one library: it waits for a case, times it and replies.
 
-    python -m peers.worker ours:Ours
+    python -m peers.worker wbc_controller:Wbc
 
 Requests and replies are lines of JSON. A request names a case's folder, what to do ("time" or
 "solve") and a file for the arrays; the reply tells the library's versions or an error.

@@ -15,7 +15,7 @@ ScheduledPush = tuple[float, tuple[float, float, float]]
 
 
 class Argument(NamedTuple):
-    """How an argument is typed on the command line; the metadata of an annotated type.
+    """The notation of an argument on the command line; the metadata of an annotated type.
 
     Attributes:
         metavar: name of the value in the help; a tuple for as many values.

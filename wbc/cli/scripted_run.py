@@ -1,4 +1,4 @@
-"""What `wbc walk`, `wbc stand` and `wbc motion` share: a run with commands known beforehand."""
+"""A run with commands known beforehand, which `wbc walk`, `stand` and `motion` share."""
 
 from __future__ import annotations
 

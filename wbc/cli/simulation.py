@@ -1,4 +1,4 @@
-"""What all runs in MuJoCo share: robot, plant, files, progress and exit code."""
+"""The common part of all runs in MuJoCo: robot, plant, files, progress and exit code."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class SimulationOptions:
 
 @dataclass(frozen=True)
 class Session:
-    """What is open while a robot is simulated.
+    """The objects that are open while a robot is simulated.
 
     Attributes:
         stack: closes what is entered when the run is over.

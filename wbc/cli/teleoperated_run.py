@@ -1,4 +1,4 @@
-"""What `wbc live` and `wbc ros2 walk` share: a robot in MuJoCo that is driven from outside."""
+"""A robot in MuJoCo that is driven from outside, which `wbc live` and `wbc ros2 walk` share."""
 
 from __future__ import annotations
 

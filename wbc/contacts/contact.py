@@ -25,7 +25,7 @@ class Contact(ABC):
         friction: Coulomb coefficient μ; the cone is approximated from inside by
             a pyramid of coefficient μ/√2.
         motion_weight: None for exact, else the weight (> 0) of the motion rows.
-        damping: how fast a residual velocity of the frame is brought to zero, 1/s.
+        damping: rate at which a residual velocity of the frame decays, 1/s.
         min_force: least normal force, N.
         max_force: largest normal force, N.
         name: unique within a controller; the frame's name when left out.

@@ -1,4 +1,4 @@
-"""What the estimator concludes from one measurement."""
+"""The estimate of state, contacts and foot loads from one measurement."""
 
 from __future__ import annotations
 

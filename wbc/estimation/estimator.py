@@ -45,7 +45,7 @@ class Estimator:
     Args:
         robot: its model gives the kinematics; the IMU is at the frame `robot.imu`.
         dt: period of `update`, s.
-        noise: what is assumed of sensors and feet.
+        noise: assumed noise of sensors and feet.
         trigger: decides on contacts.
         joint_acceleration: standard deviation of a joint's acceleration, rad/s²: the
             bandwidth of the joint filter; infinity switches it off. On a walking Talos
@@ -148,7 +148,7 @@ class Estimator:
         comes a period later.
 
         Args:
-            measurement: what the sensors read; its `ground_truth` is not looked at.
+            measurement: readings of the sensors; its `ground_truth` is not used.
             contacts: names of the soles that stand, instead of deciding by the foot forces.
             acceleration: (nv,) what the last command was to bring about
                 (`Command.acceleration`), m/s² and rad/s²; takes the lag out of the joint

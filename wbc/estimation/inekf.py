@@ -37,7 +37,7 @@ class InvariantFilter:
     Args:
         dt: period of the IMU, s.
         gravity: (3,) world axes, m/s².
-        noise: what is assumed of the sensors.
+        noise: assumed noise of the sensors.
         covariances: per sole (6, 6) of its pose as the encoders see it: position, then
             rotation vector, IMU axes; m, rad.
         every: periods between two corrections, over which the covariance takes one step.

@@ -1,4 +1,4 @@
-"""What the estimator assumes of the sensors and the feet."""
+"""The noise that the estimator assumes of the sensors and the feet."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the next foot goes: from a velocity command or from a given list."""
+"""The next footstep: from a velocity command or from a given list."""
 
 from __future__ import annotations
 

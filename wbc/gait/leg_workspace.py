@@ -1,4 +1,4 @@
-"""How high the centre of mass may be for the legs to reach their footholds."""
+"""The heights of the centre of mass at which the legs reach their footholds."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class LegWorkspace:
     Attributes:
         knees: indices of both knees into (na,) vectors.
         reach: ρ, m.
-        max_spread: by how much the feet may be farther apart than in the nominal posture, m,
+        max_spread: largest distance of the feet beyond that in the nominal posture, m,
             before an ankle's roll joint is at its stop.
         max_step: longest step for which the knees can still carry the robot, m: a longer step
             lowers the hip, and a bent knee has the weight on a longer lever.

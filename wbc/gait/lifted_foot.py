@@ -52,7 +52,7 @@ class LiftedFoot:
 
     @property
     def target(self) -> Placement:
-        """Where it will stand: below where it is."""
+        """The placement at which it will stand: below its present one."""
         start = self._start()
         x, y, _, yaw = (float(o) for o in self.offset)
         return Placement(start.to_world(complex(x, y)), wrap_angle(start.yaw + yaw), start.height)

@@ -69,7 +69,7 @@ class GaitState:
         other_foot_load: largest share of the weight that the foot which does not support
             may carry while standing; infinity leaves it to the controller.
         swing: reference of the foot in the air; None when both stand.
-        landing: where the swing foot lands, the stabilizer's adjustment included.
+        landing: placement at which the swing foot lands, with the stabilizer's adjustment.
         steps: number of touchdowns so far.
     """
 
@@ -97,12 +97,12 @@ class GaitState:
 
     @property
     def stance(self) -> Placement:
-        """Where the support foot stands."""
+        """The placement of the support foot."""
         return self.feet.left if self.support == "left" else self.feet.right
 
     @property
     def other_foot(self) -> Placement:
-        """Where the foot is that does not support."""
+        """The placement of the other foot."""
         return self.feet.right if self.support == "left" else self.feet.left
 
     @property

@@ -87,7 +87,7 @@ class Placement(NamedTuple):
 
 @dataclass(slots=True)
 class Feet:
-    """Where both soles are, as measured."""
+    """The measured placements of both soles."""
 
     left: Placement
     right: Placement

@@ -1,4 +1,4 @@
-"""Where the machine code of kernels is cached."""
+"""The folder in which the machine code of kernels is cached."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How kernels are compiled: when their module is imported, and cached on disk.
+"""Compilation of kernels when their module is imported, with a cache on disk.
 
 Without Numba, or with one that cannot compile, the decorators return the function as it is: plain
 Python.

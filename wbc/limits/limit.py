@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LimitRows:
-    """Where a `Limit` writes `lower ≤ A v̇ + Σ F_c f_c ≤ upper`, the sum over the contacts c.
+    """The rows of a `Limit`: `lower ≤ A v̇ + Σ F_c f_c ≤ upper`, the sum over the contacts c.
 
     Before each tick A and F are zero and the bounds infinite, so that rows that are not written
     do not constrain anything.

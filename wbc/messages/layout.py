@@ -1,4 +1,4 @@
-"""Where the numbers of a serialized message are: many messages are read or written as columns."""
+"""The layout of serialized messages, by which many are read or written as columns."""
 
 from __future__ import annotations
 

@@ -43,8 +43,8 @@ class Elimination(ABC):
         W: (nf, n + 1) contact forces, contact axes, in the contacts' order.
         T: (na, n + 1) joint torques.
         E: (k, n + 1) what must be zero of x̂.
-        joints: where x holds the joint accelerations.
-        free: where x holds the forces that are not eliminated.
+        joints: part of x with the joint accelerations.
+        free: part of x with the forces that are not eliminated.
     """
 
     def __init__(

@@ -51,7 +51,7 @@ class Problem:
 
 
 class Outcome(Enum):
-    """How a solver ended."""
+    """The outcome of a solve."""
 
     SOLVED = "solved"
     INFEASIBLE = "infeasible"
@@ -60,7 +60,7 @@ class Outcome(Enum):
 
 @dataclass(slots=True)
 class Solution:
-    """What a solver returns; `x` is meaningful only when solved.
+    """The result of a solve; `x` is meaningful only when solved.
 
     Attributes:
         x: (n,).

@@ -33,7 +33,7 @@ else:
 
 @dataclass(frozen=True, slots=True)
 class RobotData:
-    """What is stated about a robot, by its data file or by the caller of `load`.
+    """The properties of a robot that its data file or the caller of `load` states.
 
     Attributes:
         urdf: path of the description.
@@ -79,11 +79,11 @@ class RobotData:
     arguments: frozenset[str] = frozenset()
 
     def source_of(self, key: str) -> str:
-        """Where a key is stated, for messages: `argument`, or the name of the data file."""
+        """Return the origin of a key, for messages: `argument`, or the name of the data file."""
         return "argument" if key in self.arguments else self.source
 
     def statement_of(self, key: str) -> str | None:
-        """Where a key is stated, or None if it is not."""
+        """Return the origin of a key, or None if it is not stated."""
         return self.source_of(key) if getattr(self, key) else None
 
     def with_arguments(self, **arguments: Any) -> RobotData:

@@ -1,4 +1,4 @@
-"""What was established about a robot (`Fact`) and the defects of its description (`Finding`)."""
+"""Properties of a robot with their origin (`Fact`), and defects of its description (`Finding`)."""
 
 from __future__ import annotations
 

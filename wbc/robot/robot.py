@@ -41,8 +41,8 @@ class Robot:
         urdf: the parsed description.
         respect_up_axis: whether Collada meshes mean their `<up_axis>`.
         package_dirs: folders in which `package://` is looked up.
-        facts: what was derived from the model and what was stated.
-        findings: what loading had to substitute or repair.
+        facts: properties that were derived from the model or stated.
+        findings: defects that loading had to substitute or repair.
     """
 
     name: str
@@ -161,7 +161,7 @@ class Robot:
 
     @property
     def urdf_path(self) -> Path:
-        """Where the description was read."""
+        """The path of the description."""
         return self.urdf.path
 
     @cached_property

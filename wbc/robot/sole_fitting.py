@@ -39,7 +39,7 @@ class SoleFit:
         placement: T_joint_sole.
         half_length: along x, m.
         half_width: along y, m.
-        source: where the normal comes from, for people.
+        source: origin of the normal, for messages.
         flat: whether the foot has a face there, rather than an edge or something round.
     """
 

@@ -82,7 +82,7 @@ def add_soles(
     Args:
         model: the robot; gets the frames.
         urdf: the description.
-        data: what the data file and the caller state about the robot.
+        data: statements of the data file and the caller.
         folders: folders that may hold its packages.
         links: the left and the right foot.
         zero: (nq,) the zero position with the base upright.

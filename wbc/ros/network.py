@@ -27,7 +27,7 @@ _MAX_PARTICIPANT_INDEX = 32  # participants to discover on one machine; the valu
 
 
 class DiscoveryRange(Enum):
-    """How far discovery extends, as `ROS_AUTOMATIC_DISCOVERY_RANGE`, and the loopback interface."""
+    """The range of discovery, as `ROS_AUTOMATIC_DISCOVERY_RANGE`, and the loopback interface."""
 
     LOOPBACK = "loopback"  #: the loopback interface only
     LOCALHOST = "localhost"  #: this machine as in ROS 2: any interface, no multicast
@@ -42,7 +42,7 @@ class Network:
 
     Attributes:
         domain_id: id of the DDS domain, `ROS_DOMAIN_ID`.
-        discovery_range: how far discovery extends.
+        discovery_range: range of discovery.
         interface: name or address of a network interface; if empty, `discovery_range` selects it.
         peers: addresses of further hosts to discover.
         configuration: configuration of Cyclone DDS, XML or the path of a file; it overrides all

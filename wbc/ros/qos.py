@@ -27,7 +27,7 @@ class DurabilityPolicy(Enum):
 
 
 class HistoryPolicy(Enum):
-    """How many messages are kept for a slow reader."""
+    """The number of messages that are kept for a slow reader."""
 
     KEEP_LAST = "keep last"
     KEEP_ALL = "keep all"
@@ -35,7 +35,7 @@ class HistoryPolicy(Enum):
 
 @dataclass(frozen=True)
 class QoSProfile:
-    """How the messages of a topic are delivered.
+    """The quality of service with which the messages of a topic are delivered.
 
     Attributes:
         depth: number of messages kept for a slow reader, summed over all writers; used with

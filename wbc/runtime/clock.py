@@ -49,7 +49,7 @@ class Clock:
 
     @property
     def lateness(self) -> np.ndarray:
-        """How late each period so far began, s, shape (periods,)."""
+        """The delay with which each period so far began, s, shape (periods,)."""
         return self._late[: self._count]
 
     @property

@@ -1,4 +1,4 @@
-"""When a robot counts as fallen."""
+"""The criterion of a fall."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a real-time loop requested from the system, and what it was granted."""
+"""Requests of a real-time loop to the system, and whether they were granted."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class SystemRequest:
 
 @dataclass(frozen=True, slots=True)
 class LoopConditions:
-    """What a real-time loop was granted to keep its ticks on time, known before the first tick.
+    """The requests of a real-time loop and their results, known before the first tick.
 
     Attributes:
         requests: the requests, in the order in which they were made.

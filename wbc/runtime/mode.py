@@ -1,4 +1,4 @@
-"""What a control loop is doing."""
+"""The modes of a control loop."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class Mode(IntEnum):
-    """What a control loop is doing, as the column `mode` has it."""
+    """The mode of a control loop, as in the column `mode`."""
 
     RUNNING = 0
     PAUSED = 1

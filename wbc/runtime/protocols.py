@@ -1,4 +1,4 @@
-"""What may take part in a run: controllers, plants, estimators and observers of any make."""
+"""The protocols of a run's parts: controllers, plants, estimators and observers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from wbc.telemetry import ContactPlan, Telemetry
 
 
 class Controller(Protocol):
-    """Anything that turns estimates into commands runs in `run`.
+    """A controller, which computes commands from estimates.
 
     One that is also a `TelemetrySource` is shown, logged and reported with its telemetry.
     """
@@ -37,15 +37,15 @@ class TelemetrySource(Protocol):
 
     @property
     def telemetry(self) -> Telemetry:
-        """What is known after the last tick; read once per tick."""
+        """The telemetry of the last tick; read once per tick."""
 
     @property
     def contact_plan(self) -> ContactPlan:
-        """Where the robot stands and will step; read 30 times per second."""
+        """The present support and the planned footsteps; read 30 times per second."""
 
 
 class Plant(Protocol):
-    """Anything that can be measured and commanded runs in `run`.
+    """A plant, which can be measured and commanded.
 
     A plant may also be a `GroundTruthSource`.
     """
@@ -108,13 +108,13 @@ class Observer(Protocol):
     """Sees every tick of a run in the loop's process, after its command; it must never wait."""
 
     def begin(self, controller: Controller, plant: Plant) -> None:
-        """A run is about to begin; this may take its time."""
+        """Prepare for a run that is about to begin; this may block."""
 
     def observe(self, tick: Tick) -> None:
-        """Take what is wanted of a tick, at once."""
+        """Process a tick, without waiting."""
 
     def end(self, report: Report) -> None:
-        """The run is over; this may take its time."""
+        """Finish after the end of the run; this may block."""
 
 
 @runtime_checkable

@@ -36,7 +36,7 @@ Restore = Callable[[], object]
 
 @dataclass(frozen=True, slots=True)
 class RealTime:
-    """What a real-time loop requests from the system; the loop runs without what is refused.
+    """The requests of a real-time loop to the system; the loop runs without what is refused.
 
     Attributes:
         priority: priority of the thread under SCHED_FIFO, 1 to 99; 0 requests none. The

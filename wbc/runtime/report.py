@@ -75,7 +75,7 @@ class Report:
         real_time_factor: simulated time over wall time.
         overruns: number of real-time ticks that began late by more than a period.
         lateness_p99_us: 99th percentile of how late a real-time tick began, µs.
-        loop_conditions: what a real-time loop requested and what it was granted; else empty.
+        loop_conditions: requests of a real-time loop and their results; else empty.
         com_error_rms_mm: error of the true CoM against a motion's reference, relative to the
             soles, in 3D, mm; None if it was not evaluated; likewise the next.
         foot_slip_mm: largest displacement of a loaded sole over the ground, mm.

@@ -52,7 +52,7 @@ class Quantity:
 
     Attributes:
         name: unique, in snake case; `{sole}` in it declares one quantity per sole.
-        source: where its value comes from: the path of an attribute of `Tick`, e.g.
+        source: origin of its value: the path of an attribute of `Tick`, e.g.
             "command.tau", or a function of the `Tick`, which returns NaN where it is unknown. With
             `{sole}` in the name, the path of a mapping by the names of soles.
         doc: meaning.

@@ -1,4 +1,4 @@
-"""What a viewer draws of one instant of a run."""
+"""The content of one instant of a run that a viewer draws."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _FOOT_WRENCH = "foot_wrench/"
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """What a viewer draws of one instant of a run.
+    """The content of one instant of a run that a viewer draws.
 
     It refers to arrays of others: copy what you keep.
 
@@ -35,7 +35,7 @@ class Snapshot:
             frame of the model.
         telemetry: CoM, DCM, its reference and ZMP, world axes, and the gait phase.
         contact_plan: support polygon, footsteps and swing path, world axes.
-        status: how the tick's QP ended.
+        status: status of the tick's QP.
         text: one short line, at most 240 bytes.
     """
 

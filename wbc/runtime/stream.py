@@ -30,7 +30,7 @@ CAPACITY = 4096  # ticks: eight seconds at 500 Hz
 
 @dataclass(frozen=True)
 class StreamLink:
-    """What another process needs to read a stream.
+    """The data that another process needs to read a stream.
 
     Attributes:
         schema: schema of the records.

@@ -13,7 +13,7 @@ class CommandRefused(WbcError, ValueError):
 
 
 class CommandOutcome(Enum):
-    """What became of a command.
+    """The outcome of a command.
 
     Every command is accepted or refused. A motion and a reset take time: after `ACCEPTED` follows
     one of `DONE`, `SUPERSEDED` and `ABORTED`.
@@ -28,7 +28,7 @@ class CommandOutcome(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Acknowledgement:
-    """What became of a command.
+    """The message that informs the sender of a command of its outcome.
 
     Attributes:
         id: number of the command, see `SentCommand`.

@@ -39,7 +39,7 @@ class _PackedMotion:
 
 @dataclass(frozen=True, eq=False)
 class ChannelConfig:
-    """What another process needs to open its end of a channel.
+    """The data that another process needs to open its end of a channel.
 
     Attributes:
         capabilities: commands that the loop takes, with their bounds.

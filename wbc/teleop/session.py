@@ -26,7 +26,7 @@ class TeleopClient(Observer, StreamObserver, Protocol):
 
     @property
     def reset_hint(self) -> str:
-        """How a person resets the robot there."""
+        """The instruction for a person to reset the robot there."""
 
 
 def run(

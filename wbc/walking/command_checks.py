@@ -71,7 +71,7 @@ def _sides_must_alternate(footsteps: Sequence[Footstep]) -> None:
 
 
 def _stance_of_first(side: str, state: GaitState) -> Placement:
-    """Where the other foot stands when the first footstep is made."""
+    """Return the placement of the other foot when the first footstep is made."""
     stance = other_side(side)
     if state.phase is Phase.SWING and state.lifted is None and stance == state.swing_side:
         return state.landing

@@ -26,7 +26,7 @@ class WalkerGains:
         second_contact_weight: weight of the less important foot's motion in double support.
         friction: Coulomb coefficient that the QP counts on.
         sole_margin: width that the QP leaves unused at the soles' edges, m.
-        zmp_margin: how far the commanded ZMP may leave the support polygon, m.
+        zmp_margin: largest distance of the commanded ZMP beyond the support polygon, m.
         ankle_share: share of the sole over which the ZMP is trusted to catch the DCM; what it
             cannot catch moves the next footstep.
         unload_from: share of the double support after which the leaving foot is unloaded.

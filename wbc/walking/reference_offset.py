@@ -1,4 +1,4 @@
-"""What a motion adds to the walker's references: CoM, trunk orientation, weight shift."""
+"""Offsets that a motion adds to the walker's references: CoM, trunk orientation, weight shift."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class RotationOffset:
 
 @dataclass(slots=True)
 class ReferenceOffset:
-    """What a motion adds to the walker's references; zero, with centred weight, when walking.
+    """The offsets of the walker's references; zero, with centred weight, when walking.
 
     The walker adds it to what its planner wants, so that balance, contacts and steps stay the
     same whatever a motion does. The CoM's offset c moves the reference of the DCM by c + ċ/ω
@@ -60,7 +60,7 @@ class ReferenceOffset:
         com_acceleration: (3,) m/s².
         torso: rotation of the upper trunk.
         base: rotation of the root link.
-        weight_shift: where the weight is while standing: 0 over the right sole, 1 over the left.
+        weight_shift: lateral position of the weight while standing: 0 right sole, 1 left sole.
         weight_shift_velocity: 1/s.
         weight_shift_acceleration: 1/s².
     """

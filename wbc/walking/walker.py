@@ -65,7 +65,7 @@ class Walker:
         planner: plans footsteps and DCM.
         stabilizer: DCM feedback, step adjustment, bias of the CoM.
         state_machine: phases of the gait.
-        reference_offset: what a motion adds to the references of CoM and trunk; None: nothing.
+        reference_offset: offset that a motion adds to CoM and trunk; None for none.
 
     Raises:
         SolverNotFound: the solver is unknown or not installed.
@@ -232,7 +232,7 @@ class Walker:
 
     @property
     def telemetry(self) -> Telemetry:
-        """What the walker sees and intends after the last tick, for observers."""
+        """The telemetry of the last tick, for observers."""
         state, balance, z = self.gait_state, self._balance, self._tasks.height.ground
         dcm, reference, zmp = balance.dcm, balance.reference.dcm, balance.zmp
         rows = np.array(
@@ -257,7 +257,7 @@ class Walker:
 
     @property
     def contact_plan(self) -> ContactPlan:
-        """Where the robot stands and will step; computed anew at each call."""
+        """The present support and the planned footsteps; computed anew at each call."""
         state, ground = self.gait_state, self._tasks.height.ground
         swing, corners = state.swing, self.stabilizer.support.corners(state)
         return ContactPlan(

@@ -1,4 +1,4 @@
-"""pink's `solve_ik`, velocity level: for scale, it solves a smaller problem."""
+"""Adapter of pink's `solve_ik`, which solves a smaller problem: velocities only."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SOLVER = "daqp"  # the fastest of daqp, quadprog and proxqp here
 
 
 class PinkIk:
-    """Standing feet as constraints; CoM, torso, swing foot and posture as tasks."""
+    """Uses constraints for the standing feet, tasks for CoM, torso, swing foot and posture."""
 
     def __init__(self, case: Case) -> None:
         names = ("pin-pink", "pin", "qpsolvers", "daqp")
@@ -56,7 +56,7 @@ class PinkIk:
         self._swing = [pin.SE3(T[:3, :3], T[:3, 3]) for T in ticks.swing]
 
     def _placements(self, q: np.ndarray, stance: int) -> list[pin.SE3]:
-        """Where the standing feet are, and stay."""
+        """Return the placements at which the standing feet are held."""
         self._configuration.update(q)
         sides = STANCES[stance]
         return [self._configuration.get_transform_frame_to_world(SOLES[side]) for side in sides]

@@ -1,4 +1,4 @@
-"""placo's `DynamicsSolver`."""
+"""Adapter of placo's `DynamicsSolver`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from peers.measuring import Outcome
 
 
 class Placo:
-    """One solver for each set of standing feet, over one robot, set up once."""
+    """Uses one solver for each set of standing feet; all share one robot."""
 
     def __init__(self, case: Case) -> None:
         self.versions = {name: version(name) for name in ("placo", "pin")}
@@ -50,7 +50,7 @@ class Placo:
         k = int(np.flatnonzero(ticks.stance == stance)[0])
         self._show(ticks.q[k], ticks.v[k])
         solver = placo.DynamicsSolver(robot)
-        solver.dt = limits.horizon  # it serves the limits alone
+        solver.dt = limits.horizon  # used by the limits only
         solver.torque_cost = 0.0
         solver.problem.rewrite_equalities = False  # 5 % faster here than eliminating them
         solver.enable_torque_limits(True)

@@ -1,4 +1,4 @@
-"""placo's `KinematicsSolver`, velocity level: for scale, it solves a smaller problem."""
+"""Adapter of placo's `KinematicsSolver`, which solves a smaller problem: velocities only."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ DT = 0.002
 
 
 class PlacoIk:
-    """Standing feet as hard tasks; CoM, torso, swing foot and posture as soft ones."""
+    """Uses hard tasks for the standing feet, soft ones for CoM, torso, swing foot and posture."""
 
     def __init__(self, case: Case) -> None:
         self.versions = {name: version(name) for name in ("placo", "pin")}
@@ -66,7 +66,7 @@ class PlacoIk:
         return solver, feet, com, torso, swing
 
     def _placements(self, q: np.ndarray, stance: int) -> list[np.ndarray]:
-        """Where the standing feet are, and stay."""
+        """Return the placements at which the standing feet are held."""
         self._robot.state.q = q
         self._robot.update_kinematics()
         return [np.array(self._robot.get_T_world_frame(SOLES[side])) for side in STANCES[stance]]

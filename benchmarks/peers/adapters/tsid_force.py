@@ -1,4 +1,4 @@
-"""TSID's `InverseDynamicsFormulationAccForce` with eiquadprog-fast."""
+"""Adapter of TSID's `InverseDynamicsFormulationAccForce` with eiquadprog-fast."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SOLVER_REGULARISATION = 1e-8
 
 
 class Tsid:
-    """One formulation and one solver for each set of standing feet, sized once."""
+    """Uses one formulation and one solver for each set of standing feet."""
 
     def __init__(self, case: Case) -> None:
         self.versions = {name: version(name) for name in ("tsid", "pin", "eiquadprog")}
@@ -103,7 +103,7 @@ class Tsid:
         torque = tsid.TaskActuationBounds("torque", robot)
         torque.setBounds(-limits.torque, limits.torque)
         formulation.addActuationTask(torque, 1.0, 0, 0.0)
-        # It works with twice the time step it is given.
+        # The task works with twice the time step that it is given.
         bounds = tsid.TaskJointPosVelAccBounds("bounds", robot, 0.5 * limits.horizon, False)
         bounds.setPositionBounds(limits.lower, limits.upper)
         bounds.setVelocityBounds(limits.velocity)
@@ -148,7 +148,7 @@ class Tsid:
 
 
 def _force_weights(x: float, y: float, wanted: float) -> np.ndarray:
-    """(6,) factors on a wrench's rows that make its whole cost `wanted` per N² and (N·m)².
+    """Return factors (6,) on a wrench's rows such that its whole cost is `wanted` per N², (N·m)².
 
     The solver adds 1e-8 on every corner force. Of the forces at (±x, ±y) that make a wrench
     the least ones cost `1e-8 / [4, 4, 4, 4 y², 4 x², 4 (x² + y²)]` per square of its entries.
@@ -166,5 +166,5 @@ def _sample(value: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -
 
 
 def _pose(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-    """(12,) position, then the rotation column by column."""
+    """Return (12,): position, then the rotation column by column."""
     return np.concatenate([position, rotation.T.ravel()])

@@ -26,7 +26,7 @@ class ZmpSegment(NamedTuple):
 
 
 class DcmReference(NamedTuple):
-    """Where DCM and ZMP should be now.
+    """The desired DCM and ZMP now.
 
     Attributes:
         dcm: ξ_ref, ground point, m.

@@ -25,7 +25,7 @@ class DcmPlanner:
     within the step; the landing place is fixed relative to the support foot as estimated.
 
     Attributes:
-        velocity: with which the present step is planned.
+        velocity: velocity with which the present step is planned.
     """
 
     _preview: FootstepPreview
@@ -154,8 +154,9 @@ class DcmPlanner:
 
         Args:
             state: feet and support.
-            landing: where the swing foot will land; None: as planned. That is always the same seen
-                from the support foot, unless given footsteps, fixed in the world, come after it.
+            landing: placement at which the swing foot lands; None: as planned. Seen from the
+                support foot the planned one is always the same, unless given footsteps, which are
+                fixed in the world, come after it.
         """
         stance, side = state.stance, state.swing_side
         if landing is None and not self._preview.given:

@@ -14,7 +14,7 @@ _ORIGIN = Placement(0j, 0.0)
 
 
 class FootstepPreview:
-    """What comes after a foot has taken the weight: further steps, then rest.
+    """The future after a foot has taken the weight: further steps, then rest.
 
     Steps that follow a velocity are always the same seen from that foot, so the DCM that they
     ask for is computed once, in the foot's axes. Given footsteps are fixed in the world instead.

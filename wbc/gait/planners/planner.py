@@ -15,7 +15,7 @@ class StepPlan:
     """The present step, as planned at this tick.
 
     Attributes:
-        landing: where the swing foot is to land; None when no foot swings.
+        landing: placement at which the swing foot is to land; None if none swings.
         duration: duration of the present phase, s; None leaves it to the gait parameters. A planner
             that adapts the step timing changes it from tick to tick.
         step_length: length of the present steps, m; long steps lower the centre of mass.
@@ -67,7 +67,7 @@ class Planner(Protocol):
 
         Args:
             state: phase, feet, centre of mass and DCM.
-            landing: where the swing foot will land; None: where this planner wants it.
+            landing: placement at which the swing foot lands; None: as this planner plans.
         """
 
     def footsteps(self, state: GaitState) -> list[PlannedFootstep]:

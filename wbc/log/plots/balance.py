@@ -32,7 +32,7 @@ _MARGIN = 0.12  # m
 
 
 class Curve(NamedTuple):
-    """How a point of the robot is drawn."""
+    """The style in which a point of the robot is drawn."""
 
     quantity: str
     label: str

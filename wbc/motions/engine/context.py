@@ -1,4 +1,4 @@
-"""What a motion's script is given: references of the whole body to set, and events to wait for."""
+"""The context of a motion's script: references of the whole body, and events to wait for."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class MotionContext:
         robot: its robot.
         upper_body: arms, head and waist of the robot.
         clock: counts time; `wait`, `until` and `until_arrived` let ticks pass.
-        stance: which feet carry, and where the weight is.
+        stance: supporting feet, and the position of the weight.
         feet: shifts the weight, lifts and places feet, steps.
         hands: leads the hands.
         body: references of CoM, trunk and joints, the next four.

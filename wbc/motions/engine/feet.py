@@ -33,7 +33,7 @@ class FootReferences:
     Args:
         walker: the walker, which balances and steps.
         clock: clock of the scripts.
-        stance: which feet carry.
+        stance: supporting feet.
         com: offset of the CoM: while it is active, feet must stay on the ground.
     """
 

@@ -1,4 +1,4 @@
-"""What a motion player commits to at a tick, so that evaluators can compare it with the truth."""
+"""The references of a motion player at a tick, which evaluators compare with the true state."""
 
 from __future__ import annotations
 

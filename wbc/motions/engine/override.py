@@ -28,7 +28,7 @@ class ControllerOverride(Protocol):
 
     @property
     def contact_plan(self) -> ContactPlan:
-        """Where the robot stands and will step."""
+        """The present support and the planned footsteps."""
 
     @property
     def dcm_error(self) -> float:

@@ -260,7 +260,7 @@ class MotionPlayer:
 
     @property
     def reference(self) -> MotionReference:
-        """What the references commit to at this tick, relative to the soles."""
+        """The references at this tick, relative to the soles."""
         return self.context.reference()
 
     @property

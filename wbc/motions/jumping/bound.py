@@ -25,7 +25,7 @@ class TakeOffBound:
         take_off: height of the CoM at which it is reached, m above the soles.
         crouch: height of the CoM from which it is reached, m.
         joint: the joint whose limit, raised by a tenth, raises the speed most; one of a pair.
-        quantity: which of its limits, "torque" or "velocity".
+        quantity: kind of the limit, "torque" or "velocity".
     """
 
     speed: float
@@ -59,7 +59,7 @@ def take_off_bound(robot: Robot, paths: Sequence[JumpPath]) -> TakeOffBound:
 
     Args:
         robot: the robot.
-        paths: with different take-off heights, their tops.
+        paths: paths with different take-off heights, their tops.
     """
     best, where = -1.0, (paths[0], 0)
     for path in paths:

@@ -253,7 +253,7 @@ class JumpController:
 
     @property
     def telemetry(self) -> Telemetry:
-        """What the jump controller sees and intends after the last tick, for observers."""
+        """The telemetry of the last tick, for observers."""
         kin = self._kin
         here = ground_point(kin.p_com)
         omega = math.sqrt(self._gravity / self._standing)

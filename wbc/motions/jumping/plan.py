@@ -88,7 +88,7 @@ class JumpPlan:
 
     @property
     def rise(self) -> float:
-        """How far the CoM rises after take-off, v²/2g, m."""
+        """Rise of the CoM after take-off, v²/2g, m."""
         return self.speed**2 / (2.0 * self.path.robot.gravity)
 
     @property

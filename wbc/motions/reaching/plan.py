@@ -41,7 +41,7 @@ class ReachPlan:
     Attributes:
         targets: targets, in this order.
         return_path: postures between the last target and standing.
-        note: how the positions were sampled; empty if they were given.
+        note: remark on the sampling of the positions; empty if they were given.
     """
 
     targets: tuple[ReachTarget, ...]

@@ -33,7 +33,7 @@ class CompiledSolver:
     problem that DAQP cannot solve either is tried again with 10 and 100 times the tolerance.
 
     Args:
-        tolerance: by how much a row of unit norm may be violated.
+        tolerance: largest violation of a row of unit norm.
     """
 
     name = "wbc"

@@ -19,7 +19,7 @@ class QpsolversSolver:
         options: passed to the solver untouched.
 
     Attributes:
-        solve_time: what the solver itself took of the last call, s.
+        solve_time: time of the solver itself in the last call, s.
 
     Raises:
         SolverNotFound: no such solver, or it is not installed.

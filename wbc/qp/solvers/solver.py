@@ -1,4 +1,4 @@
-"""What the controller expects of a QP solver."""
+"""The protocol of QP solvers."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ def zmp_from_dcm_error(dcm: complex, reference: DcmReference, omega: float, gain
 
     Args:
         dcm: measured ξ, ground point, m.
-        reference: where the plan wants it.
+        reference: DCM of the plan.
         omega: natural frequency, 1/s.
         gain: k, 1/s.
     """

@@ -18,14 +18,14 @@ from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 @dataclass(slots=True)
 class StabilizerOutput:
-    """What the stabilizer decided at this tick; ground points in world axes.
+    """The output of the stabilizer at this tick; ground points in world axes.
 
     Attributes:
         dcm: estimated DCM without the bias of the CoM, m.
         reference: DCM and ZMP that the planner wants, for the landing place below.
         zmp: commanded ZMP, clamped to the support, m.
         com_acceleration: horizontal acceleration of the CoM that realises it, m/s².
-        landing: where the swing foot is to land.
+        landing: placement at which the swing foot is to land.
     """
 
     dcm: complex

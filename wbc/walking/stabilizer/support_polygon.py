@@ -42,7 +42,7 @@ class SupportPolygon:
         return clamp_to_polygon(zmp, self.corners(state), margin)
 
     def zmp_range(self, side: str, share: float) -> tuple[float, float]:
-        """How far the ZMP gets from a sole's centre along and across it, m.
+        """Return the largest distances of the ZMP from a sole's centre, along and across it, m.
 
         Args:
             side: side of the sole.

@@ -15,8 +15,8 @@ from peers.problem import Problem
 FLAT_ROWS = 8  # rows of friction and centre of pressure in the wrench cone, without the yaw moment
 
 
-class Ours:
-    """One controller for each set of standing feet."""
+class Wbc:
+    """Uses one controller for each set of standing feet."""
 
     momentum = True
     contact = wbc.SurfaceContact
@@ -85,8 +85,8 @@ class FlatContact(wbc.SurfaceContact):
         return super().cone_labels[:FLAT_ROWS]
 
 
-class OursLikePlaco(Ours):
-    """placo's problem: without angular momentum and without a limit of the yaw moment."""
+class WbcLikePlaco(Wbc):
+    """Solves placo's problem: without angular momentum and without a limit of the yaw moment."""
 
     momentum = False
     contact = FlatContact
