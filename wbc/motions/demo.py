@@ -36,7 +36,7 @@ DEMO_MOTIONS: tuple[type[Motion], ...] = (
 
 @dataclass(frozen=True)
 class Demo(Motion):
-    """Play everything that the robot can do; the notes list what it cannot."""
+    """Play every motion that the robot can do; the notes of the report list the others."""
 
     name: ClassVar[str] = "demo"
     summary: ClassVar[str] = "play every motion in a row, without a reset"

@@ -29,7 +29,7 @@ _DEGREE = 4  # of the polynomial through them
 
 @dataclass(frozen=True)
 class Squat(Motion):
-    """Move down and up in a cosine; never higher than standing, so that no knee locks."""
+    """Move the CoM down and up along a cosine, never above standing, so that no knee locks."""
 
     name: ClassVar[str] = "squat"
     summary: ClassVar[str] = "go down by a share of the leg's length, and up"

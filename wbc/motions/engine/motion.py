@@ -22,14 +22,14 @@ P = TypeVar("P")
 
 @dataclass(frozen=True)
 class Motion(ABC):
-    """Something to do, from standing to standing.
+    """A motion of the whole robot, from standing to standing.
 
     A motion is a frozen dataclass: its fields are its parameters, and the command line's
     options. `play` is a generator that sets the references of a context; each `yield` lets one
     tick pass, and `yield from context.wait(…)`, `context.until(…)`, `context.feet.lift(…)` and
     the like let several pass. Because it is a generator, it can be interrupted at any `yield`;
-    the player then brings the robot home. It should leave every reference at home when it ends;
-    the player brings home what it does not.
+    the player then returns the robot to standing. At its end every reference should be at its
+    home value; the player moves back those that are not.
 
     Attributes:
         name: one word, as on the command line.
@@ -55,10 +55,10 @@ class Motion(ABC):
         """
 
     def prepare(self, robot: Robot) -> None:
-        """Check, and plan, once per robot. It may take a second: never in a running loop.
+        """Check, and plan, once per robot. This may take a second: never call it in a running loop.
 
         A motion that has been prepared starts without delay: prepare it before the loop, or in
-        another process, and hand it over (`wbc.motions.pack`).
+        another process, and transfer it with `wbc.motions.pack`.
 
         Raises:
             MotionError: the robot cannot do it.
@@ -70,7 +70,7 @@ class Motion(ABC):
         """Return the script.
 
         Raises:
-            MotionError: the motion aborts; the player notes why and brings the robot home.
+            MotionError: the motion aborts; the player records why, and the robot stands again.
         """
 
     @classmethod
