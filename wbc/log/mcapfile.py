@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from operator import itemgetter
 from pathlib import Path
 
 from mcap.writer import Writer
@@ -61,16 +62,14 @@ class McapFile:
 
     def write(self, batch: TickBatch, topics: Sequence[MessageTopic]) -> None:
         """Append the messages of a batch to the current chunk, in order of time."""
-        ticks: list[list[tuple[int, bytes]]] = [[] for _ in range(len(batch))]
-        for topic in topics:
-            found = topic.messages(batch)
-            if found:
-                channel = self._channel(topic)
-                for tick, data in found:
-                    ticks[tick].append((channel, data))
-        for stamp, messages in zip(batch.stamps.tolist(), ticks, strict=True):
-            for channel, data in messages:
-                self._writer.add_message(channel, stamp, data, stamp)
+        stamps = batch.stamps.tolist()
+        messages = [
+            (tick, self._channel(topic), data)
+            for topic in topics
+            for tick, data in topic.messages(batch)
+        ]
+        for tick, channel, data in sorted(messages, key=itemgetter(0)):
+            self._writer.add_message(channel, stamps[tick], data, stamps[tick])
 
     def commit(self) -> None:
         """End the chunk and write it to the disk.

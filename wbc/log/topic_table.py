@@ -5,7 +5,6 @@ from __future__ import annotations
 from array import array
 from collections import defaultdict
 from collections.abc import Iterator
-from itertools import chain
 
 import numpy as np
 
@@ -16,21 +15,17 @@ _BLOCK = 512  # messages
 
 
 class _SameSize:
-    """Messages of one size. What those of a block have in common is stored once.
-
-    Attributes:
-        indices: Index of each message in its topic.
-    """
+    """Messages of one size. What those of a block have in common is stored once."""
 
     def __init__(self) -> None:
-        self.indices = array("q")
+        self._indices = array("q")
         # First message, offsets of the bytes that differ, and the values of these bytes.
         self._packed: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
         self._recent: list[bytes] = []
 
     def add(self, index: int, data: bytes) -> None:
         """Add a message."""
-        self.indices.append(index)
+        self._indices.append(index)
         self._recent.append(data)
         if len(self._recent) == _BLOCK:
             rows = _rows(self._recent)
@@ -38,14 +33,20 @@ class _SameSize:
             self._packed.append((rows[0].copy(), differing, rows.take(differing, axis=1)))
             self._recent.clear()
 
-    def blocks(self) -> Iterator[np.ndarray]:
-        """Yield the bytes of the messages in blocks of shape (n, size)."""
-        for first, differing, values in self._packed:
-            rows = np.tile(first, (len(values), 1))
+    @property
+    def first(self) -> bytes:
+        """The first message."""
+        return self._packed[0][0].tobytes() if self._packed else self._recent[0]
+
+    def blocks(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Yield the messages' indices in their topic, shape (n,), and bytes, shape (n, size)."""
+        indices = np.array(self._indices)
+        for block, (first, differing, values) in enumerate(self._packed):
+            rows = np.tile(first, (_BLOCK, 1))
             rows[:, differing] = values
-            yield rows
+            yield indices[block * _BLOCK :][:_BLOCK], rows
         if self._recent:
-            yield _rows(self._recent)
+            yield indices[-len(self._recent) :], _rows(self._recent)
 
 
 def _rows(messages: list[bytes]) -> np.ndarray:
@@ -87,8 +88,7 @@ class TopicTable:
     @property
     def first(self) -> Message:
         """The first message."""
-        alike = next(iter(self._sizes.values()))
-        return message_type(self.type_name).decode(next(alike.blocks())[0])
+        return message_type(self.type_name).decode(next(iter(self._sizes.values())).first)
 
     @property
     def stamps(self) -> np.ndarray:
@@ -101,7 +101,8 @@ class TopicTable:
         found = {
             index: kind.decode(row)
             for alike in self._sizes.values()
-            for index, row in zip(alike.indices, chain(*alike.blocks()), strict=True)
+            for block in alike.blocks()
+            for index, row in zip(*block, strict=True)
         }
         return [found[index] for index in range(len(self))]
 
@@ -117,17 +118,17 @@ class TopicTable:
         kind = message_type(self.type_name)
         found: np.ndarray | None = None
         for alike in self._sizes.values():  # messages of one size have one layout
-            layout = message_layout(kind.decode(next(alike.blocks())[0]))
-            if field in (layout.names or ()):
+            layout = message_layout(kind.decode(alike.first))
+            if field not in (layout.names or ()):
+                continue
+            for indices, rows in alike.blocks():
                 # What follows the numbers is padding, which other writers of logs keep.
-                blocks = (rows[:, : layout.itemsize].copy() for rows in alike.blocks())
-                values = np.concatenate(
-                    [rows.view(layout)[field].reshape(len(rows), -1) for rows in blocks]
-                )
+                numbers = np.ascontiguousarray(rows[:, : layout.itemsize])
+                values = numbers.view(layout)[field].reshape(len(rows), -1)
                 if found is None:
                     found = np.full((len(self), values.shape[1]), np.nan)
                 if values.shape[1] == found.shape[1]:
-                    found[alike.indices] = values
+                    found[indices] = values
         if found is None:
             known = message_layout(self.first).names or ()
             raise LogError(
