@@ -258,6 +258,24 @@ def test_a_quantity_with_an_existing_name_is_refused(humanoid):
         TickStream(humanoid, [Quantity("tau", "command.tau", "again", size="na")])
 
 
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        ("command.tauu", "the quantity 'own' has no source 'command.tauu'"),
+        ("command.explanation", r"command\.explanation .* is '', not a number"),
+    ],
+)
+def test_a_source_that_is_no_number_of_the_tick_is_refused_by_name(humanoid, source, words):
+    stream = TickStream(humanoid, [Quantity("own", source, "a wrong path")])
+    with pytest.raises(SchemaError, match=words):
+        stream.write(full_tick(humanoid))
+
+
+def test_a_function_as_the_source_of_a_quantity_per_sole_is_refused(humanoid):
+    with pytest.raises(SchemaError, match=r"'own/{sole}' must be the path of a mapping"):
+        TickStream(humanoid, [Quantity("own/{sole}", lambda tick: 0.0, "a function")])
+
+
 def test_an_unknown_quantity_is_refused_with_a_suggestion(humanoid):
     stream = TickStream(humanoid)
     with pytest.raises(SchemaError, match=r"'joint_postion'.*joint_position"):

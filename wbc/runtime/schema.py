@@ -170,13 +170,14 @@ def declared_columns(
         quantities: all that a tick has.
 
     Raises:
-        SchemaError: two quantities have the same name, or labels do not fit a size.
+        SchemaError: two quantities have the same name, labels do not fit a size, or the source of a
+            quantity per sole is a function.
     """
     columns: list[tuple[Column, str | Callable[[Tick], Any]]] = []
     for quantity in quantities:
         if "{sole}" in quantity.name:
             for sole in robot.soles:
-                source = _value_of_sole(quantity.source, sole.name)
+                source = _value_of_sole(quantity, sole.name)
                 columns.append((_column(robot, quantity, sole.name), source))
         else:
             columns.append((_column(robot, quantity), quantity.source))
@@ -187,9 +188,13 @@ def declared_columns(
     return sorted(columns, key=lambda pair: (callable(pair[1]), not pair[0].scalar))
 
 
-def _value_of_sole(path: str | Callable[[Tick], Any], sole: str) -> Callable[[Tick], Any]:
-    assert isinstance(path, str)
-    mapping = attrgetter(path)
+def _value_of_sole(quantity: Quantity, sole: str) -> Callable[[Tick], Any]:
+    if not isinstance(quantity.source, str):
+        raise SchemaError(
+            f"the source of the quantity '{quantity.name}' must be the path of a mapping by the "
+            "names of soles; declare a quantity per sole to compute it by a function"
+        )
+    mapping = attrgetter(quantity.source)
     return lambda tick: mapping(tick).get(sole, np.nan)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import numbers
 import queue
 import struct
 import weakref
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wbc.errors import short_repr
 from wbc.process.ring import RingReader, SharedRing
 from wbc.runtime.mode import Mode
 from wbc.runtime.quantities import QUANTITIES
@@ -78,13 +80,13 @@ class TickStream:
         self._varying = VaryingFieldsWriter(self._record)
         # One call reads all attributes of a kind: a call for each would take twice as long.
         paths = [(column, source) for column, source in columns if isinstance(source, str)]
-        numbers = [path for column, path in paths if column.scalar]
-        self._arrays = [(path, column.size) for column, path in paths if not column.scalar]
-        self._read_numbers = attrgetter(*numbers)
-        self._read_arrays = attrgetter(*(path for path, _ in self._arrays))
-        self._numbers = struct.Struct(f"={len(numbers)}d")
-        end = len(numbers) + sum(size for _, size in self._arrays)
-        self._array_words = self._words[len(numbers) : end]
+        scalars = [path for column, path in paths if column.scalar]
+        self._paths = paths
+        self._read_numbers = attrgetter(*scalars)
+        self._read_arrays = attrgetter(*(path for column, path in paths if not column.scalar))
+        self._numbers = struct.Struct(f"={len(scalars)}d")
+        end = sum(column.size for column, _ in paths)
+        self._array_words = self._words[len(scalars) : end]
         self._functions = [(c.name, self._words_of(c), f) for c, f in columns if callable(f)]
 
     def _words_of(self, column: Column) -> int | slice:
@@ -110,15 +112,15 @@ class TickStream:
         """Write a tick's record. Takes some ten microseconds and never waits.
 
         Raises:
-            SchemaError: an array of the tick has the wrong size.
+            SchemaError: a quantity of the tick is missing or has the wrong size.
         """
-        self._numbers.pack_into(self._bytes, 0, *self._read_numbers(tick))
         try:
+            self._numbers.pack_into(self._bytes, 0, *self._read_numbers(tick))
             np.concatenate(self._read_arrays(tick), out=self._array_words)
             self._varying.set_wrenches(tick.command.wrenches)
             if tick.contact_plan is not None:
                 self._varying.set_contact_plan(tick.contact_plan, tick.index)
-        except ValueError as error:
+        except (AttributeError, TypeError, ValueError, struct.error) as error:
             raise SchemaError(self._misfit(tick)) from error
         self._varying.set_text(tick.command.explanation or tick.telemetry.status_text)
         words = self._words
@@ -150,11 +152,19 @@ class TickStream:
         self._ring.publish()
 
     def _misfit(self, tick: Tick) -> str:
-        """Return which array of a tick has the wrong size."""
-        for path, size in self._arrays:
-            shape = np.shape(attrgetter(path)(tick))
-            if shape != (size,):
-                return f"{path} of the tick at {tick.time} s has shape {shape}, not ({size},)"
+        """Return which quantity of a tick is missing or has the wrong size."""
+        for column, path in self._paths:
+            try:
+                value = attrgetter(path)(tick)
+            except AttributeError as error:
+                return f"the quantity '{column.name}' has no source '{path}': {error}"
+            if column.scalar and not isinstance(value, numbers.Real):
+                return f"{path} of the tick at {tick.time} s is {short_repr(value)}, not a number"
+            if not column.scalar and np.shape(value) != (column.size,):
+                shape = np.shape(value)
+                return (
+                    f"{path} of the tick at {tick.time} s has shape {shape}, not ({column.size},)"
+                )
         return f"a wrench or the contact plan of the tick at {tick.time} s has a wrong shape"
 
 
