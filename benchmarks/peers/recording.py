@@ -63,7 +63,7 @@ class Recorder:
         torso = next(
             t for t in tasks if isinstance(t, wbc.OrientationTask) and t.frame == torso_name
         )
-        swing = next((t for t in tasks if isinstance(t, wbc.FrameTask)), None)
+        foot = self.walker.gait_state.swing
         names = tuple(c.name for c in self.walker.controller.contacts)
         return {
             "q": state.q.copy(),
@@ -74,9 +74,9 @@ class Recorder:
             "com_acceleration": com.acceleration.copy(),
             "torso": torso.target.copy(),
             "torso_velocity": torso.velocity.copy(),
-            "swing": swing.target.homogeneous.copy() if swing else _STILL,
-            "swing_velocity": swing.velocity.copy() if swing else np.zeros(6),
-            "swing_acceleration": swing.acceleration.copy() if swing else np.zeros(6),
+            "swing": foot.motion.pose.copy() if foot else _STILL,
+            "swing_velocity": foot.motion.velocity.copy() if foot else np.zeros(6),
+            "swing_acceleration": foot.motion.acceleration.copy() if foot else np.zeros(6),
         }
 
 

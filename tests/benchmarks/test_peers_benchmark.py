@@ -20,7 +20,14 @@ from peers.agreement import active_rows, agreement  # noqa: E402
 from peers.case import BOTH, Case  # noqa: E402
 from peers.figures import figures, ratio  # noqa: E402
 from peers.libraries import LIBRARIES  # noqa: E402
-from peers.recording import CASES, Sway, make_case, make_problem, record_sway  # noqa: E402
+from peers.recording import (  # noqa: E402
+    CASES,
+    Sway,
+    make_case,
+    make_problem,
+    record_sway,
+    record_walk,
+)
 from peers.robot_file import urdf_text  # noqa: E402
 
 OURS = [library for library in LIBRARIES if library.environment is None]
@@ -114,6 +121,21 @@ def test_sway_case_reaches_the_torque_limits_and_keeps_them(case, found):
     assert (np.abs(solutions["tau"]) <= case.limits.torque * (1.0 + 1e-9)).all()
     assert (case.ticks.stance == BOTH).all()
     assert active_rows(case, solutions).max() >= 1
+
+
+def test_a_recorded_walk_has_the_reference_of_the_foot_in_the_air():
+    pytest.importorskip("mujoco")
+    ticks = record_walk(wbc.load("simple_humanoid"), 0.3, 2.5)
+    flying = ticks.stance != BOTH
+    assert flying.any()
+    height = ticks.swing[flying, 2, 3]
+    assert height.max() > height.min() + 0.04
+    # The recorded velocity is the rate of the recorded position.
+    last = np.flatnonzero(flying[1:] & flying[:-1])
+    rate = np.diff(ticks.swing[:, :3, 3], axis=0)[last] / 0.002
+    mean = 0.5 * (ticks.swing_velocity[1:, :3] + ticks.swing_velocity[:-1, :3])[last]
+    same_foot = np.abs(rate).max(axis=1) < 5.0
+    np.testing.assert_allclose(rate[same_foot], mean[same_foot], atol=0.05)
 
 
 def test_active_rows_count_joints_at_their_torque_limit(case, found):
