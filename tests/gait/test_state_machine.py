@@ -197,6 +197,7 @@ def test_stop_command_shortens_the_present_step_and_makes_the_next_the_last() ->
 def test_new_step_height_applies_to_a_foot_that_is_still_rising() -> None:
     ground = Ground()
     ground.run(GAIT.first_transfer + 0.2 * GAIT.single_support, WALK, None)
-    ground.machine.change_gait(replace(GAIT, swing_height=2.0 * GAIT.swing_height))
+    higher = replace(GAIT, swing_height=2.0 * GAIT.swing_height)
+    ground.machine.change_gait(higher, higher)
     ground.run(0.3 * GAIT.single_support, WALK, None)
     assert ground.feet.right.height == pytest.approx(2.0 * GAIT.swing_height, rel=0.02)

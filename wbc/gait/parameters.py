@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import pinocchio as pin
@@ -14,6 +14,10 @@ from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 
 _GRAVITY = float(-pin.Model.gravity981[2])  # m/s², that of every Pinocchio model
+_CLEARANCE = 0.02  # m between the soles at the narrowest step
+# Durations of the recovery gait times ω.
+_RECOVERY_SWING = 0.77
+_RECOVERY_TRANSFER = 0.155
 
 
 @dataclass(frozen=True)
@@ -102,10 +106,34 @@ class GaitParameters:
             swing_height=0.07 * leg,
             touchdown_speed=0.05,
             step_width=width,
-            least_width=min(width, max(foot_width + 0.02, 0.75 * width)),
+            least_width=min(width, max(foot_width + _CLEARANCE, 0.75 * width)),
             max_step=min(0.51 * height, reach.max_step),
             max_side_step=min(0.35 * leg, reach.max_spread),
             max_turn=0.55,
             com_height=height,
             gravity=robot.gravity,
+        )
+
+    @classmethod
+    def for_recovery(cls, robot: Robot, gait: GaitParameters) -> GaitParameters:
+        """Parameters of the steps that catch a push: quick ones, and as wide as the legs can.
+
+        A DCM error grows by `e^(ωT)` until touchdown, so that time is worth more than place: a
+        swing of 0.77/ω doubles it, one of the usual 2/ω multiplies it by seven (N-step
+        capturability, Koolen et al., IJRR 2012). The feet may come as near to each other as they
+        do without touching, and as far apart as half the legs' length more than usual.
+
+        Args:
+            robot: the robot.
+            gait: its gait when nobody pushes.
+        """
+        left, right = robot.soles
+        foot_width = left.half_width + right.half_width
+        return replace(
+            gait,
+            single_support=min(_RECOVERY_SWING / gait.omega, gait.single_support),
+            double_support=min(_RECOVERY_TRANSFER / gait.omega, gait.double_support),
+            first_transfer=min(_RECOVERY_TRANSFER / gait.omega, gait.first_transfer),
+            least_width=min(foot_width + _CLEARANCE, gait.least_width),
+            max_side_step=max(0.5 * robot.leg_length, gait.max_side_step),
         )

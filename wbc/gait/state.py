@@ -53,8 +53,10 @@ class GaitState:
     points are complex numbers x + iy in world axes.
 
     Attributes:
-        gait: parameters of the gait.
+        gait: parameters of the present steps: `normal_gait` or `recovery_gait`.
         feet: soles as estimated.
+        normal_gait: parameters of undisturbed walking.
+        recovery_gait: parameters of the quick steps after a push.
         com: ground point below the estimated centre of mass, m.
         dcm: estimated divergent component of motion without the bias of the CoM, m.
         phase: part of the gait cycle.
@@ -62,6 +64,7 @@ class GaitState:
         time: since the phase began, s; 0 in the tick in which it begins.
         duration: duration of the phase, s.
         hold: time at the beginning of a transfer in which the weight does not move yet, s.
+        shortened: the phase ends before its usual time, to catch a push.
         starting: the transfer begins from standing on both feet.
         stopping: the transfer ends in standing on both feet.
         weight_shift: where the weight is while standing or on one leg: 0 over the right
@@ -71,10 +74,13 @@ class GaitState:
         swing: reference of the foot in the air; None when both stand.
         landing: placement at which the swing foot lands, with the stabilizer's adjustment.
         steps: number of touchdowns so far.
+        requested_swing: side of the foot that has to step although nobody commands a step,
+            because the robot falls otherwise; None: no step is needed.
     """
 
     gait: GaitParameters
     feet: Feet
+    recovery_gait: GaitParameters
     com: complex = 0j
     dcm: complex = 0j
     phase: Phase = Phase.STAND
@@ -82,6 +88,7 @@ class GaitState:
     time: float = 0.0
     duration: float = 0.0
     hold: float = 0.0
+    shortened: bool = False
     starting: bool = True
     stopping: bool = False
     weight_shift: float = 0.5
@@ -89,6 +96,21 @@ class GaitState:
     swing: SwingFoot | LiftedFoot | None = None
     landing: Placement = _ORIGIN
     steps: int = 0
+    requested_swing: str | None = None
+    normal_gait: GaitParameters = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.normal_gait = self.gait
+
+    @property
+    def limits(self) -> GaitParameters:
+        """The gait whose limits hold for the landing place: a step that catches a push is wider."""
+        return self.recovery_gait if self.shortened else self.gait
+
+    @property
+    def recovering(self) -> bool:
+        """Whether the present steps are the quick ones after a push."""
+        return self.gait is not self.normal_gait
 
     @property
     def swing_side(self) -> str:

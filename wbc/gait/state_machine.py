@@ -31,14 +31,21 @@ class GaitStateMachine:
         gait: parameters of the gait.
         feet: both soles, on the ground.
         planner: plans footsteps and DCM.
+        recovery_gait: parameters of the quick steps after a push; `gait` when left out.
 
     Attributes:
         state: phase, feet and times of now.
         step_length: length of the present steps, m; 0 while standing.
     """
 
-    def __init__(self, gait: GaitParameters, feet: Feet, planner: Planner) -> None:
-        self.state = GaitState(gait, feet)
+    def __init__(
+        self,
+        gait: GaitParameters,
+        feet: Feet,
+        planner: Planner,
+        recovery_gait: GaitParameters | None = None,
+    ) -> None:
+        self.state = GaitState(gait, feet, recovery_gait or gait)
         self.step_length = 0.0
         self._planner = planner
         planner.reset(self.state)
@@ -58,8 +65,8 @@ class GaitStateMachine:
         state, planner = self.state, self._planner
         state.feet = feet
         state.time += dt
-        if state.phase is Phase.STAND:
-            side = planner.next_swing(state, command)
+        if state.phase is Phase.STAND or (state.stopping and state.requested_swing):
+            side = planner.next_swing(state, command) or state.requested_swing
             if side is not None:
                 state.support = other_side(side)
                 state.starting, state.stopping = True, False
@@ -94,9 +101,10 @@ class GaitStateMachine:
             state.swing.duration = state.duration
             state.swing.advance(dt, landing)
 
-    def change_gait(self, gait: GaitParameters) -> None:
+    def change_gait(self, gait: GaitParameters, recovery_gait: GaitParameters) -> None:
         """Go on with other parameters; the present phase keeps its duration."""
-        self.state.gait = gait
+        self.state.gait = self.state.normal_gait = gait
+        self.state.recovery_gait = recovery_gait
         if isinstance(self.state.swing, SwingFoot):
             self.state.swing.set_apex(gait.swing_height)
 
@@ -133,6 +141,7 @@ class GaitStateMachine:
     def _enter(self, phase: Phase, duration: float) -> None:
         state = self.state
         state.phase, state.time, state.duration, state.hold = phase, 0.0, duration, 0.0
+        state.shortened = False
 
     def _lift_off(self, landing: Placement) -> None:
         state = self.state
@@ -150,12 +159,18 @@ class GaitStateMachine:
         state = self.state
         if contacts is None:
             return state.time >= state.duration
+        if state.shortened:
+            # A quick foot is low and may scuff; one that is late costs more than one that is
+            # pressed down, because the DCM runs away.
+            return state.time >= state.duration
         return state.swing_side in contacts and state.progress >= _EARLIEST_TOUCHDOWN
 
     def _touch_down(self, command: GaitCommand) -> None:
         state = self.state
         state.steps += 1
         side = self._planner.next_swing(state, command)
+        if side is None and state.recovering:
+            side = state.support
         state.swing = None
         state.starting, state.stopping = False, side is None
         if side is None:

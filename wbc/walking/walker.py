@@ -54,6 +54,8 @@ class Walker:
         robot: the robot.
         dt: control period, s.
         gait: gait parameters; scaled to the robot when left out.
+        recovery_gait: parameters of the quick steps that catch a push; scaled to the robot and
+            its gait when left out. The gait itself means no quick steps.
         gains: weights and gains of the tasks.
         planner: plans footsteps and DCM; the analytic `DcmPlanner` when left out.
         solver: QP solver, by name or as an object.
@@ -77,6 +79,7 @@ class Walker:
         dt: float = 0.002,
         *,
         gait: GaitParameters | None = None,
+        recovery_gait: GaitParameters | None = None,
         gains: WalkerGains | None = None,
         planner: Planner | None = None,
         solver: str | Solver | None = None,
@@ -85,6 +88,8 @@ class Walker:
         self.dt = dt
         workspace = LegWorkspace(robot)
         self.gait = gait or GaitParameters.for_robot(robot, workspace)
+        self._scales_recovery = recovery_gait is None
+        self.recovery_gait = recovery_gait or GaitParameters.for_recovery(robot, self.gait)
         self.gains = gains = gains or WalkerGains()
         self.controller = controller = WholeBodyController(robot, dt, solver=solver)
         self._kin = Kinematics(robot, robot.standing())
@@ -143,7 +148,9 @@ class Walker:
         The present step keeps its duration; everything planned from now on has the new ones.
         """
         self.gait = gait
-        self.state_machine.change_gait(gait)
+        if self._scales_recovery:
+            self.recovery_gait = GaitParameters.for_recovery(self.robot, gait)
+        self.state_machine.change_gait(gait, self.recovery_gait)
         self._command.velocity = self._command.velocity.clamped(gait)
 
     @property
@@ -184,7 +191,7 @@ class Walker:
         """
         self._kin.update(state)
         feet, com, _ = self._ground.read()
-        self.state_machine = GaitStateMachine(self.gait, feet, self.planner)
+        self.state_machine = GaitStateMachine(self.gait, feet, self.planner, self.recovery_gait)
         ground = 0.5 * (feet.left.height + feet.right.height)
         self._tasks.height.reset(ground, float(self._kin.p_com[2]))
         self._heading = mean_heading(self.gait_state)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from wbc.gait.footsteps import Velocity, first_swing_side
 from wbc.gait.planners.dcm import DcmReference, dcm_before
 from wbc.gait.planners.footstep_preview import FootstepPreview
@@ -36,6 +38,7 @@ class DcmPlanner:
         self._plan = StepPlan()
         self._relative_landing = _ORIGIN  # in the support sole's axes
         self._relative_dcm: complex | None = None  # that of the touchdown there, once computed
+        self._goes_on = False  # with which it was computed: further steps follow in any case
         self._follows_given = False  # the present swing goes to a given footstep
         self._dcm_drift = 0j  # m/s, of the planned DCM while the velocity changes
 
@@ -64,7 +67,8 @@ class DcmPlanner:
         self.velocity = wanted
         self._filter.reset()
         self._follows_given = False
-        return None if last or ended else state.support
+        # After a push the robot comes to rest in a step of the usual time.
+        return None if (last or ended) and not state.shortened else state.support
 
     def update(self, state: GaitState, command: GaitCommand, dt: float) -> StepPlan:
         """See `Planner.update`."""
@@ -94,6 +98,7 @@ class DcmPlanner:
     def reference(self, state: GaitState, landing: Placement | None = None) -> DcmReference:
         """See `Planner.reference`."""
         omega = state.gait.omega
+        self._current_preview(state, self._preview.given)
         if state.phase is Phase.STAND or state.lifted is not None:
             zmp = dcm = state.standing_point
         elif state.phase is Phase.SWING:
@@ -117,7 +122,9 @@ class DcmPlanner:
         further = preview.steps(first.placement, first.side, self.velocity, PREVIEW_STEPS - 1)
         return [first, *further]
 
-    def _current_preview(self, state: GaitState, given: list[PlannedFootstep]) -> FootstepPreview:
+    def _current_preview(
+        self, state: GaitState, given: Sequence[PlannedFootstep]
+    ) -> FootstepPreview:
         preview = self._preview
         if preview.gait is not state.gait or preview.given is not given:
             preview = self._preview = FootstepPreview(state.gait, given)
@@ -160,18 +167,23 @@ class DcmPlanner:
         """
         stance, side = state.stance, state.swing_side
         if landing is None and not self._preview.given:
-            if self._relative_dcm is None:
-                self._relative_dcm = self._leaving_dcm(_ORIGIN, side, self._relative_landing)
+            if self._relative_dcm is None or self._goes_on is not state.shortened:
+                self._goes_on = state.shortened
+                self._relative_dcm = self._leaving_dcm(
+                    _ORIGIN, side, self._relative_landing, state.shortened
+                )
             return stance.to_world(self._relative_dcm)
         if landing is None:
             landing = stance.compose(self._relative_landing)
-        return self._leaving_dcm(stance, side, landing)
+        return self._leaving_dcm(stance, side, landing, state.shortened)
 
-    def _leaving_dcm(self, stance: Placement, side: str, landing: Placement) -> complex:
+    def _leaving_dcm(
+        self, stance: Placement, side: str, landing: Placement, goes_on: bool
+    ) -> complex:
         """DCM with which the weight leaves `stance` for the foot of a side that has landed."""
         preview, support = self._preview, stance.point
         gait, omega = preview.gait, preview.gait.omega
-        if preview.ends(stance, side, landing, self.velocity):
+        if not goes_on and preview.ends(stance, side, landing, self.velocity):
             rest = 0.5 * (support + landing.point)
             return dcm_before(support, rest, gait.first_transfer, rest, omega)
         arrival = preview.arrival_dcm(landing, side, self.velocity, PREVIEW_STEPS - 1)

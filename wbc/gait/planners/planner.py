@@ -37,6 +37,9 @@ class Planner(Protocol):
     3. `reference`, for the place where the swing foot is planned to land, and once more when
        the stabilizer moves that place.
 
+    While the robot recovers from a push, `reference` is asked for more than one gait and duration
+    in a tick: it plans with `state.gait`, `state.duration` and `state.shortened` as they are then.
+
     What it plans from is the `GaitState`: feet, centre of mass and DCM as estimated, phase and
     time. A planner that takes longer than a tick computes in a thread or process of its own
     and answers from its latest result.

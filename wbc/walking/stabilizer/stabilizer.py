@@ -12,7 +12,7 @@ from wbc.robot import Robot
 from wbc.walking.gains import WalkerGains
 from wbc.walking.stabilizer.com_bias import ComBiasEstimator
 from wbc.walking.stabilizer.dcm_feedback import zmp_from_dcm_error
-from wbc.walking.stabilizer.step_adjustment import footstep_adjustment
+from wbc.walking.stabilizer.push_recovery import PushRecovery
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 
@@ -41,7 +41,8 @@ class Stabilizer:
     At every tick:
 
     1. the bias of the estimated CoM is taken off the DCM (`ComBiasEstimator`);
-    2. the landing place moves by what the ankles cannot catch (`footstep_adjustment`);
+    2. the landing place moves by what the ankles cannot catch (`footstep_adjustment`), and
+       the step is quickened when no landing place in reach does (`PushRecovery`);
     3. the DCM error becomes a ZMP (`zmp_from_dcm_error`), clamped to the support
        (`SupportPolygon`) and realised by the CoM acceleration `c̈ = ω² (c − p)` of the linear
        inverted pendulum.
@@ -53,12 +54,14 @@ class Stabilizer:
     Attributes:
         com_bias: estimates the bias of the CoM.
         support: the support polygon.
+        push_recovery: quick steps after a push.
     """
 
     def __init__(self, robot: Robot, gains: WalkerGains) -> None:
         self._gains = gains
         self.com_bias = ComBiasEstimator()
         self.support = SupportPolygon(robot)
+        self.push_recovery = PushRecovery(self.support)
 
     def reset(self) -> None:
         """Start anew, at rest and without a known bias."""
@@ -98,33 +101,43 @@ class Stabilizer:
             reference: the wanted DCM for a landing place of the swing foot, or, given None,
                 for the planned one.
         """
-        gait = state.gait
-        omega, dcm = gait.omega, state.dcm
-        wanted, landing = self._adjust_landing(state, reference)
+        wanted, landing = self._adjust_steps(state, reference)
+        gait, dcm = state.gait, state.dcm
+        omega = gait.omega
         zmp = zmp_from_dcm_error(dcm, wanted, omega, gait.dcm_gain)
         zmp = self.support.clamp(zmp, state, self._gains.zmp_margin)
         # The CoM as estimated, with its bias: the QP uses the same, so the ZMP is as commanded.
         acceleration = omega * omega * (state.com - zmp)
         return StabilizerOutput(dcm, wanted, zmp, acceleration, landing)
 
-    def _adjust_landing(
+    def _adjust_steps(
+        self, state: GaitState, reference: Callable[[Placement | None], DcmReference]
+    ) -> tuple[DcmReference, Placement]:
+        """Wanted DCM and landing place; moves and shortens steps that do not catch the DCM."""
+        swing, recovery = state.swing, self.push_recovery
+        if state.phase is Phase.SWING and isinstance(swing, SwingFoot):
+            if swing.target_frozen:
+                return reference(swing.target), swing.target
+            return self._adjust_swing(state, reference)
+        planned = reference(None)
+        if state.phase is Phase.TRANSFER and not state.stopping:
+            planned = recovery.update_transfer(state, planned, lambda: reference(None))
+        else:
+            recovery.update_standing(state, planned)
+        return planned, state.landing
+
+    def _adjust_swing(
         self, state: GaitState, reference: Callable[[Placement | None], DcmReference]
     ) -> tuple[DcmReference, Placement]:
         """Wanted DCM and landing place, moved when the ankles alone cannot catch the DCM."""
-        swing = state.swing
-        if state.phase is not Phase.SWING or not isinstance(swing, SwingFoot):
-            return reference(None), state.landing
-        if swing.target_frozen:
-            return reference(swing.target), swing.target
-        planned = reference(None)
-        stance = state.stance
-        forward = planar_rotation(stance.yaw)
-        error = (state.dcm - planned.dcm) * forward.conjugate()
-        zmp_range = self.support.zmp_range(state.support, self._gains.ankle_share)
-        shift = footstep_adjustment(error, state.gait.omega, state.remaining, zmp_range)
+        ankles = self.support.zmp_range(state.support, self._gains.ankle_share)
+        planned, shift = self.push_recovery.update_swing(
+            state, reference(None), lambda: reference(None), ankles
+        )
         if shift == 0j:
             return planned, state.landing
-        landing = state.landing
-        moved = Placement(landing.point + shift * forward, landing.yaw, landing.height)
-        moved = clamp_footstep(stance, state.swing_side, moved, state.gait)
+        landing, stance = state.landing, state.stance
+        point = landing.point + shift * planar_rotation(stance.yaw)
+        moved = Placement(point, landing.yaw, landing.height)
+        moved = clamp_footstep(stance, state.swing_side, moved, state.limits)
         return reference(moved), moved

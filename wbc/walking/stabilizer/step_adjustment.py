@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+from wbc.gait import DcmReference, GaitState
+from wbc.geometry.planar import planar_rotation
+
 
 def footstep_adjustment(
     error: complex, omega: float, remaining: float, reach: tuple[float, float]
@@ -33,3 +36,17 @@ def footstep_adjustment(
     return complex(
         math.copysign(max(0.0, along), error.real), math.copysign(max(0.0, across), error.imag)
     )
+
+
+def uncaught_dcm_error(
+    state: GaitState, planned: DcmReference, reach: tuple[float, float]
+) -> complex:
+    """`footstep_adjustment` of the present DCM error at the end of the phase, m.
+
+    Args:
+        state: phase, feet and DCM.
+        planned: DCM without any adjustment.
+        reach: how far the ZMP may move from its plan along the support sole and across it, m.
+    """
+    error = (state.dcm - planned.dcm) * planar_rotation(-state.stance.yaw)
+    return footstep_adjustment(error, state.gait.omega, state.remaining, reach)

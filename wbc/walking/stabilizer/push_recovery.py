@@ -1,0 +1,163 @@
+"""Push recovery: quick steps when the soles on the ground cannot catch the DCM."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from wbc.gait import DcmReference, GaitState, Placement
+from wbc.gait.footsteps import clamp_footstep, lateral_sign, other_side
+from wbc.geometry.planar import planar_rotation
+from wbc.walking.stabilizer.step_adjustment import uncaught_dcm_error
+from wbc.walking.stabilizer.support_polygon import SupportPolygon
+
+_LEAST_REMAINING = 0.1  # s that a shortened swing has left, at least
+_OUT_OF_REACH = 0.05  # share of the CoM height by which a landing place has to be out of reach
+_WITHIN_REACH = 0.01, 0.03  # m, the same of a step of the normal gait: to return to it, to stay
+_LEAST_ERROR = 0.05  # m of DCM error that shorten a transfer, at least
+_USED_SUPPORT = 0.6  # share of the way to the support's edge that the DCM may go while standing
+_PREVIEW = 3  # steps looked ahead to choose the foot that steps out of standing
+
+
+class PushRecovery:
+    """Changes from the normal gait to the recovery gait, and back.
+
+    Every tick asks what error of the DCM a ZMP within the support would leave at the end of the
+    phase, and whether the next footstep can make up for it. If not,
+
+    - a swing is shortened, and lands where it catches most;
+    - a transfer is shortened;
+    - a robot that stands steps with the foot that catches more.
+
+    The steps that follow are planned with the recovery gait, until a swing can end so that the
+    normal gait goes on from it. The landing place itself is that of the step adjustment.
+
+    Args:
+        support: the support polygon.
+    """
+
+    def __init__(self, support: SupportPolygon) -> None:
+        self._support = support
+
+    def update_swing(
+        self,
+        state: GaitState,
+        planned: DcmReference,
+        reference: Callable[[], DcmReference],
+        ankles: tuple[float, float],
+    ) -> tuple[DcmReference, complex]:
+        """Shorten the swing if its landing place is out of reach, and choose the gait after it.
+
+        Args:
+            state: whose `gait` and `duration` it sets.
+            planned: DCM and ZMP without any adjustment.
+            reference: the same for what `state` says then.
+            ankles: how far the ZMP gets along the sole and across it, m.
+
+        Returns:
+            DCM and ZMP without any adjustment, in the gait and the time that were chosen, and by
+            how much the landing place has to move then, in the support sole's axes, m.
+        """
+        quick = state.recovery_gait
+        if not (state.shortened or state.recovering):
+            shift = uncaught_dcm_error(state, planned, ankles)
+            least = _OUT_OF_REACH * state.gait.com_height
+            if shift == 0j or self._missed(state, shift) <= least or quick is state.normal_gait:
+                return planned, shift
+            remaining = max(quick.single_support - state.time, _LEAST_REMAINING)
+            state.duration = min(state.duration, state.time + remaining)
+        state.shortened = True
+        tolerance = _WITHIN_REACH[0 if state.recovering else 1]
+        state.gait = state.normal_gait
+        planned = reference()
+        shift = uncaught_dcm_error(state, planned, ankles)
+        if self._missed(state, shift) <= tolerance:
+            return planned, shift
+        state.gait = quick
+        planned = reference()
+        return planned, uncaught_dcm_error(state, planned, ankles)
+
+    def update_transfer(
+        self, state: GaitState, planned: DcmReference, reference: Callable[[], DcmReference]
+    ) -> DcmReference:
+        """Shorten the transfer if no ZMP within the support catches the DCM; see `update_swing`."""
+        quick = state.recovery_gait
+        if quick is state.gait or abs(state.dcm - planned.dcm) <= _LEAST_ERROR:
+            return planned
+        # The ZMP moves on to the support foot: half the way is its mean.
+        reach = self._zmp_range(state, planned, 0.5)
+        if uncaught_dcm_error(state, planned, reach) == 0j:
+            return planned
+        state.gait, state.shortened = quick, True
+        state.duration = min(state.duration, max(quick.double_support, state.time))
+        return reference()
+
+    def update_standing(self, state: GaitState, planned: DcmReference) -> None:
+        """Request a step if the DCM is near the edge of the support; see `update_swing`."""
+        state.gait, state.requested_swing = state.normal_gait, None
+        # A motion that shifts the weight or unloads a foot has the robot stand on the other one.
+        shifted = state.weight_shift != 0.5 or state.other_foot_load < math.inf
+        if state.recovery_gait is state.gait or shifted or state.lifted is not None:
+            return
+        error = (state.dcm - planned.dcm) * planar_rotation(-state.stance.yaw)
+        along, across = self._zmp_range(state, planned, 1.0)
+        if abs(error.real) < _USED_SUPPORT * along and abs(error.imag) < _USED_SUPPORT * across:
+            return
+        left, right = (self._lateral_error_after(state, side) for side in ("left", "right"))
+        state.requested_swing = "left" if left < right else "right"
+        state.gait = state.recovery_gait
+
+    def _missed(self, state: GaitState, shift: complex) -> float:
+        """How far the landing place, moved by `shift`, is out of the leg's reach, m."""
+        stance, landing = state.stance, state.landing
+        point = landing.point + shift * planar_rotation(stance.yaw)
+        wanted = Placement(point, landing.yaw, landing.height)
+        return abs(clamp_footstep(stance, state.swing_side, wanted, state.limits).point - point)
+
+    def _zmp_range(
+        self, state: GaitState, planned: DcmReference, share: float
+    ) -> tuple[float, float]:
+        """How far the ZMP gets along and across the support sole, towards the DCM error, m.
+
+        Args:
+            state: of the gait.
+            planned: DCM and ZMP.
+            share: of the way from the support foot to the planned ZMP from which it starts.
+        """
+        stance = state.stance
+        error = (state.dcm - planned.dcm) * planar_rotation(-stance.yaw)
+        zmp = share * stance.to_local(planned.zmp)
+        along, across = math.copysign(1.0, error.real), math.copysign(1.0, error.imag)
+        corners = [stance.to_local(corner) - zmp for corner in self._support.corners(state)]
+        return max(along * c.real for c in corners), max(across * c.imag for c in corners)
+
+    def _lateral_error_after(self, state: GaitState, side: str) -> float:
+        """Lateral distance of the DCM from the last foot of some quick steps, m.
+
+        Linear inverted pendulum, `ξ(T) = p + (ξ − p) e^(ωT)`: during a swing the ZMP p is on the
+        support sole where it is nearest to the DCM, during a transfer it is in the middle between
+        both ends. Each foot lands as near to the DCM as the leg reaches.
+
+        Args:
+            state: of a robot that stands on both feet.
+            side: of the foot that takes the first step.
+        """
+        quick, stance = state.recovery_gait, state.stance
+        half_width = self._support.zmp_range(side, 1.0)[1]
+        swing, transfer = (
+            math.exp(quick.omega * t) for t in (quick.single_support, quick.double_support)
+        )
+        dcm = stance.to_local(state.dcm).imag
+        foot = stance.to_local(state.feet.of(other_side(side)).point).imag
+        other = stance.to_local(state.feet.of(side).point).imag
+        zmp = max(min(foot, other) - half_width, min(max(foot, other) + half_width, dcm))
+        for _ in range(_PREVIEW):
+            zmp = 0.5 * (zmp + foot)
+            dcm = zmp + (dcm - zmp) * transfer
+            zmp = foot + max(-half_width, min(half_width, dcm - foot))
+            dcm = zmp + (dcm - zmp) * swing
+            sign = lateral_sign(side)
+            widest = quick.step_width + quick.max_side_step
+            foot += sign * max(quick.least_width, min(widest, sign * (dcm - foot)))
+            side = other_side(side)
+        return abs(dcm - foot)
