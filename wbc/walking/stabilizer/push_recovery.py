@@ -14,7 +14,7 @@ from wbc.walking.stabilizer.support_polygon import SupportPolygon
 _LEAST_REMAINING = 0.1  # s that a shortened swing has left, at least
 _OUT_OF_REACH = 0.05  # share of the CoM height by which a landing place has to be out of reach
 _WITHIN_REACH = 0.01, 0.03  # m, the same of a step of the normal gait: to return to it, to stay
-_LEAST_ERROR = 0.05  # m of DCM error that shorten a transfer, at least
+_LEAST_ERROR = 0.05  # m of DCM error that shorten a transfer or make a robot step, at least
 _USED_SUPPORT = 0.6  # share of the way to the support's edge that the DCM may go while standing
 _PREVIEW = 3  # steps looked ahead to choose the foot that steps out of standing
 
@@ -100,6 +100,9 @@ class PushRecovery:
         if state.recovery_gait is state.gait or shifted or state.lifted is not None:
             return
         error = (state.dcm - planned.dcm) * planar_rotation(-state.stance.yaw)
+        # A motion may bring the planned ZMP itself to the edge: small errors are the ankles'.
+        if abs(error) <= _LEAST_ERROR:
+            return
         along, across = self._zmp_range(state, planned, 1.0)
         if abs(error.real) < _USED_SUPPORT * along and abs(error.imag) < _USED_SUPPORT * across:
             return
