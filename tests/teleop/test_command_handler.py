@@ -138,7 +138,7 @@ def test_a_push_moves_the_dcm_to_the_robots_left_and_is_counted_when_survived(ha
 
 
 def test_after_a_fall_only_a_reset_is_accepted_and_the_pushes_were_not_survived(handler):
-    largest = PushCommand((0.0, 0.3 * handler.capabilities.max_impulse, 0.0))
+    largest = PushCommand((0.0, handler.capabilities.max_impulse, 0.0))
     small, late = PushCommand((0.0, 5.0, 0.0)), PushCommand((0.0, 6.0, 0.0))
     messages, fallen = [], []
 
@@ -165,7 +165,7 @@ def test_after_a_fall_only_a_reset_is_accepted_and_the_pushes_were_not_survived(
 
 
 def test_without_a_client_that_could_reset_it_a_run_ends_with_the_fall(handler):
-    fall = PushCommand((0.0, 0.3 * handler.capabilities.max_impulse, 0.0))
+    fall = PushCommand((0.0, handler.capabilities.max_impulse, 0.0))
     run = Run(handler, 10.0, [(0.1, fall)])
     assert not run.report.survived
     assert run.report.duration_s < 5.0
