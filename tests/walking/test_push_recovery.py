@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 import wbc
 from wbc.gait import Phase
-from wbc.runtime.fall import fall_reason
 from wbc.sim import Mujoco
 
 pytest.importorskip("mujoco")
@@ -22,37 +21,63 @@ DIRECTIONS = {
 }
 
 
-class ClosedLoop:
-    """Plant with noisy sensors, estimator and walker of a robot that stands."""
+@dataclass
+class PushedRun:
+    """A run with noisy sensors and the estimator, in which the torso is pushed once for 0.1 s.
 
-    def __init__(self, name: str, **walker: object) -> None:
-        self.robot = wbc.load(name)
-        self.plant = Mujoco(self.robot, seed=3)
-        self.estimator = wbc.Estimator(self.robot)
-        self.walker = wbc.Walker(self.robot, **walker)
-        start = self.plant.ground_truth()
-        self.estimator.reset(start)
-        self.walker.reset(start)
-        self._acceleration: np.ndarray | None = None
-        self.recovering_ticks = 0
+    Attributes:
+        report: of the run.
+        walker: after the run.
+        quick: (n, 2) time of each tick, s, and whether its step was a quick one.
+        steps_before: touchdowns before the push.
+    """
 
-    def push(self, direction: str, size: float) -> None:
-        """Push the torso for 0.1 s; size in N·s per kg of the robot."""
-        self.plant.push(size * self.robot.mass * np.array(DIRECTIONS[direction]))
+    report: wbc.Report
+    walker: wbc.Walker
+    quick: np.ndarray
+    steps_before: int
 
-    def run(self, seconds: float) -> str:
-        """Run for a time; return why the robot fell, or an empty text."""
-        for _ in range(round(seconds / self.plant.dt)):
-            estimate = self.estimator.update(self.plant.measure(), acceleration=self._acceleration)
-            command = self.walker.step(estimate)
-            self._acceleration = command.acceleration
-            self.plant.step(command)
-            state = self.walker.gait_state
-            self.recovering_ticks += state.recovering or state.shortened
-            fall = fall_reason(self.robot, self.plant.ground_truth())
-            if fall:
-                return fall
-        return ""
+    def quick_after(self, time: float) -> bool:
+        """Whether any step after a time (s) was a quick one."""
+        return bool(self.quick[self.quick[:, 0] >= time, 1].any())
+
+
+def pushed_run(
+    name: str,
+    duration: float,
+    *,
+    direction: str = "left",
+    size: float = 0.0,
+    at: float = 0.3,
+    velocity: tuple[float, float] = (0.0, np.inf),
+    **options: object,
+) -> PushedRun:
+    """Run a robot that is pushed with `size` (N·s per kg) and walks forward until a time.
+
+    Args:
+        name: of the robot.
+        duration: of the run, s.
+        direction: of the push.
+        size: of the push, N·s per kg of the robot.
+        at: when it begins, s.
+        velocity: forward velocity, m/s, and when it ends, s.
+        options: of the walker.
+    """
+    robot = wbc.load(name)
+    walker = wbc.Walker(robot, **options)
+    quick, before = [], []
+
+    def record(time: float) -> None:
+        state = walker.gait_state
+        quick.append((time, state.recovering or state.shortened))
+        if time < at:
+            before.append(walker.steps)
+        walker.velocity = (velocity[0] if time < velocity[1] else 0.0, 0.0, 0.0)
+
+    with Mujoco(robot, seed=3) as plant:
+        plant.schedule_push(at, size * robot.mass * np.array(DIRECTIONS[direction]))
+        report = wbc.run(walker, plant, duration, before_tick=record)
+    return PushedRun(report, walker, np.array(quick), before[-1])
 
 
 @pytest.mark.parametrize("direction", DIRECTIONS)
@@ -60,11 +85,9 @@ class ClosedLoop:
 def test_a_standing_robot_steps_when_pushed_and_stands_again_with_its_feet_side_by_side(
     name, direction
 ):
-    loop = ClosedLoop(name)
-    loop.run(0.3)
-    loop.push(direction, 0.4)
-    assert loop.run(3.5) == ""
-    walker = loop.walker
+    run = pushed_run(name, 3.8, direction=direction, size=0.4)
+    assert run.report.survived
+    walker = run.walker
     assert walker.steps > 0
     assert walker.gait_state.phase is Phase.STAND
     assert not walker.gait_state.recovering
@@ -74,38 +97,28 @@ def test_a_standing_robot_steps_when_pushed_and_stands_again_with_its_feet_side_
 
 @pytest.mark.parametrize("direction", ["left", "right", "forward"])
 def test_a_walking_robot_is_quick_after_a_push_and_returns_to_its_normal_gait(direction):
-    loop = ClosedLoop("g1")
-    loop.walker.velocity = (0.2, 0.0, 0.0)
-    loop.run(2.0)
-    steps = loop.walker.steps
-    loop.push(direction, 0.3)
-    assert loop.run(2.5) == ""
-    assert loop.recovering_ticks > 0
-    usual = 2.5 / loop.walker.gait.step_duration
-    assert loop.walker.steps - steps > usual
-    loop.recovering_ticks = 0
-    assert loop.run(1.0) == ""
-    assert loop.recovering_ticks == 0
+    run = pushed_run("g1", 5.5, direction=direction, size=0.3, at=2.0, velocity=(0.2, np.inf))
+    assert run.report.survived
+    assert run.quick_after(2.0)
+    usual = 3.5 / run.walker.gait.step_duration
+    assert run.walker.steps - run.steps_before > usual
+    assert not run.quick_after(4.5)
 
 
 def test_the_same_push_fells_a_walker_without_a_recovery_gait():
     gait = wbc.Walker(wbc.load("g1")).gait
-    loop = ClosedLoop("g1", gait=gait, recovery_gait=gait)
-    loop.walker.velocity = (0.2, 0.0, 0.0)
-    loop.run(2.0)
-    loop.push("left", 0.3)
-    assert loop.run(2.5) != ""
-    assert loop.recovering_ticks == 0
+    run = pushed_run(
+        "g1", 4.5, size=0.3, at=2.0, velocity=(0.2, np.inf), gait=gait, recovery_gait=gait
+    )
+    assert not run.report.survived
+    assert not run.quick_after(0.0)
 
 
 @pytest.mark.parametrize(("name", "speed"), [("g1", 0.39), ("talos", 0.5)])
 def test_an_undisturbed_walk_never_leaves_the_normal_gait(name, speed):
-    loop = ClosedLoop(name)
-    loop.walker.velocity = (speed, 0.0, 0.0)
-    assert loop.run(4.0) == ""
-    loop.walker.velocity = (0.0, 0.0, 0.0)
-    assert loop.run(2.0) == ""
-    assert loop.recovering_ticks == 0
+    run = pushed_run(name, 6.0, velocity=(speed, 4.0))
+    assert run.report.survived
+    assert not run.quick_after(0.0)
 
 
 def test_recovery_steps_are_quicker_narrower_and_wider_than_the_normal_ones():

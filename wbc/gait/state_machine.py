@@ -169,8 +169,8 @@ class GaitStateMachine:
         state = self.state
         state.steps += 1
         side = self._planner.next_swing(state, command)
-        if side is None and state.recovering:
-            side = state.support
+        if side is None and state.shortened:
+            side = state.support  # after a push the robot comes to rest in a step of the usual time
         state.swing = None
         state.starting, state.stopping = False, side is None
         if side is None:

@@ -67,8 +67,7 @@ class DcmPlanner:
         self.velocity = wanted
         self._filter.reset()
         self._follows_given = False
-        # After a push the robot comes to rest in a step of the usual time.
-        return None if (last or ended) and not state.shortened else state.support
+        return None if last or ended else state.support
 
     def update(self, state: GaitState, command: GaitCommand, dt: float) -> StepPlan:
         """See `Planner.update`."""

@@ -53,7 +53,8 @@ class Planner(Protocol):
 
         Asked while standing, when None keeps the robot standing, and in the tick in which the
         swing foot touches down (`state.phase` is still `Phase.SWING`), when None makes this
-        step the last one: the weight goes to the middle and the robot stands.
+        step the last one: the weight goes to the middle and the robot stands. After a step that
+        was shortened to catch a push another one follows in any case.
         """
 
     def update(self, state: GaitState, command: GaitCommand, dt: float) -> StepPlan:

@@ -18,6 +18,9 @@ _LEAST_ERROR = 0.05  # m of DCM error that shorten a transfer or make a robot st
 _USED_SUPPORT = 0.6  # share of the way to the support's edge that the DCM may go while standing
 _PREVIEW = 3  # steps looked ahead to choose the foot that steps out of standing
 
+#: The wanted DCM for a landing place of the swing foot, or, given None, for the planned one.
+Reference = Callable[[Placement | None], DcmReference]
+
 
 class PushRecovery:
     """Changes from the normal gait to the recovery gait, and back.
@@ -43,7 +46,7 @@ class PushRecovery:
         self,
         state: GaitState,
         planned: DcmReference,
-        reference: Callable[[], DcmReference],
+        reference: Reference,
         ankles: tuple[float, float],
     ) -> tuple[DcmReference, complex]:
         """Shorten the swing if its landing place is out of reach, and choose the gait after it.
@@ -51,7 +54,7 @@ class PushRecovery:
         Args:
             state: whose `gait` and `duration` it sets.
             planned: DCM and ZMP without any adjustment.
-            reference: the same for what `state` says then.
+            reference: the wanted DCM for a landing place; given None, without any adjustment.
             ankles: how far the ZMP gets along the sole and across it, m.
 
         Returns:
@@ -69,16 +72,16 @@ class PushRecovery:
         state.shortened = True
         tolerance = _WITHIN_REACH[0 if state.recovering else 1]
         state.gait = state.normal_gait
-        planned = reference()
+        planned = reference(None)
         shift = uncaught_dcm_error(state, planned, ankles)
         if self._missed(state, shift) <= tolerance:
             return planned, shift
         state.gait = quick
-        planned = reference()
+        planned = reference(None)
         return planned, uncaught_dcm_error(state, planned, ankles)
 
     def update_transfer(
-        self, state: GaitState, planned: DcmReference, reference: Callable[[], DcmReference]
+        self, state: GaitState, planned: DcmReference, reference: Reference
     ) -> DcmReference:
         """Shorten the transfer if no ZMP within the support catches the DCM; see `update_swing`."""
         quick = state.recovery_gait
@@ -90,7 +93,7 @@ class PushRecovery:
             return planned
         state.gait, state.shortened = quick, True
         state.duration = min(state.duration, max(quick.double_support, state.time))
-        return reference()
+        return reference(None)
 
     def update_standing(self, state: GaitState, planned: DcmReference) -> None:
         """Request a step if the DCM is near the edge of the support; see `update_swing`."""
@@ -99,10 +102,10 @@ class PushRecovery:
         shifted = state.weight_shift != 0.5 or state.other_foot_load < math.inf
         if state.recovery_gait is state.gait or shifted or state.lifted is not None:
             return
-        error = (state.dcm - planned.dcm) * planar_rotation(-state.stance.yaw)
         # A motion may bring the planned ZMP itself to the edge: small errors are the ankles'.
-        if abs(error) <= _LEAST_ERROR:
+        if abs(state.dcm - planned.dcm) <= _LEAST_ERROR:
             return
+        error = (state.dcm - planned.dcm) * planar_rotation(-state.stance.yaw)
         along, across = self._zmp_range(state, planned, 1.0)
         if abs(error.real) < _USED_SUPPORT * along and abs(error.imag) < _USED_SUPPORT * across:
             return

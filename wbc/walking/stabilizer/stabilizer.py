@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from wbc.gait import DcmReference, GaitState, Phase, Placement, SwingFoot
@@ -12,7 +11,7 @@ from wbc.robot import Robot
 from wbc.walking.gains import WalkerGains
 from wbc.walking.stabilizer.com_bias import ComBiasEstimator
 from wbc.walking.stabilizer.dcm_feedback import zmp_from_dcm_error
-from wbc.walking.stabilizer.push_recovery import PushRecovery
+from wbc.walking.stabilizer.push_recovery import PushRecovery, Reference
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 
@@ -91,9 +90,7 @@ class Stabilizer:
         state.com = com
         state.dcm = dcm - self.com_bias.update(dt, dcm, cop, omega, heading)
 
-    def update(
-        self, state: GaitState, reference: Callable[[Placement | None], DcmReference]
-    ) -> StabilizerOutput:
+    def update(self, state: GaitState, reference: Reference) -> StabilizerOutput:
         """Decide on ZMP, CoM acceleration and landing place of this tick.
 
         Args:
@@ -111,7 +108,7 @@ class Stabilizer:
         return StabilizerOutput(dcm, wanted, zmp, acceleration, landing)
 
     def _adjust_steps(
-        self, state: GaitState, reference: Callable[[Placement | None], DcmReference]
+        self, state: GaitState, reference: Reference
     ) -> tuple[DcmReference, Placement]:
         """Wanted DCM and landing place; moves and shortens steps that do not catch the DCM."""
         swing, recovery = state.swing, self.push_recovery
@@ -121,19 +118,17 @@ class Stabilizer:
             return self._adjust_swing(state, reference)
         planned = reference(None)
         if state.phase is Phase.TRANSFER and not state.stopping:
-            planned = recovery.update_transfer(state, planned, lambda: reference(None))
+            planned = recovery.update_transfer(state, planned, reference)
         else:
             recovery.update_standing(state, planned)
         return planned, state.landing
 
     def _adjust_swing(
-        self, state: GaitState, reference: Callable[[Placement | None], DcmReference]
+        self, state: GaitState, reference: Reference
     ) -> tuple[DcmReference, Placement]:
         """Wanted DCM and landing place, moved when the ankles alone cannot catch the DCM."""
         ankles = self.support.zmp_range(state.support, self._gains.ankle_share)
-        planned, shift = self.push_recovery.update_swing(
-            state, reference(None), lambda: reference(None), ankles
-        )
+        planned, shift = self.push_recovery.update_swing(state, reference(None), reference, ankles)
         if shift == 0j:
             return planned, state.landing
         landing, stance = state.landing, state.stance
