@@ -28,6 +28,7 @@ _SUBCOMMANDS = {
     "log": "print the contents of a log, or repair an interrupted one",
     "robots": "list the robots that can be loaded by name, or the properties of a robot",
     "doctor": "check a robot description",
+    "trials": "push robots in grids of trials, and compare the results",
     "ros2": "run a ROS 2 node or inspect the ROS graph",
 }
 
@@ -53,6 +54,7 @@ examples:
   wbc replay walk.mcap                           replay it in the browser
   wbc diff walk.mcap other.mcap                  find where two runs diverge
   wbc doctor my.urdf                           check a model
+  wbc trials benchmarks/grids/quick.toml       push robots, see what they survive
 """
 
 
@@ -79,7 +81,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 def _dispatch(arguments: Sequence[str]) -> int:
     try:
-        options = _parser(arguments).parse_args(arguments)
+        parser, arguments = _parser(arguments)
+        options = parser.parse_args(arguments)
         return int(options.execute(options) or ExitCode.SUCCESS)
     except SystemExit as end:  # argparse: --help, --version, bad usage
         return int(end.code or ExitCode.SUCCESS)
@@ -95,8 +98,12 @@ def _dispatch(arguments: Sequence[str]) -> int:
         return ExitCode.INTERNAL_ERROR
 
 
-def _parser(arguments: Sequence[str]) -> Parser:
-    """Return the parser, which has the options of the subcommand that the arguments name."""
+def _parser(arguments: Sequence[str]) -> tuple[Parser, Sequence[str]]:
+    """Return the parser of the subcommand that the arguments name, and complete arguments.
+
+    The parser has the options of that subcommand only. A subcommand with a `DEFAULT_VERB` gets it
+    when the first argument is no other verb.
+    """
     parser = Parser(
         prog="wbc",
         description="Whole-body kinematics and control of humanoids on Pinocchio.",
@@ -104,14 +111,19 @@ def _parser(arguments: Sequence[str]) -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"wbc {wbc.__version__}")
     subcommands = parser.add_subparsers(title="subcommands", metavar="SUBCOMMAND", required=True)
-    chosen = next((text for text in arguments if not text.startswith("-")), None)
+    place = next((i for i, text in enumerate(arguments) if not text.startswith("-")), None)
     for name, summary in _SUBCOMMANDS.items():
         subcommand = subcommands.add_parser(name, help=summary)
-        if name == chosen:
-            with exit_on_interrupt():  # the import takes up to a second
-                module = importlib.import_module(f"wbc.cli.{name}")
-            if hasattr(module, "add_verbs"):
-                module.add_verbs(subcommand)
-            else:
-                set_command(subcommand, getattr(module, name))
-    return parser
+        if place is None or name != arguments[place]:
+            continue
+        with exit_on_interrupt():  # the import takes up to a second
+            module = importlib.import_module(f"wbc.cli.{name}")
+        if not hasattr(module, "add_verbs"):
+            set_command(subcommand, getattr(module, name))
+            continue
+        module.add_verbs(subcommand)
+        following = arguments[place + 1 :]
+        default = getattr(module, "DEFAULT_VERB", None)
+        if default and following and following[0] not in {*module.VERBS, "-h", "--help"}:
+            arguments = [*arguments[: place + 1], default, *following]
+    return parser, arguments

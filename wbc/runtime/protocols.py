@@ -32,6 +32,37 @@ class Controller(Protocol):
 
 
 @runtime_checkable
+class VelocityController(Controller, Protocol):
+    """A controller of a robot that walks where it is told, e.g. a `Walker`.
+
+    Attributes:
+        velocity: wanted velocity in the heading frame, forward, left (m/s) and turn to the left
+            (rad/s); zero means to stand. Set at any tick.
+    """
+
+    velocity: tuple[float, float, float]
+
+    @property
+    def gait_cycle(self) -> float:
+        """Duration of a step of each foot, s; any period for a controller without a gait."""
+
+
+class ControllerFactory(Protocol):
+    """Makes a new controller for a robot, in any process."""
+
+    def __call__(self, robot: Robot, dt: float) -> VelocityController:
+        """Return a controller.
+
+        It is reset before its first tick. If it can be pickled, a run with it is forked from its
+        state; else the run is repeated. If it is `Closeable`, it is closed at the end.
+
+        Args:
+            robot: the robot, as the controller knows it.
+            dt: control period, s.
+        """
+
+
+@runtime_checkable
 class TelemetrySource(Protocol):
     """A controller that provides telemetry and a contact plan."""
 

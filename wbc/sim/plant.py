@@ -250,6 +250,25 @@ class Mujoco(Closeable):
             Push.of_impulse(impulse, at_time, duration, self.timestep, body=body, point=point)
         )
 
+    def kick(self, velocity: Any) -> None:
+        """Add a velocity to the whole robot at once, as learned policies are trained with.
+
+        No sensor reads the jump itself: the accelerometer goes on as if it had not happened.
+
+        Args:
+            velocity: (3,) added to the base, and so to every link; world axes, m/s.
+
+        Raises:
+            PlantError: a wrong shape, or a number that is not finite.
+        """
+        added = np.asarray(velocity, dtype=float)
+        if added.shape != (3,) or not np.isfinite(added).all():
+            raise PlantError(f"a kick of {velocity!r} m/s must be three finite numbers")
+        self.data.qvel[:3] += added
+        self._mujoco.mj_step1(self.model, self.data)
+        self._sensors.update()
+        self._measurement = None
+
     def ground_truth(self) -> State:
         """Return the exact state now: for reports and tests, not for controllers."""
         return self.coordinates.to_state(self.data.qpos, self.data.qvel)

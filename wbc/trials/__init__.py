@@ -1,19 +1,8 @@
-"""Trials: seeded closed-loop runs in simulation, with criteria for success."""
+"""Trials: seeded closed-loop runs in simulation, one by one or in grids of thousands.
 
-from wbc.trials.evaluator import RunEvaluator
-from wbc.trials.motion_trial import MotionRunner, run_motions
-from wbc.trials.scenario import Scenario, circle, forward, sideways, stop_and_stand, turn
-from wbc.trials.walking_trial import run_scenario
+The public names are listed in `__init__.pyi`; each loads its module when it is first used.
+"""
 
-__all__ = [
-    "MotionRunner",
-    "RunEvaluator",
-    "Scenario",
-    "circle",
-    "forward",
-    "run_motions",
-    "run_scenario",
-    "sideways",
-    "stop_and_stand",
-    "turn",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -287,6 +287,11 @@ class Walker:
         return self.state_machine.state
 
     @property
+    def gait_cycle(self) -> float:
+        """Duration of a step of each foot, s."""
+        return 2.0 * self.gait.step_duration
+
+    @property
     def heading(self) -> float:
         """Mean heading of the soles, rad."""
         return self._heading

@@ -1,4 +1,4 @@
-"""Trials: scenarios, and a seeded run with its verdict."""
+"""Scenarios, and a seeded run with its verdict."""
 
 from __future__ import annotations
 

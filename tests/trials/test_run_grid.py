@@ -1,0 +1,128 @@
+"""Running a grid: results, resuming, forks."""
+
+from __future__ import annotations
+
+import json
+from concurrent.futures import Future
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from wbc.trials import Grid, Results, ResultsError, RobotCases, Workers, read_results, run_grid
+from wbc.trials.provenance import Provenance
+
+pytest.importorskip("mujoco")
+
+GRID = Grid(
+    (RobotCases("simple_humanoid", (0.2,)),),
+    sizes=(0.2, 2.0),
+    phases=2,
+    directions=("left",),
+    duration=0.5,
+)
+
+
+class InThisProcess:
+    """An executor that runs each function when it is submitted."""
+
+    def submit(self, function, *arguments):
+        future = Future()
+        try:
+            future.set_result(function(*arguments))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+WORKERS = Workers(InThisProcess(), 1, "this process")
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory) -> tuple[Results, Path]:
+    output = tmp_path_factory.mktemp("trials") / "results.parquet"
+    return run_grid(GRID, output, WORKERS), output
+
+
+def test_results_are_read_back_with_grid_and_versions(results):
+    computed, output = results
+    assert read_results(output) == computed
+    assert computed.grid == GRID
+    assert computed.provenance == Provenance.current()
+    assert len(computed.trials) == 4
+    assert len(computed.runs) == 1
+    assert not output.with_name("results.parquet.partial").exists()
+
+
+def test_a_small_push_is_survived_and_a_huge_one_is_not(results):
+    computed, _ = results
+    survived = {(row.phase, row.size): row.survived for row in computed.trials}
+    assert survived == {(0.0, 0.2): True, (0.0, 2.0): False, (0.5, 0.2): True, (0.5, 2.0): False}
+    for row in computed.trials:
+        assert row.survived == (row.fell_at_s is None) == (row.reason == "")
+        assert row.dcm_error_peak_m > 0.01
+        assert row.torque_peak <= 1.0
+
+
+def test_figures_of_an_undisturbed_walk_are_plausible(results):
+    (run,) = results[0].runs
+    assert run.survived
+    assert run.distance_m / run.duration_s == pytest.approx(0.2, rel=0.2)
+    assert 0.05 < run.cost_of_transport < 2.0
+    assert 0.9 < run.landing_force_peak < 3.0
+    assert run.velocity_error_rms_m_s < 0.05
+    assert run.tilt_error_rms_rad < 0.02
+
+
+def test_an_interrupted_grid_goes_on_with_what_is_left_to_the_same_results(results, tmp_path):
+    output = tmp_path / "again.parquet"
+    shown = []
+    stopped = run_grid(
+        GRID, output, WORKERS, progress=shown.append, stopped=lambda: shown[-1].finished >= 2
+    )
+    assert 2 <= len(stopped.rows) < 5
+    assert not output.exists()
+    partial = output.with_name("again.parquet.partial")
+    with partial.open("ab") as file:
+        file.write(b'{"key": "cut o')  # as a full disk or a crash leaves it
+    shown.clear()
+    finished = run_grid(GRID, output, WORKERS, progress=shown.append)
+    assert shown[0].finished == len(stopped.rows)
+    assert finished == results[0]
+    assert output.read_bytes() == results[1].read_bytes()
+
+
+def test_a_grid_that_grows_repeats_nothing(results):
+    computed, output = results
+    shown = []
+    grown = replace(GRID, sizes=(0.1, 0.2, 2.0), phases=1, name="grown")
+    larger = run_grid(grown, output, WORKERS, progress=shown.append)
+    assert shown[0].finished == shown[0].total - 1
+    assert set(larger.rows) & set(computed.trials) == {
+        row for row in computed.trials if row.phase == 0.0
+    }
+    computed.write(output)
+
+
+def test_results_of_other_software_are_not_mixed(results, tmp_path):
+    computed, _ = results
+    output = tmp_path / "old.parquet"
+    replace(computed, provenance=replace(computed.provenance, numpy="0.1")).write(output)
+    with pytest.raises(ResultsError, match=r"numpy .* instead of 0\.1.*--restart"):
+        run_grid(GRID, output, WORKERS)
+    partial = tmp_path / "new.parquet.partial"
+    partial.write_text(json.dumps({"versions": {"numpy": "1"}}) + "\n")
+    with pytest.raises(ResultsError, match="does not contain results of this version"):
+        run_grid(GRID, tmp_path / "new.parquet", WORKERS)
+
+
+def test_output_that_cannot_be_written_is_told_before_the_run(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ResultsError, match="cannot write"):
+        run_grid(GRID, tmp_path / "file" / "results.parquet", WORKERS)
+
+
+def test_a_file_that_is_no_result_is_refused(tmp_path):
+    (tmp_path / "no.parquet").write_text("no")
+    with pytest.raises(ResultsError, match="cannot read results"):
+        read_results(tmp_path / "no.parquet")

@@ -1,0 +1,36 @@
+"""The public names of `wbc.trials`, each once."""
+
+from .condition import Condition as Condition
+from .controllers import ControllerSpec as ControllerSpec
+from .controllers import make_walker as make_walker
+from .disturbance import Disturbance as Disturbance
+from .disturbance import ForceDisturbance as ForceDisturbance
+from .disturbance import KickDisturbance as KickDisturbance
+from .disturbance import PushDisturbance as PushDisturbance
+from .errors import ResultsError as ResultsError
+from .errors import TrialError as TrialError
+from .evaluator import RunEvaluator as RunEvaluator
+from .grid import Grid as Grid
+from .grid import RobotCases as RobotCases
+from .grid_file import read_grid as read_grid
+from .grid_file import write_grid as write_grid
+from .motion_trial import MotionRunner as MotionRunner
+from .motion_trial import run_motions as run_motions
+from .result import TrialResult as TrialResult
+from .results import Results as Results
+from .results import read_results as read_results
+from .runner import GridProgress as GridProgress
+from .runner import run_grid as run_grid
+from .scenario import Scenario as Scenario
+from .scenario import circle as circle
+from .scenario import forward as forward
+from .scenario import sideways as sideways
+from .scenario import stop_and_stand as stop_and_stand
+from .scenario import turn as turn
+from .survival import Survival as Survival
+from .survival import SurvivalRate as SurvivalRate
+from .survival import survival_rates as survival_rates
+from .walking_trial import run_scenario as run_scenario
+from .workers import Workers as Workers
+from .workers import dask_workers as dask_workers
+from .workers import local_workers as local_workers

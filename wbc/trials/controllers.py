@@ -1,0 +1,117 @@
+"""The controllers under test: the walker with options, or a factory of one's own."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+from wbc.errors import WbcError, did_you_mean
+from wbc.gait import GaitParameters
+from wbc.robot import Robot
+from wbc.runtime.protocols import ControllerFactory
+from wbc.trials.errors import TrialError
+from wbc.walking import Walker
+from wbc.walking.gains import WalkerGains
+
+
+@dataclass(frozen=True)
+class ControllerSpec:
+    """A controller under test, as a grid declares it.
+
+    Attributes:
+        name: its name in results; by default its factory.
+        factory: `"walker"`, or `"module:name"` of a `ControllerFactory`, which is imported where
+            the trial runs.
+        options: further keyword arguments of the factory; those of the walker are the ones of
+            `make_walker`.
+    """
+
+    name: str = ""
+    factory: str = "walker"
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.name:
+            object.__setattr__(self, "name", self.factory)
+
+    def resolve(self) -> ControllerFactory:
+        """Return the factory, with its options bound.
+
+        Raises:
+            TrialError: there is no such factory.
+        """
+        if self.factory == "walker":
+            return partial(make_walker, **self.options)
+        module, colon, name = self.factory.partition(":")
+        if not (module and colon and name):
+            raise TrialError(
+                f"controller factory '{self.factory}' must be 'walker' or of the form "
+                "'module:name', e.g. 'my_package.controllers:make_controller'"
+            )
+        try:
+            found: Any = importlib.import_module(module)
+        except ImportError as error:
+            raise TrialError(
+                f"controller factory '{self.factory}': cannot import '{module}' ({error}); its "
+                "folder must be in PYTHONPATH, on every worker"
+            ) from error
+        for part in name.split("."):
+            if not hasattr(found, part):
+                near = did_you_mean(part, [n for n in vars(found) if not n.startswith("_")])
+                raise TrialError(
+                    f"controller factory '{self.factory}': '{module}' has no '{name}'{near}"
+                )
+            found = getattr(found, part)
+        factory: ControllerFactory = partial(found, **self.options)
+        return factory
+
+
+def make_walker(
+    robot: Robot,
+    dt: float,
+    *,
+    gait: Mapping[str, float] | None = None,
+    gains: Mapping[str, float] | None = None,
+    recovery: bool = True,
+    recovery_gait: Mapping[str, float] | None = None,
+    solver: str | None = None,
+) -> Walker:
+    """Return a walker with some parameters changed.
+
+    Args:
+        robot: the robot.
+        dt: control period, s.
+        gait: values of `GaitParameters` in place of those scaled to the robot.
+        gains: values of `WalkerGains` in place of the defaults.
+        recovery: whether quick steps catch a push.
+        recovery_gait: values of `GaitParameters` in place of those of `for_recovery`.
+        solver: name of the QP solver.
+
+    Raises:
+        TrialError: a parameter that does not exist, or that its class refuses.
+    """
+    normal = _changed(GaitParameters.for_robot(robot), gait, "gait")
+    quick = GaitParameters.for_recovery(robot, normal) if recovery else normal
+    return Walker(
+        robot,
+        dt,
+        gait=normal,
+        recovery_gait=_changed(quick, recovery_gait, "recovery_gait"),
+        gains=_changed(WalkerGains(), gains, "gains"),
+        solver=solver,
+    )
+
+
+def _changed(parameters: Any, values: Mapping[str, float] | None, option: str) -> Any:
+    """Return a dataclass with some values changed."""
+    known = parameters.__dataclass_fields__
+    for name in values or {}:
+        if name not in known:
+            raise TrialError(f"walker option {option} has no '{name}'{did_you_mean(name, known)}")
+    try:
+        return replace(parameters, **(values or {}))
+    except (WbcError, TypeError) as error:
+        raise TrialError(f"walker option {option}: {error}") from error
