@@ -243,24 +243,6 @@ def test_tiles_near_the_robot_are_in_the_physics_wherever_it_is(place):
             assert 0.2 - distance == pytest.approx(height, abs=1e-9)
 
 
-def test_feet_collide_unless_disabled():
-    r = robot()
-    q = r.standing().q.copy()
-    for i, name in enumerate(r.joint_names):
-        if name == "leg_left_2_joint":
-            q[7 + i] = -0.1
-        if name == "leg_right_2_joint":
-            q[7 + i] = 0.1
-    q[2] += 1.0
-    counts = []
-    for collide in (False, True):
-        with Mujoco(r, feet_collide=collide) as plant:
-            plant.reset(State(q, np.zeros(r.nv)))
-            counts.append(plant.data.ncon)
-    assert counts[0] == 0
-    assert counts[1] > 0
-
-
 def test_divergence_is_an_error_with_time_and_cure():
     r = robot()
     state = r.standing()

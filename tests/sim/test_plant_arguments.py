@@ -46,7 +46,7 @@ def test_divergence_is_found_in_its_first_tick_and_names_the_fastest_joint():
     r = robot()
     v = np.zeros(r.nv)
     v[6 + 3] = 1e5
-    with Mujoco(r) as plant:
+    with Mujoco(r, collisions="soles") as plant:
         plant.reset(State(r.standing().q, v))
         with pytest.raises(PhysicsDiverged, match=r"diverged at 0\.002 s: joint .* rad/s"):
             plant.step(command(np.zeros(r.na)))

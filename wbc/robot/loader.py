@@ -28,6 +28,7 @@ from wbc.robot.posture import (
 from wbc.robot.registry import find_robot
 from wbc.robot.robot import Robot
 from wbc.robot.soles import add_soles
+from wbc.robot.srdf import find_srdf
 from wbc.robot.topology import find_torso, leg_joints, link_of, parent_joint
 from wbc.robot.urdf import Urdf, read_urdf
 
@@ -171,6 +172,7 @@ def build_robot(data: RobotData) -> Robot:
         q_nominal=posture.q,
         legs=legs,
         urdf=urdf,
+        srdf=data.srdf or find_srdf(data.urdf),
         package_dirs=folders,
         respect_up_axis=data.respect_up_axis,
         facts=tuple(facts),

@@ -40,6 +40,7 @@ class Robot:
             sole, left and right, from the hip down.
         urdf: the parsed description.
         respect_up_axis: whether Collada meshes mean their `<up_axis>`.
+        srdf: path of the semantic description; None without one.
         package_dirs: folders in which `package://` is looked up.
         facts: properties that were derived from the model or stated.
         findings: defects that loading had to substitute or repair.
@@ -54,6 +55,7 @@ class Robot:
     q_nominal: np.ndarray
     legs: tuple[tuple[int, ...], tuple[int, ...]]
     urdf: Urdf
+    srdf: Path | None = None
     package_dirs: tuple[Path, ...] = ()
     respect_up_axis: bool = False
     facts: tuple[Fact, ...] = ()

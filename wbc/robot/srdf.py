@@ -1,4 +1,4 @@
-"""Named postures (`<group_state>`) from a semantic description (SRDF)."""
+"""Named postures and disabled collisions from a semantic description (SRDF)."""
 
 from __future__ import annotations
 
@@ -65,3 +65,16 @@ def read_group_state(srdf: Path, wanted: str | None = None) -> GroupState | None
                     f"has the value '{words[0]}', which is no number"
                 ) from error
     return GroupState(name, joints, srdf.name)
+
+
+def read_disabled_collisions(srdf: Path) -> set[frozenset[str]]:
+    """Return the pairs of links whose collisions an SRDF disables.
+
+    Raises:
+        RobotDescriptionError: unreadable or malformed.
+    """
+    root, _ = read_xml(srdf)
+    return {
+        frozenset((element.get("link1", ""), element.get("link2", "")))
+        for element in root.findall("disable_collisions")
+    }

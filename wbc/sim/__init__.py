@@ -3,8 +3,10 @@
 Importing this room does not import MuJoCo; making a plant does.
 """
 
+from wbc.sim.collision_pairs import DisabledPair
+from wbc.sim.collision_shapes import CollisionShape
 from wbc.sim.noise import SensorNoise
 from wbc.sim.plant import Mujoco
 from wbc.sim.terrain import Flat, Terrain, Tiles
 
-__all__ = ["Flat", "Mujoco", "SensorNoise", "Terrain", "Tiles"]
+__all__ = ["CollisionShape", "DisabledPair", "Flat", "Mujoco", "SensorNoise", "Terrain", "Tiles"]

@@ -9,6 +9,7 @@ mismatch in a trial is intended.
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,17 +18,15 @@ import pinocchio as pin
 from wbc.errors import MissingExtra, PlantError
 from wbc.robot import Robot
 from wbc.robot.joint_axes import joint_axes
+from wbc.sim.collision_shapes import SOLE_THICKNESS, CollisionShape
 from wbc.sim.ground import Ground
 from wbc.sim.terrain import Flat
 
 _log = logging.getLogger(__name__)
 
-#: Contact bits. A sole meets the ground, the ground meets nothing of itself, and the
-#: two soles meet each other only when `feet_collide` asks for it.
+#: Contact bits. The ground meets nothing of itself.
 _GROUND_BIT = 1
-_SOLE_BIT = 2
-#: Thickness of the sole boxes, m: thin, above the sole plane.
-_SOLE_THICKNESS = 0.02
+_ROBOT_BIT = 2
 #: Time constant and damping ratio of contacts and joint stops (MuJoCo's solref), s.
 #: Stiffer than MuJoCo's 20 ms: a robot of any mass sinks about 0.1 mm into the floor.
 _CONTACT_SOLREF = (0.005, 1.0)
@@ -35,6 +34,9 @@ _STOP_SOLREF = (0.005, 1.0)
 #: Mass and inertia of bodies that have none in the robot's model: MuJoCo demands some.
 _TINY_MASS = 1e-9
 _TINY_INERTIA = 1e-12
+#: A hull of more vertices is replaced by one of so many within it: some mm of accuracy for
+#: the time of a step.
+_MAX_HULL_VERTICES = 32
 
 
 def import_mujoco() -> Any:
@@ -59,9 +61,10 @@ def build_model(
     timestep: float = 0.001,
     friction: float = 0.8,
     ground: Ground | None = None,
-    feet_collide: bool = False,
+    shapes: Sequence[CollisionShape] = (),
+    disabled_pairs: Sequence[tuple[str, str]] = (),
 ) -> Any:
-    """Compile a `mujoco.MjModel` with the robot's dynamics, soles, motors and stops.
+    """Compile a `mujoco.MjModel` with the robot's dynamics, shapes, motors and stops.
 
     Bodies and joints carry the Pinocchio joints' names, motors too; the sole boxes are
     geoms of the soles' names, at sites of the same name; the site "imu" is the IMU,
@@ -75,7 +78,10 @@ def build_model(
             two directions; a sole resists twisting and rolling through the spread of
             its corners, so torsional and rolling friction stay off.
         ground: floor and terrain; the bare floor by default.
-        feet_collide: the soles also meet each other.
+        shapes: the shapes of the robot beside its soles. They and the soles collide with the
+            ground and with each other.
+        disabled_pairs: pairs of joint names whose bodies do not collide with each other, beside
+            those that are joined.
 
     Raises:
         PlantError: a joint type or an inertia that MuJoCo cannot represent.
@@ -94,20 +100,22 @@ def build_model(
     (ground or Ground(Flat())).add_to(mujoco, spec, surface)
     bodies = _add_bodies(mujoco, spec, robot.model)
     for sole in robot.soles:
-        above = pin.SE3(np.eye(3), np.array([0.0, 0.0, 0.5 * _SOLE_THICKNESS]))
+        above = pin.SE3(np.eye(3), np.array([0.0, 0.0, 0.5 * SOLE_THICKNESS]))
         placement = sole.placement * above
         bodies[sole.joint_id].add_geom(
             name=sole.name,
             type=mujoco.mjtGeom.mjGEOM_BOX,
             pos=placement.translation,
             quat=_wxyz(placement.rotation),
-            size=[sole.half_length, sole.half_width, 0.5 * _SOLE_THICKNESS],
+            size=[sole.half_length, sole.half_width, 0.5 * SOLE_THICKNESS],
             mass=0.0,
-            contype=_SOLE_BIT,
-            conaffinity=_GROUND_BIT | (_SOLE_BIT if feet_collide else 0),
-            **_surface(friction),
+            **_robot_surface(friction),
         )
         _add_site(bodies[sole.joint_id], sole.name, sole.placement)
+    for index, shape in enumerate(shapes):
+        _add_shape(mujoco, spec, bodies[shape.joint_id], shape, index, friction)
+    for first, second in disabled_pairs:
+        spec.add_exclude(bodyname1=first, bodyname2=second)
     imu = robot.model.frames[robot.frame_id(robot.imu)]
     _add_site(bodies[imu.parentJoint], "imu", imu.placement)
     for name, kind in (("gyro", "mjSENS_GYRO"), ("accelerometer", "mjSENS_ACCELEROMETER")):
@@ -148,6 +156,40 @@ def _surface(friction: float) -> dict[str, Any]:
         "friction": [friction, 0.0, 0.0],
         "solref": list(_CONTACT_SOLREF),
     }
+
+
+def _robot_surface(friction: float) -> dict[str, Any]:
+    both = _GROUND_BIT | _ROBOT_BIT
+    return {"contype": _ROBOT_BIT, "conaffinity": both, **_surface(friction)}
+
+
+def _add_shape(
+    mujoco: Any, spec: Any, body: Any, shape: CollisionShape, index: int, friction: float
+) -> None:
+    kinds = mujoco.mjtGeom
+    attributes = {
+        "name": f"{shape.link}_{index}",
+        "type": {
+            "box": kinds.mjGEOM_BOX,
+            "sphere": kinds.mjGEOM_SPHERE,
+            "cylinder": kinds.mjGEOM_CYLINDER,
+            "capsule": kinds.mjGEOM_CAPSULE,
+            "hull": kinds.mjGEOM_MESH,
+        }[shape.kind],
+        "pos": shape.placement.translation,
+        "quat": _wxyz(shape.placement.rotation),
+        "mass": 0.0,
+        **_robot_surface(friction),
+    }
+    if shape.kind == "hull":
+        attributes["meshname"] = spec.add_mesh(
+            name=attributes["name"],
+            uservert=shape.vertices.ravel(),
+            maxhullvert=_MAX_HULL_VERTICES,
+        ).name
+    else:
+        attributes["size"] = [*shape.size, 0.0, 0.0][:3]
+    body.add_geom(**attributes)
 
 
 def _add_bodies(mujoco: Any, spec: Any, model: pin.Model) -> list[Any]:

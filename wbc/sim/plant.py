@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from wbc.errors import PhysicsDiverged, PlantError
 from wbc.measurement import Measurement
 from wbc.robot import Robot
 from wbc.robot.attitude import heading
+from wbc.sim.collision_pairs import RobotCollisions, robot_collisions, touching_bodies
 from wbc.sim.coordinates import CoordinateMap
 from wbc.sim.ground import Ground
 from wbc.sim.model import build_model, import_mujoco
@@ -26,6 +27,9 @@ from wbc.state import State
 #: Root of the sum of squares of all velocities from which on the physics counts as diverged,
 #: m/s and rad/s: several times what all motors of a humanoid together reach.
 _MAX_SPEED = 1000.0
+
+#: What of the robot collides.
+Collisions = Literal["all", "soles"]
 
 
 class Mujoco(Closeable):
@@ -45,13 +49,17 @@ class Mujoco(Closeable):
         ground_truth: measurements carry the exact state.
         seed: seed of the sensor noise, which starts anew at every reset.
         latency: age of a command when it reaches the motors, s.
-        feet_collide: the soles also collide with each other, as boxes of 2 cm. Nothing else of
-            the robot collides: limbs pass through each other, a fallen robot through the
-            floor.
+        collisions: "all": every body collides with the ground and with the others, but for
+            those of `disabled_pairs`. "soles": only the soles do; limbs pass through each
+            other, and a fallen robot through the floor.
+
+    Attributes:
+        collision_shapes: shapes of the robot's bodies beside its soles, which are boxes of 2 cm.
+        disabled_pairs: bodies that pass through each other, and why.
 
     Raises:
         PlantError: a model that MuJoCo cannot represent, times that do not fit, negative
-            friction, or a bad seed.
+            friction, a bad seed, or unknown collisions.
         MissingExtra: `mujoco` is not installed.
     """
 
@@ -67,7 +75,7 @@ class Mujoco(Closeable):
         ground_truth: bool = False,
         seed: int = 0,
         latency: float = 0.0,
-        feet_collide: bool = True,
+        collisions: Collisions = "all",
     ) -> None:
         self._substeps = _whole_steps("dt", dt, timestep, least=1)
         latency_steps = _whole_steps("latency", latency, timestep, least=0)
@@ -75,6 +83,10 @@ class Mujoco(Closeable):
             raise PlantError(f"friction = {friction}: a Coulomb coefficient is finite and >= 0")
         if not (isinstance(seed, int | np.integer) and seed >= 0):
             raise PlantError(f"seed = {seed!r}: the seed must be a whole number >= 0")
+        if collisions not in get_args(Collisions):
+            raise PlantError(
+                f"collisions = {collisions!r} must be one of {', '.join(get_args(Collisions))}"
+            )
         self.robot = robot
         self.dt = dt
         self.timestep = timestep
@@ -83,13 +95,17 @@ class Mujoco(Closeable):
         self.terrain: Terrain = Flat() if terrain is None else terrain
         self.noise = SensorNoise() if noise is None else noise
         self._measures_truth = ground_truth
+        found = robot_collisions(robot) if collisions == "all" else RobotCollisions()
+        self.collision_shapes = found.shapes
+        self.disabled_pairs = found.disabled_pairs
         self._ground = Ground(self.terrain)
         self.model = build_model(
             robot,
             timestep=timestep,
             friction=friction,
             ground=self._ground,
-            feet_collide=feet_collide,
+            shapes=found.shapes,
+            disabled_pairs=[(pair.first, pair.second) for pair in found.disabled_pairs],
         )
         dofs = [self.model.joint(name).dofadr[0] - 6 for name in robot.joint_names]
         self.coordinates = CoordinateMap(np.array(dofs, dtype=int))
@@ -314,6 +330,14 @@ class Mujoco(Closeable):
             force = sign * (wrench[:3] @ contact.frame.reshape(3, 3))
             found.append((contact.pos.copy(), force))
         return found
+
+    def self_contacts(self) -> list[tuple[str, str]]:
+        """Return the pairs of bodies that touch each other now, by the names of their joints."""
+        names = self.model.body
+        return sorted(
+            (names(first).name, names(second).name)
+            for first, second in touching_bodies(self.model, self.data)
+        )
 
     def _place_ground(self, state: State) -> None:
         """Place the terrain's origin where the robot that stands there was moved from."""
