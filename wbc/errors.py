@@ -78,6 +78,10 @@ class SolverNotFound(WbcError):
     """The QP solver is unknown or not installed."""
 
 
+class PlannerNotFound(WbcError):
+    """There is no planner of that name, or the object is none."""
+
+
 class GaitError(WbcError, ValueError):
     """A gait parameter, a footstep or a velocity command is invalid."""
 

@@ -1,13 +1,19 @@
-"""Planners: the preview of the DCM planner, and a planner of one's own behind the protocol."""
+"""Planners: the preview of footsteps, the library's by name, and one's own behind the protocol."""
 
 from __future__ import annotations
 
+import copy
+import warnings
+
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import wbc
+from wbc.errors import PlannerNotFound
 from wbc.gait import (
+    DcmPlanner,
     DcmReference,
     GaitCommand,
     GaitParameters,
@@ -16,8 +22,10 @@ from wbc.gait import (
     PlannedFootstep,
     StepPlan,
     Velocity,
+    make_planner,
     solve_dcm,
 )
+from wbc.gait.planners import PLANNER_NAMES
 from wbc.gait.planners.footstep_preview import FootstepPreview, zmp_over
 from wbc.sim import Mujoco
 
@@ -129,3 +137,65 @@ def test_planner_sets_the_duration_of_a_swing() -> None:
             lasted = walker.gait_state.time
     assert walker.steps == 1
     assert lasted == pytest.approx(ShortSteps.duration, abs=2.0 * walker.dt)
+
+
+OTHERS = [name for name in PLANNER_NAMES if name != "dcm"]
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_planner_walks_turns_and_stops_near_the_analytic_plan(name):
+    robot = wbc.load("simple_humanoid")
+    walker = wbc.Walker(robot, planner=name)
+    errors = []
+
+    def before_tick(time: float) -> None:
+        walker.velocity = (0.3, 0.0, 0.15) if 0.3 < time < 3.0 else (0.0, 0.0, 0.0)
+        state = walker.gait_state
+        analytic = DcmPlanner.reference(walker.planner, state)
+        if time > 1.5:
+            errors.append(abs(state.dcm - analytic.dcm))
+
+    with Mujoco(robot, seed=1) as plant, warnings.catch_warnings():
+        warnings.simplefilter("error")
+        report = wbc.run(walker, plant, 5.5, before_tick=before_tick)
+    assert report.survived
+    assert report.steps >= 4
+    assert walker.gait_state.phase is wbc.gait.Phase.STAND
+    assert np.sqrt(np.mean(np.square(errors))) < 0.01
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_planner_survives_a_push_by_quick_steps_and_a_copy_does_the_same(name):
+    robot = wbc.load("g1")
+    walker, plant, estimator = wbc.Walker(robot, planner=name), Mujoco(robot), wbc.Estimator(robot)
+    estimator.reset(plant.ground_truth())
+    walker.reset(plant.ground_truth())
+    walker.velocity = (0.2, 0.0, 0.0)
+    plant.schedule_push(1.6, [0.0, 0.35 * robot.mass, 0.0])
+    loop = (walker, plant, estimator)
+
+    def run(walker, plant, estimator, ticks):
+        quick = False
+        for _ in range(ticks):
+            command = walker.step(estimator.update(plant.measure()))
+            plant.step(command)
+            quick |= walker.gait_state.shortened
+        return quick, command.tau
+
+    run(*loop, 820)
+    other = copy.deepcopy(loop)
+    quick, tau = run(*loop, 900)
+    assert quick
+    np.testing.assert_array_equal(run(*other, 900)[1], tau)
+    height = plant.ground_truth().q[2]
+    assert height > 0.8 * robot.standing().q[2]
+
+
+def test_planner_is_made_by_name_or_refused_by_name():
+    robot = wbc.load("simple_humanoid")
+    assert type(make_planner("dcm", robot)) is DcmPlanner
+    assert type(wbc.Walker(robot).planner) is DcmPlanner
+    with pytest.raises(PlannerNotFound, match=r"'preveiw'; did you mean 'preview'\?"):
+        wbc.Walker(robot, planner="preveiw")
+    with pytest.raises(PlannerNotFound, match="neither a name nor an object"):
+        wbc.Walker(robot, planner=DcmPlanner)

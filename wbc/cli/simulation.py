@@ -35,6 +35,7 @@ class SimulationOptions:
         model: properties of the robot.
         robot: name of a robot, or path of a URDF or robot data file.
         solver: QP solver (default: the solver of the library).
+        planner: plans footsteps and DCM: analytic, by preview control, or model-predictive.
         terrain: flat ground, or square tiles of random height up to 30 mm.
         seed: random seed of sensor noise and tiles.
     """
@@ -43,6 +44,7 @@ class SimulationOptions:
     model: ModelOptions
     robot: RobotName = "talos"
     solver: Annotated[str | None, Argument("NAME")] = None
+    planner: Literal["dcm", "preview", "mpc"] = "dcm"
     terrain: Literal["flat", "tiles"] = "flat"
     seed: int = 0
 
@@ -87,7 +89,7 @@ class Simulation:
     ) -> None:
         with exit_on_interrupt():  # it imports and compiles
             self.robot = options.model.load(options.robot)
-            self.walker = wbc.Walker(self.robot, solver=options.solver)
+            self.walker = wbc.Walker(self.robot, planner=options.planner, solver=options.solver)
             terrain = _terrain(options, duration)
             self.boxes = terrain.boxes()
             self.plant = Mujoco(

@@ -3,7 +3,18 @@
 from wbc.gait.footsteps import Velocity, next_footstep
 from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.parameters import GaitParameters
-from wbc.gait.planners import DcmPlanner, DcmReference, Planner, StepPlan, ZmpSegment, solve_dcm
+from wbc.gait.planners import (
+    DcmPlanner,
+    DcmReference,
+    MpcPlanner,
+    PlanFailed,
+    Planner,
+    PreviewControlPlanner,
+    StepPlan,
+    ZmpSegment,
+    make_planner,
+    solve_dcm,
+)
 from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
 from wbc.gait.state_machine import GaitStateMachine
 from wbc.gait.swing_foot import SwingFoot
@@ -18,14 +29,18 @@ __all__ = [
     "GaitState",
     "GaitStateMachine",
     "LiftedFoot",
+    "MpcPlanner",
     "Phase",
     "Placement",
+    "PlanFailed",
     "PlannedFootstep",
     "Planner",
+    "PreviewControlPlanner",
     "StepPlan",
     "SwingFoot",
     "Velocity",
     "ZmpSegment",
+    "make_planner",
     "next_footstep",
     "solve_dcm",
 ]

@@ -12,7 +12,6 @@ from wbc.command import Command
 from wbc.controller import WholeBodyController
 from wbc.estimation import Estimate
 from wbc.gait import (
-    DcmPlanner,
     DcmReference,
     Feet,
     GaitCommand,
@@ -25,7 +24,7 @@ from wbc.gait import (
     Velocity,
 )
 from wbc.gait.leg_workspace import LegWorkspace
-from wbc.gait.planners import PREVIEW_STEPS
+from wbc.gait.planners import PREVIEW_STEPS, resolve_planner
 from wbc.geometry.planar import rotation_about_z
 from wbc.kinematics import Kinematics
 from wbc.qp import Solver
@@ -57,7 +56,8 @@ class Walker:
         recovery_gait: parameters of the quick steps that catch a push; scaled to the robot and
             its gait when left out. The gait itself means no quick steps.
         gains: weights and gains of the tasks.
-        planner: plans footsteps and DCM; the analytic `DcmPlanner` when left out.
+        planner: plans footsteps and DCM: a name for `wbc.gait.make_planner`, or an object of one's
+            own; the analytic `DcmPlanner` when left out.
         solver: QP solver, by name or as an object.
 
     Attributes:
@@ -71,6 +71,7 @@ class Walker:
 
     Raises:
         SolverNotFound: the solver is unknown or not installed.
+        PlannerNotFound: the planner is unknown.
     """
 
     def __init__(
@@ -81,7 +82,7 @@ class Walker:
         gait: GaitParameters | None = None,
         recovery_gait: GaitParameters | None = None,
         gains: WalkerGains | None = None,
-        planner: Planner | None = None,
+        planner: str | Planner | None = None,
         solver: str | Solver | None = None,
     ) -> None:
         self.robot = robot
@@ -98,7 +99,7 @@ class Walker:
         self.com, self.posture = self._tasks.com, self._tasks.posture
         self._contact_manager = ContactManager(robot, controller, gains)
         self.stabilizer = Stabilizer(robot, gains)
-        self.planner: Planner = planner or DcmPlanner()
+        self.planner = resolve_planner(planner, robot)
         self.reference_offset: ReferenceOffset | None = None
         self._command = GaitCommand()
         self.reset(robot.standing())

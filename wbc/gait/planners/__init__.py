@@ -1,15 +1,24 @@
-"""Planners of footsteps and DCM: the protocol, and the analytic DCM planner."""
+"""Planners of footsteps and DCM: the protocol, and the planners of the library."""
 
 from wbc.gait.planners.dcm import DcmReference, ZmpSegment, solve_dcm
 from wbc.gait.planners.dcm_planner import PREVIEW_STEPS, DcmPlanner
+from wbc.gait.planners.mpc_planner import MpcPlanner, PlanFailed
 from wbc.gait.planners.planner import Planner, StepPlan
+from wbc.gait.planners.preview_control_planner import PreviewControlPlanner
+from wbc.gait.planners.registry import PLANNER_NAMES, make_planner, resolve_planner
 
 __all__ = [
+    "PLANNER_NAMES",
     "PREVIEW_STEPS",
     "DcmPlanner",
     "DcmReference",
+    "MpcPlanner",
+    "PlanFailed",
     "Planner",
+    "PreviewControlPlanner",
     "StepPlan",
     "ZmpSegment",
+    "make_planner",
+    "resolve_planner",
     "solve_dcm",
 ]

@@ -57,6 +57,21 @@ def dcm_before(
     return start + lead + (final - end - lead) * math.exp(-omega * duration)
 
 
+def dcm_after(segment: ZmpSegment, dcm: complex, time: float, omega: float) -> complex:
+    """ξ(t) for which the DCM was ξ(0) at the beginning of a segment; see the equation above.
+
+    Args:
+        segment: the ZMP; after its end it goes on with the same speed.
+        dcm: ξ(0), ground point, m.
+        time: t, s.
+        omega: natural frequency ω, 1/s.
+    """
+    start, end, duration = segment
+    speed = (end - start) / duration if duration > 0.0 else 0j
+    lead = speed / omega
+    return start + speed * time + lead + (dcm - start - lead) * math.exp(omega * time)
+
+
 def solve_dcm(
     segments: Sequence[ZmpSegment], omega: float, final: complex | None = None
 ) -> DcmReference:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wbc.gait.footsteps import Velocity, first_swing_side
-from wbc.gait.planners.dcm import DcmReference, dcm_before
-from wbc.gait.planners.footstep_preview import FootstepPreview
+from wbc.gait.planners.dcm import DcmReference, ZmpSegment, dcm_before
+from wbc.gait.planners.footstep_preview import FootstepPreview, zmp_over
 from wbc.gait.planners.planner import StepPlan
 from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
 from wbc.gait.velocity_filter import VelocityFilter
@@ -187,6 +187,47 @@ class DcmPlanner:
             return dcm_before(support, rest, gait.first_transfer, rest, omega)
         arrival = preview.arrival_dcm(landing, side, self.velocity, PREVIEW_STEPS - 1)
         return dcm_before(support, landing.point, gait.double_support, arrival, omega)
+
+    def _present_zmp(self, state: GaitState) -> list[ZmpSegment]:
+        """ZMP from now to the end of the phase of a robot that steps."""
+        support = state.stance.point
+        if state.phase is Phase.SWING:
+            return [ZmpSegment(support, support, state.remaining)]
+        if state.stopping:
+            origin, goal = support, state.feet.middle
+        else:
+            origin, goal = state.feet.middle if state.starting else state.other_foot.point, support
+        zmp = origin + (goal - origin) * state.progress
+        hold = max(state.hold - state.time, 0.0)
+        moving = ZmpSegment(zmp, goal, state.remaining - hold)
+        return [ZmpSegment(zmp, zmp, hold), moving] if hold > 0.0 else [moving]
+
+    def _later_zmp(self, state: GaitState, stance: Placement) -> list[ZmpSegment]:
+        """ZMP after the present phase of a robot that steps and does not come to rest in it.
+
+        Args:
+            state: phase and support.
+            stance: placement of the support sole; with given footsteps that in the world.
+        """
+        preview, support, side = self._preview, stance.point, state.swing_side
+        gait, velocity = preview.gait, self.velocity
+        if state.phase is Phase.TRANSFER:
+            steps = preview.steps(stance, state.support, velocity, PREVIEW_STEPS)
+            return zmp_over(support, [step.placement.point for step in steps], gait)
+        landing = stance.compose(self._relative_landing)
+        point = landing.point
+        if not state.shortened and preview.ends(stance, side, landing, velocity):
+            return [ZmpSegment(support, 0.5 * (support + point), gait.first_transfer)]
+        steps = preview.steps(landing, side, velocity, PREVIEW_STEPS - 1)
+        later = zmp_over(point, [step.placement.point for step in steps], gait)
+        return [ZmpSegment(support, point, gait.double_support), *later]
+
+    def _plan_key(self, state: GaitState) -> tuple[object, ...]:
+        """Return objects that are replaced when the plan after the present phase changes."""
+        return (
+            *(self._preview, self.velocity, self._relative_landing),
+            *(state.phase, state.support, state.shortened),
+        )
 
     def _transfer_zmp_and_dcm(self, state: GaitState) -> tuple[complex, complex]:
         """ZMP and DCM now: the ZMP moves to the support foot, or to the middle to rest."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from wbc.gait.planners.dcm import DcmReference
 from wbc.gait.state import GaitCommand, GaitState, PlannedFootstep
@@ -26,8 +26,10 @@ class StepPlan:
     step_length: float = 0.0
 
 
+@runtime_checkable
 class Planner(Protocol):
-    """Plans footsteps, centre of mass and DCM; give one to `Walker(robot, planner=...)`.
+    """Plans footsteps, centre of mass and DCM; give one, or the name of
+    one of the library, to `Walker(robot, planner=...)`.
 
     The gait state machine keeps phases and contacts, the stabilizer feeds the DCM back; in
     between, a planner is asked in this order at every tick:
