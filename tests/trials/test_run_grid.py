@@ -108,7 +108,7 @@ def test_results_of_other_software_are_not_mixed(results, tmp_path):
     computed, _ = results
     output = tmp_path / "old.parquet"
     replace(computed, provenance=replace(computed.provenance, numpy="0.1")).write(output)
-    with pytest.raises(ResultsError, match=r"numpy .* instead of 0\.1.*--restart"):
+    with pytest.raises(ResultsError, match=r"numpy 0\.1 instead of.*--restart"):
         run_grid(GRID, output, WORKERS)
     partial = tmp_path / "new.parquet.partial"
     partial.write_text(json.dumps({"versions": {"numpy": "1"}}) + "\n")

@@ -6,17 +6,26 @@ import contextlib
 import signal
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from wbc.cli.argument_types import Argument, OutputFile, positive_number
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.interrupt import graceful_interrupt
-from wbc.cli.output import OutputError
+from wbc.cli.output import OutputError, writing_results
 from wbc.cli.parser import Function, Parser, set_command
 from wbc.cli.progress import ProgressLine
-from wbc.cli.trials_tables import rates_table, survival_table, undisturbed_table
+from wbc.cli.trials_tables import (
+    change_table,
+    comparison_table,
+    rates_table,
+    survival_table,
+    undisturbed_table,
+    verdict,
+)
+from wbc.trials.comparison import compare as compare_results
 from wbc.trials.errors import ResultsError
 from wbc.trials.grid_file import read_grid
+from wbc.trials.plots import plot_results
 from wbc.trials.results import Results, read_results
 from wbc.trials.runner import GridProgress, run_grid
 from wbc.trials.workers import Workers, dask_workers, local_workers
@@ -30,6 +39,9 @@ noisy sensors and the estimator in the loop, on all cores or on a Dask cluster.
 
   wbc trials GRID.toml            run a grid, or go on with it; short for  wbc trials run
   wbc trials show GRID.parquet    print its results again
+  wbc trials plot GRID.parquet    draw the push map and the survival rates
+  wbc trials compare A.parquet B.parquet
+                                  compare two results trial by trial, with a verdict
 """
 
 
@@ -90,6 +102,53 @@ def show(results: Path, *, rates: bool = False) -> None:
     _print(read_results(results), rates)
 
 
+def plot(
+    results: Path,
+    *,
+    out: Annotated[Path | None, Argument("FOLDER", Path)] = None,
+    format: Literal["png", "pdf", "svg"] = "png",
+) -> None:
+    """Draw the push map of a grid, and its survival rates over the size of the disturbance.
+
+    Args:
+        results: Parquet file that `wbc trials` has written.
+        out: folder of the plots (default: the folder of the results).
+        format: file format.
+    """
+    folder = out or results.parent
+    with writing_results():
+        paths = plot_results(read_results(results), folder, results.stem, f".{format}")
+    for path in paths:
+        print(path.resolve())
+
+
+def compare(
+    first: Path,
+    second: Path,
+    *,
+    controllers: Annotated[tuple[str, str] | None, Argument(("A", "B"))] = None,
+) -> ExitCode:
+    """Compare two result files trial by trial, with a verdict on the second.
+
+    Trials are paired by robot, velocity, condition, seed, phase, direction and size; and by the
+    controller's name, unless each file has only one. The exit code is 1 if the second one is worse,
+    on the whole or in any cell.
+
+    Args:
+        first: Parquet file that `wbc trials` has written, e.g. before a change.
+        second: likewise, e.g. after the change; the same file to compare two of its controllers.
+        controllers: compare controller A of the first file with B of the second.
+    """
+    before, after = read_results(first), read_results(second)
+    if controllers is not None:
+        before, after = before.of_controller(controllers[0]), after.of_controller(controllers[1])
+    comparison = compare_results(before, after)
+    names = controllers or (str(first), str(second))
+    print(f"{' → '.join(names)}\n\n{comparison_table(comparison)}\n\n{verdict(comparison)}")
+    print(f"\nundisturbed\n\n{change_table(before, after)}")
+    return ExitCode.FAILED if comparison.any_worse else ExitCode.SUCCESS
+
+
 def _print(results: Results, rates: bool) -> None:
     grid = results.grid
     print(
@@ -147,7 +206,7 @@ def _stop_on_signal() -> Iterator[list[int]]:
             signal.signal(signal.SIGTERM, previous)
 
 
-VERBS: dict[str, Function] = {"run": run, "show": show}
+VERBS: dict[str, Function] = {"run": run, "show": show, "plot": plot, "compare": compare}
 
 
 def add_verbs(parser: Parser) -> None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 
-from wbc.cli.formatting import table
+from wbc.cli.formatting import paragraph, table
+from wbc.trials.comparison import Comparison
 from wbc.trials.disturbance import direction_name
 from wbc.trials.result import TrialResult
 from wbc.trials.results import Results
@@ -51,35 +53,109 @@ def rates_table(results: Results) -> str:
     return table(head, rows, right=range(len(fields) + 1, len(head)))
 
 
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """A figure of undisturbed runs.
+
+    Attributes:
+        title: with its unit.
+        form: format of the value.
+        value: of a run; None if it has none.
+    """
+
+    title: str
+    form: str
+    value: Callable[[TrialResult], float | None]
+
+
+_UNDISTURBED = (
+    _Column("steps/s", ".2f", lambda r: _per_second(r.steps, r)),
+    _Column("m/s", ".3f", lambda r: _per_second(r.distance_m, r)),
+    _Column("cost of transport", ".3f", lambda r: r.cost_of_transport),
+    _Column("rms N·m", ".1f", lambda r: r.torque_rms_nm),
+    _Column("peak torque", ".0%", lambda r: r.torque_peak),
+    _Column("landing/weight", ".2f", lambda r: r.landing_force_peak),
+    _Column("velocity error m/s", ".4f", lambda r: r.velocity_error_rms_m_s),
+)
+
+
 def undisturbed_table(runs: Sequence[TrialResult]) -> str:
     """Return the figures of the undisturbed runs, the mean over the seeds."""
-    by_case: dict[Case, list[TrialResult]] = {}
-    for row in runs:
-        by_case.setdefault(Case.of(row), []).append(row)
+    by_case = _by_case(runs)
     fields = differing_fields(list(by_case))
     rows = []
     for case, group in by_case.items():
-        cadence = [r.steps / r.duration_s for r in group if r.steps and r.duration_s]
-        speed = [r.distance_m / r.duration_s for r in group if r.distance_m and r.duration_s]
-        rows.append(
-            [
-                *_labels(case, fields),
-                f"{sum(r.survived for r in group)}/{len(group)}",
-                _mean(cadence, "{:.2f}"),
-                _mean(speed, "{:.3f}"),
-                _mean([r.cost_of_transport for r in group], "{:.3f}"),
-                _mean([r.torque_rms_nm for r in group], "{:.1f}"),
-                _mean([r.torque_peak for r in group], "{:.0%}"),
-                _mean([r.landing_force_peak for r in group], "{:.2f}"),
-                _mean([r.velocity_error_rms_m_s for r in group], "{:.4f}"),
-            ]
-        )
-    head = [
-        *(_title(name) for name in fields),
-        "survived", "steps/s", "m/s", "CoT", "rms N·m", "peak torque", "landing/weight",
-        "velocity error m/s",
-    ]  # fmt: skip
+        means = [(c.form, _mean(map(c.value, group))) for c in _UNDISTURBED]
+        cells = ["–" if mean is None else format(mean, form) for form, mean in means]
+        survived = f"{sum(r.survived for r in group)}/{len(group)}"
+        rows.append([*_labels(case, fields), survived, *cells])
+    head = [*map(_title, fields), "survived", *(column.title for column in _UNDISTURBED)]
     return table(head, rows, right=range(len(fields), len(head)))
+
+
+def comparison_table(comparison: Comparison) -> str:
+    """Return what either set survives, by case and direction, and the verdict on the second."""
+    fields = differing_fields([cell.case for cell in comparison.cells])
+    rows = [
+        [
+            *_labels(cell.case, fields),
+            direction_name(cell.direction),
+            f"{_largest(cell.first)} → {_largest(cell.second)}",
+            f"{cell.better}",
+            f"{cell.worse}",
+            f"{cell.equal}",
+            f"{cell.p_value:.3f}",
+            cell.verdict.value,
+        ]
+        for cell in comparison.cells
+    ]
+    head = [*map(_title, fields), "direction", "largest", "better", "worse", "equal", "p", ""]
+    return table(head, rows, right=range(len(fields) + 1, len(head) - 1))
+
+
+def verdict(comparison: Comparison) -> str:
+    """Return the verdict in words."""
+    unpaired = f" {comparison.unpaired} trials are in one of them only." * (comparison.unpaired > 0)
+    return paragraph(
+        f"On the whole: {comparison.verdict.value}. Of the pairs of one phase and seed, "
+        f"{comparison.better} survive more sizes in the second set, {comparison.worse} fewer, "
+        f"{comparison.equal} as many (exact sign test, p = {comparison.p_value:.2g}; the cells "
+        f"after Holm).{unpaired}"
+    )
+
+
+def change_table(first: Results, second: Results) -> str:
+    """Return by how much the figures of the undisturbed runs change, in %."""
+    before, after = _by_case(first.runs), _by_case(second.runs)
+    single = all(len({case.controller for case in cases}) == 1 for cases in (before, after))
+    if single:  # pair them by all but the controller
+        (name,) = {case.controller for case in after}
+        before = {replace(case, controller=name): group for case, group in before.items()}
+    cases = [case for case in after if case in before]
+    fields = differing_fields(cases)
+    rows = [
+        [*_labels(case, fields), *(_change(c, before[case], after[case]) for c in _UNDISTURBED)]
+        for case in cases
+    ]
+    titles = (column.title.removesuffix(" m/s") for column in _UNDISTURBED)
+    head = [*map(_title, fields), *titles]
+    return table(head, rows, right=range(len(fields), len(head)))
+
+
+def _change(column: _Column, before: list[TrialResult], after: list[TrialResult]) -> str:
+    old, new = (_mean(map(column.value, group)) for group in (before, after))
+    return "–" if not old or new is None else f"{100.0 * (new / old - 1.0):+.1f} %"
+
+
+def _by_case(runs: Sequence[TrialResult]) -> dict[Case, list[TrialResult]]:
+    by_case: dict[Case, list[TrialResult]] = {}
+    for row in runs:
+        by_case.setdefault(Case.of(row), []).append(row)
+    return by_case
+
+
+def _per_second(value: float | None, run: TrialResult) -> float | None:
+    return value / run.duration_s if value and run.duration_s else None
 
 
 def _largest(one: Survival | None) -> str:
@@ -97,6 +173,6 @@ def _labels(case: Case, fields: Sequence[str]) -> list[str]:
     return [case.motion if name == "velocity" else str(getattr(case, name)) for name in fields]
 
 
-def _mean(values: Sequence[float | None], form: str) -> str:
+def _mean(values: Iterable[float | None]) -> float | None:
     known = [value for value in values if value is not None]
-    return form.format(sum(known) / len(known)) if known else "–"
+    return sum(known) / len(known) if known else None

@@ -1,5 +1,9 @@
 """The public names of `wbc.trials`, each once."""
 
+from .comparison import CellComparison as CellComparison
+from .comparison import Comparison as Comparison
+from .comparison import Verdict as Verdict
+from .comparison import compare as compare
 from .condition import Condition as Condition
 from .controllers import ControllerSpec as ControllerSpec
 from .controllers import make_walker as make_walker
@@ -16,6 +20,7 @@ from .grid_file import read_grid as read_grid
 from .grid_file import write_grid as write_grid
 from .motion_trial import MotionRunner as MotionRunner
 from .motion_trial import run_motions as run_motions
+from .plots import plot_results as plot_results
 from .result import TrialResult as TrialResult
 from .results import Results as Results
 from .results import read_results as read_results
@@ -27,6 +32,7 @@ from .scenario import forward as forward
 from .scenario import sideways as sideways
 from .scenario import stop_and_stand as stop_and_stand
 from .scenario import turn as turn
+from .survival import Case as Case
 from .survival import Survival as Survival
 from .survival import SurvivalRate as SurvivalRate
 from .survival import survival_rates as survival_rates

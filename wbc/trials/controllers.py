@@ -106,12 +106,14 @@ def make_walker(
 
 
 def _changed(parameters: Any, values: Mapping[str, float] | None, option: str) -> Any:
-    """Return a dataclass with some values changed."""
+    """Return a dataclass with some values changed; itself without any."""
+    if not values:
+        return parameters  # the walker knows by identity that the gait itself is the recovery's
     known = parameters.__dataclass_fields__
-    for name in values or {}:
+    for name in values:
         if name not in known:
             raise TrialError(f"walker option {option} has no '{name}'{did_you_mean(name, known)}")
     try:
-        return replace(parameters, **(values or {}))
+        return replace(parameters, **values)
     except (WbcError, TypeError) as error:
         raise TrialError(f"walker option {option}: {error}") from error

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -106,6 +105,3 @@ class PartialResults(Closeable):
     def close(self) -> None:
         """Close the file."""
         self._file.close()
-
-    def __iter__(self) -> Iterator[TrialResult]:
-        return iter(self.finished.values())

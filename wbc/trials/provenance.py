@@ -37,12 +37,12 @@ class Provenance:
         return cls(wbc=wbc.__version__, source=_source_digest(), **versions)
 
     def differences(self, other: Provenance) -> tuple[str, ...]:
-        """Return what differs in another one, in words."""
+        """Return what differs from another one, in words."""
         mine, theirs = asdict(self), asdict(other)
         return tuple(
-            f"{name} {theirs[name]} instead of {mine[name]}"
-            if name != "source"
-            else "the source code of wbc has changed"
+            "another source code of wbc"
+            if name == "source"
+            else f"{name} {mine[name]} instead of {theirs[name]}"
             for name in mine
             if mine[name] != theirs[name]
         )

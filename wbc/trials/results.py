@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from types import NoneType
 from typing import Any, get_args, get_type_hints
 
-from wbc.errors import MissingExtra
+from wbc.errors import MissingExtra, did_you_mean
 from wbc.trials.errors import ResultsError
 from wbc.trials.grid import Grid
 from wbc.trials.grid_file import grid_to_json, parse_grid
@@ -46,6 +46,18 @@ class Results:
     def runs(self) -> tuple[TrialResult, ...]:
         """The results of the undisturbed runs."""
         return tuple(row for row in self.rows if row.disturbance == UNDISTURBED)
+
+    def of_controller(self, name: str) -> Results:
+        """Return the results of one controller.
+
+        Raises:
+            ResultsError: there are none.
+        """
+        rows = tuple(row for row in self.rows if row.controller == name)
+        if not rows:
+            names = sorted({row.controller for row in self.rows})
+            raise ResultsError(f"there are no results of '{name}'{did_you_mean(name, names)}")
+        return replace(self, rows=rows)
 
     def to_arrow(self) -> Any:
         """Return a `pyarrow.Table`, whose metadata contain the grid and the versions.

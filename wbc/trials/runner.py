@@ -34,7 +34,7 @@ class GridProgress:
         finished: number of results that are on disk.
         total: number of results of the grid.
         elapsed: s since the beginning of this run.
-        remaining: estimate of the time left, s; None as long as nothing has finished.
+        remaining: estimate of the time left, s; None as long as little has finished.
     """
 
     finished: int
@@ -78,14 +78,15 @@ def run_grid(
     if restart:
         for path in (output, partial_path):
             path.unlink(missing_ok=True)
+    finished = _read_earlier(output, provenance)
     with closing(PartialResults(partial_path, provenance, total)) as partial:
-        if output.exists():
-            _take_over(output, provenance, partial)
-        schedule = _Schedule(grid, partial.finished)
+        finished |= partial.finished
+        schedule = _Schedule(grid, finished)
         if schedule.unfinished:
             check_grid(grid)
         _run(schedule, workers, partial, total, progress, stopped)
-        results = Results(in_grid_order(grid, list(partial)), grid, provenance)
+        rows = in_grid_order(grid, [*finished.values(), *partial.finished.values()])
+        results = Results(rows, grid, provenance)
     if len(results.rows) == total:
         results.write(output)
         partial_path.unlink()
@@ -112,19 +113,18 @@ def check_grid(grid: Grid) -> None:
                 other.make_plant(loop.robot, loop.plant.dt, seed)
 
 
-def _take_over(output: Path, provenance: Provenance, partial: PartialResults) -> None:
-    """Add the results of a complete file to those of a grid that has grown since."""
+def _read_earlier(output: Path, provenance: Provenance) -> dict[str, TrialResult]:
+    """Return the results of a complete file by key: the grid may have grown since."""
+    if not output.exists():
+        return {}
     earlier = read_results(output)
     differences = earlier.provenance.differences(provenance)
     if differences:
-        partial.path.unlink()
         raise ResultsError(
             f"{output} was computed with other software: {', '.join(differences)}; give another "
             "output, or --restart to discard its results"
         )
-    for row in earlier.rows:
-        if row.key not in partial.finished:
-            partial.add(row)
+    return {row.key: row for row in earlier.rows}
 
 
 class _Schedule:
@@ -134,6 +134,7 @@ class _Schedule:
         self._runs: deque[tuple[UndisturbedRun, dict[Fraction, list[Trial]]]] = deque()
         self._trials: deque[tuple[Fork, Trial]] = deque()
         self.unfinished = 0
+        self.finished = finished
         seen = set(finished)
         for run in grid.runs():
             by_phase: dict[Fraction, list[Trial]] = {}
@@ -170,13 +171,18 @@ def _run(
     stopped: Callable[[], bool],
 ) -> None:
     pending: dict[Future[Any], dict[Fraction, list[Trial]]] = {}
-    begin, earlier = time.monotonic(), total - schedule.unfinished
+    begin = time.monotonic()
+    first: tuple[float, int] | None = None
 
     def show() -> None:
-        finished = total - left
-        elapsed, new = time.monotonic() - begin, finished - earlier
-        remaining = elapsed * left / new if new else None
-        progress(GridProgress(finished, total, elapsed, remaining))
+        nonlocal first
+        elapsed, remaining = time.monotonic() - begin, None
+        # The first results take longer: workers start, and runs come before their trials.
+        if first is None and schedule.unfinished - left >= workers.count:
+            first = elapsed, left
+        elif first is not None and left < first[1]:
+            remaining = (elapsed - first[0]) * left / (first[1] - left)
+        progress(GridProgress(total - left, total, elapsed, remaining))
 
     left = schedule.unfinished
     show()
@@ -195,7 +201,7 @@ def _run(
                 by_phase = pending.pop(future)
                 outcome = future.result()
                 row, forks = outcome if isinstance(outcome, tuple) else (outcome, ())
-                if row.key not in partial.finished:
+                if row.key not in schedule.finished:
                     partial.add(row)
                     left -= 1
                 schedule.fork(forks, by_phase)

@@ -6,6 +6,7 @@ import hashlib
 import json
 from dataclasses import asdict, dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from wbc.trials.condition import Condition
@@ -38,7 +39,7 @@ class UndisturbedRun:
         """Whether the robot is to stand."""
         return not any(self.velocity)
 
-    @property
+    @cached_property
     def key(self) -> str:
         """Identifies the run by all that decides its result; the same on every machine."""
         return _key(self._content())
@@ -73,7 +74,7 @@ class Trial:
     size: float
     duration: float
 
-    @property
+    @cached_property
     def key(self) -> str:
         """Identifies the trial by all that decides its result; the same on every machine."""
         return _key(

@@ -7,12 +7,13 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass
 
 from wbc.errors import MissingExtra
 from wbc.trials.errors import TrialError
+from wbc.trials.provenance import Provenance
 
 _CONNECT = 10  # s to wait for a Dask scheduler
 
@@ -56,7 +57,8 @@ def dask_workers(address: str) -> Iterator[Workers]:
         address: address of the scheduler, e.g. `tcp://10.0.0.1:8786`.
 
     Raises:
-        TrialError: there is no scheduler at the address, or it has no workers.
+        TrialError: there is no scheduler at the address, or it has no workers, or one with other
+            software.
         MissingExtra: `distributed` is not installed.
     """
     try:
@@ -74,12 +76,26 @@ def dask_workers(address: str) -> Iterator[Workers]:
         count = sum(client.nthreads().values())
         if count == 0:
             raise TrialError(f"the Dask cluster at '{address}' has no workers")
+        _check_software(client.run(Provenance.current))
         yield Workers(client.get_executor(pure=False), count, f"{count} Dask workers")
 
 
+def _check_software(found: Mapping[str, Provenance]) -> None:
+    """Refuse workers with other software: results would depend on who computed them."""
+    here = Provenance.current()
+    for worker, provenance in found.items():
+        differences = provenance.differences(here)
+        if differences:
+            raise TrialError(
+                f"Dask worker {worker} has other software than this process: "
+                f"{', '.join(differences)}; install the same on both"
+            )
+
+
 def _prepare_process() -> None:
-    """Leave Ctrl-C to the parent, and end with it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Leave signals, which may reach the whole process group, to the parent, and end with it."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
 
     def end_with_parent() -> None:

@@ -1,0 +1,74 @@
+"""`wbc trials`: the verbs, their output and exit codes."""
+
+from __future__ import annotations
+
+import pytest
+from trialtools import made_up
+
+from wbc.cli.entry import run
+from wbc.trials import ControllerSpec
+
+
+@pytest.fixture
+def files(tmp_path):
+    """A weak and a strong controller, and both in one file."""
+    pytest.importorskip("pyarrow")
+    weak, strong = made_up(0.3, spread=0.0), made_up(0.7, spread=0.0, draw=1)
+    weak.write(tmp_path / "weak.parquet")
+    strong.write(tmp_path / "strong.parquet")
+    return tmp_path
+
+
+def test_show_prints_the_largest_size_survived_by_robot_and_direction(files, capsys):
+    assert run(["trials", "show", str(files / "weak.parquet"), "--rates"]) == 0
+    printed = capsys.readouterr().out
+    head, *rows = (line.split() for line in printed.splitlines() if "forward" in line)
+    assert head == ["robot", "motion", "forward", "left", "back", "right"]
+    assert rows[0][:7] == ["g1", "standing", "forward", "0.2", "12/12", "100", "%"]
+    assert "g1     0.3 m/s       0.2   0.2   0.2    0.2" in printed
+
+
+def test_compare_gives_a_verdict_and_fails_if_the_second_is_worse(files, capsys):
+    weak, strong = str(files / "weak.parquet"), str(files / "strong.parquet")
+    assert run(["trials", "compare", weak, strong]) == 0
+    assert "On the whole: better." in capsys.readouterr().out
+    assert run(["trials", "compare", strong, weak]) == 1
+    assert "On the whole: worse." in capsys.readouterr().out
+    assert run(["trials", "compare", weak, weak, "--controllers", "walker", "other"]) == 2
+    assert "no results of 'other'" in capsys.readouterr().err
+
+
+def test_plot_prints_the_paths_of_its_plots(files, capsys):
+    assert run(["trials", "plot", str(files / "weak.parquet"), "--format", "svg"]) == 0
+    paths = capsys.readouterr().out.split()
+    assert paths == [str(files / f"weak_{name}.svg") for name in ("push_map", "survival")]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nothing.toml"], "cannot read nothing.toml"),
+        (["run", "nothing.toml"], "cannot read nothing.toml"),
+        (["show", "nothing.parquet"], "cannot read results"),
+        (["--workers", "0", "grid.toml"], "1 or greater"),
+    ],
+)
+def test_bad_input_is_told_in_one_line(arguments, words, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run(["trials", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
+
+
+def test_a_finished_grid_is_shown_and_not_run_again(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    results = made_up(0.5, controllers=(ControllerSpec(options={"recovery": False}),))
+    results.write(tmp_path / "grid.parquet")
+    from wbc.trials import write_grid
+
+    write_grid(results.grid, tmp_path / "grid.toml")
+    assert run(["trials", "grid.toml"]) == 0
+    printed = capsys.readouterr()
+    assert f"{len(results.rows)} of {len(results.rows)} results are in grid.parquet" in printed.err
+    assert str(tmp_path / "grid.parquet") in printed.out
