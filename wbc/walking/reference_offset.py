@@ -96,4 +96,5 @@ class ReferenceOffset:
             reference.dcm + c + v / omega,
             reference.dcm_velocity + v + a / omega,
             reference.zmp + c - a / (omega * omega),
+            reference.cmp_offset,
         )

@@ -40,6 +40,7 @@ from wbc.walking.gains import WalkerGains
 from wbc.walking.ground_kinematics import GroundKinematics
 from wbc.walking.reference_offset import ReferenceOffset
 from wbc.walking.stabilizer import Stabilizer, StabilizerOutput
+from wbc.walking.swing_momentum import SwingMomentum
 
 
 class VelocityClamped(UserWarning):
@@ -100,6 +101,7 @@ class Walker:
         self._contact_manager = ContactManager(robot, controller, gains)
         self.stabilizer = Stabilizer(robot, gains)
         self.planner = resolve_planner(planner, robot)
+        self._swing_momentum = SwingMomentum(robot)
         self.reference_offset: ReferenceOffset | None = None
         self._command = GaitCommand()
         self.reset(robot.standing())
@@ -231,12 +233,11 @@ class Walker:
         return self.controller.solve(kin)
 
     def _reference(self, landing: Placement | None) -> DcmReference:
-        """The planner's reference for a landing place, with the offset that a motion adds."""
-        reference = self.planner.reference(self.gait_state, landing)
-        offset = self.reference_offset
-        return (
-            reference if offset is None else offset.apply(reference, self.gait_state, self._heading)
-        )
+        """The planner's reference for a landing place, with what swing leg and motion add."""
+        state, planner, offset = self.gait_state, self.planner, self.reference_offset
+        reference = planner.reference(state, landing)
+        reference = self._swing_momentum.apply(reference, state, planner)
+        return reference if offset is None else offset.apply(reference, state, self._heading)
 
     @property
     def telemetry(self) -> Telemetry:

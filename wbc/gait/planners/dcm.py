@@ -32,11 +32,14 @@ class DcmReference(NamedTuple):
         dcm: ξ_ref, ground point, m.
         dcm_velocity: ξ̇_ref, m/s.
         zmp: p_ref, ground point, m.
+        cmp_offset: by how much the centroidal moment pivot, which the pendulum stands on, is off
+            the ZMP: the rate of the angular momentum over the weight, m.
     """
 
     dcm: complex
     dcm_velocity: complex
     zmp: complex
+    cmp_offset: complex = 0j
 
 
 def dcm_before(

@@ -43,8 +43,8 @@ class Stabilizer:
     2. the landing place moves by what the ankles cannot catch (`footstep_adjustment`), and
        the step is quickened when no landing place in reach does (`PushRecovery`);
     3. the DCM error becomes a ZMP (`zmp_from_dcm_error`), clamped to the support
-       (`SupportPolygon`) and realised by the CoM acceleration `c̈ = ω² (c − p)` of the linear
-       inverted pendulum.
+       (`SupportPolygon`) and realised by the CoM acceleration `c̈ = ω² (c − p − δ)` of the linear
+       inverted pendulum on the centroidal moment pivot p + δ.
 
     Args:
         robot: the robot.
@@ -104,7 +104,7 @@ class Stabilizer:
         zmp = zmp_from_dcm_error(dcm, wanted, omega, gait.dcm_gain)
         zmp = self.support.clamp(zmp, state, self._gains.zmp_margin)
         # The CoM as estimated, with its bias: the QP uses the same, so the ZMP is as commanded.
-        acceleration = omega * omega * (state.com - zmp)
+        acceleration = omega * omega * (state.com - zmp - wanted.cmp_offset)
         return StabilizerOutput(dcm, wanted, zmp, acceleration, landing)
 
     def _adjust_steps(
