@@ -14,6 +14,7 @@ from wbc.gait.swing_foot import SwingFoot
 from wbc.geometry.planar import Feet, Placement
 
 _SHORTENING = 0.5  # share of the double support that a late touchdown may take off it
+_FROM_THE_AIR = 0.7  # share of the single support after which a foot that was held up lands
 _EARLIEST_TOUCHDOWN = 0.6  # share of the swing before which contact is lift-off noise
 
 
@@ -63,6 +64,7 @@ class GaitStateMachine:
                 then a swing ends at its planned time.
         """
         state, planner = self.state, self._planner
+        lifted = state.lifted
         state.feet = feet
         state.time += dt
         if state.phase is Phase.STAND or (state.stopping and state.requested_swing):
@@ -77,11 +79,15 @@ class GaitStateMachine:
                     self._enter(Phase.STAND, 0.0)
                 else:
                     self._enter(Phase.SWING, state.gait.single_support)
-        elif isinstance(state.swing, LiftedFoot):
-            state.swing.follow_support(state.stance)
-            if self._is_set_down(state.swing, contacts):
+        elif lifted is not None:
+            lifted.follow_support(state.stance)
+            if self._is_set_down(lifted, contacts):
                 state.swing = None
                 self._enter(Phase.STAND, 0.0)
+            elif state.requested_swing is not None:
+                state.swing = None
+                self._enter(Phase.SWING, _FROM_THE_AIR * state.gait.single_support)
+                state.shortened = True
         elif self._has_landed(contacts):
             self._touch_down(command)
         plan = planner.update(state, command, dt)
@@ -91,7 +97,7 @@ class GaitStateMachine:
         if state.phase is Phase.SWING and plan.landing is not None:
             state.landing = plan.landing
             if state.swing is None:
-                self._lift_off(plan.landing)
+                self._lift_off(plan.landing, lifted)
 
     def move_swing(self, dt: float, landing: Placement) -> None:
         """Move the swing foot's reference on by dt towards a landing place."""
@@ -122,7 +128,8 @@ class GaitStateMachine:
 
         The weight has to be over the support foot already (`weight_shift`), the other one
         unloaded (`other_foot_load`). It ends when the foot is lowered with `expects_contact`
-        set and touches the ground.
+        set and touches the ground, or when a step is requested (`requested_swing`) that catches
+        a push.
 
         Raises:
             GaitError: the robot is not standing.
@@ -143,12 +150,14 @@ class GaitStateMachine:
         state.phase, state.time, state.duration, state.hold = phase, 0.0, duration, 0.0
         state.shortened = False
 
-    def _lift_off(self, landing: Placement) -> None:
+    def _lift_off(self, landing: Placement, lifted: LiftedFoot | None) -> None:
+        """Begin the swing to a landing place; a foot that was held up begins it where it is."""
         state = self.state
-        gait, start = state.gait, state.other_foot
-        state.swing = SwingFoot(
-            start, landing, state.duration, gait.swing_height, gait.touchdown_speed
-        )
+        gait, start = state.gait, state.other_foot if lifted is None else lifted.target
+        swing = SwingFoot(start, landing, state.duration, gait.swing_height, gait.touchdown_speed)
+        if lifted is not None:
+            swing.start_from(lifted.motion, lifted.yaw)
+        state.swing = swing
 
     def _is_set_down(self, foot: LiftedFoot, contacts: frozenset[str] | None) -> bool:
         if contacts is None:

@@ -88,6 +88,18 @@ class SwingFoot:
         )
         self.time += dt
 
+    def start_from(self, motion: TaskReference, yaw: float) -> None:
+        """Start from a pose and velocity that the foot already has: it is in the air.
+
+        Args:
+            motion: of the sole's centre, world axes.
+            yaw: its heading, rad.
+        """
+        self.motion.pose[:] = motion.pose
+        self.motion.velocity[:] = motion.velocity
+        self.motion.acceleration[:] = motion.acceleration
+        self.yaw = yaw
+
     @property
     def yaw_rate(self) -> float:
         """rad/s."""

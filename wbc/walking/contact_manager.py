@@ -8,7 +8,7 @@ import numpy as np
 
 from wbc.contacts import SurfaceContact
 from wbc.controller import WholeBodyController
-from wbc.gait import GaitState, Phase
+from wbc.gait import GaitState, LiftedFoot, Phase
 from wbc.robot import Robot
 from wbc.walking.gains import WalkerGains
 from wbc.walking.swing_task import SwingTask
@@ -87,9 +87,11 @@ class ContactManager:
             self._tracking = wanted
         if wanted is None:
             return
-        wanted.foot = swing
         if state.lifted is not None:
             wanted.weight = self._held_weight(float(state.lifted.offset[2]))
+        elif isinstance(wanted.foot, LiftedFoot) and wanted.foot is not swing:
+            wanted.weight = self._gains.swing_weight
+        wanted.foot = swing
 
     def _held_weight(self, height: float) -> np.ndarray:
         """Return the (6,) task weight of a foot that is held up at a height, m.

@@ -323,6 +323,12 @@ class Walker:
         return self.gait_state.steps
 
     @property
+    def about_to_recover(self) -> bool:
+        """Whether the robot, at rest, steps from the next tick on, because a push asks for it."""
+        state = self.gait_state
+        return state.requested_swing is not None and state.at_rest
+
+    @property
     def dcm_error(self) -> float:
         """Distance of the DCM from its reference after the last tick, m."""
         return abs(self._balance.dcm - self._balance.reference.dcm)

@@ -82,6 +82,15 @@ class BodyReferences:
         self.posture.start_from(self.state.q[7:], self.state.v[6:])
         self.posture.move_to(self.posture.home, _HANDOVER_TIME)
 
+    def release_com(self) -> None:
+        """Drop the CoM's horizontal offset at once; its height goes home from where it is."""
+        value, velocity = self.com.value.copy(), self.com.velocity.copy()
+        if not (value.any() or velocity.any()):
+            return
+        value[:2] = velocity[:2] = 0.0
+        self.com.start_from(value, velocity)
+        self.com.move_to(0.0, 1.0)
+
     def move_home(self, duration: float) -> None:
         """Send all references home, within a time (s) at least."""
         for reference in self.references.values():

@@ -208,6 +208,11 @@ class MotionContext:
         yield from self.feet.stand(duration)
         yield from self.until(lambda: self.at_home)
 
+    def let_step(self) -> None:
+        """Leave feet and weight to the walker at once, which has to step to keep its balance."""
+        self.feet.reset()
+        self.body.release_com()
+
     # Controller override.
 
     def start_override(self, override: ControllerOverride) -> None:

@@ -32,6 +32,8 @@ class MotionPlayer:
 
     A motion that raises an error, or moves the CoM where the feet do not support it, is
     aborted: the robot returns to standing, and `aborted_motions` and the context's notes tell.
+    Likewise a motion during which the robot is pushed so hard that it has to step, unless the
+    motion is one for `while_walking`: balance comes first.
 
     A player can be copied and pickled while no script runs, and the copy continues identically.
     A script is a Python generator, which nothing can copy: while one runs the attempt raises a
@@ -168,6 +170,8 @@ class MotionPlayer:
         """Compute the command of one tick; see `Walker.step`."""
         context = self.context
         context.begin_tick(estimate)
+        if self.walker.about_to_recover:
+            self._give_up()
         self._run_script()
         if context.override is not None:
             context.clock.advance()
@@ -201,6 +205,25 @@ class MotionPlayer:
             self.context.home_upper_body()
             self.context.hands.hold()
             self.context.advance()
+
+    def _give_up(self) -> None:
+        """Abort what does not combine with the steps that the walker is about to take."""
+        motion, context = self._playing, self.context
+        if context.override is not None or (motion is not None and motion.while_walking):
+            return
+        context.let_step()
+        if self._script is None:
+            return
+        self._script.close()
+        if motion is None:  # on the way back to standing, which goes on after the steps
+            self._script = context.go_home()
+            return
+        self._abort(
+            MotionError(
+                f"{motion.name}: given up, because the robot has to step: the DCM is "
+                f"{100.0 * self.walker.dcm_error:.0f} cm from its reference"
+            )
+        )
 
     def _abort(self, error: Exception) -> None:
         """End the motion and go home; raise an error that no motion has caused."""

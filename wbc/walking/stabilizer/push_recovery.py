@@ -16,6 +16,7 @@ _OUT_OF_REACH = 0.05  # share of the CoM height by which a landing place has to 
 _WITHIN_REACH = 0.01, 0.03  # m, the same of a step of the normal gait: to return to it, to stay
 _LEAST_ERROR = 0.05  # m of DCM error that shorten a transfer or make a robot step, at least
 _USED_SUPPORT = 0.6  # share of the way to the support's edge that the DCM may go while standing
+_USED_SOLE = 0.9  # the same on one leg
 _PREVIEW = 3  # steps looked ahead to choose the foot that steps out of standing
 
 #: The wanted DCM for a landing place of the swing foot, or, given None, for the planned one.
@@ -30,7 +31,7 @@ class PushRecovery:
 
     - a swing is shortened, and lands where it catches most;
     - a transfer is shortened;
-    - a robot that stands steps with the foot that catches more.
+    - a robot that stands steps with the foot that catches more, or with the one it holds up.
 
     The steps that follow are planned with the recovery gait, until a swing can end so that the
     normal gait goes on from it. The landing place itself is that of the step adjustment.
@@ -98,19 +99,23 @@ class PushRecovery:
     def update_standing(self, state: GaitState, planned: DcmReference) -> None:
         """Request a step if the DCM is near the edge of the support; see `update_swing`."""
         state.gait, state.requested_swing = state.normal_gait, None
-        # A motion that shifts the weight or unloads a foot has the robot stand on the other one.
-        shifted = state.weight_shift != 0.5 or state.other_foot_load < math.inf
-        if state.recovery_gait is state.gait or shifted or state.lifted is not None:
+        if state.recovery_gait is state.gait:
             return
-        # A motion may bring the planned ZMP itself to the edge: small errors are the ankles'.
-        if abs(state.dcm - planned.dcm) <= _LEAST_ERROR:
+        lifted = state.lifted is not None
+        # A motion may bring the planned ZMP itself to the edge: small errors are the ankles'. On
+        # one leg, where the sole's edge is as near, those that the ankle can still catch are.
+        least, share = (0.0, _USED_SOLE) if lifted else (_LEAST_ERROR, _USED_SUPPORT)
+        if abs(state.dcm - planned.dcm) <= least:
             return
         error = (state.dcm - planned.dcm) * planar_rotation(-state.stance.yaw)
         along, across = self._zmp_range(state, planned, 1.0)
-        if abs(error.real) < _USED_SUPPORT * along and abs(error.imag) < _USED_SUPPORT * across:
+        if abs(error.real) < share * along and abs(error.imag) < share * across:
             return
-        left, right = (self._lateral_error_after(state, side) for side in ("left", "right"))
-        state.requested_swing = "left" if left < right else "right"
+        if lifted:
+            state.requested_swing = state.swing_side
+        else:
+            left, right = (self._lateral_error_after(state, side) for side in ("left", "right"))
+            state.requested_swing = "left" if left < right else "right"
         state.gait = state.recovery_gait
 
     def _missed(self, state: GaitState, shift: complex) -> float:
