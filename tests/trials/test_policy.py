@@ -14,6 +14,8 @@ import wbc
 from wbc.errors import JointNotFound
 from wbc.estimation import Estimate
 from wbc.runtime.fall import fall_reason
+from wbc.runtime.protocols import VelocityController
+from wbc.trials import ControllerSpec, TrialError
 from wbc.trials.policy import PolicyController, PolicyDescription, PolicyError, load_policy
 
 pytest.importorskip("yaml")
@@ -179,7 +181,7 @@ def test_a_policy_that_asks_for_the_standing_posture_holds_g1_for_a_second(tmp_p
     (tmp_path / "params").mkdir()
     (tmp_path / "params" / "deploy.yaml").write_text(text)
     (tmp_path / "policy.onnx").write_bytes(linear_network(np.zeros((input_size(g1), g1.na))))
-    policy = load_policy(tmp_path, g1)
+    policy = load_policy(g1, folder=tmp_path)
     with wbc.sim.Mujoco(g1) as plant:
         report = wbc.run(policy, plant, 1.0)
         assert report.survived
@@ -218,7 +220,7 @@ def test_files_that_contradict_each_other_or_the_robot_are_refused(robot, tmp_pa
     with pytest.raises(PolicyError, match="no multiple"):
         PolicyController(robot, describe(robot, step_dt="0.003"), network)
     with pytest.raises(PolicyError, match=r"has no deploy.yaml"):
-        load_policy(tmp_path, robot)
+        load_policy(robot, folder=tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -245,4 +247,16 @@ def test_a_file_that_is_no_network_is_refused(tmp_path, robot):
     (tmp_path / "deploy.yaml").write_text(description_text(robot))
     (tmp_path / "policy.onnx").write_bytes(b"not a network")
     with pytest.raises(PolicyError, match="no ONNX network that can be run"):
-        load_policy(tmp_path, robot)
+        load_policy(robot, folder=tmp_path)
+
+
+def test_a_policy_is_a_controller_of_a_grid(robot, tmp_path):
+    pytest.importorskip("onnxruntime")
+    (tmp_path / "deploy.yaml").write_text(description_text(robot))
+    network = linear_network(np.zeros((input_size(robot), robot.na)))
+    (tmp_path / "policy.onnx").write_bytes(network)
+    made = ControllerSpec("policy", "policy", {"folder": str(tmp_path)}).resolve()(robot, 0.002)
+    assert isinstance(made, PolicyController)
+    assert isinstance(made, VelocityController)
+    with pytest.raises(TrialError, match="without a folder"):
+        ControllerSpec("policy", "policy").resolve()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import signal
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -14,6 +15,7 @@ from wbc.cli.interrupt import graceful_interrupt
 from wbc.cli.output import OutputError, writing_results
 from wbc.cli.parser import Function, Parser, set_command
 from wbc.cli.progress import ProgressLine
+from wbc.cli.tour import tour
 from wbc.cli.trials_tables import (
     change_table,
     comparison_table,
@@ -23,6 +25,7 @@ from wbc.cli.trials_tables import (
     verdict,
 )
 from wbc.trials.comparison import compare as compare_results
+from wbc.trials.controllers import ControllerSpec
 from wbc.trials.errors import ResultsError
 from wbc.trials.grid_file import read_grid
 from wbc.trials.plots import plot_results
@@ -42,6 +45,7 @@ noisy sensors and the estimator in the loop, on all cores or on a Dask cluster.
   wbc trials plot GRID.parquet    draw the push map and the survival rates
   wbc trials compare A.parquet B.parquet
                                   compare two results trial by trial, with a verdict
+  wbc trials tour                 walk to places under punches, beside published policies
 """
 
 
@@ -51,6 +55,7 @@ def run(
     output: OutputFile | None = None,
     workers: Annotated[int | None, Argument("N", positive_number)] = None,
     cluster: Annotated[str | None, Argument("ADDRESS")] = None,
+    policy: Path | None = None,
     restart: bool = False,
     rates: bool = False,
 ) -> ExitCode:
@@ -64,10 +69,14 @@ def run(
         output: Parquet file of the results (default: the grid's name with .parquet, here).
         workers: number of processes (default: one per core).
         cluster: address of a Dask scheduler whose workers run the trials, e.g. tcp://host:8786.
+        policy: folder of a learned policy, which is run besides the controllers of the grid.
         restart: discard earlier results of the output.
         rates: print survival rates with their confidence intervals too.
     """
     declared = read_grid(grid)
+    if policy is not None:
+        spec = ControllerSpec("policy", "policy", {"folder": str(policy.expanduser().resolve())})
+        declared = replace(declared, controllers=(*declared.controllers, spec))
     path = output or Path(f"{grid.stem}.parquet")
     pool = dask_workers(cluster) if cluster is not None else local_workers(workers)
     with _stop_on_signal() as received, ProgressLine(period=10.0) as line, pool as available:
@@ -206,7 +215,13 @@ def _stop_on_signal() -> Iterator[list[int]]:
             signal.signal(signal.SIGTERM, previous)
 
 
-VERBS: dict[str, Function] = {"run": run, "show": show, "plot": plot, "compare": compare}
+VERBS: dict[str, Function] = {
+    "run": run,
+    "show": show,
+    "plot": plot,
+    "compare": compare,
+    "tour": tour,
+}
 
 
 def add_verbs(parser: Parser) -> None:

@@ -2,6 +2,7 @@
 
 from wbc.tasks.com import ComTask
 from wbc.tasks.frame import FrameTask, OrientationTask, PositionTask
+from wbc.tasks.joint_torque import JointTorqueTask
 from wbc.tasks.momentum import AngularMomentumTask
 from wbc.tasks.motion import MotionTask, TaskReference
 from wbc.tasks.posture import PostureTask
@@ -12,6 +13,7 @@ __all__ = [
     "ComTask",
     "FrameTask",
     "JointTask",
+    "JointTorqueTask",
     "MotionTask",
     "OrientationTask",
     "PositionTask",

@@ -13,6 +13,7 @@ from wbc.gait import GaitParameters
 from wbc.robot import Robot
 from wbc.runtime.protocols import ControllerFactory
 from wbc.trials.errors import TrialError
+from wbc.trials.policy import load_policy
 from wbc.walking import Walker
 from wbc.walking.gains import WalkerGains
 
@@ -23,10 +24,10 @@ class ControllerSpec:
 
     Attributes:
         name: its name in results; by default its factory.
-        factory: `"walker"`, or `"module:name"` of a `ControllerFactory`, which is imported where
-            the trial runs.
+        factory: `"walker"`, `"policy"`, or `"module:name"` of a `ControllerFactory`, which is
+            imported where the trial runs.
         options: further keyword arguments of the factory; those of the walker are the ones of
-            `make_walker`.
+            `make_walker`, those of a policy the ones of `wbc.trials.policy.load_policy`.
     """
 
     name: str = ""
@@ -45,10 +46,17 @@ class ControllerSpec:
         """
         if self.factory == "walker":
             return partial(make_walker, **self.options)
+        if self.factory == "policy":
+            if "folder" not in self.options:
+                raise TrialError(
+                    f"controller '{self.name}' is a policy without a folder: give it "
+                    "options = { folder = … }"
+                )
+            return partial(load_policy, **self.options)
         module, colon, name = self.factory.partition(":")
         if not (module and colon and name):
             raise TrialError(
-                f"controller factory '{self.factory}' must be 'walker' or of the form "
+                f"controller factory '{self.factory}' must be 'walker', 'policy' or of the form "
                 "'module:name', e.g. 'my_package.controllers:make_controller'"
             )
         try:

@@ -3,5 +3,13 @@
 from wbc.walking.gains import WalkerGains
 from wbc.walking.reference_offset import ReferenceOffset, RotationOffset
 from wbc.walking.walker import VelocityClamped, Walker
+from wbc.walking.waypoint_follower import WaypointFollower
 
-__all__ = ["ReferenceOffset", "RotationOffset", "VelocityClamped", "Walker", "WalkerGains"]
+__all__ = [
+    "ReferenceOffset",
+    "RotationOffset",
+    "VelocityClamped",
+    "Walker",
+    "WalkerGains",
+    "WaypointFollower",
+]

@@ -24,6 +24,8 @@ from wbc.walking import VelocityClamped
 _DESCRIPTIONS = ("deploy.yaml", "params/deploy.yaml")
 _NETWORKS = ("policy.onnx", "exported/policy.onnx")
 
+_GAIT_CYCLE = 0.8  # s, which is usual for policies of humanoids
+
 
 class PolicyController:
     """Walks by a learned policy: joint targets from a network, torques from a PD law.
@@ -119,6 +121,11 @@ class PolicyController:
                 stacklevel=2,
             )
 
+    @property
+    def gait_cycle(self) -> float:
+        """Time over which disturbances are spread, s; a network does not tell its steps."""
+        return _GAIT_CYCLE
+
     def reset(self, state: State) -> None:
         """Start anew: the network is evaluated in the next tick, with no memory.
 
@@ -182,14 +189,14 @@ class PolicyController:
         self._target[joints] = np.minimum(np.maximum(target, low), high)
 
 
-def load_policy(folder: Path | str, robot: Robot, dt: float = 0.002) -> PolicyController:
-    """Return the controller of a policy in a folder.
+def load_policy(robot: Robot, dt: float = 0.002, *, folder: Path | str) -> PolicyController:
+    """Return the controller of a policy in a folder; a `ControllerFactory` with its folder bound.
 
     Args:
-        folder: folder with `deploy.yaml` and `policy.onnx`, or with these as
-            `params/deploy.yaml` and `exported/policy.onnx`.
         robot: the robot.
         dt: control period, s.
+        folder: folder with `deploy.yaml` and `policy.onnx`, or with these as
+            `params/deploy.yaml` and `exported/policy.onnx`.
 
     Raises:
         PolicyError: a file is missing, cannot be read or does not fit the others or the robot.
