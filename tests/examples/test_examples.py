@@ -30,6 +30,7 @@ SAYS = {
     "15_own_contact": "with 22 rows: ok",
     "16_own_solver": "own solver: ok",
     "19_own_planner": "survived",
+    "20_trials": "upright against walker: ",
 }
 
 

@@ -35,7 +35,7 @@ _SUBCOMMANDS = {
 _EPILOG = """\
 exit codes:
   0    the robot survived, the model is sound, the logs are equal
-  1    the robot fell, the model has errors, the logs differ
+  1    the robot fell, the model has errors, the logs differ, the second results are worse
   2    bad usage or bad input
   3    the report or a file could not be written
   70   an error in wbc itself

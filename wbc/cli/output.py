@@ -36,11 +36,11 @@ class OutputError(WbcError):
 
 
 @contextlib.contextmanager
-def writing_results() -> Iterator[None]:
-    """Raise the errors of the block as `OutputError`."""
+def writing_results(kind: type[WbcError] = WbcError) -> Iterator[None]:
+    """Raise the errors of a kind in the block as `OutputError`."""
     try:
         yield
-    except WbcError as error:
+    except kind as error:
         raise OutputError(str(error)) from error
 
 

@@ -2,36 +2,20 @@
 
 from __future__ import annotations
 
-import contextlib
-import signal
-from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
-from wbc.cli.argument_types import Argument, OutputFile, positive_number
+from wbc.cli.argument_types import Argument
 from wbc.cli.exit_code import ExitCode
-from wbc.cli.interrupt import graceful_interrupt
-from wbc.cli.output import OutputError, writing_results
+from wbc.cli.output import writing_results
 from wbc.cli.parser import Function, Parser, set_command
-from wbc.cli.progress import ProgressLine
 from wbc.cli.tour import tour
-from wbc.cli.trials_tables import (
-    change_table,
-    comparison_table,
-    rates_table,
-    survival_table,
-    undisturbed_table,
-    verdict,
-)
+from wbc.cli.trials_run import run
+from wbc.cli.trials_tables import change_table, comparison_table, results_text, verdict
+from wbc.cli.trials_tune import tune
 from wbc.trials.comparison import compare as compare_results
-from wbc.trials.controllers import ControllerSpec
-from wbc.trials.errors import ResultsError
-from wbc.trials.grid_file import read_grid
 from wbc.trials.plots import plot_results
-from wbc.trials.results import Results, read_results
-from wbc.trials.runner import GridProgress, run_grid
-from wbc.trials.workers import Workers, dask_workers, local_workers
+from wbc.trials.results import read_results
 
 #: The verb that runs when the first argument is none.
 DEFAULT_VERB = "run"
@@ -45,60 +29,10 @@ noisy sensors and the estimator in the loop, on all cores or on a Dask cluster.
   wbc trials plot GRID.parquet    draw the push map and the survival rates
   wbc trials compare A.parquet B.parquet
                                   compare two results trial by trial, with a verdict
+  wbc trials tune GRID.toml --parameters FILE --budget 30
+                                  search the parameters that survive most
   wbc trials tour                 walk to places under punches, beside published policies
 """
-
-
-def run(
-    grid: Path,
-    *,
-    output: OutputFile | None = None,
-    workers: Annotated[int | None, Argument("N", positive_number)] = None,
-    cluster: Annotated[str | None, Argument("ADDRESS")] = None,
-    policy: Path | None = None,
-    restart: bool = False,
-    rates: bool = False,
-) -> ExitCode:
-    """Run the trials of a grid that have no result yet, and print what was survived.
-
-    Every finished trial is kept: Ctrl-C ends the run after the trials that have begun, and the same
-    command goes on with what is left. Results do not depend on the number of workers.
-
-    Args:
-        grid: grid of trials, a TOML file; benchmarks/grids contains examples.
-        output: Parquet file of the results (default: the grid's name with .parquet, here).
-        workers: number of processes (default: one per core).
-        cluster: address of a Dask scheduler whose workers run the trials, e.g. tcp://host:8786.
-        policy: folder of a learned policy, which is run besides the controllers of the grid.
-        restart: discard earlier results of the output.
-        rates: print survival rates with their confidence intervals too.
-    """
-    declared = read_grid(grid)
-    if policy is not None:
-        spec = ControllerSpec("policy", "policy", {"folder": str(policy.expanduser().resolve())})
-        declared = replace(declared, controllers=(*declared.controllers, spec))
-    path = output or Path(f"{grid.stem}.parquet")
-    pool = dask_workers(cluster) if cluster is not None else local_workers(workers)
-    with _stop_on_signal() as received, ProgressLine(period=10.0) as line, pool as available:
-        progress = _Progress(line, available, path)
-        try:
-            results = run_grid(
-                declared,
-                path,
-                available,
-                restart=restart,
-                progress=progress.show,
-                stopped=lambda: bool(received),
-            )
-        except ResultsError as error:
-            raise OutputError(str(error)) from error
-    if received:
-        left = progress.total - len(results.rows)
-        line.print(f"stopped: {left} of {progress.total} are left; the same command goes on")
-        return ExitCode.INTERRUPTED
-    _print(results, rates)
-    print(f"\n{path.resolve()}")
-    return ExitCode.SUCCESS
 
 
 def show(results: Path, *, rates: bool = False) -> None:
@@ -108,7 +42,7 @@ def show(results: Path, *, rates: bool = False) -> None:
         results: Parquet file that `wbc trials` has written.
         rates: print survival rates with their confidence intervals too.
     """
-    _print(read_results(results), rates)
+    print(results_text(read_results(results), rates))
 
 
 def plot(
@@ -158,68 +92,12 @@ def compare(
     return ExitCode.FAILED if comparison.any_worse else ExitCode.SUCCESS
 
 
-def _print(results: Results, rates: bool) -> None:
-    grid = results.grid
-    print(
-        f"{grid.name}: largest {grid.disturbance.kind}, {grid.disturbance.unit}, that is survived "
-        f"in at least 95 % of {grid.phases} phases × {len(grid.seeds)} seeds, as all smaller ones "
-        "are; + where it is the largest that was tried\n"
-    )
-    print(survival_table(results))
-    if rates:
-        print(f"\n{rates_table(results)}")
-    print(f"\nundisturbed\n\n{undisturbed_table(results.runs)}")
-    crashed = [row for row in results.trials if row.crashed]
-    if crashed:
-        print(f"\n{len(crashed)} trials ended with an error, e.g. {crashed[0].reason}")
-
-
-class _Progress:
-    """Shows how far a grid has got."""
-
-    def __init__(self, line: ProgressLine, workers: Workers, path: Path) -> None:
-        self._line, self._workers, self._path = line, workers, path
-        self.total = 0
-
-    def show(self, progress: GridProgress) -> None:
-        """Show the progress."""
-        if not self.total:
-            self.total = progress.total
-            left = progress.total - progress.finished
-            self._line.print(
-                f"{progress.finished} of {progress.total} results are in {self._path}; "
-                f"{left} left, on {self._workers.name}"
-            )
-        share = progress.finished / progress.total
-        text = f"{progress.finished}/{progress.total} ({share:.0%})"
-        if progress.remaining is not None:
-            text += f", {_duration(progress.remaining)} left"
-        self._line.show(text, progress.elapsed)
-
-
-def _duration(seconds: float) -> str:
-    minutes = round(seconds / 60.0)
-    if seconds < 90.0:
-        return f"{seconds:.0f} s"
-    return f"{minutes} min" if minutes < 90 else f"{minutes / 60.0:.1f} h"
-
-
-@contextlib.contextmanager
-def _stop_on_signal() -> Iterator[list[int]]:
-    """Yield a list that is not empty once Ctrl-C was pressed or SIGTERM came."""
-    with graceful_interrupt() as received:
-        previous = signal.signal(signal.SIGTERM, lambda number, _: received.append(number))
-        try:
-            yield received
-        finally:
-            signal.signal(signal.SIGTERM, previous)
-
-
 VERBS: dict[str, Function] = {
     "run": run,
     "show": show,
     "plot": plot,
     "compare": compare,
+    "tune": tune,
     "tour": tour,
 }
 

@@ -10,7 +10,33 @@ from wbc.trials.comparison import Comparison
 from wbc.trials.disturbance import direction_name
 from wbc.trials.result import TrialResult
 from wbc.trials.results import Results
-from wbc.trials.survival import Case, Survival, differing_fields, survival_rates
+from wbc.trials.survival import REQUIRED_SHARE, Case, Survival, differing_fields, survival_rates
+
+
+def results_text(results: Results, rates: bool) -> str:
+    """Return all tables of the results of a grid.
+
+    Args:
+        results: the results.
+        rates: survival rates with their confidence intervals too.
+    """
+    grid = results.grid
+    seeds = f"{len(grid.seeds)} seed{'s' if len(grid.seeds) > 1 else ''}"
+    parts = [
+        paragraph(
+            f"{grid.name}: largest {grid.disturbance.kind}, {grid.disturbance.unit}, that is "
+            f"survived in at least {100 * REQUIRED_SHARE:.0f} % of {grid.phases} phases × {seeds}, "
+            "as all smaller ones are; + where it is the largest that was tried"
+        ),
+        survival_table(results),
+        *([rates_table(results)] if rates else []),
+        "undisturbed",
+        undisturbed_table(results.runs),
+    ]
+    crashed = [row for row in results.trials if row.crashed]
+    if crashed:
+        parts.append(f"{len(crashed)} trials ended with an error, e.g. {crashed[0].reason}")
+    return "\n\n".join(parts)
 
 
 def survival_table(results: Results) -> str:
@@ -54,7 +80,7 @@ def rates_table(results: Results) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class _Column:
+class _RunFigure:
     """A figure of undisturbed runs.
 
     Attributes:
@@ -69,13 +95,13 @@ class _Column:
 
 
 _UNDISTURBED = (
-    _Column("steps/s", ".2f", lambda r: _per_second(r.steps, r)),
-    _Column("m/s", ".3f", lambda r: _per_second(r.distance_m, r)),
-    _Column("cost of transport", ".3f", lambda r: r.cost_of_transport),
-    _Column("rms N·m", ".1f", lambda r: r.torque_rms_nm),
-    _Column("peak torque", ".0%", lambda r: r.torque_peak),
-    _Column("landing/weight", ".2f", lambda r: r.landing_force_peak),
-    _Column("velocity error m/s", ".4f", lambda r: r.velocity_error_rms_m_s),
+    _RunFigure("steps/s", ".2f", lambda r: _per_second(r.steps, r)),
+    _RunFigure("m/s", ".3f", lambda r: _per_second(r.distance_m, r)),
+    _RunFigure("cost of transport", ".3f", lambda r: r.cost_of_transport),
+    _RunFigure("rms N·m", ".1f", lambda r: r.torque_rms_nm),
+    _RunFigure("peak torque", ".0%", lambda r: r.torque_peak),
+    _RunFigure("landing/weight", ".2f", lambda r: r.landing_force_peak),
+    _RunFigure("velocity error m/s", ".4f", lambda r: r.velocity_error_rms_m_s),
 )
 
 
@@ -142,7 +168,7 @@ def change_table(first: Results, second: Results) -> str:
     return table(head, rows, right=range(len(fields), len(head)))
 
 
-def _change(column: _Column, before: list[TrialResult], after: list[TrialResult]) -> str:
+def _change(column: _RunFigure, before: list[TrialResult], after: list[TrialResult]) -> str:
     old, new = (_mean(map(column.value, group)) for group in (before, after))
     return "–" if not old or new is None else f"{100.0 * (new / old - 1.0):+.1f} %"
 

@@ -36,6 +36,11 @@ from .survival import Case as Case
 from .survival import Survival as Survival
 from .survival import SurvivalRate as SurvivalRate
 from .survival import survival_rates as survival_rates
+from .tuning import ParameterRange as ParameterRange
+from .tuning import TuningResult as TuningResult
+from .tuning import TuningSpace as TuningSpace
+from .tuning import read_tuning_space as read_tuning_space
+from .tuning import tune as tune
 from .walking_trial import run_scenario as run_scenario
 from .workers import Workers as Workers
 from .workers import dask_workers as dask_workers

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
+import importlib.util
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from wbc.errors import WbcError, did_you_mean
 from wbc.gait import GaitParameters
 from wbc.robot import Robot
 from wbc.runtime.protocols import ControllerFactory
+from wbc.trials.digest import path_digest
 from wbc.trials.errors import TrialError
 from wbc.trials.policy import load_policy
 from wbc.walking import Walker
@@ -37,6 +42,15 @@ class ControllerSpec:
     def __post_init__(self) -> None:
         if not self.name:
             object.__setattr__(self, "name", self.factory)
+
+    def content(self) -> dict[str, Any]:
+        """Return all that decides how it behaves: the name left out, files by their content."""
+        module, colon, _ = self.factory.partition(":")
+        return {
+            "factory": self.factory,
+            "source": _source_digest(module) if colon else "",
+            "options": _without_paths(self.options),
+        }
 
     def resolve(self) -> ControllerFactory:
         """Return the factory, with its options bound.
@@ -77,6 +91,27 @@ class ControllerSpec:
         return factory
 
 
+@functools.lru_cache
+def _source_digest(module: str) -> str:
+    """Return a digest of a module's file; an empty text if it has none."""
+    found = sys.modules.get(module)
+    try:
+        spec = None if found is not None else importlib.util.find_spec(module)
+    except (ImportError, ValueError):
+        return ""
+    path = getattr(found, "__file__", None) or (spec.origin if spec is not None else None)
+    return path_digest(path) if path is not None and Path(path).is_file() else ""
+
+
+def _without_paths(value: Any) -> Any:
+    """Return options with the digest of what is there in place of each existing path."""
+    if isinstance(value, Mapping):
+        return {key: _without_paths(one) for key, one in value.items()}
+    if isinstance(value, str) and "/" in value and Path(value).exists():
+        return path_digest(value)
+    return value
+
+
 def make_walker(
     robot: Robot,
     dt: float,
@@ -85,6 +120,7 @@ def make_walker(
     gains: Mapping[str, float] | None = None,
     recovery: bool = True,
     recovery_gait: Mapping[str, float] | None = None,
+    planner: str | None = None,
     solver: str | None = None,
 ) -> Walker:
     """Return a walker with some parameters changed.
@@ -96,6 +132,7 @@ def make_walker(
         gains: values of `WalkerGains` in place of the defaults.
         recovery: whether quick steps catch a push.
         recovery_gait: values of `GaitParameters` in place of those of `for_recovery`.
+        planner: name of the planner.
         solver: name of the QP solver.
 
     Raises:
@@ -109,6 +146,7 @@ def make_walker(
         gait=normal,
         recovery_gait=_changed(quick, recovery_gait, "recovery_gait"),
         gains=_changed(WalkerGains(), gains, "gains"),
+        planner=planner,
         solver=solver,
     )
 

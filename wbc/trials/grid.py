@@ -40,7 +40,7 @@ class RobotCases:
             raise TrialError(f"robot '{self.robot}': velocities must be finite")
         object.__setattr__(self, "velocities", velocities)
         if self.sizes is not None:
-            _check_sizes(self.sizes)
+            object.__setattr__(self, "sizes", _checked_sizes(self.sizes))
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Grid:
         for name in ("robots", "sizes", "controllers", "conditions", "directions", "seeds"):
             if not getattr(self, name):
                 raise TrialError(f"grid '{self.name}': {name} is empty")
-        _check_sizes(self.sizes)
+        object.__setattr__(self, "sizes", _checked_sizes(self.sizes))
         entries: tuple[tuple[str, list[Any]], ...] = (
             ("controllers", [c.name for c in self.controllers]),
             ("conditions", [c.name for c in self.conditions]),
@@ -127,8 +127,10 @@ class Grid:
             yield Trial(run, phase, self.disturbance, degrees, size, self.duration)
 
 
-def _check_sizes(sizes: tuple[float, ...]) -> None:
+def _checked_sizes(sizes: tuple[float, ...]) -> tuple[float, ...]:
+    """Return sizes as floats, so that 1 and 1.0 are the same trial."""
     if not all(math.isfinite(size) and size > 0.0 for size in sizes):
         raise TrialError(f"sizes = {list(sizes)} must be positive numbers")
     if len(set(sizes)) < len(sizes):
         raise TrialError(f"sizes = {list(sizes)} has a size more than once")
+    return tuple(float(size) for size in sizes)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import wbc
+from wbc.robot.registry import data_file_folder
+from wbc.trials.digest import path_digest, text_digest
 
 
 @dataclass(frozen=True)
@@ -16,7 +17,7 @@ class Provenance:
 
     Attributes:
         wbc: version of this library.
-        source: digest of this library's Python files, which also tells edited ones apart.
+        source: digest of this library's Python and robot files, which tells edited ones apart.
         pinocchio: version, likewise of the other packages.
     """
 
@@ -56,8 +57,5 @@ def _version(package: str) -> str:
 
 
 def _source_digest() -> str:
-    folder, digest = Path(wbc.__file__).parent, hashlib.blake2b(digest_size=8)
-    for path in sorted(folder.rglob("*.py")):
-        digest.update(path.relative_to(folder).as_posix().encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
+    code = path_digest(Path(wbc.__file__).parent, ("*.py",))
+    return text_digest(code + path_digest(data_file_folder(), ("*.toml", "*.urdf", "*.srdf")))

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from wbc.trials.condition import Condition
 from wbc.trials.controllers import ControllerSpec
+from wbc.trials.digest import path_digest, text_digest
 from wbc.trials.disturbance import Disturbance
 
 Velocity = tuple[float, float, float]
@@ -46,7 +47,9 @@ class UndisturbedRun:
 
     def _content(self) -> dict[str, Any]:
         content = asdict(self)
-        content["controller"].pop("name")
+        content["controller"] = self.controller.content()
+        if Path(self.robot).is_file():
+            content["robot"] = path_digest(self.robot)
         # Without defaults, a new kind of condition leaves the keys of all other trials alone.
         nominal = asdict(Condition(self.condition.name))
         condition = content["condition"]
@@ -90,5 +93,4 @@ class Trial:
 
 
 def _key(content: dict[str, Any]) -> str:
-    text = json.dumps(content, sort_keys=True)
-    return hashlib.blake2b(text.encode(), digest_size=12).hexdigest()
+    return text_digest(json.dumps(content, sort_keys=True))
