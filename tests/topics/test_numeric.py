@@ -7,6 +7,7 @@ import wbc
 from wbc.messages import message_type
 from wbc.runtime.stream import TickStream
 from wbc.topics import BatchMaker, NumericTopic, TickBatch
+from wbc.topics.batch import BatchKinematics
 
 Point = message_type("geometry_msgs/msg/PointStamped")
 
@@ -15,19 +16,20 @@ def batch_of(points, period=0.002):
     """Return a batch whose CoM is given for each tick."""
     stamps = 1_500_000_000 + np.arange(len(points)) * round(1e9 * period)
     points = np.array(points, float)
-    return TickBatch(np.zeros(len(points)), stamps, {}, points, points)
+    kinematics = BatchKinematics({}, points, points)
+    return TickBatch(np.zeros(len(points)), stamps, lambda: kinematics)
 
 
 def point_topic(period=0.0):
     message = Point()
     message.header.frame_id = "odom"
-    return NumericTopic("com", message, lambda batch: {"point": batch.com}, period)
+    return NumericTopic("com", message, lambda batch: {"point": batch.kinematics.com}, period)
 
 
 def test_a_message_has_the_values_the_stamp_and_the_frame():
-    (first, second) = point_topic().messages(batch_of([(1, 2, 3), (4, np.nan, 6)]))
-    assert (first.tick, second.tick) == (0, 1)
-    message = Point.decode(second.data)
+    ((ticks, data),) = point_topic().messages(batch_of([(1, 2, 3), (4, np.nan, 6)]))
+    assert ticks.tolist() == [0, 1]
+    message = Point.decode(data[1])
     assert (message.point.x, message.point.z) == (4.0, 6.0)
     assert np.isnan(message.point.y)
     assert (message.header.stamp.sec, message.header.stamp.nanosec) == (1, 502_000_000)
@@ -36,8 +38,8 @@ def test_a_message_has_the_values_the_stamp_and_the_frame():
 
 def test_ticks_at_which_all_values_are_unknown_have_no_message():
     unknown = (np.nan,) * 3
-    found = point_topic().messages(batch_of([unknown, (1, 2, 3), unknown]))
-    assert [message.tick for message in found] == [1]
+    ((found, _),) = point_topic().messages(batch_of([unknown, (1, 2, 3), unknown]))
+    assert found.tolist() == [1]
     assert point_topic().messages(batch_of([unknown])) == []
 
 
@@ -46,7 +48,8 @@ def test_a_topic_with_a_period_keeps_it_over_batches():
     ticks = []
     for start in range(0, 50, 7):
         chosen = np.arange(start, min(start + 7, 50))
-        ticks += [start + message.tick for message in topic.messages(every.select(chosen))]
+        for found, _ in topic.messages(every.select(chosen)):
+            ticks += [start + tick for tick in found.tolist()]
     assert ticks == list(range(0, 50, 5))
 
 

@@ -11,18 +11,23 @@ them (`rosbag2_storage_mcap`).
 from __future__ import annotations
 
 import os
+import zlib
 from collections.abc import Sequence
-from operator import itemgetter
 from pathlib import Path
 
-from mcap.writer import Writer
+import zstandard
+from mcap import records
+from mcap.data_stream import RecordBuilder
+from mcap.writer import MCAP0_MAGIC
 
 import wbc
+from wbc.log.message_chunk import MessageChunk
 from wbc.log.metadata import Metadata
+from wbc.log.summary import Summary
 from wbc.messages import message_type
 from wbc.topics import LatchedTopic, MessageTopic, TickBatch
 
-_CHUNK_SIZE = 1 << 24  # bytes; chunks end by `commit`, and by their size only after a long delay
+_LEVEL = 3  # of zstandard
 _QOS = (
     "- history: 1\n  depth: {depth}\n  reliability: 1\n  durability: {durability}\n"
     "  deadline:\n    sec: 2147483647\n    nsec: 4294967295\n"
@@ -46,30 +51,33 @@ class McapFile:
     def __init__(self, path: Path) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         self._file = path.open("wb")
-        self._writer = Writer(self._file, chunk_size=_CHUNK_SIZE)
+        self._size = 0
+        self._compressor = zstandard.ZstdCompressor(level=_LEVEL)
+        self._chunk = MessageChunk()
+        self._summary = Summary()
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
-        self._writer.start("ros2", f"wbc {wbc.__version__}")
+        self._write(MCAP0_MAGIC)
+        self._write_record(records.Header("ros2", f"wbc {wbc.__version__}"))
         self.commit()
 
     def add(self, metadata: Metadata) -> None:
         """Write metadata and attachments."""
         for name, table in metadata.tables.items():
-            self._writer.add_metadata(name, {key: _utf8(value) for key, value in table.items()})
+            values = {key: _utf8(value) for key, value in table.items()}
+            one = records.Metadata(name=name, metadata=values)
+            self._summary.add_metadata(one, *self._write_record(one))
         for name, content in metadata.files.items():
             kind = "application/json" if name.endswith(".json") else "text/plain"
-            self._writer.add_attachment(0, 0, name, kind, content.encode())
+            attachment = records.Attachment(0, 0, name, kind, content.encode())
+            self._summary.add_attachment(attachment, *self._write_record(attachment))
 
     def write(self, batch: TickBatch, topics: Sequence[MessageTopic]) -> None:
         """Append the messages of a batch to the current chunk, in order of time."""
-        stamps = batch.stamps.tolist()
-        messages = [
-            (tick, self._channel(topic), data)
-            for topic in topics
-            for tick, data in topic.messages(batch)
+        blocks = [
+            (self._channel(topic), block) for topic in topics for block in topic.messages(batch)
         ]
-        for tick, channel, data in sorted(messages, key=itemgetter(0)):
-            self._writer.add_message(channel, stamps[tick], data, stamps[tick])
+        self._chunk.add_messages(batch.stamps, blocks)
 
     def commit(self) -> None:
         """End the chunk and write it to the disk.
@@ -77,7 +85,10 @@ class McapFile:
         Raises:
             OSError: Writing failed; the file may end with a part of the chunk.
         """
-        self._writer.flush()
+        if self._chunk.counts:
+            chunk, self._chunk = self._chunk, MessageChunk()
+            self._write_chunk(chunk)
+        self._file.flush()
         getattr(os, "fdatasync", os.fsync)(self._file.fileno())
 
     def finish(self) -> None:
@@ -86,7 +97,8 @@ class McapFile:
         Raises:
             OSError: Writing failed.
         """
-        self._writer.finish()
+        self.commit()
+        self._write(self._summary.encode(self._size))
         self._file.close()
 
     def close(self) -> None:
@@ -97,23 +109,65 @@ class McapFile:
         """
         self._file.close()
 
+    def _write_chunk(self, chunk: MessageChunk) -> None:
+        """Write a chunk and the indices of its messages."""
+        content = chunk.records()
+        first, last = chunk.span()
+        record = records.Chunk(
+            compression="zstd",
+            data=self._compressor.compress(content),
+            message_start_time=first,
+            message_end_time=last,
+            uncompressed_crc=zlib.crc32(content),
+            uncompressed_size=len(content),
+        )
+        index = self._summary.add_chunk(record, *self._write_record(record), chunk.counts)
+        for channel, data in chunk.message_indices().items():
+            index.message_index_offsets[channel], length = self._write(data)
+            index.message_index_length += length
+
+    def _write_record(self, record: records.McapRecord) -> tuple[int, int]:
+        builder = RecordBuilder()
+        record.write(builder)
+        return self._write(builder.end())
+
+    def _write(self, data: bytes) -> tuple[int, int]:
+        """Write bytes; return their offset and their number."""
+        start = self._size
+        self._file.write(data)
+        self._size += len(data)
+        return start, len(data)
+
     def _channel(self, topic: MessageTopic) -> int:
         """Return the number of a topic's channel, which is registered at its first message."""
         if topic.name not in self._channels:
             durability, depth = (1, 1) if isinstance(topic, LatchedTopic) else (2, 10)
-            metadata = {
-                "offered_qos_profiles": _QOS.format(durability=durability, depth=depth),
-                "topic_type_hash": message_type(topic.type_name).type_hash(),
-            }
-            self._channels[topic.name] = self._writer.register_channel(
-                "/" + topic.name.lstrip("/"), "cdr", self._schema(topic.type_name), metadata
+            channel = records.Channel(
+                id=len(self._channels) + 1,
+                topic="/" + topic.name.lstrip("/"),
+                message_encoding="cdr",
+                schema_id=self._schema(topic.type_name),
+                metadata={
+                    "offered_qos_profiles": _QOS.format(durability=durability, depth=depth),
+                    "topic_type_hash": message_type(topic.type_name).type_hash(),
+                },
             )
+            self._channels[topic.name] = channel.id
+            self._summary.channels[channel.id] = channel
+            self._chunk.add_record(channel)
         return self._channels[topic.name]
 
     def _schema(self, type_name: str) -> int:
         if type_name not in self._schemas:
-            text = message_type(type_name).schema().encode()
-            self._schemas[type_name] = self._writer.register_schema(type_name, "ros2msg", text)
+            schema = records.Schema(
+                id=len(self._schemas) + 1,
+                name=type_name,
+                encoding="ros2msg",
+                data=message_type(type_name).schema().encode(),
+            )
+            self._schemas[type_name] = schema.id
+            self._summary.schemas[schema.id] = schema
+            self._chunk.add_record(schema)
         return self._schemas[type_name]
 
 

@@ -21,11 +21,11 @@ from wbc.log.robot_info import RobotInfo
 from wbc.log.status import LogStatus
 from wbc.process import ParentConnection
 from wbc.runtime.mode import Mode
-from wbc.runtime.schema import Schema, columns_to_json
+from wbc.runtime.schema import columns_to_json
 from wbc.runtime.stream import TickReader
-from wbc.topics import BatchMaker, CommandedWrenchTopics, MessageTopic, tick_topics
+from wbc.topics import BatchMaker, StreamTopics
 
-_PAUSE = 0.1  # s, between two polls for new ticks
+_PAUSE = 0.2  # s, between two polls for new ticks
 _CHUNK = 0.4  # s, between the ends of two chunks
 _BATCH = 256  # largest number of ticks per batch
 _NICENESS = 5  # lower priority than the control loop
@@ -43,7 +43,7 @@ class LogWriter:
     """
 
     def __init__(self, config: LogConfig) -> None:
-        robot = self._robot = config.robot
+        robot = config.robot
         self._file = McapFile(config.path)
         info = RobotInfo.of(robot).to_json()
         self._file.add(Metadata({"versions": versions()}, {"robot.json": info}))
@@ -51,9 +51,8 @@ class LogWriter:
         self._reader = TickReader()
         self._metadata: queue.SimpleQueue[Metadata] = queue.SimpleQueue()
         self._batches = BatchMaker(robot)
-        self._topics: list[MessageTopic] = []
-        self._schema = self._reader.schema
-        self._wrench_topics = CommandedWrenchTopics()
+        self._topics = StreamTopics(robot)
+        self._add_quantities()
         self._ticks = 0
         self._due = self._longest = 0.0
 
@@ -64,8 +63,8 @@ class LogWriter:
         else:
             self._reader.on_message(message)
 
-    def advance(self) -> bool:
-        """Write new metadata and a batch of the new ticks; return False if there are no ticks.
+    def advance(self) -> int:
+        """Write new metadata and a batch of the new ticks; return the number of these ticks.
 
         Raises:
             OSError: The file cannot be written.
@@ -73,12 +72,11 @@ class LogWriter:
         while not self._metadata.empty():
             self._file.add(self._metadata.get())
         records = self._reader.take(_BATCH)
-        if self._reader.schema is not self._schema:
-            self._begin_stream(self._reader.schema)
         if len(records):
+            if self._topics.attach(self._reader.schema):
+                self._add_quantities()
             running = records[records["mode"] == Mode.RUNNING]
-            self._topics += self._wrench_topics.new_in(running)
-            self._file.write(self._batches.batch(running), self._topics)
+            self._file.write(self._batches.batch(running), self._topics.topics_of(running))
             self._ticks += len(running)
             self._status.dropped = self._reader.lost
         start = time.monotonic()
@@ -86,13 +84,12 @@ class LogWriter:
             self._due = start + _CHUNK
             self._file.commit()
             self._longest = max(self._longest, time.monotonic() - start)
-        return len(records) > 0
+        return len(records)
 
-    def _begin_stream(self, schema: Schema) -> None:
-        """Prepare the topics of another stream and describe its quantities."""
-        self._schema, self._wrench_topics = schema, CommandedWrenchTopics()
-        self._topics = tick_topics(schema, self._robot)
-        self._file.add(Metadata({}, {"quantities.json": columns_to_json(schema.columns)}))
+    def _add_quantities(self) -> None:
+        """Describe the quantities of the ticks."""
+        columns = columns_to_json(self._topics.schema.columns)
+        self._file.add(Metadata({}, {"quantities.json": columns}))
 
     def finish(self) -> None:
         """Write the remaining ticks and the end of the file.
@@ -130,7 +127,7 @@ def serve(parent: ParentConnection) -> int:
     parent.listen(writer.on_message)
     try:
         while not parent.gone:
-            if not writer.advance():
+            if writer.advance() < _BATCH:
                 parent.wait(_PAUSE)
         parent.wait(_PAUSE)  # the parent's last message may still be in transit
         writer.finish()

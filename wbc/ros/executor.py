@@ -60,9 +60,11 @@ class Executor:
     """
 
     def __init__(self, participant: Any) -> None:
-        from cyclonedds.core import WaitSet
+        from cyclonedds.core import GuardCondition, WaitSet
 
         self._wait_set: Any = WaitSet(participant)
+        # A wait set to which nothing is attached does not wait.
+        self._wait_set.attach(GuardCondition(participant))
         self._waitables: list[Waitable] = []
         self._timers: list[Timer] = []
         self._open = True

@@ -91,11 +91,11 @@ def contact_wrenches_of(record: Any) -> dict[str, np.ndarray]:
 
 def contact_plan_of(record: Any) -> ContactPlan:
     """Return the contact plan in a record."""
-    steps = _used(record["footsteps"])
+    steps = used_rows(record["footsteps"])
     return ContactPlan(
-        support=_used(record["support"]),
+        support=used_rows(record["support"]),
         footsteps=tuple(Footstep(SIDES[int(row[0])], row[1:4], float(row[4])) for row in steps),
-        swing_path=_used(record["swing_path"]),
+        swing_path=used_rows(record["swing_path"]),
     )
 
 
@@ -105,6 +105,7 @@ def text_of(record: Any) -> str:
     return data.decode("utf-8", "ignore")
 
 
-def _used(rows: np.ndarray) -> np.ndarray:
+def used_rows(rows: np.ndarray) -> np.ndarray:
+    """Return the rows of a varying field that are used."""
     used: np.ndarray = rows[~np.isnan(rows[:, 0])]
     return used

@@ -5,24 +5,19 @@ The log and the ROS 2 node publish the same topics, from the same declarations: 
 """
 
 from wbc.topics.batch import BatchMaker, TickBatch
-from wbc.topics.catalogue import (
-    CommandedWrenchTopics,
-    column_fields,
-    latched_topics,
-    tick_topics,
-)
+from wbc.topics.catalogue import column_fields, tick_topics
 from wbc.topics.numeric import NumericTopic
-from wbc.topics.topic import LatchedTopic, MessageTopic, TopicMessage
+from wbc.topics.stream_topics import StreamTopics
+from wbc.topics.topic import LatchedTopic, MessageBlock, MessageTopic
 
 __all__ = [
     "BatchMaker",
-    "CommandedWrenchTopics",
     "LatchedTopic",
+    "MessageBlock",
     "MessageTopic",
     "NumericTopic",
+    "StreamTopics",
     "TickBatch",
-    "TopicMessage",
     "column_fields",
-    "latched_topics",
     "tick_topics",
 ]

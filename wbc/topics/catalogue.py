@@ -9,13 +9,13 @@ import numpy as np
 
 from wbc.messages import Message, message_type
 from wbc.robot import Robot
-from wbc.runtime.record import contact_names, text_of
+from wbc.runtime.record import text_of
 from wbc.runtime.schema import ODOM, Column, Schema
 from wbc.topics.batch import TickBatch
 from wbc.topics.contact_plan import contact_plan_topics
 from wbc.topics.link_transforms import fixed_link_transforms, moving_link_transforms
 from wbc.topics.numeric import NumericTopic
-from wbc.topics.topic import LatchedTopic, MessageTopic, TopicMessage, topic_name
+from wbc.topics.topic import LatchedTopic, MessageBlock, MessageTopic, topic_name
 
 _BASE_POSE, _BASE_TWIST, _ALL = slice(0, 7), slice(0, 6), slice(None)
 _JOINTS_Q, _JOINTS_V = slice(7, None), slice(6, None)
@@ -68,35 +68,22 @@ def tick_topics(schema: Schema, robot: Robot, period: float = 0.02) -> list[Mess
     return [
         *_composite_topics(schema, robot, 0.5 * period),
         *(_quantity_topic(column) for column in schema.columns if column.message != "composite"),
-        _point_topic("balance/cop", lambda batch: batch.cop),
+        _point_topic("balance/cop", lambda batch: batch.kinematics.cop),
         *(_sole_pose_topic(sole.name, period) for sole in robot.soles),
         *contact_plan_topics(),
         moving_link_transforms(robot, period),
-        *latched_topics(robot),
+        *_latched_topics(robot),
     ]
 
 
-def latched_topics(robot: Robot) -> list[LatchedTopic]:
+def _latched_topics(robot: Robot) -> list[LatchedTopic]:
     """Return the latched topics, whose single message describes the robot."""
     urdf = robot.urdf_path.read_text("utf-8", "replace").replace("\0", "")
     description = message_type("std_msgs/msg/String")(data=urdf)
     return [fixed_link_transforms(robot), LatchedTopic("robot_description", description)]
 
 
-class CommandedWrenchTopics:
-    """The topics of the commanded wrenches, one for each contact that has had a wrench."""
-
-    def __init__(self) -> None:
-        self._contacts: set[str] = set()
-
-    def new_in(self, records: np.ndarray) -> list[NumericTopic]:
-        """Return the topics of the contacts that appear for the first time in records, (n,)."""
-        new = sorted(contact_names(records) - self._contacts)
-        self._contacts.update(new)
-        return [_commanded_wrench(contact) for contact in new]
-
-
-def _commanded_wrench(contact: str) -> NumericTopic:
+def commanded_wrench_topic(contact: str) -> NumericTopic:
     """Return the topic of the commanded wrench from the environment on the robot at a contact."""
 
     def values(batch: TickBatch) -> dict[str, np.ndarray]:
@@ -168,7 +155,7 @@ def _quantity_topic(column: Column) -> NumericTopic:
     """Return the topic of a quantity that has a topic of its own."""
     name = _column_topic(column)
     if column.name == "com":
-        return _point_topic(name, lambda batch: batch.com)
+        return _point_topic(name, lambda batch: batch.kinematics.com)
     if column.message == "point":
         return _point_topic(name, lambda batch: _numbers(column, batch), column.frame)
     if column.message == "wrench":
@@ -195,22 +182,20 @@ def _point_topic(
 def _sole_pose_topic(sole: str, period: float) -> NumericTopic:
     message = _stamped("geometry_msgs/msg/PoseStamped", ODOM)
     name = topic_name("sole_pose", sole)
-    return NumericTopic(name, message, lambda batch: {"pose": batch.soles[sole]}, period)
+    return NumericTopic(name, message, lambda batch: {"pose": batch.kinematics.soles[sole]}, period)
 
 
 class ControllerStateTopic(NumericTopic):
     """Publishes timing and status of a tick, with the explanation of a failed solve."""
 
-    def messages(self, batch: TickBatch) -> list[TopicMessage]:
+    def messages(self, batch: TickBatch) -> list[MessageBlock]:
         """Return the messages of a batch; see `MessageTopic.messages`."""
-        return [
-            TopicMessage(tick, self._explained(batch.records[tick], data))
-            for tick, data in super().messages(batch)
-        ]
-
-    def _explained(self, record: Any, data: bytes) -> bytes:
-        if record["status"] == 0.0:
-            return data
-        message = message_type(self.type_name).decode(data)
-        message.explanation = text_of(record)
-        return message.encode()
+        blocks = []
+        for ticks, data in super().messages(batch):
+            failed = batch.records["status"][ticks] != 0.0
+            blocks.append(MessageBlock(ticks[~failed], data[~failed]))
+            for index in np.flatnonzero(failed).tolist():
+                message = message_type(self.type_name).decode(data[index])
+                message.explanation = text_of(batch.records[ticks[index]])
+                blocks.append(MessageBlock.of(int(ticks[index]), message.encode()))
+        return [block for block in blocks if len(block.ticks)]

@@ -7,6 +7,7 @@ the base, and the soles as additional frames.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
@@ -66,7 +67,15 @@ class LinkPoses:
 
     def __init__(self, robot: Robot, links: Iterable[Link]) -> None:
         self._model, self._data = robot.model, robot.model.createData()
-        self._frames = [(robot.frame_id(one.parent), robot.frame_id(one.name)) for one in links]
+        # The elements of `liMi` are references, which the forward kinematics updates.
+        of_joints, frames = self._data.liMi, robot.model.frames
+        self._factors: list[tuple[pin.SE3, ...]] = []
+        for link in links:
+            parent, frame = frames[robot.frame_id(link.parent)], frames[robot.frame_id(link.name)]
+            before, after = parent.placement.inverse(), frame.placement
+            constant = [() if x.isIdentity() else (x,) for x in (before, after)]
+            joint = (of_joints[frame.parentJoint],) if link.moves else ()
+            self._factors.append((*constant[0], *joint, *constant[1]))
 
     def at(self, q: np.ndarray) -> np.ndarray:
         """Return translation (m) and quaternion (x y z w) of each link in its parent, shape (n, 7).
@@ -74,11 +83,10 @@ class LinkPoses:
         Args:
             q: Configuration, shape (nq,).
         """
-        placements = self._data.oMf
-        pin.framesForwardKinematics(self._model, self._data, q)
+        pin.forwardKinematics(self._model, self._data, q)
         poses = [
-            pin.SE3ToXYZQUAT(placements[parent].actInv(placements[child]))
-            for parent, child in self._frames
+            pin.SE3ToXYZQUATtuple(one[0] if len(one) == 1 else prod(one, start=pin.SE3.Identity()))
+            for one in self._factors
         ]
         return np.array(poses).reshape(-1, 7)
 
@@ -97,7 +105,7 @@ def moving_link_transforms(robot: Robot, period: float) -> NumericTopic:
         q = batch.records["q"]
         relative = np.array([poses.at(row) for row in q]).reshape(len(q), -1, 7)
         every = np.concatenate((q[:, None, :7], relative), axis=1)
-        return {f"transforms[{i}].transform": every[:, i] for i in range(every.shape[1])}
+        return {"transforms[{}].transform": every}
 
     message = _transforms([(ODOM, robot.base), *((link.parent, link.name) for link in moving)])
     return NumericTopic("/tf", message, values, period)

@@ -6,20 +6,27 @@ import re
 from abc import ABC, abstractmethod
 from typing import NamedTuple
 
+import numpy as np
+
 from wbc.messages import Message
 from wbc.topics.batch import TickBatch
 
 
-class TopicMessage(NamedTuple):
-    """One message of a topic.
+class MessageBlock(NamedTuple):
+    """Serialized messages of one topic that have one size.
 
     Attributes:
-        tick: Index of the record in its batch.
-        data: Message, CDR.
+        ticks: Index of the record of each message in its batch, ascending, shape (n,).
+        data: One message per row, CDR, uint8, shape (n, size).
     """
 
-    tick: int
-    data: bytes
+    ticks: np.ndarray
+    data: np.ndarray
+
+    @staticmethod
+    def of(tick: int, data: bytes) -> MessageBlock:
+        """Return a block of one message."""
+        return MessageBlock(np.array([tick]), np.frombuffer(data, np.uint8)[None, :])
 
 
 class MessageTopic(ABC):
@@ -34,8 +41,8 @@ class MessageTopic(ABC):
         self.name, self.type_name = name, type_name
 
     @abstractmethod
-    def messages(self, batch: TickBatch) -> list[TopicMessage]:
-        """Return the messages of a batch of ticks, in order of time."""
+    def messages(self, batch: TickBatch) -> list[MessageBlock]:
+        """Return the messages of a batch of ticks; those of each block are in order of time."""
 
 
 class LatchedTopic(MessageTopic):
@@ -50,12 +57,12 @@ class LatchedTopic(MessageTopic):
         self.data = message.encode()
         self._sent = False
 
-    def messages(self, batch: TickBatch) -> list[TopicMessage]:
+    def messages(self, batch: TickBatch) -> list[MessageBlock]:
         """Return the message with the first tick; see `MessageTopic.messages`."""
         if self._sent or not len(batch):
             return []
         self._sent = True
-        return [TopicMessage(0, self.data)]
+        return [MessageBlock.of(0, self.data)]
 
 
 def topic_name(*parts: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,28 @@ _ARRAY = message_type("diagnostic_msgs/msg/DiagnosticArray")
 _STATUS = message_type("diagnostic_msgs/msg/DiagnosticStatus")
 _VALUE = message_type("diagnostic_msgs/msg/KeyValue")
 _OK, _WARN, _ERROR = 0, 1, 2
+_SOLVED = STATUSES.index(Status.OK)
+
+
+@dataclass
+class _Window:
+    """What the ticks since the last message took.
+
+    Attributes:
+        times: time of estimator and controller in each tick, s.
+        periods: wall time since the tick before, s.
+        failures: number of ticks in which the QP had no solution.
+    """
+
+    times: list[float] = field(default_factory=list)
+    periods: list[float] = field(default_factory=list)
+    failures: int = 0
+
+    def add(self, tick: StampedTick) -> None:
+        """Add a tick."""
+        self.times.append(float(tick["estimator_time"] + tick["controller_time"]))
+        self.periods.append(float(tick["period"]))
+        self.failures += int(tick["status"] != _SOLVED)
 
 
 class Diagnostics:
@@ -42,23 +65,22 @@ class Diagnostics:
         )
         self._limiter = RateLimiter(1.0 / period.value)
         period.on_change = lambda value: self._limiter.restart(1.0 / value)
-        self._records: list[np.ndarray] = []  # since the last message
+        self._window = _Window()  # since the last message
         self._overruns = 0  # since the start
 
     def on_tick(self, tick: StampedTick) -> None:
         """Process a tick of the loop, and publish the statistics if they are due."""
         if tick.mode is Mode.RUNNING:
-            self._records.append(tick.record)
+            self._window.add(tick)
         if self._limiter.is_due(tick.stamp):
-            records = np.concatenate(self._records) if self._records else tick.record[:0]
-            self._records.clear()
-            message: Any = _ARRAY(status=[self._status(tick, records)])
+            window, self._window = self._window, _Window()
+            message: Any = _ARRAY(status=[self._status(tick, window)])
             message.header.stamp = stamp_from_seconds(tick.stamp)
             self._publisher.publish(message)
 
-    def _status(self, tick: StampedTick, records: np.ndarray) -> Any:
-        failures = int((records["status"] != STATUSES.index(Status.OK)).sum())
-        overruns = int((records["period"] > 2.0 * self._dt).sum())
+    def _status(self, tick: StampedTick, window: _Window) -> Any:
+        failures, periods = window.failures, window.periods
+        overruns = sum(period > 2.0 * self._dt for period in periods)
         self._overruns += overruns
         level, text = _OK, "running"
         if tick.mode is Mode.FALLEN:
@@ -67,14 +89,14 @@ class Diagnostics:
             level, text = _ERROR, f"the QP had no solution in {failures} ticks"
         elif overruns:
             level, text = _WARN, f"{overruns} ticks were late"
-        times = 1e6 * (records["estimator_time"] + records["controller_time"])
-        p50, p99, largest = np.percentile(times, (50, 99, 100)) if times.size else (0.0, 0.0, 0.0)
-        span = float(records["period"].sum())
+        times = 1e6 * np.array(window.times or [0.0])
+        p50, p99, largest = np.percentile(times, (50, 99, 100))
+        span = sum(periods)
         values = {
             "tick p50 (µs)": f"{p50:.0f}",
             "tick p99 (µs)": f"{p99:.0f}",
             "tick max (µs)": f"{largest:.0f}",
-            "rate (Hz)": f"{times.size / span:.1f}" if span > 0.0 else "0",
+            "rate (Hz)": f"{len(periods) / span:.1f}" if span > 0.0 else "0",
             "overruns": str(self._overruns),
             "QP status": STATUSES[int(tick["status"])].value,
             "recent QP failures": str(failures),

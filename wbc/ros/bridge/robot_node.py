@@ -22,7 +22,7 @@ from wbc.teleop import CommandClient
 
 logger = logging.getLogger(__name__)
 
-_MIN_READ_RATE = 200.0  # Hz at which new ticks are read
+_MIN_READ_RATE = 100.0  # Hz at which new ticks are read
 _MAX_TICKS = 4096  # read at once
 _POLL_PERIOD = 0.02  # s between two polls of the command channel
 
@@ -66,9 +66,11 @@ class RobotNode:
     def _read_ticks(self) -> None:
         self._read_timer.period = 1.0 / max(2.0 * self._topics.max_rate, _MIN_READ_RATE)
         records = self._reader.take(_MAX_TICKS)
+        if not len(records):
+            return
         self._topics.attach(self._reader.schema)
-        for k in range(len(records)):
-            self._on_tick(StampedTick.from_record(records[k : k + 1]))
+        for tick in StampedTick.from_records(records):
+            self._on_tick(tick)
 
     def _on_tick(self, tick: StampedTick) -> None:
         if self._clock is not None:

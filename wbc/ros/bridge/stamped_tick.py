@@ -30,13 +30,14 @@ class StampedTick:
     record: np.ndarray
 
     @staticmethod
-    def from_record(record: np.ndarray) -> StampedTick:
-        """Return the tick of a record, (1,), stamped with the wall time at which the tick ended."""
-        row = record[0]
-        mode = Mode(int(row["mode"]))
-        return StampedTick(
-            float(row["wall_time"]), float(row["time"]), int(row["run"]), mode, record
-        )
+    def from_records(records: np.ndarray) -> list[StampedTick]:
+        """Return the ticks of records, (n,), stamped with the wall time at which each ended."""
+        names = ("wall_time", "time", "run", "mode")
+        columns = zip(*(records[name].tolist() for name in names), strict=True)
+        return [
+            StampedTick(stamp, time, int(run), Mode(int(mode)), records[k : k + 1])
+            for k, (stamp, time, run, mode) in enumerate(columns)
+        ]
 
     def __getitem__(self, name: str) -> Any:
         """Return the number or array of a column."""

@@ -12,16 +12,10 @@ from wbc.ros.qos import HIGH_RATE, LATCHED
 from wbc.ros.topics import Publisher
 from wbc.runtime.rate_limiter import RateLimiter
 from wbc.runtime.schema import Schema
-from wbc.topics import (
-    BatchMaker,
-    CommandedWrenchTopics,
-    LatchedTopic,
-    MessageTopic,
-    latched_topics,
-    tick_topics,
-)
+from wbc.topics import BatchMaker, LatchedTopic, MessageTopic, StreamTopics
 
 _JOINT_STATES = "joint_states"
+_COUNT_RATE = 10.0  # Hz at which subscriptions are counted
 
 
 class TickTopics:
@@ -35,7 +29,7 @@ class TickTopics:
     """
 
     def __init__(self, node: Node, config: NodeConfig) -> None:
-        self._node, self._robot = node, config.robot
+        self._node = node
         self._batches = BatchMaker(config.robot)
         self._update_rate = node.declare_parameter(
             "update_rate", config.update_rate, "rate of joint_states, Hz", bounds=RATE_BOUNDS
@@ -46,12 +40,14 @@ class TickTopics:
         self._update_limiter = RateLimiter(self._update_rate.value, 0.5 * config.dt)
         self._state_limiter = RateLimiter(self._state_rate.value, 0.5 * config.dt)
         self._update_rate.on_change = self._state_rate.on_change = self._restart
-        self._schema: Schema | None = None
-        self._topics: list[tuple[MessageTopic, Publisher]] = []
+        self._topics = StreamTopics(config.robot, period=0.0)
         self._publishers: dict[str, Publisher] = {}
-        self._wrench_topics = CommandedWrenchTopics()
-        for topic in latched_topics(config.robot):
-            self._publisher(topic).publish(topic.data)
+        self._subscribed: list[tuple[MessageTopic, Publisher]] = []
+        self._count_limiter = RateLimiter(_COUNT_RATE)
+        for topic in self._topics.topics:
+            publisher = self._publisher(topic)
+            if isinstance(topic, LatchedTopic):
+                publisher.publish(topic.data)
 
     @property
     def max_rate(self) -> float:
@@ -64,31 +60,37 @@ class TickTopics:
         self._state_limiter.restart(self._state_rate.value)
 
     def attach(self, schema: Schema) -> None:
-        """Publish the quantities of a stream from now on; an empty schema changes nothing."""
-        if schema is self._schema or not schema.columns:
-            return
-        self._schema, self._wrench_topics = schema, CommandedWrenchTopics()
-        topics = tick_topics(schema, self._robot, period=0.0)
-        self._topics = [(t, self._publisher(t)) for t in topics if not isinstance(t, LatchedTopic)]
+        """Publish the quantities of a stream from now on."""
+        if self._topics.attach(schema):
+            self._subscribed = []
+            self._count_limiter.restart(_COUNT_RATE)
 
     def publish(self, tick: StampedTick) -> None:
         """Publish a tick on the topics that are due."""
-        wrench_topics = self._wrench_topics.new_in(tick.record)
-        self._topics += [(topic, self._publisher(topic)) for topic in wrench_topics]
         update_due = self._update_limiter.is_due(tick.stamp)
         state_due = self._state_limiter.is_due(tick.stamp)
-        subscribed = [
+        if not (update_due or state_due):
+            return
+        topics = self._topics.topics_of(tick.record)
+        if self._count_limiter.is_due(tick.stamp):
+            self._subscribed = [
+                (topic, publisher)
+                for topic in topics
+                if not isinstance(topic, LatchedTopic)
+                and (publisher := self._publisher(topic)).get_subscription_count()
+            ]
+        due = [
             (topic, publisher)
-            for topic, publisher in self._topics
+            for topic, publisher in self._subscribed
             if (update_due if topic.name == _JOINT_STATES else state_due)
-            and publisher.get_subscription_count()
         ]
-        if not subscribed:
+        if not due:
             return
         batch = self._batches.batch(tick.record, np.array([round(1e9 * tick.stamp)]))
-        for topic, publisher in subscribed:
-            for message in topic.messages(batch):
-                publisher.publish(message.data)
+        for topic, publisher in due:
+            for _, data in topic.messages(batch):
+                for message in data:
+                    publisher.publish(message.tobytes())
 
     def _publisher(self, topic: MessageTopic) -> Publisher:
         if topic.name not in self._publishers:
