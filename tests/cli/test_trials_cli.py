@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import re
+import signal
+import time
+
 import pytest
+from clitools import start
 from trialtools import made_up
 
 from wbc.cli.entry import run
+from wbc.cli.trials_run import stop_on_signal
 from wbc.trials import ControllerSpec
 
 
@@ -72,3 +78,33 @@ def test_a_finished_grid_is_shown_and_not_run_again(tmp_path, capsys, monkeypatc
     printed = capsys.readouterr()
     assert f"{len(results.rows)} of {len(results.rows)} results are in grid.parquet" in printed.err
     assert str(tmp_path / "grid.parquet") in printed.out
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_either_signal_asks_for_the_end_and_is_given_back(number):
+    before = signal.getsignal(number)
+    with stop_on_signal() as received:
+        assert not received
+        signal.raise_signal(number)
+        assert received
+    assert signal.getsignal(number) == before
+
+
+def test_a_signal_ends_a_run_without_losing_what_was_finished(tmp_path):
+    pytest.importorskip("mujoco")
+    (tmp_path / "grid.toml").write_text(
+        'sizes = [0.1, 0.2, 0.3]\nphases = 6\nduration = 1.0\n[[robots]]\nrobot = "simple_humanoid"'
+    )
+    process = start("trials", "grid.toml", "--workers", "1", cwd=tmp_path)
+    partial = tmp_path / "grid.parquet.partial"
+    deadline = time.monotonic() + 120.0
+    while not (partial.exists() and partial.read_bytes().count(b"\n") > 2):
+        assert time.monotonic() < deadline, "no trial was finished"
+        time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    out, error = process.communicate(timeout=60)
+    assert process.returncode == 130, error
+    left = re.search(r"stopped: (\d+) of 73 are left; the same command goes on", error)
+    assert int(left.group(1)) == 73 - (partial.read_bytes().count(b"\n") - 1)
+    assert "Traceback" not in error
+    assert out == ""

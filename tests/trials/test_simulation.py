@@ -64,6 +64,17 @@ def test_a_controller_that_cannot_be_pickled_gives_the_same_results():
     assert outcomes[0] == outcomes[1]
 
 
+def test_figures_of_an_undisturbed_walk_are_plausible():
+    run, _ = simulate_run(replace(RUN, velocity=(0.2, 0.0, 0.0)), ())
+    assert run.survived
+    assert run.distance_m / run.duration_s == pytest.approx(0.2, rel=0.2)
+    assert run.steps == pytest.approx(run.duration_s / 0.84, abs=1.5)
+    assert 0.05 < run.cost_of_transport < 2.0
+    assert 0.9 < run.landing_force_peak < 3.0
+    assert run.velocity_error_rms_m_s < 0.05
+    assert run.tilt_error_rms_rad < 0.02
+
+
 def test_a_controller_that_raises_ends_its_own_trials_only():
     run = replace(RUN, controller=ControllerSpec("broken", f"{__name__}:broken"))
     result, (fork,) = simulate_run(run, (Fraction(0),))

@@ -41,7 +41,7 @@ class PartialResults(Closeable):
         self.finished: dict[str, TrialResult] = {}
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = path.open("a+b")
+            self._file = path.open("a+b", buffering=0)
         except OSError as error:
             raise ResultsError(f"cannot write {path}: {error.strerror}") from error
         try:
@@ -94,8 +94,9 @@ class PartialResults(Closeable):
     def _append(self, content: dict[str, Any]) -> None:
         line = json.dumps(content).encode() + b"\n"
         try:
-            self._file.write(line)
-            self._file.flush()
+            written = 0
+            while written < len(line):  # a full disk may take a part
+                written += self._file.write(line[written:])
             os.fsync(self._file.fileno())
         except OSError as error:
             raise ResultsError(

@@ -76,12 +76,19 @@ def dask_workers(address: str) -> Iterator[Workers]:
         count = sum(client.nthreads().values())
         if count == 0:
             raise TrialError(f"the Dask cluster at '{address}' has no workers")
-        _check_software(client.run(Provenance.current))
+        check_software(client.run(Provenance.current))
         yield Workers(client.get_executor(pure=False), count, f"{count} Dask workers")
 
 
-def _check_software(found: Mapping[str, Provenance]) -> None:
-    """Refuse workers with other software: results would depend on who computed them."""
+def check_software(found: Mapping[str, Provenance]) -> None:
+    """Refuse workers with other software: results would depend on who computed them.
+
+    Args:
+        found: the versions of each worker.
+
+    Raises:
+        TrialError: they are not those of this process.
+    """
     here = Provenance.current()
     for worker, provenance in found.items():
         differences = provenance.differences(here)
