@@ -48,11 +48,11 @@ class Recorder:
         """See `wbc.Walker.step`."""
         command = self.walker.step(estimate)
         if self.walker.steps >= 1:
-            self.rows.append(self._row(estimate.state))
+            self.rows.append(self.row(estimate.state))
         return command
 
-    def _row(self, state: wbc.State) -> dict[str, object]:
-        """Return the walker's references.
+    def row(self, state: wbc.State) -> dict[str, object]:
+        """Return the walker's references of its last tick.
 
         Its CoM task has no stiffness in x and y; the reference there is the measured CoM.
         """

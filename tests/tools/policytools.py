@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import wbc
 from wbc.trials.policy import PolicyNetwork
 
 
@@ -37,3 +40,14 @@ def load_network(weights: np.ndarray, offset: np.ndarray | None = None) -> Polic
     """Return a `PolicyNetwork` of y = x W + b."""
     pytest.importorskip("onnxruntime")
     return PolicyNetwork(linear_network(weights, offset), "linear.onnx")
+
+
+def write_standing_policy(folder: Path, robot: wbc.Robot) -> None:
+    """Write a policy that always asks for the robot's nominal posture."""
+    posture, n = robot.q_nominal[7:].tolist(), robot.na
+    (folder / "deploy.yaml").write_text(
+        f"step_dt: 0.02\njoint_ids_map: {list(range(n))}\nstiffness: 200.0\ndamping: 5.0\n"
+        f"default_joint_pos: {posture}\nobservations: {{projected_gravity: {{scale: 1.0}}}}\n"
+        f"actions: {{JointPositionAction: {{scale: 0.25, offset: {posture}}}}}\n"
+    )
+    (folder / "policy.onnx").write_bytes(linear_network(np.zeros((3, n))))

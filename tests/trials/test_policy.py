@@ -8,7 +8,7 @@ import pickle
 import numpy as np
 import pinocchio as pin
 import pytest
-from policytools import linear_network, load_network
+from policytools import linear_network, load_network, write_standing_policy
 
 import wbc
 from wbc.errors import JointNotFound
@@ -169,24 +169,13 @@ def test_a_copy_goes_on_bit_identically_and_apart(robot, clone):
 def test_a_policy_that_asks_for_the_standing_posture_holds_g1_for_a_second(tmp_path):
     pytest.importorskip("mujoco")
     g1 = wbc.load("g1")
-    posture = g1.q_nominal[7:].tolist()
-    text = description_text(
-        g1,
-        joint_ids_map=str(list(range(g1.na))),
-        stiffness="200.0",
-        damping="5.0",
-        default_joint_pos=str(posture),
-        actions=f"{{JointPositionAction: {{scale: 0.25, offset: {posture}, clip: null}}}}",
-    )
-    (tmp_path / "params").mkdir()
-    (tmp_path / "params" / "deploy.yaml").write_text(text)
-    (tmp_path / "policy.onnx").write_bytes(linear_network(np.zeros((input_size(g1), g1.na))))
+    write_standing_policy(tmp_path, g1)
     policy = load_policy(g1, folder=tmp_path)
     with wbc.sim.Mujoco(g1) as plant:
         report = wbc.run(policy, plant, 1.0)
         assert report.survived
         assert not fall_reason(g1, plant.ground_truth())
-        assert np.abs(plant.ground_truth().q[7:] - posture).max() < 0.1
+        assert np.abs(plant.ground_truth().q[7:] - g1.q_nominal[7:]).max() < 0.1
 
 
 def test_an_output_that_is_not_finite_gives_a_damping_command_that_says_so(robot):

@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from clitools import run
+from policytools import write_standing_policy
 
 import wbc
 from wbc.robot.upper_body import UpperBody
@@ -129,14 +130,18 @@ def test_the_summary_is_the_mean_over_the_runs():
     assert (mean.position_error, mean.yaw_error) == pytest.approx((0.2, 0.3))
 
 
-def test_the_command_prints_the_result_beside_the_published_ones_and_writes_the_runs(tmp_path):
+@pytest.mark.parametrize("name", ["walker", "policy"])
+def test_the_command_prints_the_result_beside_the_published_ones(g1, tmp_path, name):
     pytest.importorskip("mujoco")
+    pytest.importorskip("onnxruntime")
+    write_standing_policy(tmp_path, g1)
     path = tmp_path / "tour.json"
-    options = ("--seeds", "1", "--workers", "1", "--force", "9000", "--output", str(path))
+    options = ["--seeds", "1", "--workers", "1", "--force", "9000", "--output", str(path)]
+    options += ["--policy", str(tmp_path)] if name == "policy" else []
     code, out, err = run("trials", "tour", *options)
     assert code == 0, err
     rows = [line.split() for line in out.splitlines()]
-    assert any(row[:3] == ["walker", "1", "0"] for row in rows)
+    assert any(row[:3] == [name, "1", "0"] for row in rows)
     assert any(row[:3] == ["gr00t_wbc", "published", "80"] for row in rows)
     contents = json.loads(path.read_text())
     assert contents["parameters"]["max_force"] == 9000.0

@@ -103,6 +103,7 @@ def _output_file(text: str) -> Path:
 
 
 RobotName = Annotated[str, Argument("NAME|FILE")]
+PolicyFolder = Annotated[Path, Argument("DIR", Path)]
 Seconds = Annotated[float, Argument("S", _seconds)]
 Port = Annotated[int, Argument("N", functools.partial(whole_number, high=65535))]
 Pushes = Annotated[tuple[ScheduledPush, ...], Argument('"T IX IY IZ"', _push)]

@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
-from wbc.cli.argument_types import Argument, OutputFile, RobotName, positive_number
+from wbc.cli.argument_types import Argument, OutputFile, PolicyFolder, RobotName, positive_number
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.formatting import table
 from wbc.cli.output import OutputError
@@ -34,7 +34,7 @@ def tour(
     robot: RobotName = "g1",
     seeds: Annotated[int, Argument("N", positive_number)] = 10,
     controller: str = "walker",
-    policy: Path | None = None,
+    policy: PolicyFolder | None = None,
     force: float = 500.0,
     workers: Annotated[int | None, Argument("N", positive_number)] = None,
     output: OutputFile | None = None,

@@ -42,16 +42,16 @@ class Tsid:
         self._q, self._v = list(ticks.q), list(ticks.v)
         # References in the type that the tasks take.
         self._com = [
-            _sample(*values)
+            sample(*values)
             for values in zip(ticks.com, ticks.com_velocity, ticks.com_acceleration, strict=True)
         ]
         zero = np.zeros(6)
         self._torso = [
-            _sample(_pose(np.zeros(3), R), np.concatenate([np.zeros(3), w]), zero)
+            sample(pose(np.zeros(3), R), np.concatenate([np.zeros(3), w]), zero)
             for R, w in zip(ticks.torso, ticks.torso_velocity, strict=True)
         ]
         self._swing = [
-            _sample(_pose(T[:3, 3], T[:3, :3]), v, a)
+            sample(pose(T[:3, 3], T[:3, :3]), v, a)
             for T, v, a in zip(
                 ticks.swing, ticks.swing_velocity, ticks.swing_acceleration, strict=True
             )
@@ -93,12 +93,12 @@ class Tsid:
         posture = tsid.TaskJointPosture("posture", robot)
         posture.setKp(np.full(na, gains.posture_kp))
         posture.setKd(np.full(na, 2.0 * np.sqrt(gains.posture_kp)))
-        posture.setReference(_sample(ticks.posture, np.zeros(na), np.zeros(na)))
+        posture.setReference(sample(ticks.posture, np.zeros(na), np.zeros(na)))
         formulation.addMotionTask(posture, gains.posture_weight, 1, 0.0)
         momentum = tsid.TaskAMEquality("momentum", robot)
         momentum.setKp(np.full(3, gains.momentum_kp))
         momentum.setKd(np.zeros(3))
-        momentum.setReference(_sample(np.zeros(3), np.zeros(3), np.zeros(3)))
+        momentum.setReference(sample(np.zeros(3), np.zeros(3), np.zeros(3)))
         formulation.addMotionTask(momentum, gains.momentum_weight, 1, 0.0)
         torque = tsid.TaskActuationBounds("torque", robot)
         torque.setBounds(-limits.torque, limits.torque)
@@ -157,7 +157,7 @@ def _force_weights(x: float, y: float, wanted: float) -> np.ndarray:
     return np.sqrt(np.maximum(1.0 - corners / wanted, 0.0))
 
 
-def _sample(value: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> object:
+def sample(value: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> object:
     sample = tsid.TrajectorySample(len(value), len(velocity))
     sample.value(value)
     sample.derivative(velocity)
@@ -165,6 +165,6 @@ def _sample(value: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -
     return sample
 
 
-def _pose(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+def pose(position: np.ndarray, rotation: np.ndarray) -> np.ndarray:
     """Return (12,): position, then the rotation column by column."""
     return np.concatenate([position, rotation.T.ravel()])
