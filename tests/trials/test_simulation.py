@@ -89,7 +89,7 @@ def test_a_controller_that_raises_ends_its_own_trials_only():
 @pytest.mark.parametrize(
     ("factory", "words"),
     [
-        ("walkr", "must be 'walker' or of the form"),
+        ("walkr", "must be 'walker', 'policy' or of the form"),
         ("no_such_module:make", "cannot import 'no_such_module'"),
         ("wbc.trials.controllers:make_walkr", "did you mean 'make_walker'"),
     ],
