@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import resource
-from concurrent.futures import Future
+from concurrent.futures import BrokenExecutor, Future
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from wbc.trials import (
     read_results,
     run_grid,
 )
+from wbc.trials.partial_results import PartialResults
 from wbc.trials.provenance import Provenance
 from wbc.trials.workers import check_software
 
@@ -167,6 +168,40 @@ def test_workers_with_other_software_are_refused():
     other = replace(Provenance.current(), source="edited")
     with pytest.raises(TrialError, match="another source code of wbc; install the same on both"):
         check_software({"tcp://worker": other})
+
+
+def test_a_worker_that_dies_is_told_and_costs_no_finished_trial(results, tmp_path):
+    class Dies(InThisProcess):
+        count = 0
+
+        def submit(self, function, *arguments):
+            self.count += 1
+            return super().submit(function if self.count < 3 else self.die, *arguments)
+
+        def die(self, *_):
+            raise BrokenExecutor
+
+    output = tmp_path / "results.parquet"
+    with pytest.raises(TrialError, match=r"a worker was lost .* run again"):
+        run_grid(GRID, output, Workers(Dies(), 1, "mortal workers"))
+    shown = []
+    assert run_grid(GRID, output, WORKERS, progress=shown.append) == results[0]
+    assert shown[0].finished == 2
+
+
+def test_two_runs_do_not_write_the_same_file(tmp_path):
+    path = tmp_path / "results.parquet.partial"
+    with (
+        PartialResults(path, Provenance.current(), 1),
+        pytest.raises(ResultsError, match="another run writes"),
+    ):
+        PartialResults(path, Provenance.current(), 1)
+    PartialResults(path, Provenance.current(), 1).close()
+
+
+def test_a_disk_without_space_for_the_results_is_told_before_the_run(tmp_path):
+    with pytest.raises(ResultsError, match=r"MB left; the results may need"):
+        PartialResults(tmp_path / "results.partial", Provenance.current(), 10**12)
 
 
 def test_a_file_that_is_no_result_is_refused(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import shutil
@@ -32,8 +33,8 @@ class PartialResults(Closeable):
         finished: results that an earlier run has left, by key.
 
     Raises:
-        ResultsError: the file cannot be written, the disk has not enough space, or the file has
-            results of other software.
+        ResultsError: the file cannot be written, the disk has not enough space, another run writes
+            it, or it has results of other software.
     """
 
     def __init__(self, path: Path, provenance: Provenance, expected: int) -> None:
@@ -44,6 +45,13 @@ class PartialResults(Closeable):
             self._file = path.open("a+b", buffering=0)
         except OSError as error:
             raise ResultsError(f"cannot write {path}: {error.strerror}") from error
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            self._file.close()
+            raise ResultsError(
+                f"another run writes {path}; wait for its end, or stop it"
+            ) from error
         try:
             self._begin(provenance)
             free, needed = shutil.disk_usage(path.parent).free, expected * _ROW_SIZE + _RESERVE

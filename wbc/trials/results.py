@@ -65,7 +65,7 @@ class Results:
         Raises:
             MissingExtra: `pyarrow` is not installed.
         """
-        pyarrow = _import_pyarrow()
+        pyarrow = import_pyarrow()
         schema = pyarrow.schema(
             [pyarrow.field(name, *kind) for name, kind in _arrow_types(pyarrow).items()],
             metadata={_METADATA: self._metadata()},
@@ -87,7 +87,7 @@ class Results:
             ResultsError: it cannot be written.
             MissingExtra: `pyarrow` is not installed.
         """
-        _import_pyarrow()
+        import_pyarrow()
         from pyarrow import parquet
 
         path = Path(path)
@@ -114,7 +114,7 @@ def read_results(path: str | Path) -> Results:
         ResultsError: the file cannot be read, or does not contain results of trials.
         MissingExtra: `pyarrow` is not installed.
     """
-    pyarrow = _import_pyarrow()
+    pyarrow = import_pyarrow()
     from pyarrow import parquet
 
     try:
@@ -157,7 +157,12 @@ def _arrow_types(pyarrow: Any) -> dict[str, tuple[Any, bool]]:
     return columns
 
 
-def _import_pyarrow() -> Any:
+def import_pyarrow() -> Any:
+    """Import and return the `pyarrow` module.
+
+    Raises:
+        MissingExtra: it is not installed.
+    """
     try:
         import pyarrow
     except ImportError as error:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
 from contextlib import closing
 from dataclasses import dataclass
 from fractions import Fraction
@@ -17,7 +17,7 @@ from wbc.trials.grid import Grid
 from wbc.trials.partial_results import PartialResults
 from wbc.trials.provenance import Provenance
 from wbc.trials.result import TrialResult
-from wbc.trials.results import Results, in_grid_order, read_results
+from wbc.trials.results import Results, import_pyarrow, in_grid_order, read_results
 from wbc.trials.simulation import Fork, make_loop, simulate_run, simulate_trial
 from wbc.trials.trial import Trial, UndisturbedRun
 from wbc.trials.workers import Workers
@@ -71,7 +71,9 @@ def run_grid(
     Raises:
         TrialError: the grid asks for what a robot or controller cannot do, or a worker has died.
         ResultsError: results cannot be written, or the output has results of other software.
+        MissingExtra: a package of the extra `trials` is not installed.
     """
+    import_pyarrow()  # hours later would be too late
     output, provenance = Path(output), Provenance.current()
     partial_path = output.with_name(f"{output.name}.partial")
     total = sum(1 + sum(1 for _ in grid.trials(run)) for run in grid.runs())
@@ -206,11 +208,14 @@ def _run(
                     left -= 1
                 schedule.fork(forks, by_phase)
                 show()
-    except BrokenExecutor as error:
-        raise TrialError(
-            "a worker process has died, e.g. because memory ran out; run again to go on with what "
-            "is left, with fewer workers"
-        ) from error
+    except Exception as error:
+        lost = isinstance(error, BrokenExecutor | CancelledError)
+        if lost or type(error).__module__.startswith("distributed"):
+            raise TrialError(
+                f"a worker was lost ({type(error).__name__}), e.g. because memory ran out; run "
+                "again to go on with what is left, with fewer workers"
+            ) from error
+        raise
     finally:
         for future in pending:
             future.cancel()

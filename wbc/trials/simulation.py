@@ -13,6 +13,7 @@ from fractions import Fraction
 
 import wbc
 from wbc.closeable import Closeable
+from wbc.errors import MissingExtra
 from wbc.robot import Robot
 from wbc.trials.closed_loop import ClosedLoop
 from wbc.trials.disturbance import apply_disturbance
@@ -179,7 +180,9 @@ def _closing(loop: ClosedLoop) -> Iterator[ClosedLoop]:
 
 def _one_thread() -> contextlib.AbstractContextManager[object]:
     """Limit BLAS to one thread: more only slow down small matrices, and change the last bits."""
-    from threadpoolctl import threadpool_limits
-
+    try:
+        from threadpoolctl import threadpool_limits
+    except ImportError as error:
+        raise MissingExtra("threadpoolctl", "trials") from error
     limits: contextlib.AbstractContextManager[object] = threadpool_limits(1)
     return limits
