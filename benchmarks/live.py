@@ -212,7 +212,7 @@ def torques(robot: wbc.Robot, slower: float, faster: float, at: float) -> list[n
 def walking(robot: wbc.Robot, phases: int) -> Row:
     """Measure the latency from a velocity change while walking to the command, ms plant time."""
     gait = MotionPlayer(robot).walker.gait
-    slower, faster = 0.3 * gait.max_velocity[0], 0.4 * gait.max_velocity[0]
+    slower, faster = 0.3 * gait.max_velocity.forward, 0.4 * gait.max_velocity.forward
     waits = []
     for k in range(phases):
         at = 0.002 * round((2.0 + k / phases * gait.step_duration) / 0.002)

@@ -112,8 +112,11 @@ def test_feet_never_come_closer_than_is_safe(velocity: Velocity, yaw: float, sid
 
 def test_velocity_is_clamped_to_what_the_steps_allow() -> None:
     limits = GAIT.max_velocity
-    got = Velocity(9.0, -9.0, 9.0).clamped(GAIT)
-    assert (got.forward, got.left, got.turn) == (limits[0], -limits[1], limits[2])
+    got = Velocity(9.0, 0.0, 0.0).clamped(GAIT)
+    assert (got.forward, got.left, got.turn) == (limits.forward, 0.0, 0.0)
+    got = Velocity(-0.9, -0.8, 0.7).clamped(GAIT)
+    assert limits.usage(got.forward, got.left, got.turn) == pytest.approx(1.0)
+    assert (got.left / got.forward, got.turn / got.forward) == pytest.approx((8 / 9, -7 / 9))
     assert Velocity(0.1, 0.0, 0.0).clamped(GAIT) == Velocity(0.1, 0.0, 0.0)
 
 

@@ -95,7 +95,7 @@ def test_robot_survives_a_push_while_standing() -> None:
 def test_velocity_commanded_in_the_last_step_takes_effect_after_standing(again: float) -> None:
     robot = wbc.load("simple_humanoid")
     walker = wbc.Walker(robot)
-    forward = (0.4 * walker.gait.max_velocity[0], 0.0, 0.0)
+    forward = (0.4 * walker.gait.max_velocity.forward, 0.0, 0.0)
 
     def on_and_off(time: float) -> None:
         wanted = (0.0, 0.0, 0.0) if time < 0.2 or 1.3 <= time < again else forward
@@ -205,7 +205,7 @@ def test_velocity_beyond_the_gait_is_clamped_with_a_warning() -> None:
     walker = wbc.Walker(wbc.load("talos"))
     with pytest.warns(wbc.VelocityClamped, match=r"talos.*clamped to"):
         walker.velocity = (3.0, 0.0, 0.0)
-    assert walker.velocity == (walker.gait.max_velocity[0], 0.0, 0.0)
+    assert walker.velocity == (walker.gait.max_velocity.forward, 0.0, 0.0)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         walker.velocity = (0.3, 0.0, 0.1)

@@ -8,6 +8,7 @@ from wbc.cli.argument_types import Argument, Seconds, number
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.scripted_run import RunOptions, Schedule, ScriptedRun, Velocity
 from wbc.errors import WbcError
+from wbc.gait import VelocityLimits
 
 _DURATION = 10.0  # s
 _DEFAULT_SPEED = 0.3  # m/s, but at most
@@ -51,7 +52,7 @@ def walk(
     max_velocity = scripted.walker.gait.max_velocity
     if tour:
         return scripted.walk(tour_schedule(max_velocity))
-    default = (min(_DEFAULT_SPEED, _SPEED_FRACTION * max_velocity[0]), 0.0, 0.0)
+    default = (min(_DEFAULT_SPEED, _SPEED_FRACTION * max_velocity.forward), 0.0, 0.0)
     return scripted.walk(walk_schedule(velocity or default, duration))
 
 
@@ -66,15 +67,16 @@ def walk_schedule(velocity: Velocity, duration: float) -> Schedule:
     return [(start, velocity), (duration - min(_FINAL_STAND, 0.3 * duration), (0.0, 0.0, 0.0))]
 
 
-def tour_schedule(max_velocity: Velocity) -> Schedule:
+def tour_schedule(max_velocity: VelocityLimits) -> Schedule:
     """Return a schedule that walks forward, in a curve, sideways, in place and backward.
 
     Args:
-        max_velocity: maximum forward, sideways (m/s) and turning velocity (rad/s) of the gait.
+        max_velocity: velocities that the gait can walk at.
     """
     time, schedule = _INITIAL_STAND, []
+    limits = max_velocity.largest
     for duration, fractions in (*_TOUR, (_FINAL_STAND, (0.0, 0.0, 0.0))):
-        forward, left, turn = (f * v for f, v in zip(fractions, max_velocity, strict=True))
+        forward, left, turn = (f * v for f, v in zip(fractions, limits, strict=True))
         schedule.append((time, (forward, left, turn)))
         time += duration
     return schedule

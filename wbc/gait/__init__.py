@@ -18,6 +18,7 @@ from wbc.gait.planners import (
 from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
 from wbc.gait.state_machine import GaitStateMachine
 from wbc.gait.swing_foot import SwingFoot
+from wbc.gait.velocity_limits import VelocityLimits
 from wbc.geometry.planar import Feet, Placement
 
 __all__ = [
@@ -39,6 +40,7 @@ __all__ = [
     "StepPlan",
     "SwingFoot",
     "Velocity",
+    "VelocityLimits",
     "ZmpSegment",
     "make_planner",
     "next_footstep",

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from wbc.errors import GaitError
-from wbc.gait.parameters import GaitParameters
 from wbc.geometry.planar import Feet, Placement, planar_rotation, wrap_angle
+
+if TYPE_CHECKING:  # which finds its limits by means of this module
+    from wbc.gait.parameters import GaitParameters
 
 SIDES = ("left", "right")
 
@@ -48,15 +51,13 @@ class Velocity:
             )
 
     def clamped(self, gait: GaitParameters) -> Velocity:
-        """The nearest velocity within the gait's limits.
+        """The largest velocity within the gait's limits in the same direction; at most itself.
 
         Raises:
             GaitError: an entry is not finite.
         """
         self.must_be_finite()
-        limits = gait.max_velocity
-        wanted = (self.forward, self.left, self.turn)
-        return Velocity(*(max(-m, min(m, w)) for w, m in zip(wanted, limits, strict=True)))
+        return Velocity(*gait.max_velocity.clamp(self.forward, self.left, self.turn))
 
 
 def first_swing_side(feet: Feet, velocity: Velocity) -> str:

@@ -10,10 +10,13 @@ import pinocchio as pin
 
 from wbc.errors import GaitError
 from wbc.gait.leg_workspace import LegWorkspace
+from wbc.gait.step_motion import find_velocity_limits
+from wbc.gait.velocity_limits import VelocityLimits
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 
 _GRAVITY = float(-pin.Model.gravity981[2])  # m/s², that of every Pinocchio model
+_NO_LIMITS = VelocityLimits()
 _CLEARANCE = 0.02  # m between the soles at the narrowest step
 # Durations of the recovery gait times ω.
 _RECOVERY_SWING = 0.77
@@ -38,6 +41,7 @@ class GaitParameters:
         com_height: height of the CoM above the soles while walking, m.
         dcm_gain: k of the DCM feedback, 1/s.
         gravity: gravitational acceleration, m/s².
+        velocity_limits: velocities that the leg joints allow, whatever the steps' reach.
     """
 
     single_support: float
@@ -53,10 +57,13 @@ class GaitParameters:
     com_height: float
     dcm_gain: float = 4.0
     gravity: float = _GRAVITY
+    velocity_limits: VelocityLimits = _NO_LIMITS
 
     def __post_init__(self) -> None:
         for field in self.__dataclass_fields__:
             value = getattr(self, field)
+            if isinstance(value, VelocityLimits):
+                continue
             if not (math.isfinite(value) and value > 0.0):
                 raise GaitError(f"gait parameter {field} = {value} must be a positive number")
         if self.least_width > self.step_width:
@@ -73,11 +80,17 @@ class GaitParameters:
         return self.single_support + self.double_support
 
     @cached_property
-    def max_velocity(self) -> tuple[float, float, float]:
-        """Largest |forward|, |sideways| (m/s) and |turn| (rad/s) the steps allow."""
+    def max_velocity(self) -> VelocityLimits:
+        """The velocities that the reach of the steps and the leg joints allow."""
         T = self.step_duration
         # Sideways and turning, only every other step makes way.
-        return (self.max_step / T, self.max_side_step / (2.0 * T), self.max_turn / (2.0 * T))
+        steps = VelocityLimits(
+            self.max_step / T,
+            self.max_step / T,
+            self.max_side_step / (2.0 * T),
+            self.max_turn / (2.0 * T),
+        )
+        return steps.within(self.velocity_limits)
 
     @classmethod
     def for_robot(cls, robot: Robot, reach: LegWorkspace | None = None) -> GaitParameters:
@@ -99,7 +112,7 @@ class GaitParameters:
         natural = math.sqrt(height / robot.gravity)
         leg = robot.leg_length
         reach = reach or LegWorkspace(robot)
-        return cls(
+        gait = cls(
             single_support=2.0 * natural,
             double_support=0.8 * natural,
             first_transfer=2.0 * natural,
@@ -113,6 +126,7 @@ class GaitParameters:
             com_height=height,
             gravity=robot.gravity,
         )
+        return replace(gait, velocity_limits=find_velocity_limits(robot, gait, reach))
 
     @classmethod
     def for_recovery(cls, robot: Robot, gait: GaitParameters) -> GaitParameters:

@@ -39,8 +39,9 @@ class VelocityFilter:
         now = (velocity.forward, velocity.left, velocity.turn)
         goal = (wanted.forward, wanted.left, wanted.turn)
         lag = min(dt / _LAG, 1.0)
+        limits = gait.max_velocity.largest
         accelerations, reached = [], []
-        for v, w, a, most in zip(now, goal, self._acceleration, gait.max_velocity, strict=True):
+        for v, w, a, most in zip(now, goal, self._acceleration, limits, strict=True):
             bound = share * most / gait.step_duration
             a += lag * (max(-bound, min(bound, (w - v) / _TIME)) - a)
             v += a * dt

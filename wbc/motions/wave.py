@@ -96,7 +96,7 @@ class Wave(Motion):
         Raised arms increase the inertia about the vertical, against which fast steps turn the
         trunk.
         """
-        limit = _SPEED * context.walker.gait.max_velocity[0]
+        limit = _SPEED * context.walker.gait.max_velocity.forward
         if abs(self.walk) > limit:
             context.note(
                 f"walks at {limit:.2f} m/s instead of {self.walk:g} m/s: with raised arms at "

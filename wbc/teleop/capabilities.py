@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from wbc.errors import did_you_mean, short_repr
+from wbc.gait import VelocityLimits
 from wbc.motions import Motion, MotionPlayer
 from wbc.motions.engine import check_importable
 from wbc.teleop import commands
@@ -93,10 +94,10 @@ class Capabilities:
         raise CommandRefused(f"no parameter {short_repr(name)}{did_you_mean(str(name), names)}")
 
     @property
-    def max_velocity(self) -> tuple[float, float, float]:
-        """Largest |forward|, |left| (m/s) and |turn| (rad/s)."""
-        forward, left, turn = (p.high for p in self.parameters if p.group == VELOCITY)
-        return (forward, left, turn)
+    def max_velocity(self) -> VelocityLimits:
+        """The set of velocities that the robot walks at; what is beyond is clamped into it."""
+        forward, left, turn = (p for p in self.parameters if p.group == VELOCITY)
+        return VelocityLimits(forward.high, -forward.low, left.high, turn.high)
 
     def check(self, command: commands.TeleopCommand) -> None:
         """Refuse a command that is invalid for this robot.

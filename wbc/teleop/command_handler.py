@@ -262,7 +262,8 @@ class CommandHandler(Closeable):
                 self._manager.stand()
             case commands.GaitParameterCommand(name, value):
                 walker = self.player.walker
-                walker.change_gait(replace(walker.gait, **{name: value}))
+                changes: dict[str, Any] = {name: value}
+                walker.change_gait(replace(walker.gait, **changes))
             case commands.GainCommand(task_name, gain, value):
                 rows = np.array(getattr(self._tasks[task_name], gain))
                 setattr(self._tasks[task_name], gain, value * (rows / np.max(rows)))

@@ -61,9 +61,12 @@ def tunable_parameters(walker: Walker, time_scale: bool) -> tuple[TunableParamet
         time_scale: whether the loop can run slower than real time.
     """
     gait = walker.gait
+    limits = gait.max_velocity
     found = [
-        TunableParameter(f"{VELOCITY}.{name}", VELOCITY, label, unit, -limit, limit, 0.0)
-        for (name, label, unit), limit in zip(_VELOCITY, gait.max_velocity, strict=True)
+        TunableParameter(f"{VELOCITY}.{name}", VELOCITY, label, unit, low, high, 0.0)
+        for (name, label, unit), low, high in zip(
+            _VELOCITY, (-limits.backward, -limits.left, -limits.turn), limits.largest, strict=True
+        )
     ]
     if time_scale:
         found.append(TunableParameter(TIME_SCALE, TIME, "Speed", "×", 0.05, 1.0, 1.0, True))

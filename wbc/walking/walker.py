@@ -138,8 +138,9 @@ class Walker:
             limits = self.gait.max_velocity
             warnings.warn(
                 f"velocity ({wanted.forward:g} m/s, {wanted.left:g} m/s, {wanted.turn:g} rad/s) is "
-                f"beyond what {self.robot.name} can do with this gait (±{limits[0]:.2f}, "
-                f"±{limits[1]:.2f}, ±{limits[2]:.2f}): clamped to "
+                f"beyond what {self.robot.name} can do with this gait (-{limits.backward:.2f} to "
+                f"{limits.forward:.2f}, ±{limits.left:.2f}, ±{limits.turn:.2f}, one at a time and "
+                "less of each together): clamped to "
                 f"({got[0]:.2f}, {got[1]:.2f}, {got[2]:.2f})",
                 VelocityClamped,
                 stacklevel=2,

@@ -21,7 +21,7 @@ class CmdVel:
         client: sends the commands.
 
     Attributes:
-        max_velocity: largest |forward|, |left| (m/s) and |turn| (rad/s).
+        max_velocity: the velocities that the robot walks at.
         on_override: called when a message on `cmd_vel` takes over from an action that walks.
     """
 
@@ -50,10 +50,7 @@ class CmdVel:
             velocity: forward, left (m/s) and turn (rad/s).
             timeout: time after which the robot stops, s.
         """
-        forward, left, turn = (
-            max(-limit, min(limit, float(value)))
-            for value, limit in zip(velocity, self.max_velocity, strict=True)
-        )
+        forward, left, turn = self.max_velocity.clamp(*velocity)
         try:
             self._client.send(VelocityCommand(forward, left, turn, timeout))
         except CommandRefused as error:

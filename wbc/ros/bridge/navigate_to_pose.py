@@ -113,9 +113,9 @@ class NavigateToPose(RobotAction):
         if self._is_within_tolerance(error, 0.5):
             self._stop(GoalStatus.SUCCEEDED, "")
             return
-        forward, left, turn = (self._speed_ratio.value * v for v in self._cmd_vel.max_velocity)
+        limits = self._cmd_vel.max_velocity.scaled(self._speed_ratio.value)
         near = max(_NEAR, 3.0 * self._tolerance.value)
-        controller = PoseController((forward, left, turn), near, _GAIN)
+        controller = PoseController(limits, near, _GAIN)
         remaining = controller.remaining(error)
         if remaining < self._min_remaining - _MIN_PROGRESS:
             self._min_remaining, self._progress_time = remaining, time
@@ -162,7 +162,7 @@ class NavigateToPose(RobotAction):
         feedback = self._server.feedback_type(
             navigation_time=duration_from_seconds(tick.time - self._start_time),
             estimated_time_remaining=duration_from_seconds(
-                distance / (self._speed_ratio.value * self._cmd_vel.max_velocity[0])
+                distance / (self._speed_ratio.value * self._cmd_vel.max_velocity.forward)
             ),
             number_of_recoveries=self._corrections,
             distance_remaining=distance,

@@ -6,6 +6,7 @@ import cmath
 import math
 from dataclasses import dataclass
 
+from wbc.gait import VelocityLimits
 from wbc.geometry.planar import Placement
 
 
@@ -14,13 +15,13 @@ class PoseController:
     """Turns to a far goal and walks forward; steps towards a near goal in any direction.
 
     Attributes:
-        max_velocity: largest forward, left (m/s) and turn (rad/s), in one direction at a time.
+        max_velocity: the velocities that the robot may walk at.
         near: distance within which the robot steps in any direction, m.
         gain: 1/s. A velocity takes effect with the next step, so a gain above about one over twice
             the duration of a step overshoots.
     """
 
-    max_velocity: tuple[float, float, float]
+    max_velocity: VelocityLimits
     near: float
     gain: float
 
@@ -42,8 +43,4 @@ class PoseController:
             bearing = cmath.phase(error.point)
             ahead = math.cos(bearing) ** 2 if abs(bearing) < 1.0 else 0.0
             desired = (ahead * abs(error.point), 0.0, bearing)
-        forward, left, turn = (self.gain * component for component in desired)
-        # The gait reaches its largest velocity in one direction at a time only.
-        limits = zip((forward, left, turn), self.max_velocity, strict=True)
-        scale = 1.0 / max(1.0, sum(abs(component) / limit for component, limit in limits))
-        return (scale * forward, scale * left, scale * turn)
+        return self.max_velocity.clamp(*(self.gain * component for component in desired))

@@ -180,5 +180,5 @@ def simulate_tour(
 def _limits(controller: VelocityController) -> _Limits:
     if not isinstance(controller, Walker):
         return (math.inf, math.inf, math.inf)
-    forward, left, turn = controller.gait.max_velocity
+    forward, left, turn = controller.gait.max_velocity.largest
     return _SPEED_SHARE * forward, _SPEED_SHARE * left, _SPEED_SHARE * turn

@@ -1,0 +1,214 @@
+"""Joint angles and speeds of the legs in steady walking, from inverse kinematics."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.gait.footsteps import SIDES, Velocity, next_footstep, other_side
+from wbc.gait.leg_workspace import LegWorkspace
+from wbc.gait.swing_foot import SwingFoot
+from wbc.gait.velocity_limits import VelocityLimits
+from wbc.geometry.planar import Placement, planar_rotation, rotation_about_z
+from wbc.robot import Robot
+
+if TYPE_CHECKING:  # which has the limits that are found here
+    from wbc.gait.parameters import GaitParameters
+
+_SAMPLES = 8  # of a swing
+_ITERATIONS = 8
+_CONVERGED = 1e-4  # m, rad
+_REACHED = 5e-3  # m, rad: farther off, a leg does not reach its foot
+_DAMPING = 1e-6  # of Newton's method
+_LARGEST_STEP = 0.5  # rad
+_MARGIN = 0.03  # rad that hips and knees keep from their limits; balance takes the rest
+_TILT = 0.1  # rad by which an ankle may be beyond them: a foot that leaves the ground may tilt
+_SPEED = 1.2  # share of a joint's speed limit: at the peak the foot may lag behind
+_BISECTIONS = 6
+
+
+class StepMotion:
+    """What steady walking at a velocity asks of the leg joints.
+
+    During a swing the centre of mass moves as the linear inverted pendulum on the support foot,
+    between the places where it is at lift-off and at touchdown; the trunk is upright and has the
+    mean heading of the feet. Leg angles follow by inverse kinematics.
+
+    Args:
+        robot: the robot.
+        workspace: workspace of its legs.
+    """
+
+    def __init__(self, robot: Robot, workspace: LegWorkspace) -> None:
+        self._workspace = workspace
+        model, q = robot.model, robot.standing().q
+        moving = [int(i) for leg in robot.legs for i in leg]
+        locked = [j for j in range(2, model.njoints) if model.idx_vs[j] not in moving]
+        self._model = pin.buildReducedModel(model, locked, q)
+        self._data = self._model.createData()
+        joints = {model.idx_vs[j]: model.names[j] for j in range(2, model.njoints)}
+        # Of each leg, the columns of its joints in the reduced model.
+        self._legs = [
+            [self._model.idx_vs[self._model.getJointId(joints[int(i)])] for i in leg]
+            for leg in robot.legs
+        ]
+        self._frames = [self._model.getFrameId(sole.name) for sole in robot.soles]
+        self._start = pin.neutral(self._model)
+        self._start[:7] = q[:7]
+        for i in moving:
+            joint = self._model.getJointId(joints[i])
+            self._start[self._model.idx_qs[joint]] = q[i + 1]
+        indices = np.array(moving) - 6
+        self._ankles = np.concatenate([np.arange(len(leg)) >= len(leg) - 2 for leg in robot.legs])
+        self._q_min, self._q_max = robot.q_min[indices], robot.q_max[indices]
+        self._v_max = robot.v_max[indices]
+        data = model.createData()
+        com = pin.centerOfMass(model, data, q)
+        ground = float(com[2]) - robot.com_height
+        self._base = q[:3] - np.array([com[0], com[1], ground])
+        self._base_rotation = pin.Quaternion(q[3:7]).matrix()
+        self._com_height = robot.com_height
+
+    def excess(self, gait: GaitParameters, velocity: Velocity) -> np.ndarray:
+        """By how much each joint is beyond its range (rad) or its speed (share); ≤ 0: within.
+
+        Returns:
+            (2 joints,): positions, then speeds.
+        """
+        play = np.where(self._ankles, -_TILT, _MARGIN)
+        dt = gait.single_support / _SAMPLES
+        worst = np.full(2 * play.size, -math.inf)
+        for q in self.angles(gait, velocity):
+            if not np.isfinite(q).all():
+                return np.full(worst.size, math.inf)
+            position = np.maximum(self._q_min - q, q - self._q_max).max(axis=0) + play
+            speed = (np.abs(np.diff(q, axis=0)) / (dt * self._v_max)).max(axis=0) - _SPEED
+            worst = np.maximum(worst, np.concatenate([position, speed]))
+        return worst
+
+    def angles(self, gait: GaitParameters, velocity: Velocity) -> Iterator[np.ndarray]:
+        """Return the (samples, joints) angles of both legs in each swing of a cycle, rad.
+
+        A row is infinite where a leg does not reach its foot.
+        """
+        step = abs(complex(velocity.forward, velocity.left)) * gait.step_duration
+        height = min(gait.com_height, self._workspace.com_height(step))
+        feet = {
+            "left": Placement(0j, 0.0),
+            "right": Placement(complex(0.0, -gait.step_width), 0.0),
+        }
+        for k in range(4):
+            side = SIDES[k % 2]
+            stance, start = feet[other_side(side)], feet[side]
+            landing = next_footstep(stance, side, velocity, gait)
+            if k >= 2:
+                yield self._swing(gait, side, stance, start, landing, height)
+            feet[side] = landing
+
+    def _swing(
+        self,
+        gait: GaitParameters,
+        side: str,
+        stance: Placement,
+        start: Placement,
+        landing: Placement,
+        height: float,
+    ) -> np.ndarray:
+        omega, T = gait.omega, gait.single_support
+        a, b = 0.5 * omega * T, 0.5 * omega * gait.double_support
+        ahead = 0.5 * math.sinh(a) / (math.sinh(a) + b * math.cosh(a))
+        beside = 0.5 * math.cosh(a) / (math.cosh(a) + b * math.sinh(a))
+        first, last = (stance.to_local(p.point) for p in (start, landing))
+        first, last = (complex(ahead * p.real, beside * p.imag) for p in (first, last))
+        foot = SwingFoot(start, landing, T, gait.swing_height, gait.touchdown_speed)
+        dt = T / _SAMPLES
+        rows = []
+        q = self._start.copy()
+        for k in range(_SAMPLES + 1):
+            t = k * dt
+            com = (first * math.sinh(omega * (T - t)) + last * math.sinh(omega * t)) / math.sinh(
+                omega * T
+            )
+            yaw = stance.yaw + 0.5 * (foot.yaw - stance.yaw)
+            self._place_base(q, stance.to_world(com), yaw, height)
+            swing = pin.SE3(rotation_about_z(foot.yaw), np.array(foot.motion.position))
+            support = pin.SE3(
+                rotation_about_z(stance.yaw), np.array([stance.point.real, stance.point.imag, 0.0])
+            )
+            targets = (swing, support) if side == "left" else (support, swing)
+            rows.append(self._solve(q, targets))
+            foot.advance(dt, landing)
+        return np.array(rows)
+
+    def _place_base(self, q: np.ndarray, com: complex, yaw: float, height: float) -> None:
+        offset = complex(self._base[0], self._base[1]) * planar_rotation(yaw)
+        q[0], q[1] = com.real + offset.real, com.imag + offset.imag
+        q[2] = self._base[2] - self._com_height + height
+        rotation = rotation_about_z(yaw) @ self._base_rotation
+        q[3:7] = pin.Quaternion(rotation).coeffs()
+
+    def _solve(self, q: np.ndarray, targets: tuple[pin.SE3, pin.SE3]) -> np.ndarray:
+        """Move the legs in q to their feet by Newton's method; return their angles, rad."""
+        model, data = self._model, self._data
+        for _ in range(_ITERATIONS):
+            pin.computeJointJacobians(model, data, q)
+            worst = 0.0
+            for columns, frame, target in zip(self._legs, self._frames, targets, strict=True):
+                placement = pin.updateFramePlacement(model, data, frame)
+                error = pin.log6(placement.actInv(target)).vector
+                worst = max(worst, float(np.abs(error).max()))
+                J = pin.getFrameJacobian(model, data, frame, pin.LOCAL)[:, columns]
+                H = J.T @ J
+                H[np.diag_indices_from(H)] += _DAMPING
+                step = np.linalg.solve(H, J.T @ error)
+                for column, delta in zip(columns, step.tolist(), strict=True):
+                    q[column + 1] += max(-_LARGEST_STEP, min(_LARGEST_STEP, delta))
+            if worst < _CONVERGED:
+                break
+        if worst > _REACHED:
+            return np.full(sum(map(len, self._legs)), math.inf)
+        return np.array([q[c + 1] for columns in self._legs for c in columns])
+
+
+def find_velocity_limits(
+    robot: Robot, gait: GaitParameters, workspace: LegWorkspace
+) -> VelocityLimits:
+    """The velocities at which the leg joints stay within their ranges and speeds.
+
+    What a joint is beyond already when the robot steps in place counts as its limit.
+
+    Args:
+        robot: the robot.
+        gait: timing, step width and reach, without other limits.
+        workspace: workspace of its legs.
+    """
+    motion = StepMotion(robot, workspace)
+    allowed = np.maximum(motion.excess(gait, Velocity()), 0.0)
+    reach = gait.max_velocity
+
+    def largest(direction: Velocity) -> float:
+        """The largest multiple of a velocity, 0 to 1, that the joints allow."""
+        low, high, share = 0.0, 1.0, 1.0
+        for _ in range(_BISECTIONS):
+            scaled = Velocity(
+                share * direction.forward, share * direction.left, share * direction.turn
+            )
+            if np.all(motion.excess(gait, scaled) <= allowed):
+                low = share
+                if share == 1.0:
+                    break
+            else:
+                high = share
+            share = 0.5 * (low + high)
+        return max(low, 0.5 ** (_BISECTIONS + 1))
+
+    return VelocityLimits(
+        reach.forward * largest(Velocity(forward=reach.forward)),
+        reach.backward * largest(Velocity(forward=-reach.backward)),
+        reach.left * largest(Velocity(left=reach.left)),
+        reach.turn * largest(Velocity(turn=reach.turn)),
+    )
