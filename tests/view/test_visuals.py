@@ -11,7 +11,7 @@ from trimesh import Trimesh, creation
 import wbc
 from wbc.view.objects import creased, sphere
 from wbc.view.shapes import shapes_of
-from wbc.view.terrain import box_mesh
+from wbc.view.terrain import box_mesh, checked_boxes
 from wbc.view.visuals import ellipsoid, visuals_of
 
 QUAD = """<?xml version="1.0"?>
@@ -126,7 +126,7 @@ def test_degenerate_faces_are_left_out():
 
 def test_terrain_boxes_point_outwards():
     boxes = np.array([[1.0, 2, 3, 0.5, 0.4, 0.3], [0, 0, 0, 1, 1, 1]])
-    terrain = box_mesh(boxes)
+    terrain = box_mesh(checked_boxes(boxes))
     assert terrain.volume == pytest.approx(8.0 * boxes[:, 3:].prod(axis=1).sum())
     np.testing.assert_allclose(terrain.vertices[:8].max(0), [1.5, 2.4, 3.3])
 

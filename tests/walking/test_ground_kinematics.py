@@ -47,6 +47,10 @@ def test_soles_and_com_equal_those_of_the_kinematics(robot: wbc.Robot) -> None:
             np.testing.assert_allclose(feet.of(side), expected.of(side), atol=1e-13)
         np.testing.assert_allclose((com.real, com.imag), kin.p_com[:2], atol=1e-13)
         np.testing.assert_allclose((velocity.real, velocity.imag), kin.v_com[:2], atol=1e-13)
+        for sole, slope in zip(robot.soles, ground.slopes, strict=True):
+            x, y, z = kin.frame(sole.name).rotation[:, 2]
+            if z > 0.5:
+                assert slope == pytest.approx(complex(-x / z, -y / z), abs=1e-12)
         np.testing.assert_allclose(kin.v_com, kin.J_com @ kin.state.v, atol=1e-12)
 
 

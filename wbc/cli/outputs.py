@@ -45,7 +45,7 @@ class RunOutputs:
     Args:
         options: the files to write.
         robot: the robot.
-        boxes: boxes of the terrain, shape (n, 6).
+        boxes: boxes of the terrain; see `wbc.sim.Terrain`.
 
     Raises:
         WbcError: a package that a video needs is not installed.

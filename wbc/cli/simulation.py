@@ -19,7 +19,7 @@ from wbc.cli.progress import ProgressLine
 from wbc.errors import PlantError
 from wbc.runtime.protocols import Observer
 from wbc.runtime.report import Report
-from wbc.sim import Flat, Mujoco, Terrain, Tiles
+from wbc.sim import Flat, Mujoco, Ramp, Terrain, Tiles
 
 _MAX_SPEED = 1.5  # m/s, by which the extent of the tiles is chosen
 _TILE_MARGIN = 2.0  # m
@@ -36,7 +36,8 @@ class SimulationOptions:
         robot: name of a robot, or path of a URDF or robot data file.
         solver: QP solver (default: the solver of the library).
         planner: plans footsteps and DCM: analytic, by preview control, or model-predictive.
-        terrain: flat ground, or square tiles of random height up to 30 mm.
+        terrain: flat ground, square tiles of random height up to 30 mm, or a ramp of 10° up to a
+            plateau and down again.
         seed: random seed of sensor noise and tiles.
     """
 
@@ -45,7 +46,7 @@ class SimulationOptions:
     robot: RobotName = "talos"
     solver: Annotated[str | None, Argument("NAME")] = None
     planner: Literal["dcm", "preview", "mpc"] = "dcm"
-    terrain: Literal["flat", "tiles"] = "flat"
+    terrain: Literal["flat", "tiles", "ramp"] = "flat"
     seed: int = 0
 
 
@@ -77,7 +78,7 @@ class Simulation:
     Attributes:
         robot: the robot.
         walker: the walking controller.
-        boxes: boxes of the terrain, shape (n, 6).
+        boxes: boxes of the terrain; see `wbc.sim.Terrain`.
         plant: the simulated robot.
 
     Raises:
@@ -132,6 +133,8 @@ class Simulation:
 def _terrain(options: SimulationOptions, duration: float) -> Terrain:
     if options.terrain == "flat":
         return Flat()
+    if options.terrain == "ramp":
+        return Ramp()
     extent = min(_MAX_TILE_EXTENT, _TILE_MARGIN + _MAX_SPEED * duration)
     return Tiles(seed=options.seed, extent=extent)
 

@@ -59,6 +59,8 @@ class GaitState:
         recovery_gait: parameters of the quick steps after a push.
         com: ground point below the estimated centre of mass, m.
         dcm: estimated divergent component of motion without the bias of the CoM, m.
+        dcm_offset: by how much the wanted DCM differed from the planner's at the last tick, because
+            of the swing leg's angular momentum or a motion, m.
         phase: part of the gait cycle.
         support: side of the foot that carries, or that the weight moves to.
         time: since the phase began, s; 0 in the tick in which it begins.
@@ -74,6 +76,9 @@ class GaitState:
         swing: reference of the foot in the air; None when both stand.
         landing: placement at which the swing foot lands, with the stabilizer's adjustment.
         steps: number of touchdowns so far.
+        ground_slope: estimated slope of the ground: its rise per metre along world x, and along y
+            as the imaginary part.
+        lift_off_slope: that of the sole that left the ground last.
         requested_swing: side of the foot that has to step although nobody commands a step,
             because the robot falls otherwise; None: no step is needed.
     """
@@ -83,6 +88,7 @@ class GaitState:
     recovery_gait: GaitParameters
     com: complex = 0j
     dcm: complex = 0j
+    dcm_offset: complex = 0j
     phase: Phase = Phase.STAND
     support: str = "left"
     time: float = 0.0
@@ -96,6 +102,8 @@ class GaitState:
     swing: SwingFoot | LiftedFoot | None = None
     landing: Placement = _ORIGIN
     steps: int = 0
+    ground_slope: complex = 0j
+    lift_off_slope: complex = 0j
     requested_swing: str | None = None
     normal_gait: GaitParameters = field(init=False)
 
@@ -111,6 +119,15 @@ class GaitState:
     def recovering(self) -> bool:
         """Whether the present steps are the quick ones after a push."""
         return self.gait is not self.normal_gait
+
+    def on_slope(self, placement: Placement) -> Placement:
+        """The same placement at the height that the ground has there, from the support foot on."""
+        slope, stance = self.ground_slope, self.stance
+        if slope == 0j:
+            return placement
+        way = placement.point - stance.point
+        rise = slope.real * way.real + slope.imag * way.imag
+        return placement._replace(height=stance.height + rise)
 
     @property
     def swing_side(self) -> str:

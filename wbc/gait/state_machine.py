@@ -105,7 +105,7 @@ class GaitStateMachine:
         state.landing = landing
         if isinstance(state.swing, SwingFoot) and state.time > 0.0:
             state.swing.duration = state.duration
-            state.swing.advance(dt, landing)
+            state.swing.advance(dt, landing, state.ground_slope)
 
     def change_gait(self, gait: GaitParameters, recovery_gait: GaitParameters) -> None:
         """Go on with other parameters; the present phase keeps its duration."""
@@ -154,7 +154,14 @@ class GaitStateMachine:
         """Begin the swing to a landing place; a foot that was held up begins it where it is."""
         state = self.state
         gait, start = state.gait, state.other_foot if lifted is None else lifted.target
-        swing = SwingFoot(start, landing, state.duration, gait.swing_height, gait.touchdown_speed)
+        swing = SwingFoot(
+            start,
+            landing,
+            state.duration,
+            gait.swing_height,
+            gait.touchdown_speed,
+            state.lift_off_slope,
+        )
         if lifted is not None:
             swing.start_from(lifted.motion, lifted.yaw)
         state.swing = swing

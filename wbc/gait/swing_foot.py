@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from wbc.gait.kernels.swing import APEX, LIFT, advance_swing
-from wbc.geometry.planar import Placement, set_rotation_about_z
+from wbc.gait.kernels.swing import APEX, LIFT, advance_swing, tilt
+from wbc.geometry.planar import Placement
 from wbc.geometry.quintic import evaluate_quintic, quintic_coefficients
 from wbc.tasks import TaskReference
 
@@ -28,6 +28,8 @@ class SwingFoot:
         duration: duration of the whole swing, s.
         height: height of the apex above the higher end, m.
         touchdown_speed: downward, m/s.
+        slope: slope of the sole when it leaves the ground: rise per metre along world x, and along
+            y as the imaginary part.
 
     Attributes:
         start: placement at which the sole left the ground.
@@ -45,6 +47,7 @@ class SwingFoot:
         duration: float,
         height: float,
         touchdown_speed: float,
+        slope: complex = 0j,
     ) -> None:
         self.start = start
         self.target = target
@@ -52,9 +55,10 @@ class SwingFoot:
         self.time = 0.0
         self.motion = TaskReference(np.eye(4), np.zeros(6), np.zeros(6))
         self.motion.position[:] = start.point.real, start.point.imag, start.height
-        set_rotation_about_z(self.motion.rotation, start.yaw)
         self.yaw = start.yaw
         self._touchdown_speed = touchdown_speed
+        self._start_slope = slope
+        tilt(self.motion.pose, start.yaw, slope.real, slope.imag)
         self._higher = max(start.height, target.height)
         self.set_apex(height)
 
@@ -62,8 +66,10 @@ class SwingFoot:
         """Have the apex so far above the higher end, m; what is over already stays."""
         self._apex = self._higher + height
 
-    def advance(self, dt: float, target: Placement) -> None:
+    def advance(self, dt: float, target: Placement, slope: complex = 0j) -> None:
         """Move on by dt towards `target`, which counts until the last part of the swing.
+
+        The sole turns until it has the slope of the ground there, see `GaitState.ground_slope`.
 
         Then the target stays: a quintic that is bent with little time left answers a
         millimetre of measurement noise with metres per second squared.
@@ -85,6 +91,10 @@ class SwingFoot:
             yaw,
             self._apex,
             self._touchdown_speed,
+            self._start_slope.real,
+            self._start_slope.imag,
+            slope.real,
+            slope.imag,
         )
         self.time += dt
 

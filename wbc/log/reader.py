@@ -83,10 +83,10 @@ class Log:
             ) from error
 
     def boxes(self) -> np.ndarray:
-        """Return the terrain as upright boxes: centre and half sizes, m, shape (n, 6)."""
+        """Return the terrain as boxes, shape (n, 6) or (n, 8); see `wbc.sim.Terrain`."""
         try:
             boxes = json.loads(self.files.get("terrain.json", "{}")).get("boxes", [])
-            return np.array(boxes, float).reshape(-1, 6)
+            return np.array(boxes, float).reshape(len(boxes), -1) if boxes else np.empty((0, 6))
         except (ValueError, AttributeError) as error:
             raise LogError(f"{self.path}: the terrain cannot be parsed: {error}") from error
 

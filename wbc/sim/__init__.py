@@ -7,6 +7,16 @@ from wbc.sim.collision_pairs import DisabledPair
 from wbc.sim.collision_shapes import CollisionShape
 from wbc.sim.noise import SensorNoise
 from wbc.sim.plant import Mujoco
+from wbc.sim.ramp import Ramp
 from wbc.sim.terrain import Flat, Terrain, Tiles
 
-__all__ = ["CollisionShape", "DisabledPair", "Flat", "Mujoco", "SensorNoise", "Terrain", "Tiles"]
+__all__ = [
+    "CollisionShape",
+    "DisabledPair",
+    "Flat",
+    "Mujoco",
+    "Ramp",
+    "SensorNoise",
+    "Terrain",
+    "Tiles",
+]

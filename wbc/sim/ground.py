@@ -30,9 +30,15 @@ class Ground:
     """
 
     def __init__(self, terrain: Terrain) -> None:
-        self._boxes = np.asarray(terrain.boxes(), dtype=float).reshape(-1, 6)
+        boxes = np.asarray(terrain.boxes(), dtype=float)
+        self._boxes, self._turns = boxes[:, :6], boxes[:, 6:]
         self._window = 0
-        if len(self._boxes) > _MAX_BOXES and not np.ptp(self._boxes[:, 3:], axis=0).any():
+        upright = not self._turns.any()
+        if (
+            upright
+            and len(self._boxes) > _MAX_BOXES
+            and not np.ptp(self._boxes[:, 3:], axis=0).any()
+        ):
             sides = 2.0 * self._boxes[0, 3:5]
             across = np.ceil(2.0 * (_RADIUS + _MAX_MOVE) / sides) + 1.0
             self._window = min(len(self._boxes), int(across[0] * across[1]))
@@ -50,8 +56,10 @@ class Ground:
         elif len(self._boxes):
             # A mocap body can be placed where the robot starts without compiling anew.
             patch = world.add_body(name="terrain", mocap=True)
-            for b in self._boxes:
-                patch.add_geom(type=box, pos=b[:3], size=b[3:], **surface)
+            turns = self._turns if self._turns.size else np.zeros((len(self._boxes), 2))
+            for b, (roll, pitch) in zip(self._boxes, turns, strict=True):
+                quat = _rolled_and_pitched(0.5 * roll, 0.5 * pitch)
+                patch.add_geom(type=box, pos=b[:3], size=b[3:], quat=quat, **surface)
 
     def place(self, data: Any, x: float, y: float, yaw: float) -> None:
         """Place the terrain's origin at a position and heading in the world, m and rad."""
@@ -80,3 +88,10 @@ class Ground:
         data.mocap_pos[:] = self._centres[near]
         far = distance[near] > 2.0 * _RADIUS + self._boxes[0, 3]
         data.mocap_pos[far, 2] = _PARKED
+
+
+def _rolled_and_pitched(half_roll: float, half_pitch: float) -> list[float]:
+    """Return the quaternion (w, x, y, z) of a roll about x, then a pitch about the new y."""
+    c, s = np.cos(half_roll), np.sin(half_roll)
+    d, t = np.cos(half_pitch), np.sin(half_pitch)
+    return [c * d, s * d, c * t, s * t]

@@ -17,7 +17,10 @@ class Terrain(Protocol):
     """Ground above the infinite floor z = 0, around the place where the robot starts."""
 
     def boxes(self) -> np.ndarray:
-        """Return upright boxes, (n, 6): centre, then half sizes, m; the robot starts at 0."""
+        """Return upright boxes, (n, 6): centre, then half sizes, m; the robot starts at 0.
+
+        With two more columns, (n, 8), each box is turned by a roll and then a pitch, rad.
+        """
         ...
 
 

@@ -19,7 +19,7 @@ class ViewerConfig:
         robot: Robot to draw.
         port: Port of the page; None for the first free one, 0 for any.
         rate: Frame rate, Hz.
-        boxes: Terrain as upright boxes: centre and half sizes, m, shape (n, 6).
+        boxes: Terrain as boxes: see `wbc.view.terrain.checked_boxes`.
     """
 
     robot: Robot

@@ -34,7 +34,7 @@ class Meshcat(ProcessObserver):
             free one.
         rate: Frame rate, Hz.
         open: Whether to open the page in the browser.
-        boxes: Terrain as upright boxes: centre, then half sizes, m, shape (n, 6).
+        boxes: Terrain as boxes: see `wbc.sim.Terrain`.
         announce: Whether to print the page's address.
 
     Attributes:

@@ -28,7 +28,7 @@ def recorded_page(robot: Robot, boxes: np.ndarray, frames: Sequence[Snapshot]) -
 
     Args:
         robot: Robot to show.
-        boxes: Terrain as upright boxes: centre, then half sizes, m, shape (n, 6).
+        boxes: Terrain as boxes: see `wbc.sim.Terrain`.
         frames: Snapshots, at least one, at increasing times.
 
     Raises:

@@ -35,7 +35,7 @@ class Recording(Closeable):
         robot: Robot to show.
         path: Path that `close` (or leaving the `with` block) saves to.
         rate: Frame rate in plant time, Hz.
-        boxes: Terrain as upright boxes: centre, then half sizes, m, shape (n, 6).
+        boxes: Terrain as boxes: see `wbc.sim.Terrain`.
 
     Attributes:
         frames: Copies of the snapshots so far.

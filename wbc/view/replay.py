@@ -35,7 +35,7 @@ class Replay:
         timeline: Run to show.
         port: Port of the page on this machine; None takes the first free one from 7000 on, 0
             any.
-        boxes: Terrain as upright boxes: centre, then half sizes, m, shape (n, 6).
+        boxes: Terrain as boxes: see `wbc.sim.Terrain`.
         series: Quantities drawn over time above the slider.
     """
 

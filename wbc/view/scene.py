@@ -40,7 +40,7 @@ class Scene:
 
     Args:
         robot: Robot to draw. The constructor reads its meshes.
-        boxes: Terrain as upright boxes: centre, then half sizes, m, shape (n, 6).
+        boxes: Terrain as boxes: see `wbc.sim.Terrain`.
 
     Attributes:
         nodes: Nodes of the scene tree, in the order of `poses`.

@@ -38,6 +38,7 @@ from wbc.walking.contact_manager import ContactManager
 from wbc.walking.feet import centre_of_pressure, sides_in_contact
 from wbc.walking.gains import WalkerGains
 from wbc.walking.ground_kinematics import GroundKinematics
+from wbc.walking.ground_slope import GroundSlope
 from wbc.walking.reference_offset import ReferenceOffset
 from wbc.walking.stabilizer import Stabilizer, StabilizerOutput
 from wbc.walking.swing_momentum import SwingMomentum
@@ -96,6 +97,7 @@ class Walker:
         self.controller = controller = WholeBodyController(robot, dt, solver=solver)
         self._kin = Kinematics(robot, robot.standing())
         self._ground = GroundKinematics(self._kin)
+        self._ground_slope = GroundSlope()
         self._tasks = BalanceTasks(controller, self._kin, workspace, gains)
         self.com, self.posture = self._tasks.com, self._tasks.posture
         self._contact_manager = ContactManager(robot, controller, gains)
@@ -196,6 +198,7 @@ class Walker:
         self._kin.update(state)
         feet, com, _ = self._ground.read()
         self.state_machine = GaitStateMachine(self.gait, feet, self.planner, self.recovery_gait)
+        self._ground_slope.reset()
         ground = 0.5 * (feet.left.height + feet.right.height)
         self._tasks.height.reset(ground, float(self._kin.p_com[2]))
         self._heading = mean_heading(self.gait_state)
@@ -223,6 +226,8 @@ class Walker:
             state.weight_shift = self.reference_offset.weight_shift
         wrenches = estimate.foot_wrenches
         cop = centre_of_pressure(self.robot, feet, wrenches) if state.at_rest else None
+        state.ground_slope = self._ground_slope.update(state, self._ground.slopes, dt)
+        state.lift_off_slope = self._ground.slopes[0 if state.support == "right" else 1]
         stabilizer.observe(state, com, com_velocity, cop, self._heading, dt)
         machine.update(dt, feet, self._command, sides_in_contact(self.robot, estimate))
         balance = self._balance = stabilizer.update(state, self._reference)
@@ -236,9 +241,12 @@ class Walker:
     def _reference(self, landing: Placement | None) -> DcmReference:
         """The planner's reference for a landing place, with what swing leg and motion add."""
         state, planner, offset = self.gait_state, self.planner, self.reference_offset
-        reference = planner.reference(state, landing)
-        reference = self._swing_momentum.apply(reference, state, planner)
-        return reference if offset is None else offset.apply(reference, state, self._heading)
+        planned = planner.reference(state, landing)
+        reference = self._swing_momentum.apply(planned, state, planner)
+        if offset is not None:
+            reference = offset.apply(reference, state, self._heading)
+        state.dcm_offset = reference.dcm - planned.dcm
+        return reference
 
     @property
     def telemetry(self) -> Telemetry:

@@ -10,7 +10,8 @@ from wbc.jit.compile import argument_types, kernel, subkernel
 
 # Shares of the swing's duration.
 LIFT = 0.05  # at its start: straight up, so that a toe clears the edge it stands at
-APEX = 0.5  # when the apex is reached
+APEX = 0.5  # when the apex is reached, and the sole has the slope of the ground where it lands
+_TURN = 0.1  # when the sole begins to turn from the slope that it left
 _LATE_ACCELERATION = 6.0  # m/s², downwards, of a foot that is late
 _LATE_SPEED = 0.4  # m/s, at the most
 
@@ -52,10 +53,24 @@ def _step_quintic(
     )
 
 
+@kernel(argument_types(np.zeros((4, 4)), *(1.0,) * 3))
+def tilt(pose: np.ndarray, yaw: float, slope_x: float, slope_y: float) -> None:
+    """Write the rotation of a sole on a slope into a (4, 4) pose; see `advance_swing`."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    along = slope_x * c + slope_y * s
+    n = 1.0 / math.sqrt(1.0 + slope_x * slope_x + slope_y * slope_y)
+    x = 1.0 / math.sqrt(1.0 + along * along)
+    pose[0, 0], pose[1, 0], pose[2, 0] = x * c, x * s, x * along
+    pose[0, 2], pose[1, 2], pose[2, 2] = -n * slope_x, -n * slope_y, n
+    pose[0, 1] = pose[1, 2] * pose[2, 0] - pose[2, 2] * pose[1, 0]
+    pose[1, 1] = pose[2, 2] * pose[0, 0] - pose[0, 2] * pose[2, 0]
+    pose[2, 1] = pose[0, 2] * pose[1, 0] - pose[1, 2] * pose[0, 0]
+
+
 _VECTOR = np.zeros(6)
 
 
-@kernel(argument_types(np.zeros((4, 4)), _VECTOR, _VECTOR, *(1.0,) * 10))
+@kernel(argument_types(np.zeros((4, 4)), _VECTOR, _VECTOR, *(1.0,) * 14))
 def advance_swing(
     pose: np.ndarray,
     velocity: np.ndarray,
@@ -70,6 +85,10 @@ def advance_swing(
     end_yaw: float,
     apex: float,
     touchdown_speed: float,
+    start_slope_x: float,
+    start_slope_y: float,
+    slope_x: float,
+    slope_y: float,
 ) -> float:
     """Move a swing foot on by dt towards a landing place; return its heading, rad.
 
@@ -85,6 +104,8 @@ def advance_swing(
         end_yaw: heading of the sole there, rad.
         apex: height of the apex, world, m.
         touchdown_speed: downward, m/s.
+        start_slope_x, start_slope_y: slope of the sole at lift-off, rise per metre along x, y.
+        slope_x, slope_y: the same where it lands.
     """
     remaining = duration - time
     if time + dt > LIFT * duration:
@@ -96,9 +117,13 @@ def advance_swing(
         yaw, velocity[5], acceleration[5] = _step_quintic(
             yaw, velocity[5], acceleration[5], goal, 0.0, remaining, dt
         )
-        c, s = math.cos(yaw), math.sin(yaw)
-        pose[0, 0] = pose[1, 1] = c
-        pose[1, 0], pose[0, 1] = s, -s
+    # The sole turns from slope to slope while it is well above the ground.
+    s = min(max((time + dt) / duration - _TURN, 0.0) / (APEX - _TURN), 1.0)
+    share = s * s * (3.0 - 2.0 * s)
+    rate = 6.0 * s * (1.0 - s) / (duration * (APEX - _TURN))
+    d_x, d_y = slope_x - start_slope_x, slope_y - start_slope_y
+    tilt(pose, yaw, start_slope_x + share * d_x, start_slope_y + share * d_y)
+    velocity[3], velocity[4] = rate * d_y, -rate * d_x
     fall = (1.0 - APEX) * duration
     if remaining > 0.0:
         goal, speed, left = height, -touchdown_speed, remaining

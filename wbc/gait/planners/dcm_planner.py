@@ -92,6 +92,8 @@ class DcmPlanner:
         plan.step_length = abs(complex(velocity.forward, velocity.left)) * state.gait.step_duration
         if state.phase is Phase.SWING:
             plan.landing = stance.compose(self._relative_landing)
+            if not self._follows_given:
+                plan.landing = state.on_slope(plan.landing)
         return plan
 
     def reference(self, state: GaitState, landing: Placement | None = None) -> DcmReference:

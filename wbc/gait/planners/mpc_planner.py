@@ -117,7 +117,8 @@ class MpcPlanner(DcmPlanner):
 
     def _displaced_landing(self, state: GaitState) -> Placement:
         point, yaw, height = self._relative_landing
-        return state.stance.compose(Placement(point + self._displacement, yaw, height))
+        landing = state.stance.compose(Placement(point + self._displacement, yaw, height))
+        return landing if self._follows_given else state.on_slope(landing)
 
     def _zmp_at(self, age: float, omega: float) -> complex:
         """Difference of the ZMP at a time (s) after the solution, m."""
@@ -131,7 +132,7 @@ class MpcPlanner(DcmPlanner):
     def _solve(self, state: GaitState) -> None:
         stance = state.stance
         analytic = super().reference(state).dcm
-        error = (state.dcm - analytic) * planar_rotation(-stance.yaw)
+        error = (state.dcm - state.dcm_offset - analytic) * planar_rotation(-stance.yaw)
         steps = self._planned_steps(state)
         starts, transfers = self._transfers(state, len(steps))
         omega = state.gait.omega

@@ -14,6 +14,7 @@ BODY = np.dtype(
         ("mass", float),  # kg
         ("joint", np.int64, (2,)),
         ("axis", float, (2, 3)),  # x axis of the sole, joint axes
+        ("normal", float, (2, 3)),  # z axis of the sole, joint axes
         ("position", float, (2, 3)),  # centre of the sole, joint axes, m
     ],
     align=True,
@@ -51,13 +52,14 @@ def read_ground(
         M: (nv, nv) mass matrix.
         v: (nv,) generalised velocity.
         body: (1,) of the type `BODY`.
-        out: (15,) per sole x, y, z of its centre (m) and yaw (rad), then x and y of the centre of
-            mass (m) and of its velocity (m/s), all in world axes; workspace.
+        out: (19,) per sole x, y, z of its centre (m) and yaw (rad), then x and y of the centre of
+            mass (m) and of its velocity (m/s), all in world axes; workspace (3,); per sole its
+            rise per metre along x and along y.
     """
     b = body[0]
-    mass, axes, positions = b["mass"], b["axis"], b["position"]
+    mass, axes, normals, positions = b["mass"], b["axis"], b["normal"], b["position"]
     for k in range(2):
-        axis, position = axes[k], positions[k]
+        axis, normal, position = axes[k], normals[k], positions[k]
         T = joint_placements[b["joint"][k]]
         for i in range(3):
             out[4 * k + i] = (
@@ -66,6 +68,11 @@ def read_ground(
         x = T[0] * axis[0] + T[3] * axis[1] + T[6] * axis[2]
         y = T[1] * axis[0] + T[4] * axis[1] + T[7] * axis[2]
         out[4 * k + 3] = math.atan2(y, x)
+        z = T[2] * normal[0] + T[5] * normal[1] + T[8] * normal[2]
+        for i in range(2):
+            along = T[i] * normal[0] + T[3 + i] * normal[1] + T[6 + i] * normal[2]
+            # A sole on edge has no slope.
+            out[15 + 2 * k + i] = -along / z if z > 0.5 else 0.0
     base, momentum = joint_placements[1], out[12:15]
     base_momentum(M, v, momentum)
     c0, c1, c2 = M[1, 5] / mass, M[2, 3] / mass, M[0, 4] / mass

@@ -135,4 +135,6 @@ class Stabilizer:
         point = landing.point + shift * planar_rotation(stance.yaw)
         moved = Placement(point, landing.yaw, landing.height)
         moved = clamp_footstep(stance, state.swing_side, moved, state.limits)
+        if state.ground_slope != 0j:
+            moved = state.on_slope(moved)
         return reference(moved), moved
