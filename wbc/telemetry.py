@@ -9,7 +9,8 @@ import numpy as np
 #: Values of `Footstep.side`.
 SIDES = ("left", "right")
 #: Values of `Telemetry.phase`; "left" and "right" name the foot that carries the robot.
-PHASES = ("stand", "double", "left", "right", "flight")
+#: "falling": a fall is unavoidable, and the joints only yield.
+PHASES = ("stand", "double", "left", "right", "flight", "falling")
 
 _UNKNOWN = np.full(3, np.nan)
 _NO_POINTS = np.empty((0, 3))

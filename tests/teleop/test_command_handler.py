@@ -155,7 +155,8 @@ def test_after_a_fall_only_a_reset_is_accepted_and_the_pushes_were_not_survived(
         clients=[client(idle)],
         message=messages.append,
     )
-    assert [line.split(":")[0] for line in messages] == ["fell", "reset"]
+    said = [line.split(":")[0] for line in messages]
+    assert said == ["the robot is falling", "fell", "reset"]
     assert set(fallen) == {Mode.FALLEN}
     assert (handler.pushes.survived, handler.pushes.decided) == (0, 2)
     assert run.outcomes_of(late) == [REFUSED]

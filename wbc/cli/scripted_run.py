@@ -121,6 +121,7 @@ class ScriptedRun:
                 observers=observers,
                 real_time=self._options.real_time,
                 on_conditions=lambda conditions: session.line.print(conditions.describe()),
+                on_falling=lambda text: session.line.print(f"the robot is {text}"),
                 before_tick=lambda time: before_tick(time, simulation.plant),
                 progress=progress,
             )

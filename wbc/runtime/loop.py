@@ -43,6 +43,10 @@ class RunComplete(StopRun):
     """Raised likewise when everything is done: the run ends early, as it should."""
 
 
+def _print_falling(text: str) -> None:
+    print(f"the robot is {text}", file=sys.stderr)
+
+
 def _print_conditions(conditions: LoopConditions) -> None:
     print(conditions.describe(), file=sys.stderr)
 
@@ -57,6 +61,7 @@ def run(
     quantities: Sequence[Quantity] = (),
     real_time: bool | RealTime = False,
     on_conditions: Callable[[LoopConditions], None] = _print_conditions,
+    on_falling: Callable[[str], None] = _print_falling,
     before_tick: Callable[[float], None] | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Report:
@@ -79,6 +84,8 @@ def run(
             it back at the end.
         on_conditions: called before the first tick of a real-time run with what was granted; by
             default a line is printed on standard error.
+        on_falling: called when the controller finds a fall unavoidable, with its status text
+            ("falling: …"); by default a line is printed on standard error.
         before_tick: called with the plant's time before each tick, to change commands or push.
         progress: called about ten times a second.
             Either of them may raise `StopRun` to end the run, or `RunComplete` when it is done.
@@ -147,6 +154,8 @@ def run(
                 )  # fmt: skip
                 true_state = truth_source.ground_truth() if truth_source is not None else None
                 state = true_state or estimate.state
+                if telemetry.phase == "falling" and not statistics.falling:
+                    on_falling(telemetry.status_text)
                 statistics.record(tick, state)
                 if stream is not None:
                     stream.write(tick)

@@ -52,6 +52,7 @@ class Report:
         robot: name of the robot.
         survived: whether the robot did not fall and nothing ended the run early.
         fell_at_s: time of the fall, s; None if the robot did not fall.
+        falling_at_s: time at which the controller found a fall unavoidable, s; None if it did not.
         fell_why: reason of the fall or of the early end of the run; else empty.
         diverged: whether the simulated physics diverged; all figures are of the ticks before.
         duration_s: simulated time, s.
@@ -121,6 +122,7 @@ class Report:
     notes: tuple[str, ...] = ()
     aborted_motions: tuple[str, ...] = ()
     flights: tuple[Flight, ...] = ()
+    falling_at_s: float | None = None
 
     def __repr__(self) -> str:
         return (
@@ -141,10 +143,15 @@ class Report:
             aborted = f", but GAVE UP: {', '.join(self.aborted_motions)}"
             return f"survived {self.duration_s:.1f} s" + (aborted if self.aborted_motions else "")
         if self.fell_at_s is not None:
-            return f"FELL at {self.fell_at_s:.2f} s: {self.fell_why}"
+            return f"FELL at {self.fell_at_s:.2f} s: {self.fell_why}{self._foreseen()}"
         if self.diverged:
             return f"NO RESULT: {self.fell_why}; the figures are of the time before"
         return f"ended early at {self.duration_s:.2f} s: {self.fell_why}"
+
+    def _foreseen(self) -> str:
+        if self.fell_at_s is None or self.falling_at_s is None:
+            return ""
+        return f" (foreseen {self.fell_at_s - self.falling_at_s:.2f} s before)"
 
     def table(self) -> str:
         """Return the result as a table for people."""

@@ -64,6 +64,7 @@ class RunStatistics:
         self._lowest, self._highest = np.full(robot.na, np.inf), np.full(robot.na, -np.inf)
         self._end_reason = ""
         self._fell_at: float | None = None
+        self._falling_at: float | None = None
         self._diverged = False
         self._trail = [self._planar_pose()]
         self._wall = time.perf_counter()
@@ -72,6 +73,11 @@ class RunStatistics:
     def empty(self) -> bool:
         """Whether no tick has been recorded yet."""
         return self._tick is None
+
+    @property
+    def falling(self) -> bool:
+        """Whether the controller has found a fall unavoidable."""
+        return self._falling_at is not None
 
     def record(self, tick: Tick, state: State) -> None:
         """Record one tick.
@@ -86,6 +92,8 @@ class RunStatistics:
         self._controller_time[k] = tick.controller_time
         self._estimator_time[k] = tick.estimator_time
         self._dcm_error[k] = tick.telemetry.dcm_error
+        if self._falling_at is None and tick.telemetry.phase == "falling":
+            self._falling_at = tick.time
         command = tick.command
         if command.status is not Status.OK:
             self._failures += 1
@@ -177,6 +185,7 @@ class RunStatistics:
             overruns=clock.overruns if clock is not None else 0,
             lateness_p99_us=1e6 * float(np.percentile(late, 99)),
             loop_conditions=conditions,
+            falling_at_s=self._falling_at,
         )
 
 

@@ -24,6 +24,11 @@ SOLE_THICKNESS = 0.02
 _LEAST_MASS_SHARE = 0.02
 #: Hulls thinner than this are left out, m: screens, stickers and the like.
 _LEAST_THICKNESS = 1e-3
+#: Hulls are simplified, for the time of a step and the size of a copy.
+_MAX_VERTICES = 32
+_TOLERANCE = 3e-3  # m
+#: Directions in which a simplified hull reaches as far as the whole one, in principal axes.
+_DIRECTIONS = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)])
 #: Points on the rim of a cylinder and on each half of a sphere, where one is cut.
 _RIM_POINTS = 16
 
@@ -129,14 +134,31 @@ def _convex(item: Any) -> Iterator[_Convex]:
 
 
 def hull_vertices(points: np.ndarray) -> np.ndarray:
-    """Return the vertices of the convex hull of points (n, 3); none if it is flat."""
+    """Return the vertices of the convex hull of points (n, 3), or of a simpler one within it.
+
+    The simpler hull lacks at most 3 mm of the points, or has 32 vertices: those that are farthest
+    out, one after the other. A flat hull has no vertices.
+    """
     if len(points) < 4:
         return _NO_VERTICES
     _, _, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
     if float(np.ptp(points @ axes[2])) < _LEAST_THICKNESS:
         return _NO_VERTICES
     hull = _convex_hull(points)
-    return _NO_VERTICES if hull is None else np.asarray(points[hull.vertices])
+    if hull is None:
+        return _NO_VERTICES
+    corners = points[hull.vertices]
+    kept = sorted({int(np.argmax(corners @ way)) for way in _DIRECTIONS @ axes})
+    while len(kept) < min(_MAX_VERTICES, len(corners)):
+        hull = _convex_hull(corners[kept])
+        if hull is None:
+            return np.asarray(corners)
+        outside = (hull.equations[:, :3] @ corners.T + hull.equations[:, 3:]).max(axis=0)
+        farthest = int(np.argmax(outside))
+        if outside[farthest] <= _TOLERANCE:
+            break
+        kept.append(farthest)
+    return np.asarray(corners[kept])
 
 
 def _convex_hull(points: np.ndarray) -> Any:

@@ -34,9 +34,6 @@ _STOP_SOLREF = (0.005, 1.0)
 #: Mass and inertia of bodies that have none in the robot's model: MuJoCo demands some.
 _TINY_MASS = 1e-9
 _TINY_INERTIA = 1e-12
-#: A hull of more vertices is replaced by one of so many within it: some mm of accuracy for
-#: the time of a step.
-_MAX_HULL_VERTICES = 32
 
 
 def import_mujoco() -> Any:
@@ -183,9 +180,7 @@ def _add_shape(
     }
     if shape.kind == "hull":
         attributes["meshname"] = spec.add_mesh(
-            name=attributes["name"],
-            uservert=shape.vertices.ravel(),
-            maxhullvert=_MAX_HULL_VERTICES,
+            name=attributes["name"], uservert=shape.vertices.ravel()
         ).name
     else:
         attributes["size"] = [*shape.size, 0.0, 0.0][:3]

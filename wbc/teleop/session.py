@@ -97,6 +97,7 @@ def run(
                     observers=(*clients, *observers),
                     quantities=(*quantities, *handler.quantities),
                     real_time=real_time and not handler.owns_clock,
+                    on_falling=lambda text: message(f"the robot is {text}"),
                     before_tick=on_tick,
                     progress=on_progress,
                 )

@@ -21,6 +21,7 @@ _PHASES = {
     "left": "left stance",
     "right": "right stance",
     "flight": "flight",
+    "falling": "falling",
 }
 _SYMBOLS = {
     "line": '<rect x="1" y="5" width="18" height="4" rx="2" fill="{0}"/>',

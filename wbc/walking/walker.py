@@ -35,6 +35,7 @@ from wbc.telemetry import ContactPlan, Footstep, Telemetry
 from wbc.walking.balance_tasks import BalanceTasks, mean_heading
 from wbc.walking.command_checks import parse_footsteps, parse_velocity
 from wbc.walking.contact_manager import ContactManager
+from wbc.walking.falling import FallController, FallDetector
 from wbc.walking.feet import centre_of_pressure, sides_in_contact
 from wbc.walking.gains import WalkerGains
 from wbc.walking.ground_kinematics import GroundKinematics
@@ -105,6 +106,9 @@ class Walker:
         self.planner = resolve_planner(planner, robot)
         self._swing_momentum = SwingMomentum(robot)
         self.reference_offset: ReferenceOffset | None = None
+        self._fall_detector = FallDetector(robot, dt)
+        self._fall_controller = FallController(robot, dt, workspace.knees)
+        self._falling_why = ""
         self._command = GaitCommand()
         self.reset(robot.standing())
 
@@ -181,12 +185,15 @@ class Walker:
     def reset(self, state: State) -> None:
         """Start anew, standing, from a state with both soles on the ground.
 
-        What is wanted of it stays: the velocity, and footsteps given by `follow`.
+        What is wanted of it stays: the velocity, and footsteps given by `follow`. Only this ends
+        the state of falling.
 
         Raises:
             StateError: see `State.validated`.
         """
         self.stabilizer.reset()
+        self._fall_detector.reset()
+        self._falling_why = ""
         self.resume(state)
 
     def resume(self, state: State) -> None:
@@ -210,6 +217,9 @@ class Walker:
     def step(self, estimate: Estimate) -> Command:
         """One tick.
 
+        When a fall is unavoidable (see `FallDetector`), the walker gives up walking, standing and
+        everything else: from then on, until `reset`, its joints only yield (`FallController`).
+
         Args:
             estimate: state, contacts and foot wrenches; without foot sensors, contact goes by
                 time.
@@ -219,6 +229,8 @@ class Walker:
         """
         kin, dt = self._kin, self.dt
         kin.update(estimate.state)
+        if self._falling_why:
+            return self._fall_controller.command(estimate.state)
         feet, com, com_velocity = self._ground.read()
         machine, stabilizer = self.state_machine, self.stabilizer
         state = machine.state
@@ -229,6 +241,11 @@ class Walker:
         state.ground_slope = self._ground_slope.update(state, self._ground.slopes, dt)
         state.lift_off_slope = self._ground.slopes[0 if state.support == "right" else 1]
         stabilizer.observe(state, com, com_velocity, cop, self._heading, dt)
+        self._falling_why = self._fall_detector.update(
+            estimate.state, state.dcm, float(kin.p_com[2]), feet
+        )
+        if self._falling_why:
+            return self._fall_controller.command(estimate.state)
         machine.update(dt, feet, self._command, sides_in_contact(self.robot, estimate))
         balance = self._balance = stabilizer.update(state, self._reference)
         machine.move_swing(dt, balance.landing)
@@ -252,6 +269,15 @@ class Walker:
     def telemetry(self) -> Telemetry:
         """The telemetry of the last tick, for observers."""
         state, balance, z = self.gait_state, self._balance, self._tasks.height.ground
+        if self._falling_why:
+            return Telemetry(
+                self._kin.p_com.copy(),
+                velocity=np.array(self.velocity),
+                heading=self._heading,
+                phase="falling",
+                steps=state.steps,
+                status_text=f"falling: {self._falling_why}",
+            )
         dcm, reference, zmp = balance.dcm, balance.reference.dcm, balance.zmp
         rows = np.array(
             (
@@ -276,6 +302,8 @@ class Walker:
     @property
     def contact_plan(self) -> ContactPlan:
         """The present support and the planned footsteps; computed anew at each call."""
+        if self._falling_why:
+            return ContactPlan()
         state, ground = self.gait_state, self._tasks.height.ground
         swing, corners = state.swing, self.stabilizer.support.corners(state)
         return ContactPlan(
@@ -286,6 +314,11 @@ class Walker:
             ),
             swing_path=np.array(swing.path()) if swing is not None else np.empty((0, 3)),
         )
+
+    @property
+    def falling_why(self) -> str:
+        """Why a fall is unavoidable; empty as long as the robot keeps its balance."""
+        return self._falling_why
 
     @property
     def kinematics(self) -> Kinematics:

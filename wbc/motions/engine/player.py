@@ -169,6 +169,8 @@ class MotionPlayer:
     def step(self, estimate: Estimate) -> Command:
         """Compute the command of one tick; see `Walker.step`."""
         context = self.context
+        if self.walker.falling_why:
+            self._stop_for_fall()
         context.begin_tick(estimate)
         if self.walker.about_to_recover:
             self._give_up()
@@ -238,6 +240,16 @@ class MotionPlayer:
         self.context.note(text)
         self._playing, self._script = None, self.context.go_home()
 
+    def _stop_for_fall(self) -> None:
+        """Give up what plays and waits: the walker follows nothing any more until its reset."""
+        if self._playing is not None:
+            self._aborted.append(self._playing.name)
+            self.context.note(f"{self._playing.name}: the robot falls")
+        if self._script is not None:
+            self._script.close()
+        self._queue.clear()
+        self._playing = self._script = None
+
     def _motion_script(self, motion: Motion) -> Script:
         """Return the script of a motion, and of what brings home what the motion does not."""
         context = self.context
@@ -292,7 +304,9 @@ class MotionPlayer:
         override, text = self.context.override, self.status_text
         if override is None:
             telemetry = self.walker.telemetry
-            return replace(telemetry, status_text=text) if text else telemetry
+            if self.walker.falling_why or not text:
+                return telemetry
+            return replace(telemetry, status_text=text)
         steps = self.walker.steps
         return replace(override.telemetry, steps=steps, status_text=text)
 

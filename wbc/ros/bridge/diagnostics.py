@@ -85,6 +85,8 @@ class Diagnostics:
         level, text = _OK, "running"
         if tick.mode is Mode.FALLEN:
             level, text = _ERROR, "fallen"
+        elif tick.phase == "falling":
+            level, text = _ERROR, "falling"
         elif failures:
             level, text = _ERROR, f"the QP had no solution in {failures} ticks"
         elif overruns:

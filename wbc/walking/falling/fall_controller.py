@@ -1,0 +1,61 @@
+"""Fall controller: damped joints and knees that give way."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+import pinocchio as pin
+
+from wbc.command import Command
+from wbc.robot import Robot
+from wbc.state import State
+
+#: Time constant with which a joint's motion decays, s.
+_DECAY_TIME = 0.1
+#: Natural frequency with which the knees bend, rad/s.
+_KNEE_RATE = 5.0
+#: Share of the effort limits that is used.
+_TORQUE_SHARE = 0.5
+
+
+class FallController:
+    """Lets a robot fall softly.
+
+    It tracks nothing. Each joint is damped, and the knees are drawn to the middle of their range,
+    which lowers the centre of mass and with it the energy of the impact:
+
+        τ = −I q̇ / T + I κ² (q_mid − q)    (second term: knees only),   |τ| ≤ τ_max / 2,
+
+    with I the inertia that the joint moves in the nominal posture (the diagonal of the mass matrix,
+    kg·m²), T = 0.1 s and κ = 5 rad/s. Damping cannot make the limbs flail, whatever they hit (after
+    the damping mode of commercial humanoids, and K. Fujiwara et al., *UKEMI: falling motion control
+    to minimize damage to biped humanoid robot*, IROS 2002, for the bent knees).
+
+    Args:
+        robot: the robot.
+        dt: control period, s.
+        knees: indices of the knees among the actuated joints.
+    """
+
+    def __init__(self, robot: Robot, dt: float, knees: Collection[int]) -> None:
+        model = robot.model
+        inertia = np.diag(pin.crba(model, model.createData(), robot.q_nominal))[6:]
+        self._dt = dt
+        self._damping = inertia / _DECAY_TIME
+        self._stiffness = np.zeros(robot.na)
+        self._middle = np.zeros(robot.na)
+        for knee in knees:
+            middle = 0.5 * float(robot.q_min[knee] + robot.q_max[knee])
+            if np.isfinite(middle):
+                self._middle[knee] = middle
+                self._stiffness[knee] = inertia[knee] * _KNEE_RATE**2
+        self._limit = _TORQUE_SHARE * robot.tau_max
+        self._at_rest = np.zeros(robot.nv)
+
+    def command(self, state: State) -> Command:
+        """Return the command of one tick; its acceleration is zero, which it does not predict."""
+        q, v = state.q[7:], state.v[6:]
+        tau = self._stiffness * (self._middle - q) - self._damping * v
+        tau = np.clip(tau, -self._limit, self._limit)
+        return Command(tau, self._at_rest.copy(), {}, q + self._dt * v, v.copy())
