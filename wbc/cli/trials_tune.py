@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -53,7 +54,7 @@ def tune(
             text = f"set {number + 1}/{budget}: {progress.finished}/{progress.total}"
             if progress.remaining is not None:
                 text += f", {time_text(progress.remaining)} left"
-            line.show(text, progress.elapsed)
+            line.show(text, time.monotonic())
 
         result = tune_controller(
             declared,

@@ -88,10 +88,13 @@ def _push_maps(figure_of: Any, results: Results, rates: Sequence[Survival]) -> A
             if mine:
                 _draw_map(place, mine, colour, rates_too=len(controllers) == 1)
     handles = [_line(colour, name) for name, colour in controllers.items()]
+    if len(controllers) == 1:
+        handles.append(_line(LIMIT, "falls, the paler the rarer", linestyle=""))
     figure.legend(handles=handles, loc="outside lower center", ncols=4)
+    gap = " " if columns > 2 else "\n"
     figure.suptitle(
-        f"{results.grid.name}: largest {_what(results)}, survived in\n"
-        f"≥ {100 * REQUIRED_SHARE:.0f} % of {_samples(results)}, as all smaller ones",
+        f"{results.grid.name}: largest {_what(results)}, survived in ≥ "
+        f"{100 * REQUIRED_SHARE:.0f} %{gap}of {_samples(results)}, as all smaller ones\n",
         fontsize=10,
     )
     return figure
@@ -173,10 +176,10 @@ def _controllers(rates: Sequence[Survival]) -> dict[str, str]:
     return {name: _COLOURS[i % len(_COLOURS)] for i, name in enumerate(names)}
 
 
-def _line(colour: str, name: str) -> Any:
+def _line(colour: str, name: str, linestyle: str = "-") -> Any:
     from matplotlib.lines import Line2D
 
-    return Line2D([], [], color=colour, marker="o", markersize=3, label=name)
+    return Line2D([], [], color=colour, linestyle=linestyle, marker="o", markersize=3, label=name)
 
 
 def _direction(one: Survival) -> float:
