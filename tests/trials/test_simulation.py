@@ -160,6 +160,19 @@ def test_joint_friction_and_damping_are_in_the_physics(robot):
     assert not plant.model.dof_frictionloss[:6].any()
 
 
+def test_terrain_is_that_of_the_condition_and_the_seed(robot):
+    def boxes(condition: Condition, seed: int) -> np.ndarray:
+        return condition.make_plant(robot, 0.002, seed).terrain.boxes()
+
+    assert not len(boxes(Condition(), 0))
+    tiles = Condition(tiles=0.02)
+    np.testing.assert_array_equal(boxes(tiles, 1), boxes(tiles, 1))
+    assert (boxes(tiles, 1) != boxes(tiles, 2)).any()
+    assert abs(boxes(Condition(slope=5.0), 0)[:, 7]).max() == pytest.approx(np.radians(5.0))
+    with pytest.raises(TrialError, match="exclude each other"):
+        Condition(tiles=0.02, slope=5.0)
+
+
 @pytest.mark.parametrize("degrees", [0.0, 90.0, 215.0])
 def test_directions_are_those_of_the_heading_and_a_size_means_the_same_on_every_robot(degrees):
     loop = make_loop(RUN)

@@ -14,7 +14,7 @@ from wbc.estimation import Estimator, GroundTruthEstimator
 from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
 from wbc.runtime.protocols import StateEstimator
-from wbc.sim import Mujoco, SensorNoise, Tiles
+from wbc.sim import Flat, Mujoco, Ramp, SensorNoise, Terrain, Tiles
 from wbc.trials.contact_by_time import ContactByTime
 from wbc.trials.errors import TrialError
 
@@ -40,6 +40,8 @@ class Condition:
         torque_limits: factor on the torque limits of the motors.
         tiles: greatest height of square tiles on the floor, m; 0 for a flat floor. The seed of the
             trial draws their heights.
+        slope: angle of a ramp of 2 m half a metre in front of the robot, with a plateau and a
+            ramp down behind it, degrees; 0 for none.
         state: "estimated" from noisy sensors, or "exact".
         contact: what the controller is given: contacts and foot loads as "measured", or nothing,
             so that contact goes by "time".
@@ -60,15 +62,17 @@ class Condition:
     joint_damping: float = 0.0
     torque_limits: float = 1.0
     tiles: float = 0.0
+    slope: float = 0.0
     state: Literal["estimated", "exact"] = "estimated"
     contact: Literal["measured", "time"] = "measured"
 
     def __post_init__(self) -> None:
-        for name in ("noise", "latency", "friction", "joint_friction", "joint_damping", "tiles"):
+        for name in ("noise", "latency", "friction", "payload", "tiles", "slope"):
+            self._check(name, least=0.0)
+        for name in ("joint_friction", "joint_damping"):
             self._check(name, least=0.0)
         for name in ("mass", "torque_limits"):
             self._check(name, above=0.0)
-        self._check("payload", least=0.0)
         if not all(math.isfinite(x) for x in self.com_offset):
             raise TrialError(f"com_offset = {self.com_offset} must be three finite numbers, m")
 
@@ -141,7 +145,7 @@ class Condition:
                 altered,
                 dt=dt,
                 friction=self.friction,
-                terrain=Tiles(height=self.tiles, seed=seed) if self.tiles > 0.0 else None,
+                terrain=self._terrain(seed),
                 noise=SensorNoise().scaled(self.noise),
                 ground_truth=self.state == "exact",
                 seed=seed,
@@ -154,6 +158,11 @@ class Condition:
             plant.model.dof_frictionloss[dof] = self.joint_friction * limit
             plant.model.dof_damping[dof] = self.joint_damping * limit
         return plant
+
+    def _terrain(self, seed: int) -> Terrain:
+        if self.tiles > 0.0:
+            return Tiles(height=self.tiles, seed=seed)
+        return Ramp(math.radians(self.slope)) if self.slope > 0.0 else Flat()
 
     def make_estimator(self, robot: Robot, dt: float) -> StateEstimator:
         """Return the estimator of the state.
