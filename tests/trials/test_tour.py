@@ -15,6 +15,7 @@ from policytools import write_standing_policy
 import wbc
 from wbc.robot.upper_body import UpperBody
 from wbc.tasks import JointTorqueTask
+from wbc.trials.policy import load_policy
 from wbc.trials.tour import (
     ArmMotion,
     TourController,
@@ -95,6 +96,41 @@ def test_arm_torques_are_those_of_the_tour_and_the_walker_knows_them(g1):
     force = kin.mass_matrix @ command.acceleration + kin.bias_forces
     np.testing.assert_allclose(force[6 + motion.joints], torque, atol=0.05)
     assert any(isinstance(task, JointTorqueTask) for task in walker.controller.tasks)
+
+
+def test_the_limits_of_the_arms_do_not_contradict_what_somebody_else_does_with_them(g1):
+    pytest.importorskip("mujoco")
+    walker, motion = wbc.Walker(g1), ArmMotion(g1, 0)
+    controller = TourController(walker, motion, wbc.sim.Mujoco(g1))
+    state = g1.standing()
+    stop = g1.q_max[motion.joints[3]]
+    state.q[7 + motion.joints[3]], state.v[6 + motion.joints[3]] = stop - 0.001, 3.0
+    controller.reset(state)
+    command = controller.step(wbc.Estimate(state))
+    assert command.status is wbc.Status.OK
+    # Nothing brakes the arm but its motor and its weight, which the controller knows.
+    kin = wbc.Kinematics(g1, state)
+    force = kin.mass_matrix @ command.acceleration + kin.bias_forces
+    np.testing.assert_allclose(force[6 + motion.joints], command.tau[motion.joints], atol=0.1)
+
+
+def test_a_policy_sees_arms_that_obey_it(g1, tmp_path):
+    pytest.importorskip("onnxruntime")
+    write_standing_policy(tmp_path, g1)
+    policy, motion = load_policy(g1, folder=tmp_path), ArmMotion(g1, 0)
+    seen = []
+    step = policy.step
+    policy.step = lambda estimate: seen.append(estimate.state) or step(estimate)
+    controller = TourController(policy, motion, wbc.sim.Mujoco(g1))
+    state = g1.standing()
+    controller.reset(state)
+    moved = wbc.State(state.q + np.where(np.arange(36) > 6, 0.1, 0.0), state.v + 0.2)
+    controller.step(wbc.Estimate(moved))
+    arms, legs = motion.joints, np.arange(15)
+    np.testing.assert_allclose(seen[0].q[7:][arms], g1.q_nominal[7:][arms])
+    assert not seen[0].v[6:][arms].any()
+    np.testing.assert_array_equal(seen[0].q[7:][legs], moved.q[7:][legs])
+    np.testing.assert_array_equal(seen[0].v[6:][legs], moved.v[6:][legs])
 
 
 def test_a_short_tour_with_weak_punches_is_completed(g1):

@@ -122,6 +122,11 @@ class PolicyController:
             )
 
     @property
+    def joint_targets(self) -> np.ndarray:
+        """Joint positions q* that it asks for now, (na,), rad."""
+        return self._target.copy()
+
+    @property
     def gait_cycle(self) -> float:
         """Time over which disturbances are spread, s; a network does not tell its steps."""
         return _GAIT_CYCLE

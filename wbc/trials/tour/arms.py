@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import replace
 
@@ -11,11 +12,13 @@ import pinocchio as pin
 from wbc.command import Command
 from wbc.errors import PlantError
 from wbc.estimation import Estimate
+from wbc.limits import AnyLimit, JointPositionLimit, JointVelocityLimit, TorqueLimit
 from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
 from wbc.runtime.protocols import Plant, VelocityController
 from wbc.state import State
 from wbc.tasks import JointTorqueTask
+from wbc.trials.policy import PolicyController
 from wbc.trials.tour.schedule import ARMS
 from wbc.walking import Walker
 
@@ -24,6 +27,7 @@ _STEP = 0.06  # rad, largest step of the random walk
 _STEPS = 25  # of the random walk within a window
 _DRAWS = 8  # of a target, before the last one is kept
 _NECK = 0.1  # share of the arms' height above the shoulders up to which hands may rise
+_FREE = 1e4  # rad, rad/s, N·m: beyond what any arm reaches
 _OBSERVER_TIME = 0.02  # s, of the disturbance of the arms
 _FREQUENCY, _DAMPING = 2.0 * math.pi * 10.0, 2.0  # of the motors alone: rad/s, ratio
 
@@ -118,7 +122,8 @@ class TourController:
     The arms' torques of each command are replaced by those of a PD law on the arms' targets,
     within the torque limits; legs, waist and head stay with the controller. A `Walker` is told
     the targets, as those of the public benchmark are, and takes its arms as given: it does not
-    move them to keep its balance.
+    move them to keep its balance. A `PolicyController` is shown arms that obey it, as there: the
+    positions that it asks for, at rest.
 
     Args:
         controller: the controller.
@@ -168,11 +173,19 @@ class TourController:
         if self._task is not None:
             self._observe(v)
             self._task.target[:] = torque
-        command = self.controller.step(estimate)
+        command = self.controller.step(self._shown(estimate))
         self._expected = command.acceleration[6 + arms.joints]
         tau = command.tau.copy()
         tau[arms.joints] = torque
         return replace(command, tau=tau)
+
+    def _shown(self, estimate: Estimate) -> Estimate:
+        """Return the estimate that the controller gets."""
+        if not isinstance(self.controller, PolicyController):
+            return estimate
+        q, v, joints = estimate.state.q.copy(), estimate.state.v.copy(), self._arms.joints
+        q[7 + joints], v[6 + joints] = self.controller.joint_targets[joints], 0.0
+        return replace(estimate, state=State(q, v))
 
     def _observe(self, velocity: np.ndarray) -> None:
         """Update what the arms' accelerations have beyond what was expected of them."""
@@ -184,12 +197,36 @@ class TourController:
 
 
 def _yield_arms(walker: Walker, arms: ArmMotion) -> JointTorqueTask:
-    """Take the arms out of a walker's posture, and return the task that knows their torques."""
+    """Take the arms out of a walker's posture and limits; return the task that knows their torques.
+
+    A limit of the QP would contradict what the arms really do, for instance at a joint's stop.
+    """
+    joints, robot, controller = arms.joints, walker.robot, walker.controller
     weight = walker.posture.weight.copy()
-    weight[arms.joints] = 0.0
+    weight[joints] = 0.0
     walker.posture.weight = weight
-    names = [walker.robot.joint_names[joint] for joint in arms.joints]
-    return walker.controller.add(JointTorqueTask(walker.robot, names))
+    controller.set_limits([_without(limit, joints, robot) for limit in controller.limits])
+    names = [robot.joint_names[joint] for joint in joints]
+    return controller.add(JointTorqueTask(robot, names))
+
+
+def _without(limit: AnyLimit, joints: np.ndarray, robot: Robot) -> AnyLimit:
+    """Return a limit that leaves some joints free."""
+
+    def freed(values: np.ndarray, value: float) -> np.ndarray:
+        values = values.copy()
+        values[joints] = value
+        return values
+
+    if isinstance(limit, TorqueLimit):
+        return TorqueLimit(robot, freed(limit.maximum, _FREE))
+    if isinstance(limit, JointVelocityLimit):
+        maximum = freed(limit.maximum, _FREE)
+        return JointVelocityLimit(robot, maximum, horizon=limit.horizon, braking=limit.braking)
+    if isinstance(limit, JointPositionLimit):
+        limit = copy.copy(limit)
+        limit.lower, limit.upper = freed(limit.lower, -_FREE), freed(limit.upper, _FREE)
+    return limit
 
 
 def _mirror_signs(robot: Robot, left: np.ndarray, right: np.ndarray) -> np.ndarray:
