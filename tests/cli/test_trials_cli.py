@@ -34,6 +34,20 @@ def test_show_prints_the_largest_size_survived_by_robot_and_direction(files, cap
     assert "g1     0.3 m/s       0.2   0.2   0.2    0.2" in printed
 
 
+def test_show_lists_the_falls_with_the_smallest_pushes(files, capsys):
+    assert run(["trials", "show", str(files / "strong.parquet"), "--falls", "2"]) == 0
+    *_, first, second, last = capsys.readouterr().out.splitlines()
+    assert "made up" in first
+    assert " 0.8 " in second
+    assert last == "96 falls in all"
+
+
+def test_a_trial_that_does_not_exist_cannot_be_replayed(files, capsys):
+    assert run(["trials", "replay", str(files / "weak.parquet"), "nothing"]) == 2
+    assert "no trial of 'trials' have a key" in capsys.readouterr().err
+    assert run(["trials", "replay", str(files / "weak.parquet"), ""]) == 2
+
+
 def test_compare_gives_a_verdict_and_fails_if_the_second_is_worse(files, capsys):
     weak, strong = str(files / "weak.parquet"), str(files / "strong.parquet")
     assert run(["trials", "compare", weak, strong]) == 0

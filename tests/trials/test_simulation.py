@@ -17,6 +17,7 @@ from wbc.trials import (
     KickDisturbance,
     PushDisturbance,
     TrialError,
+    replay_trial,
 )
 from wbc.trials.controllers import make_walker
 from wbc.trials.disturbance import apply_disturbance
@@ -62,6 +63,21 @@ def test_a_controller_that_cannot_be_pickled_gives_the_same_results():
         same = {"key": "", "controller": ""}
         outcomes.append((replace(result, **same), replace(pushed, **same)))
     assert outcomes[0] == outcomes[1]
+
+
+@pytest.mark.parametrize("size", [0.2, 2.0])
+def test_a_replay_in_the_loop_of_the_library_ends_as_the_trial_did(size):
+    phase = Fraction(1, 3)
+    trial = Trial(RUN, phase, PushDisturbance(), 90.0, size, 1.0)
+    _, (fork,) = simulate_run(RUN, (phase,))
+    result = simulate_trial(fork, trial)
+    report = replay_trial(trial)
+    assert report.survived == result.survived == (size < 1.0)
+    assert report.duration_s == pytest.approx(1.558 + result.duration_s, abs=0.012)
+    if report.survived:
+        assert report.torque_peak_ratio >= result.torque_peak
+    else:
+        assert 0.0 < result.falling_at_s < result.fell_at_s
 
 
 def test_figures_of_an_undisturbed_walk_are_plausible():

@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import Annotated, Literal
 
-from wbc.cli.argument_types import Argument
+from wbc.cli.argument_types import Argument, positive_number
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.output import writing_results
+from wbc.cli.outputs import OutputOptions, RunOutputs
 from wbc.cli.parser import Function, Parser, set_command
+from wbc.cli.progress import ProgressLine
 from wbc.cli.tour import tour
 from wbc.cli.trials_run import run
-from wbc.cli.trials_tables import change_table, comparison_table, results_text, verdict
+from wbc.cli.trials_tables import (
+    change_table,
+    comparison_table,
+    falls_table,
+    results_text,
+    verdict,
+)
 from wbc.cli.trials_tune import tune
 from wbc.trials.comparison import compare as compare_results
 from wbc.trials.plots import plot_results
+from wbc.trials.replay import find_trial, replay_trial
 from wbc.trials.results import read_results
+from wbc.trials.simulation import make_loop
 
 #: The verb that runs when the first argument is none.
 DEFAULT_VERB = "run"
@@ -26,6 +37,8 @@ noisy sensors and the estimator in the loop, on all cores or on a Dask cluster.
 
   wbc trials GRID.toml            run a grid, or go on with it; short for  wbc trials run
   wbc trials show GRID.parquet    print its results again
+  wbc trials replay GRID.parquet TRIAL --html FILE
+                                  run one of its trials again, to see why the robot fell
   wbc trials plot GRID.parquet    draw the push map and the survival rates
   wbc trials compare A.parquet B.parquet
                                   compare two results trial by trial, with a verdict
@@ -35,14 +48,43 @@ noisy sensors and the estimator in the loop, on all cores or on a Dask cluster.
 """
 
 
-def show(results: Path, *, rates: bool = False) -> None:
+def show(
+    results: Path,
+    *,
+    rates: bool = False,
+    falls: Annotated[int | None, Argument("N", positive_number)] = None,
+) -> None:
     """Print the results of a grid.
 
     Args:
         results: Parquet file that `wbc trials` has written.
         rates: print survival rates with their confidence intervals too.
+        falls: print the N falls with the smallest disturbances, for wbc trials replay.
     """
-    print(results_text(read_results(results), rates))
+    found = read_results(results)
+    print(results_text(found, rates))
+    if falls is not None:
+        print(f"\n{falls_table(found, falls)}")
+
+
+def replay(results: Path, trial: str, outputs: OutputOptions) -> ExitCode:
+    """Run one trial of a grid again, from its beginning, to log or to show it.
+
+    Args:
+        results: Parquet file that `wbc trials` has written.
+        trial: the trial, as wbc trials show --falls calls it.
+        outputs: files to write.
+    """
+    found = find_trial(read_results(results), trial)
+    loop = make_loop(found.run)
+    boxes = loop.plant.terrain.boxes()
+    files = RunOutputs(outputs, loop.robot, boxes)
+    with ProgressLine() as line, contextlib.ExitStack() as stack:
+        observers = files.open_observers(stack)
+        report = replay_trial(found, loop, observers=observers, progress=line.show_run)
+    print(report.table())
+    files.write(report)
+    return ExitCode.SUCCESS if report.survived else ExitCode.FAILED
 
 
 def plot(
@@ -95,6 +137,7 @@ def compare(
 VERBS: dict[str, Function] = {
     "run": run,
     "show": show,
+    "replay": replay,
     "plot": plot,
     "compare": compare,
     "tune": tune,

@@ -39,6 +39,27 @@ def results_text(results: Results, rates: bool) -> str:
     return "\n\n".join(parts)
 
 
+def falls_table(results: Results, most: int) -> str:
+    """Return the falls with the smallest disturbances, with the keys of their trials."""
+    falls = sorted((r for r in results.trials if not r.survived), key=lambda r: r.size or 0.0)
+    fields = differing_fields([Case.of(row) for row in results.trials])
+    rows = [
+        [
+            row.key[:_KEY_LENGTH],
+            *_labels(Case.of(row), fields),
+            f"{row.seed}",
+            f"{row.phase:.2f}",
+            direction_name(row.direction_deg or 0.0),
+            f"{row.size:g}",
+            "–" if row.fell_at_s is None else f"{row.fell_at_s:.2f}",
+            row.reason,
+        ]
+        for row in falls[:most]
+    ]
+    head = ["trial", *map(_title, fields), "seed", "phase", "direction", "size", "s", "reason"]
+    return table(head, rows) + (f"\n{len(falls)} falls in all" if len(falls) > most else "")
+
+
 def survival_table(results: Results) -> str:
     """Return the largest size that is survived, by case and direction."""
     rates = survival_rates(results.trials)
@@ -77,6 +98,9 @@ def rates_table(results: Results) -> str:
             )
     head = [*(_title(name) for name in fields), "direction", "size", "survived", "rate", "95 %"]
     return table(head, rows, right=range(len(fields) + 1, len(head)))
+
+
+_KEY_LENGTH = 8  # characters of a key that are shown; enough to find it again
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,6 +21,10 @@ from .grid_file import write_grid as write_grid
 from .motion_trial import MotionRunner as MotionRunner
 from .motion_trial import run_motions as run_motions
 from .plots import plot_results as plot_results
+from .recorder import RunOutcome as RunOutcome
+from .recorder import TrialMetrics as TrialMetrics
+from .replay import find_trial as find_trial
+from .replay import replay_trial as replay_trial
 from .result import TrialResult as TrialResult
 from .results import Results as Results
 from .results import read_results as read_results
@@ -36,6 +40,8 @@ from .survival import Case as Case
 from .survival import Survival as Survival
 from .survival import SurvivalRate as SurvivalRate
 from .survival import survival_rates as survival_rates
+from .trial import Trial as Trial
+from .trial import UndisturbedRun as UndisturbedRun
 from .tuning import ParameterRange as ParameterRange
 from .tuning import TuningResult as TuningResult
 from .tuning import TuningSpace as TuningSpace

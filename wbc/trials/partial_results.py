@@ -30,6 +30,8 @@ class PartialResults(Closeable):
         expected: number of results that are expected.
 
     Attributes:
+        path: path of the file.
+        provenance: versions of the software.
         finished: results that an earlier run has left, by key.
 
     Raises:
@@ -38,7 +40,7 @@ class PartialResults(Closeable):
     """
 
     def __init__(self, path: Path, provenance: Provenance, expected: int) -> None:
-        self.path = path
+        self.path, self.provenance = path, provenance
         self.finished: dict[str, TrialResult] = {}
         try:
             path.parent.mkdir(parents=True, exist_ok=True)

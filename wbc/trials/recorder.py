@@ -35,8 +35,8 @@ class RunOutcome:
 
 
 @dataclass(frozen=True, slots=True)
-class Figures:
-    """Figures of a stretch of a run; those that cannot be computed are None.
+class TrialMetrics:
+    """TrialMetrics of a stretch of a run; those that cannot be computed are None.
 
     Attributes:
         duration_s: s.
@@ -53,6 +53,7 @@ class Figures:
         cost_of_transport: mechanical work over weight and distance; None if it is standing.
         landing_force_peak: largest normal force on a foot, as a share of the weight.
         qp_failures: ticks whose QP had no solution.
+        falling_at_s: time at which the controller found a fall unavoidable, s; None if it did not.
     """
 
     duration_s: float
@@ -69,6 +70,7 @@ class Figures:
     cost_of_transport: float | None
     landing_force_peak: float
     qp_failures: int
+    falling_at_s: float | None
 
 
 class Recorder:
@@ -127,6 +129,7 @@ class Recorder:
         robot = self._loop.plant.robot
         self._count = self._failures = 0
         self._dcm_error = -math.inf
+        self._falling_at: float | None = None
         self._first_steps: int | None = None
         self._last_steps: int | None = None
         self._q = np.empty((count, robot.nq))
@@ -142,12 +145,14 @@ class Recorder:
         telemetry = source.telemetry
         if math.isfinite(telemetry.dcm_error):
             self._dcm_error = max(self._dcm_error, telemetry.dcm_error)
+        if telemetry.phase == "falling" and self._falling_at is None:
+            self._falling_at = self._count * self._loop.plant.dt
         self._last_steps = telemetry.steps
         if self._first_steps is None:
             self._first_steps = telemetry.steps
 
-    def figures(self) -> Figures | None:
-        """Return the figures of the last stretch; None if it had no complete tick."""
+    def metrics(self) -> TrialMetrics | None:
+        """Return the metrics of the last stretch; None if it had no complete tick."""
         n, robot, dt = self._count, self._loop.plant.robot, self._loop.plant.dt
         if n == 0:
             return None
@@ -165,7 +170,7 @@ class Recorder:
         cosine = np.einsum("nj,nj->n", true_axes[:, 2], axes[:, 2])
         tilt = np.arccos(np.clip(cosine, -1.0, 1.0))
         first, last = self._first_steps, self._last_steps
-        return Figures(
+        return TrialMetrics(
             duration_s=duration,
             steps=None if first is None or last is None else last - first,
             distance_m=distance,
@@ -182,6 +187,7 @@ class Recorder:
             else None,
             landing_force_peak=float(load.max()) / robot.weight,
             qp_failures=self._failures,
+            falling_at_s=self._falling_at,
         )
 
 

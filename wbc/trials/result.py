@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
 
-from wbc.trials.recorder import Figures, RunOutcome
+from wbc.trials.recorder import RunOutcome, TrialMetrics
 from wbc.trials.trial import Trial, UndisturbedRun
 
 UNDISTURBED = "none"  # `TrialResult.disturbance` of an undisturbed run
@@ -32,7 +32,7 @@ class TrialResult:
         reason: why the robot counts as fallen, or the error that ended the trial; else empty.
         crashed: whether an error of the controller ended the trial.
 
-    The other columns are those of `Figures`; None if they cannot be computed.
+    The other columns are those of `TrialMetrics`; None if they cannot be computed.
     """
 
     key: str
@@ -65,19 +65,22 @@ class TrialResult:
     cost_of_transport: float | None = None
     landing_force_peak: float | None = None
     qp_failures: int | None = None
+    falling_at_s: float | None = None
 
     @classmethod
     def of_run(
-        cls, run: UndisturbedRun, outcome: RunOutcome, figures: Figures | None
+        cls, run: UndisturbedRun, outcome: RunOutcome, metrics: TrialMetrics | None
     ) -> TrialResult:
         """Return the result of an undisturbed run; the figures are those after the warm-up."""
-        return cls._of(run, run.key, UNDISTURBED, (None, None, None), outcome, figures)
+        return cls._of(run, run.key, UNDISTURBED, (None, None, None), outcome, metrics)
 
     @classmethod
-    def of_trial(cls, trial: Trial, outcome: RunOutcome, figures: Figures | None) -> TrialResult:
+    def of_trial(
+        cls, trial: Trial, outcome: RunOutcome, metrics: TrialMetrics | None
+    ) -> TrialResult:
         """Return the result of a trial."""
         when = (float(trial.phase), trial.direction, trial.size)
-        return cls._of(trial.run, trial.key, trial.disturbance.kind, when, outcome, figures)
+        return cls._of(trial.run, trial.key, trial.disturbance.kind, when, outcome, metrics)
 
     @classmethod
     def _of(
@@ -87,7 +90,7 @@ class TrialResult:
         disturbance: str,
         when: tuple[float | None, float | None, float | None],
         outcome: RunOutcome,
-        figures: Figures | None,
+        metrics: TrialMetrics | None,
     ) -> TrialResult:
         return cls(
             key,
@@ -102,7 +105,7 @@ class TrialResult:
             outcome.fell_at_s,
             outcome.reason,
             outcome.crashed,
-            **({} if figures is None else asdict(figures)),
+            **({} if metrics is None else asdict(metrics)),
         )
 
     def renamed(self, controller: str, condition: str) -> TrialResult:

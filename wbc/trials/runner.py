@@ -20,7 +20,7 @@ from wbc.trials.result import TrialResult
 from wbc.trials.results import Results, import_pyarrow, in_grid_order, read_results
 from wbc.trials.simulation import Fork, make_loop, simulate_run, simulate_trial
 from wbc.trials.trial import Trial, UndisturbedRun
-from wbc.trials.workers import Workers
+from wbc.trials.workers import Workers, run_task
 
 _POLL = 0.2  # s between two looks at whether to stop
 _AHEAD = 2  # tasks per worker that are handed out at a time
@@ -193,7 +193,8 @@ def _run(
             stop = stopped()
             while schedule and not stop and len(pending) < _AHEAD * workers.count:
                 function, arguments, by_phase = schedule.next()
-                pending[workers.executor.submit(function, *arguments)] = by_phase
+                task = workers.executor.submit(run_task, partial.provenance, function, *arguments)
+                pending[task] = by_phase
             if stop:
                 for future in [future for future in pending if future.cancel()]:
                     del pending[future]

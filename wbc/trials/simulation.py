@@ -89,14 +89,14 @@ def simulate_run(
     Returns:
         Its result, and a fork for each phase.
     """
-    with _one_thread(), _closing(make_loop(run)) as loop:
+    with one_blas_thread(), closing(make_loop(run)) as loop:
         recorder = Recorder(loop)
         cycle = loop.controller.gait_cycle
         warm_up = _warm_up(run, loop)
         outcome = recorder.run(warm_up)
         if not outcome.survived:
             forks = [Fork(run, phase, None, outcome) for phase in phases]
-            return TrialResult.of_run(run, outcome, recorder.figures()), forks
+            return TrialResult.of_run(run, outcome, recorder.metrics()), forks
         cycles = max(1, math.ceil(_MEASURED / cycle))
         snapshots: list[bytes | None] = []
         stops = [_ticks(float(phase) * cycle) for phase in phases]
@@ -113,7 +113,7 @@ def simulate_run(
             outcome = RunOutcome(
                 False, warm_up + outcome.fell_at_s, outcome.reason, outcome.crashed
             )
-        return TrialResult.of_run(run, outcome, recorder.figures()), forks
+        return TrialResult.of_run(run, outcome, recorder.metrics()), forks
 
 
 def simulate_trial(fork: Fork, trial: Trial) -> TrialResult:
@@ -127,12 +127,12 @@ def simulate_trial(fork: Fork, trial: Trial) -> TrialResult:
         reason = f"the undisturbed run ended: {fork.failure.reason}"
         outcome = RunOutcome(False, 0.0, reason, fork.failure.crashed)
         return TrialResult.of_trial(trial, outcome, None)
-    with _one_thread(), _closing(_restore(fork)) as loop:
+    with one_blas_thread(), closing(_restore(fork)) as loop:
         recorder = Recorder(loop)
         mass = loop.robot.mass
         apply_disturbance(trial.disturbance, loop.plant, trial.direction, trial.size, mass)
         outcome = recorder.run(trial.duration)
-        return TrialResult.of_trial(trial, outcome, recorder.figures())
+        return TrialResult.of_trial(trial, outcome, recorder.metrics())
 
 
 def _restore(fork: Fork) -> ClosedLoop:
@@ -140,12 +140,20 @@ def _restore(fork: Fork) -> ClosedLoop:
         loop: ClosedLoop = pickle.loads(fork.snapshot)
         return loop
     loop = make_loop(fork.run)
-    ticks = _ticks(_warm_up(fork.run, loop)) + _ticks(
-        float(fork.phase) * loop.controller.gait_cycle
-    )
-    for _ in range(ticks):
+    for _ in range(disturbance_tick(fork.run, fork.phase, loop)):
         loop.tick()
     return loop
+
+
+def disturbance_tick(run: UndisturbedRun, phase: Fraction, loop: ClosedLoop) -> int:
+    """Return the number of ticks from the beginning of a run to a phase.
+
+    Args:
+        run: the run.
+        phase: share of a gait cycle after the warm-up.
+        loop: its closed loop.
+    """
+    return _ticks(_warm_up(run, loop)) + _ticks(float(phase) * loop.controller.gait_cycle)
 
 
 def _warm_up(run: UndisturbedRun, loop: ClosedLoop) -> float:
@@ -170,7 +178,8 @@ def _load(name: str) -> Robot:
 
 
 @contextlib.contextmanager
-def _closing(loop: ClosedLoop) -> Iterator[ClosedLoop]:
+def closing(loop: ClosedLoop) -> Iterator[ClosedLoop]:
+    """Close the controller of a loop at the end of the block, if it can be closed."""
     try:
         yield loop
     finally:
@@ -178,7 +187,7 @@ def _closing(loop: ClosedLoop) -> Iterator[ClosedLoop]:
             loop.controller.close()
 
 
-def _one_thread() -> contextlib.AbstractContextManager[object]:
+def one_blas_thread() -> contextlib.AbstractContextManager[object]:
     """Limit BLAS to one thread: more only slow down small matrices, and change the last bits."""
     try:
         from threadpoolctl import threadpool_limits

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import multiprocessing
 import os
+import platform
 import signal
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 from wbc.errors import MissingExtra
 from wbc.trials.errors import TrialError
 from wbc.trials.provenance import Provenance
+
+T = TypeVar("T")
 
 _CONNECT = 10  # s to wait for a Dask scheduler
 
@@ -57,8 +62,7 @@ def dask_workers(address: str) -> Iterator[Workers]:
         address: address of the scheduler, e.g. `tcp://10.0.0.1:8786`.
 
     Raises:
-        TrialError: there is no scheduler at the address, or it has no workers, or one with other
-            software.
+        TrialError: there is no scheduler at the address, or it has no workers.
         MissingExtra: `distributed` is not installed.
     """
     try:
@@ -76,27 +80,32 @@ def dask_workers(address: str) -> Iterator[Workers]:
         count = sum(client.nthreads().values())
         if count == 0:
             raise TrialError(f"the Dask cluster at '{address}' has no workers")
-        check_software(client.run(Provenance.current))
         yield Workers(client.get_executor(pure=False), count, f"{count} Dask workers")
 
 
-def check_software(found: Mapping[str, Provenance]) -> None:
-    """Refuse workers with other software: results would depend on who computed them.
+def run_task(provenance: Provenance, function: Callable[..., T], *arguments: Any) -> T:
+    """Call a function on a worker, if the worker has the same software as who asks.
 
     Args:
-        found: the versions of each worker.
+        provenance: the versions that the results are to come from.
+        function: the function.
+        arguments: its arguments.
 
     Raises:
-        TrialError: they are not those of this process.
+        TrialError: the worker has other software: results would depend on who computed them.
     """
-    here = Provenance.current()
-    for worker, provenance in found.items():
-        differences = provenance.differences(here)
-        if differences:
-            raise TrialError(
-                f"Dask worker {worker} has other software than this process: "
-                f"{', '.join(differences)}; install the same on both"
-            )
+    differences = _software().differences(provenance)
+    if differences:
+        raise TrialError(
+            f"a worker on {platform.node()} has other software than who asks it: "
+            f"{', '.join(differences)}; install the same everywhere, and do not edit it meanwhile"
+        )
+    return function(*arguments)
+
+
+@functools.cache
+def _software() -> Provenance:
+    return Provenance.current()
 
 
 def _prepare_process() -> None:
