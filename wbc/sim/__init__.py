@@ -8,6 +8,7 @@ from wbc.sim.collision_shapes import CollisionShape
 from wbc.sim.noise import SensorNoise
 from wbc.sim.plant import Mujoco
 from wbc.sim.ramp import Ramp
+from wbc.sim.slippery_patch import SlipperyPatch
 from wbc.sim.terrain import Flat, Terrain, Tiles
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "Mujoco",
     "Ramp",
     "SensorNoise",
+    "SlipperyPatch",
     "Terrain",
     "Tiles",
 ]

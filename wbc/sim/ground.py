@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wbc.sim.terrain import Terrain
+from wbc.sim.terrain import HasFriction, Terrain
 
 #: Up to this many boxes are all in the physics at once; of more, those near the robot.
 _MAX_BOXES = 150
@@ -32,6 +32,7 @@ class Ground:
     def __init__(self, terrain: Terrain) -> None:
         boxes = np.asarray(terrain.boxes(), dtype=float)
         self._boxes, self._turns = boxes[:, :6], boxes[:, 6:]
+        self._friction = terrain.friction if isinstance(terrain, HasFriction) else None
         self._window = 0
         upright = not self._turns.any()
         if (
@@ -48,6 +49,9 @@ class Ground:
         world, box = spec.worldbody, mujoco.mjtGeom.mjGEOM_BOX
         plane = mujoco.mjtGeom.mjGEOM_PLANE
         world.add_geom(name="floor", type=plane, size=[0.0, 0.0, 1.0], **surface)
+        if self._friction is not None:
+            # Of two surfaces that touch, that of the higher priority gives the friction.
+            surface = surface | {"friction": [self._friction, 0.0, 0.0], "priority": 1}
         if self._window:
             size = self._boxes[0, 3:]
             for i in range(self._window):

@@ -20,7 +20,9 @@ from wbc.sim.model import build_model, import_mujoco
 from wbc.sim.motors import Motors
 from wbc.sim.noise import NoiseGenerator, SensorNoise
 from wbc.sim.pushes import Push, PushSchedule
+from wbc.sim.sensor_delay import SensorDelay
 from wbc.sim.sensors import Sensors
+from wbc.sim.soft_ground import soften_ground
 from wbc.sim.terrain import Flat, Terrain
 from wbc.state import State
 
@@ -49,6 +51,8 @@ class Mujoco(Closeable):
         ground_truth: measurements carry the exact state.
         seed: seed of the sensor noise, which starts anew at every reset.
         latency: age of a command when it reaches the motors, s.
+        sensor_latency: age of the readings when they are measured, a multiple of `dt`, s.
+        ground_sink: depth to which the standing robot sinks into soft ground, m; 0: hard ground.
         collisions: "all": every body collides with the ground and with the others, but for
             those of `disabled_pairs`. "soles": only the soles do; limbs pass through each
             other, and a fallen robot through the floor.
@@ -75,10 +79,15 @@ class Mujoco(Closeable):
         ground_truth: bool = False,
         seed: int = 0,
         latency: float = 0.0,
+        sensor_latency: float = 0.0,
+        ground_sink: float = 0.0,
         collisions: Collisions = "all",
     ) -> None:
         self._substeps = _whole_steps("dt", dt, timestep, least=1)
         latency_steps = _whole_steps("latency", latency, timestep, least=0)
+        self._delay = SensorDelay(_whole_steps("sensor_latency", sensor_latency, dt, least=0))
+        if not (math.isfinite(ground_sink) and ground_sink >= 0.0):
+            raise PlantError(f"ground_sink = {ground_sink} m must be finite and >= 0")
         if not (math.isfinite(friction) and friction >= 0.0):
             raise PlantError(f"friction = {friction}: a Coulomb coefficient is finite and >= 0")
         if not (isinstance(seed, int | np.integer) and seed >= 0):
@@ -109,6 +118,9 @@ class Mujoco(Closeable):
         )
         dofs = [self.model.joint(name).dofadr[0] - 6 for name in robot.joint_names]
         self.coordinates = CoordinateMap(np.array(dofs, dtype=int))
+        if ground_sink > 0.0:
+            standing, _ = self.coordinates.to_plant(robot.standing())
+            soften_ground(import_mujoco(), self.model, standing, ground_sink, robot.weight)
         first = 2 * robot.na + 6
         self._wrench_slices = [
             (s.name, slice(first + 6 * i, first + 6 * i + 6)) for i, s in enumerate(robot.soles)
@@ -179,12 +191,16 @@ class Mujoco(Closeable):
         self._noise = NoiseGenerator(self.noise, self.robot.na, len(self.robot.soles), self.seed)
         mujoco.mj_forward(model, data)
         self._sensors.reset()
+        self._delay.clear(self._sensors.reading)
         self._measurement: Measurement | None = None
 
     def measure(self) -> Measurement:
         """Return what the sensors read now; the same object when asked twice in a tick."""
         if self._measurement is None:
-            n, r = 2 * self.robot.na, self._noise.add_to(self._sensors.reading)
+            n, r = 2 * self.robot.na, self._delay.frozen(self.time)
+            if r is None:
+                r = self._noise.add_to(self._delay.oldest)
+                self._delay.deliver(r)
             self._measurement = Measurement(
                 time=self.time,
                 joint_position=r[: n // 2],
@@ -224,6 +240,7 @@ class Mujoco(Closeable):
         if not velocity.dot(velocity) < _MAX_SPEED**2:
             raise PhysicsDiverged(self._divergence())
         self._sensors.update()
+        self._delay.add(self._sensors.reading)
         self._measurement = None
 
     def _divergence(self) -> str:
@@ -284,6 +301,23 @@ class Mujoco(Closeable):
         self._mujoco.mj_step1(self.model, self.data)
         self._sensors.update()
         self._measurement = None
+
+    def schedule_sensor_freeze(self, at_time: float, duration: float) -> None:
+        """Schedule a time in which the sensors repeat their last reading, noise included.
+
+        Args:
+            at_time: time of the first repeated reading, s; after the first measurement.
+            duration: s; one control period repeats one reading.
+
+        Raises:
+            PlantError: a time that is past, or a duration that is not positive.
+        """
+        if not (np.isfinite(at_time) and at_time > max(self.time, 0.5 * self.timestep)):
+            raise PlantError(f"a freeze at {at_time} s: the time is {self.time:.3f} s already")
+        if not (np.isfinite(duration) and duration > 0.0):
+            raise PlantError(f"a freeze of {duration} s: the duration must be positive")
+        margin = 0.5 * self.timestep  # times are sums of timesteps, up to rounding
+        self._delay.freeze(at_time - margin, at_time + duration - margin)
 
     def ground_truth(self) -> State:
         """Return the exact state now: for reports and tests, not for controllers."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -21,6 +21,16 @@ class Terrain(Protocol):
 
         With two more columns, (n, 8), each box is turned by a roll and then a pitch, rad.
         """
+        ...
+
+
+@runtime_checkable
+class HasFriction(Protocol):
+    """A terrain whose boxes have a Coulomb coefficient other than the floor's."""
+
+    @property
+    def friction(self) -> float:
+        """Coulomb coefficient between soles and boxes."""
         ...
 
 
