@@ -26,6 +26,8 @@ from wbc.trials.provenance import Provenance
 from wbc.trials.workers import run_task
 
 pytest.importorskip("mujoco")
+pyarrow = pytest.importorskip("pyarrow")
+parquet = pytest.importorskip("pyarrow.parquet")
 
 GRID = Grid(
     (RobotCases("simple_humanoid"),),
@@ -209,3 +211,14 @@ def test_a_file_that_is_no_result_is_refused(tmp_path):
     (tmp_path / "no.parquet").write_text("no")
     with pytest.raises(ResultsError, match="cannot read results"):
         read_results(tmp_path / "no.parquet")
+    table = pyarrow.table({"key": ["other"]})
+    parquet.write_table(table, tmp_path / "other.parquet")
+    with pytest.raises(ResultsError, match="does not contain results of wbc trials"):
+        read_results(tmp_path / "other.parquet")
+
+
+def test_a_file_without_a_column_that_was_added_later_is_read(results, tmp_path):
+    table = results[0].to_arrow().drop_columns(["falling_at_s"])
+    parquet.write_table(table, tmp_path / "old.parquet")
+    rows = read_results(tmp_path / "old.parquet").rows
+    assert rows == tuple(replace(row, falling_at_s=None) for row in results[0].rows)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -24,6 +25,7 @@ from wbc.cli.trials_tables import (
 from wbc.cli.trials_tune import tune
 from wbc.trials.comparison import compare as compare_results
 from wbc.trials.plots import plot_results
+from wbc.trials.provenance import Provenance
 from wbc.trials.replay import find_trial, replay_trial
 from wbc.trials.results import read_results
 from wbc.trials.simulation import make_loop
@@ -75,7 +77,15 @@ def replay(results: Path, trial: str, outputs: OutputOptions) -> ExitCode:
         trial: the trial, as wbc trials show --falls calls it.
         outputs: files to write.
     """
-    found = find_trial(read_results(results), trial)
+    earlier = read_results(results)
+    found = find_trial(earlier, trial)
+    differences = earlier.provenance.differences(Provenance.current())
+    if differences:
+        print(
+            f"wbc: {results} is of other software ({', '.join(differences)}): the trial may end "
+            "differently now",
+            file=sys.stderr,
+        )
     loop = make_loop(found.run)
     boxes = loop.plant.terrain.boxes()
     files = RunOutputs(outputs, loop.robot, boxes)

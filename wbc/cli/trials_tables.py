@@ -42,6 +42,8 @@ def results_text(results: Results, rates: bool) -> str:
 def falls_table(results: Results, most: int) -> str:
     """Return the falls with the smallest disturbances, with the keys of their trials."""
     falls = sorted((r for r in results.trials if not r.survived), key=lambda r: r.size or 0.0)
+    if not falls:
+        return "no falls"
     fields = differing_fields([Case.of(row) for row in results.trials])
     rows = [
         [

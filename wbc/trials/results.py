@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from types import NoneType
 from typing import Any, get_args, get_type_hints
@@ -121,16 +121,14 @@ def read_results(path: str | Path) -> Results:
         table = parquet.read_table(Path(path))
     except (OSError, pyarrow.ArrowException) as error:
         raise ResultsError(f"cannot read results from {path}: {error}") from error
-    metadata = (table.schema.metadata or {}).get(_METADATA)
-    names = {field.name for field in fields(TrialResult)}
-    if metadata is None or set(table.column_names) != names:
-        raise ResultsError(f"{path} does not contain results of this version of wbc trials")
-    content = json.loads(metadata)
-    return Results(
-        tuple(TrialResult(**row) for row in table.to_pylist()),
-        parse_grid(content["grid"], str(path)),
-        Provenance(**content["versions"]),
-    )
+    try:
+        content = json.loads((table.schema.metadata or {})[_METADATA])
+        # Columns that have been added since are missing in files of earlier versions.
+        rows = tuple(TrialResult(**row) for row in table.to_pylist())
+        provenance = Provenance(**content["versions"])
+    except (KeyError, ValueError, TypeError) as error:
+        raise ResultsError(f"{path} does not contain results of wbc trials") from error
+    return Results(rows, parse_grid(content["grid"], str(path)), provenance)
 
 
 def in_grid_order(grid: Grid, rows: Sequence[TrialResult]) -> tuple[TrialResult, ...]:
