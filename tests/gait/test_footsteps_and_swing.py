@@ -164,6 +164,20 @@ def test_swing_foot_lands_on_its_target_with_the_touchdown_speed(
     assert top == pytest.approx(max(0.0, step_up) + 0.06, abs=3e-3)
 
 
+def test_time_to_a_landing_place_keeps_the_acceleration() -> None:
+    start, goal, most = 0.1 - 0.2j, 0.5 - 0.1j, 60.0
+    foot = SwingFoot(Placement(start, 0.0), Placement(goal, 0.0), 1.0, 0.05, 0.05)
+    duration = foot.time_to(goal, most)
+    s = 0.5 - math.sqrt(3.0) / 6.0  # where the quintic from 0 to 1 accelerates most
+    peak = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) * abs(goal - start) / duration**2
+    assert peak == pytest.approx(most)
+    foot.motion.velocity[0] = 1.0
+    assert foot.time_to(goal, most) < duration
+    foot.motion.velocity[0] = -1.0
+    assert foot.time_to(goal, most) > duration
+    assert foot.time_to(start, most) == 0.0
+
+
 def test_swing_foot_without_touchdown_keeps_descending() -> None:
     target = Placement(0.2 + 0j, 0.0)
     swing = SwingFoot(Placement(0j, 0.0), target, 0.5, 0.06, 0.05)

@@ -85,7 +85,7 @@ def pushed_run(
 def test_a_standing_robot_steps_when_pushed_and_stands_again_with_its_feet_side_by_side(
     name, direction
 ):
-    run = pushed_run(name, 3.8, direction=direction, size=0.4)
+    run = pushed_run(name, 4.4, direction=direction, size=0.4)
     assert run.report.survived
     walker = run.walker
     assert walker.steps > 0
@@ -95,9 +95,9 @@ def test_a_standing_robot_steps_when_pushed_and_stands_again_with_its_feet_side_
     assert abs(between - complex(0.0, -walker.gait.step_width)) < 0.03
 
 
-@pytest.mark.parametrize("direction", ["left", "right", "forward"])
-def test_a_walking_robot_is_quick_after_a_push_and_returns_to_its_normal_gait(direction):
-    run = pushed_run("g1", 5.5, direction=direction, size=0.3, at=2.0, velocity=(0.2, np.inf))
+@pytest.mark.parametrize(("direction", "size"), [("left", 0.4), ("right", 0.4), ("forward", 0.6)])
+def test_a_walking_robot_is_quick_after_a_push_and_returns_to_its_normal_gait(direction, size):
+    run = pushed_run("g1", 5.5, direction=direction, size=size, at=2.0, velocity=(0.2, np.inf))
     assert run.report.survived
     assert run.quick_after(2.0)
     usual = 3.5 / run.walker.gait.step_duration
@@ -121,12 +121,13 @@ def test_an_undisturbed_walk_never_leaves_the_normal_gait(name, speed):
     assert not run.quick_after(0.0)
 
 
-def test_recovery_steps_are_quicker_narrower_and_wider_than_the_normal_ones():
+def test_recovery_steps_are_quicker_narrower_wider_and_longer_than_the_normal_ones():
     walker = wbc.Walker(wbc.load("g1"))
     normal, quick = walker.gait, walker.recovery_gait
     assert quick.step_duration < 0.5 * normal.step_duration
     assert quick.least_width < normal.least_width
     assert quick.max_side_step > normal.max_side_step
+    assert quick.max_step > normal.max_step
 
 
 def test_another_gait_changes_the_recovery_gait_with_it():

@@ -42,6 +42,32 @@ def test_dcm_offset_obeys_the_pendulum_and_ends_with_the_swing() -> None:
     assert abs(offsets[-1]) < 1e-3  # the robot stands after this step
 
 
+def test_offset_of_a_step_that_catches_a_push_is_that_of_the_motion_still_to_come() -> None:
+    robot = wbc.load("g1")
+    quick = wbc.GaitParameters.for_recovery(robot, wbc.GaitParameters.for_robot(robot))
+    momentum, planner = SwingMomentum(robot), wbc.gait.DcmPlanner()
+    start, landing = Placement(-0.2 - 0.2j, 0.0), Placement(0.1 - 0.1j, 0.0)
+    state = GaitState(quick, Feet(Placement(0j, 0.0), start), quick)
+    planner.reset(state)
+    state.phase, state.support, state.shortened = Phase.SWING, "left", True
+    state.landing, state.duration = landing, 0.2
+    swing = state.swing = SwingFoot(start, landing, state.duration, 0.05, 0.05)
+    ticks = round(state.duration / DT)
+    expected, offsets, pivots = 0j, [], []
+    for k in range(ticks):
+        state.time = k * DT
+        reference = momentum.apply(DcmReference(0j, 0j, 0j), state, planner)
+        offsets.append(reference.dcm)
+        pivots.append(reference.cmp_offset)
+        swing.advance(DT, landing)
+    # ξ_δ(t) = ω ∫ δ e^(−ω (s − t)) ds, summed backward.
+    omega, largest = quick.omega, max(map(abs, offsets))
+    assert largest > 0.05
+    for k in reversed(range(ticks)):
+        expected = expected * np.exp(-omega * DT) + omega * DT * pivots[k]
+        assert abs(expected - offsets[k]) < 0.15 * largest
+
+
 def test_momentum_ratio_is_that_of_the_model() -> None:
     # The rate of the angular momentum of two still arms, trunk and support leg is that of the leg.
     robot = wbc.load("talos")

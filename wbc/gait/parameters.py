@@ -21,6 +21,7 @@ _CLEARANCE = 0.02  # m between the soles at the narrowest step
 # Durations of the recovery gait times ω.
 _RECOVERY_SWING = 0.77
 _RECOVERY_TRANSFER = 0.155
+_RECOVERY_REACH = 0.65  # longest step over the CoM's height, widening over the legs' length
 
 
 @dataclass(frozen=True)
@@ -130,12 +131,14 @@ class GaitParameters:
 
     @classmethod
     def for_recovery(cls, robot: Robot, gait: GaitParameters) -> GaitParameters:
-        """Parameters of the steps that catch a push: quick ones, and as wide as the legs can.
+        """Parameters of the steps that catch a push: quick ones, as long and wide as the legs can.
 
         A DCM error grows by `e^(ωT)` until touchdown, so that time is worth more than place: a
         swing of 0.77/ω doubles it, one of the usual 2/ω multiplies it by seven (N-step
         capturability, Koolen et al., IJRR 2012). The feet may come as near to each other as they
-        do without touching, and as far apart as half the legs' length more than usual.
+        do without touching, as far apart as 0.65 of the legs' length more than usual, and as far
+        ahead as 0.65 of the height of the centre of mass: a step that is not to be repeated may be
+        longer than the knees could carry the robot on.
 
         Args:
             robot: the robot.
@@ -149,5 +152,6 @@ class GaitParameters:
             double_support=min(_RECOVERY_TRANSFER / gait.omega, gait.double_support),
             first_transfer=min(_RECOVERY_TRANSFER / gait.omega, gait.first_transfer),
             least_width=min(foot_width + _CLEARANCE, gait.least_width),
-            max_side_step=max(0.5 * robot.leg_length, gait.max_side_step),
+            max_step=max(_RECOVERY_REACH * robot.com_height, gait.max_step),
+            max_side_step=max(_RECOVERY_REACH * robot.leg_length, gait.max_side_step),
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -11,6 +12,7 @@ from wbc.geometry.planar import Placement
 from wbc.geometry.quintic import evaluate_quintic, quintic_coefficients
 from wbc.tasks import TaskReference
 
+_PEAK = 10.0 / math.sqrt(3.0)  # largest acceleration of a quintic, times T² over the distance
 _FREEZE = 0.2  # share of the duration, at its end, in which the target no longer moves
 
 
@@ -97,6 +99,27 @@ class SwingFoot:
             slope.imag,
         )
         self.time += dt
+
+    def time_to(self, point: complex, acceleration: float) -> float:
+        """Time in which the foot gets to a ground point and stops there, s.
+
+        From rest to rest over a distance d, a quintic of duration T accelerates by at most
+        `(10/√3) d / T²`. A foot that moves towards the point at a speed v saves about `v T / 2` of
+        the way, so that `T² a √3/10 + T v/2 = d`.
+
+        Args:
+            point: m.
+            acceleration: largest horizontal acceleration a, m/s².
+        """
+        x, y, _ = self.motion.position.tolist()
+        v_x, v_y, *_ = self.motion.velocity.tolist()
+        way = point - complex(x, y)
+        distance = abs(way)
+        if distance == 0.0:
+            return 0.0
+        half_speed = 0.5 * (complex(v_x, v_y) * way.conjugate()).real / distance
+        a = acceleration / _PEAK
+        return (math.sqrt(half_speed * half_speed + 4.0 * a * distance) - half_speed) / (2.0 * a)
 
     def start_from(self, motion: TaskReference, yaw: float) -> None:
         """Start from a pose and velocity that the foot already has: it is in the air.

@@ -33,7 +33,8 @@ class SwingMomentum:
     control for biped robot, IROS 2009).
 
     It is the momentum of the planned swing: a landing place that the stabilizer moves does not
-    change it, and a step that catches a push is planned without.
+    change it. In a step that catches a push, whose place and time change at every tick, it is that
+    of the foot's present motion.
 
     Args:
         robot: the robot.
@@ -59,7 +60,7 @@ class SwingMomentum:
         if state.time == 0.0:
             self._next = _next_displacement(state, planner)
         if state.shortened or state.recovering:
-            return reference
+            return self._apply_recovery(reference, state)
         gait, swing = state.gait, state.swing
         omega = gait.omega
         wait = state.remaining + LIFT * gait.single_support
@@ -81,6 +82,34 @@ class SwingMomentum:
             )
         offset *= -self.ratio
         pivot = -self.ratio * acceleration
+        return DcmReference(
+            reference.dcm + offset,
+            reference.dcm_velocity + omega * (offset - pivot),
+            reference.zmp,
+            pivot,
+        )
+
+    def _apply_recovery(self, reference: DcmReference, state: GaitState) -> DcmReference:
+        """Return the reference of a step that catches a push with the momentum of its swing.
+
+        Its landing place and time change from tick to tick, so the integral begins with the foot's
+        present place x and velocity v. By parts, with the mean x̄ of the quintic to the target u,
+
+            ∫ a e^(−ωs) ds = −v + ω (u e^(−ωT) − x + x̄ (1 − e^(−ωT))),   x̄ = (x + u)/2 + v T/10.
+        """
+        swing = state.swing
+        if not isinstance(swing, SwingFoot):
+            return reference
+        omega, remaining, motion = state.gait.omega, state.remaining, swing.motion
+        x, y, _ = motion.position.tolist()
+        v_x, v_y, *_ = motion.velocity.tolist()
+        a_x, a_y, *_ = motion.acceleration.tolist()
+        velocity = complex(v_x, v_y)
+        left = math.exp(-omega * remaining)
+        way = swing.target.point - complex(x, y)
+        mean = 0.5 * way + 0.1 * remaining * velocity
+        offset = self.ratio * omega * (velocity - omega * (way * left + mean * (1.0 - left)))
+        pivot = -self.ratio * complex(a_x, a_y)
         return DcmReference(
             reference.dcm + offset,
             reference.dcm_velocity + omega * (offset - pivot),

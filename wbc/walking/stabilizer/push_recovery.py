@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from wbc.gait import DcmReference, GaitState, Placement
+from wbc.gait import DcmReference, GaitState, Placement, SwingFoot
 from wbc.gait.footsteps import clamp_footstep, lateral_sign, other_side
 from wbc.geometry.planar import planar_rotation
 from wbc.walking.stabilizer.step_adjustment import uncaught_dcm_error
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 _LEAST_REMAINING = 0.1  # s that a shortened swing has left, at least
+_SWING_ACCELERATION = 7.0  # times gravity: what the hips accelerate a foot by without the trunk
 _OUT_OF_REACH = 0.05  # share of the CoM height by which a landing place has to be out of reach
 _WITHIN_REACH = 0.01, 0.03  # m, the same of a step of the normal gait: to return to it, to stay
 _LEAST_ERROR = 0.05  # m of DCM error that shorten a transfer or make a robot step, at least
@@ -62,14 +63,15 @@ class PushRecovery:
             DCM and ZMP without any adjustment, in the gait and the time that were chosen, and by
             how much the landing place has to move then, in the support sole's axes, m.
         """
-        quick = state.recovery_gait
-        if not (state.shortened or state.recovering):
+        quick, usual = state.recovery_gait, state.duration
+        undisturbed = not (state.shortened or state.recovering)
+        if undisturbed:
             shift = uncaught_dcm_error(state, planned, ankles)
             least = _OUT_OF_REACH * state.gait.com_height
             if shift == 0j or self._missed(state, shift) <= least or quick is state.normal_gait:
                 return planned, shift
             remaining = max(quick.single_support - state.time, _LEAST_REMAINING)
-            state.duration = min(state.duration, state.time + remaining)
+            state.duration = min(usual, state.time + remaining)
         state.shortened = True
         tolerance = _WITHIN_REACH[0 if state.recovering else 1]
         state.gait = state.normal_gait
@@ -79,7 +81,14 @@ class PushRecovery:
             return planned, shift
         state.gait = quick
         planned = reference(None)
-        return planned, uncaught_dcm_error(state, planned, ankles)
+        shift = uncaught_dcm_error(state, planned, ankles)
+        if undisturbed:
+            least = self._least_time(state, shift)
+            if least > state.remaining:
+                state.duration = min(usual, state.time + least)
+                planned = reference(None)
+                shift = uncaught_dcm_error(state, planned, ankles)
+        return planned, shift
 
     def update_transfer(
         self, state: GaitState, planned: DcmReference, reference: Reference
@@ -118,12 +127,25 @@ class PushRecovery:
             state.requested_swing = "left" if left < right else "right"
         state.gait = state.recovery_gait
 
+    def _least_time(self, state: GaitState, shift: complex) -> float:
+        """Time in which the swing foot gets to the landing place, moved by `shift`, s."""
+        if not isinstance(state.swing, SwingFoot):
+            return 0.0
+        reachable = self._reachable(state, self._moved(state, shift))
+        return state.swing.time_to(reachable, _SWING_ACCELERATION * state.gait.gravity)
+
     def _missed(self, state: GaitState, shift: complex) -> float:
         """How far the landing place, moved by `shift`, is out of the leg's reach, m."""
-        stance, landing = state.stance, state.landing
-        point = landing.point + shift * planar_rotation(stance.yaw)
-        wanted = Placement(point, landing.yaw, landing.height)
-        return abs(clamp_footstep(stance, state.swing_side, wanted, state.limits).point - point)
+        wanted = self._moved(state, shift)
+        return abs(self._reachable(state, wanted) - wanted)
+
+    def _moved(self, state: GaitState, shift: complex) -> complex:
+        return state.landing.point + shift * planar_rotation(state.stance.yaw)
+
+    def _reachable(self, state: GaitState, point: complex) -> complex:
+        """The nearest ground point at which the swing foot can land, m."""
+        wanted = Placement(point, state.landing.yaw, state.landing.height)
+        return clamp_footstep(state.stance, state.swing_side, wanted, state.limits).point
 
     def _zmp_range(
         self, state: GaitState, planned: DcmReference, share: float
