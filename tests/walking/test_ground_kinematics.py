@@ -10,7 +10,7 @@ import wbc
 from wbc.gait import Feet, Placement
 from wbc.geometry.planar import ground_point, yaw_of
 from wbc.kinematics import Kinematics
-from wbc.walking.ground_kinematics import GroundKinematics
+from wbc.walking.ground_kinematics import CentroidalMotion, GroundKinematics
 
 
 @pytest.fixture(scope="module", params=["talos", "g1"])
@@ -41,22 +41,53 @@ def test_soles_and_com_equal_those_of_the_kinematics(robot: wbc.Robot) -> None:
     ground = GroundKinematics(kin)
     for seed in range(5):
         kin.update(_random_state(robot, seed))
-        feet, com, velocity = ground.read()
+        feet, com = ground.read()
         expected = _feet(kin)
         for side in ("left", "right"):
             np.testing.assert_allclose(feet.of(side), expected.of(side), atol=1e-13)
-        np.testing.assert_allclose((com.real, com.imag), kin.p_com[:2], atol=1e-13)
-        np.testing.assert_allclose((velocity.real, velocity.imag), kin.v_com[:2], atol=1e-13)
         for sole, slope in zip(robot.soles, ground.slopes, strict=True):
             x, y, z = kin.frame(sole.name).rotation[:, 2]
             if z > 0.5:
                 assert slope == pytest.approx(complex(-x / z, -y / z), abs=1e-12)
+        v = com.velocity
+        np.testing.assert_allclose((com.point.real, com.point.imag), kin.p_com[:2], atol=1e-13)
+        np.testing.assert_allclose((v.real, v.imag, com.vertical_velocity), kin.v_com, atol=1e-12)
         np.testing.assert_allclose(kin.v_com, kin.J_com @ kin.state.v, atol=1e-12)
+
+
+def test_momentum_about_the_ground_changes_by_the_moment_of_the_grounds_force(
+    robot: wbc.Robot,
+) -> None:
+    kin, rng, h = Kinematics(robot, robot.standing()), np.random.default_rng(3), 1e-5
+    ground, model, data = GroundKinematics(kin), robot.model, robot.model.createData()
+    state = _random_state(robot, 3)
+    acceleration = rng.standard_normal(robot.nv)
+
+    def motion(time: float) -> tuple[CentroidalMotion, float]:
+        """Return the motion of the centre of mass, and the height of the ground."""
+        way = time * state.v + 0.5 * time * time * acceleration
+        rate = pin.dIntegrate(model, state.q, way, pin.ArgumentPosition.ARG1)
+        q = pin.integrate(model, state.q, way)
+        kin.update(wbc.State(q, rate @ (state.v + time * acceleration)))
+        feet, com = ground.read()
+        return com, 0.5 * (feet.left.height + feet.right.height)
+
+    (before, low), (after, high) = motion(-h), motion(h)
+    now, level = motion(0.0)
+    # The force that the ground has to exert is what inverse dynamics asks of the base.
+    wrench = pin.Force(pin.rnea(model, data, state.q, state.v, acceleration)[:6])
+    below = pin.SE3(np.eye(3), np.array([now.point.real, now.point.imag, level]))
+    mx, my, _ = below.actInv(kin.base.act(wrench)).angular
+    # These soles move: the ground rises between them.
+    rising = now.vertical_velocity - (high - low) / (2.0 * h)
+    expected = complex(my, -mx) / robot.weight + rising * now.velocity / robot.gravity
+    rate = (after.momentum - before.momentum) / (2.0 * h)
+    assert rate == pytest.approx(expected, abs=1e-6)
 
 
 def test_a_copy_follows_its_own_kinematics(robot: wbc.Robot) -> None:
     kin = Kinematics(robot, robot.standing())
     other_kin, other = copy.deepcopy((kin, GroundKinematics(kin)))
     other_kin.update(_random_state(robot, 1))
-    feet, _, _ = other.read()
+    feet, _ = other.read()
     np.testing.assert_allclose(feet.left, _feet(other_kin).left, atol=1e-13)

@@ -23,6 +23,8 @@ from wbc.gait import (
     Velocity,
 )
 from wbc.sim import Mujoco, SensorNoise
+from wbc.walking.feet import GroundReaction
+from wbc.walking.ground_kinematics import CentroidalMotion
 from wbc.walking.stabilizer import ComBiasEstimator, Stabilizer, footstep_adjustment
 
 OMEGA, REACH = 3.4, (0.07, 0.04)
@@ -49,23 +51,27 @@ def test_dcm_errors_within_the_ankles_reach_do_not_shift_the_footstep(remaining:
     assert footstep_adjustment(complex(0.0, caught), OMEGA, remaining, REACH) == 0j
 
 
-def test_com_bias_is_estimated_from_the_centre_of_pressure() -> None:
-    random, bias, omega, dt = np.random.default_rng(2), ComBiasEstimator(), 3.3, 0.002
-    sway = 2.0 * np.pi * 0.5
+@pytest.mark.parametrize("inertia", [0.0, 0.2])
+def test_com_bias_is_estimated_from_the_force_of_the_ground(inertia: float) -> None:
+    """The momentum is that of a pendulum, and with `inertia` more of legs that sway with it."""
+    random, bias, dt, g = np.random.default_rng(2), ComBiasEstimator(9.81), 0.002, 9.81
+    sway, height = 2.0 * np.pi * 0.5, 0.9
+    lever = (1.0 + inertia) * height / g  # s²
     for k in range(4000):
         com = 0.03 * np.exp(1j * sway * dt * k)
-        dcm = com * (1.0 + 1j * sway / omega)
-        cop = com * (1.0 + sway**2 / omega**2) + 0.005 * random.standard_normal()
-        found = bias.update(dt, dcm + (0.004 - 0.006j), cop, omega, 0.0)
+        cop = com * (1.0 + lever * sway**2) + 0.005 * random.standard_normal()
+        estimate = com + (0.004 - 0.006j)
+        motion = CentroidalMotion(estimate, 1j * sway * com, 0.0, 1j * sway * com * lever)
+        found = bias.update(dt, motion, GroundReaction(cop, 1.0), 0.0)
     assert found == pytest.approx(0.004 - 0.006j, abs=7e-4)
     # While the robot steps the bias is kept, in the axes of the robot.
-    turned = bias.update(dt, 0.3 + 0.2j, None, omega, 0.5 * np.pi)
+    turned = bias.update(dt, motion, None, 0.5 * np.pi)
     assert turned == pytest.approx(1j * found, abs=1e-12)
 
 
 def test_without_foot_sensors_the_com_bias_is_zero() -> None:
-    bias = ComBiasEstimator()
-    assert all(bias.update(0.002, 0.1 + 0.1j, None, 3.3, 0.3) == 0j for _ in range(10))
+    bias, moved = ComBiasEstimator(9.81), CentroidalMotion(0.1 + 0.1j, 0j, 0.0, 0j)
+    assert all(bias.update(0.002, moved, None, 0.3) == 0j for _ in range(10))
 
 
 def test_landing_place_moves_in_the_tick_that_decides_it() -> None:
@@ -80,7 +86,7 @@ def test_landing_place_moves_in_the_tick_that_decides_it() -> None:
         state = machine.state
         machine.update(dt, feet, command, None)
         dcm = planner.reference(state).dcm + push
-        stabilizer.observe(state, dcm, 0j, None, 0.0, dt)
+        stabilizer.observe(state, CentroidalMotion(dcm, 0j, 0.0, 0j), None, 0.0, dt)
         decided = stabilizer.update(state, lambda at: planner.reference(state, at))
         machine.move_swing(dt, decided.landing)
         return state

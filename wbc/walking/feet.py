@@ -1,8 +1,9 @@
-"""Feet as estimated: contacts by side, and the centre of pressure."""
+"""Feet as estimated: contacts by side, and the reaction of the ground."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from wbc.gait import Feet
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
 
-_LEAST_LOAD = 0.8  # share of the weight on the soles below which there is no centre of pressure
+_LEAST_LOAD = 0.8  # share of the weight below which the soles do not carry the robot
 
 
 def sides_in_contact(robot: Robot, estimate: Estimate) -> frozenset[str] | None:
@@ -27,12 +28,25 @@ def sides_in_contact(robot: Robot, estimate: Estimate) -> frozenset[str] | None:
     return frozenset(sides)
 
 
-def centre_of_pressure(
-    robot: Robot, feet: Feet, wrenches: Mapping[str, np.ndarray]
-) -> complex | None:
-    """Centre of pressure of both soles, a ground point in world axes, m.
+class GroundReaction(NamedTuple):
+    """Force of the ground on both soles.
 
-    `p = Σ f_z p_sole / Σ f_z` with `p_sole = (−τ_y, τ_x) / f_z` in each sole's axes.
+    Attributes:
+        cop: centre of pressure, a ground point in world axes, m.
+        load: normal force, as a share of the robot's weight.
+    """
+
+    cop: complex
+    load: float
+
+
+def ground_reaction(
+    robot: Robot, feet: Feet, wrenches: Mapping[str, np.ndarray]
+) -> GroundReaction | None:
+    """Return the measured force of the ground on both soles.
+
+    The centre of pressure is `p = Σ f_z p_sole / Σ f_z` with `p_sole = (−τ_y, τ_x) / f_z` in
+    each sole's axes.
 
     Args:
         robot: the robot.
@@ -40,7 +54,7 @@ def centre_of_pressure(
         wrenches: sole name -> (6,) force then moment in sole axes; N, N·m.
 
     Returns:
-        None while the soles carry less than 80 % of the weight.
+        The force; None while the soles carry less than 80 % of the weight.
     """
     load, moment = 0.0, 0j
     for sole in robot.soles:
@@ -53,4 +67,5 @@ def centre_of_pressure(
             local = complex(-pitch, roll)
             moment += force * placement.point + local * planar_rotation(placement.yaw)
             load += force
-    return moment / load if load >= _LEAST_LOAD * robot.weight else None
+    share = load / robot.weight
+    return GroundReaction(moment / load, share) if share >= _LEAST_LOAD else None

@@ -36,7 +36,7 @@ from wbc.walking.balance_tasks import BalanceTasks, mean_heading
 from wbc.walking.command_checks import parse_footsteps, parse_velocity
 from wbc.walking.contact_manager import ContactManager
 from wbc.walking.falling import FallController, FallDetector
-from wbc.walking.feet import centre_of_pressure, sides_in_contact
+from wbc.walking.feet import ground_reaction, sides_in_contact
 from wbc.walking.gains import WalkerGains
 from wbc.walking.ground_kinematics import GroundKinematics
 from wbc.walking.ground_slope import GroundSlope
@@ -203,13 +203,13 @@ class Walker:
             StateError: see `State.validated`.
         """
         self._kin.update(state)
-        feet, com, _ = self._ground.read()
+        feet, com = self._ground.read()
         self.state_machine = GaitStateMachine(self.gait, feet, self.planner, self.recovery_gait)
         self._ground_slope.reset()
         ground = 0.5 * (feet.left.height + feet.right.height)
         self._tasks.height.reset(ground, float(self._kin.p_com[2]))
         self._heading = mean_heading(self.gait_state)
-        at_rest = DcmReference(com, 0j, com)
+        at_rest = DcmReference(com.point, 0j, com.point)
         landing = self.gait_state.landing
         self._balance = StabilizerOutput(at_rest.dcm, at_rest, at_rest.zmp, 0j, landing)
         self.posture.target = state.q[7:].copy()
@@ -231,16 +231,16 @@ class Walker:
         kin.update(estimate.state)
         if self._falling_why:
             return self._fall_controller.command(estimate.state)
-        feet, com, com_velocity = self._ground.read()
+        feet, com = self._ground.read()
         machine, stabilizer = self.state_machine, self.stabilizer
         state = machine.state
         if self.reference_offset is not None:
             state.weight_shift = self.reference_offset.weight_shift
         wrenches = estimate.foot_wrenches
-        cop = centre_of_pressure(self.robot, feet, wrenches) if state.at_rest else None
+        reaction = ground_reaction(self.robot, feet, wrenches) if state.at_rest else None
         state.ground_slope = self._ground_slope.update(state, self._ground.slopes, dt)
         state.lift_off_slope = self._ground.slopes[0 if state.support == "right" else 1]
-        stabilizer.observe(state, com, com_velocity, cop, self._heading, dt)
+        stabilizer.observe(state, com, reaction, self._heading, dt)
         self._falling_why = self._fall_detector.update(
             estimate.state, state.dcm, float(kin.p_com[2]), feet
         )

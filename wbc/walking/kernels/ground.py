@@ -22,13 +22,16 @@ BODY = np.dtype(
 
 
 def _base_momentum(M: np.ndarray, v: np.ndarray, out: np.ndarray) -> None:
-    np.dot(M[:3], v, out=out)
+    np.dot(M[:6], v, out=out)
 
 
 @subkernel_or(_base_momentum)
 def base_momentum(M: np.ndarray, v: np.ndarray, out: np.ndarray) -> None:
-    """Write the robot's linear momentum in base axes (3,), kg·m/s: the first rows of M v."""
-    for i in range(3):
+    """Write the momentum (6,) about the base's origin in base axes: the first rows of M v.
+
+    Linear, kg·m/s, then angular, kg·m²/s.
+    """
+    for i in range(6):
         total = 0.0
         for j in range(v.size):
             total += M[i, j] * v[j]
@@ -41,10 +44,11 @@ def base_momentum(M: np.ndarray, v: np.ndarray, out: np.ndarray) -> None:
 def read_ground(
     joint_placements: np.ndarray, M: np.ndarray, v: np.ndarray, body: np.ndarray, out: np.ndarray
 ) -> None:
-    """Write the placements of both soles, and position and velocity of the centre of mass.
+    """Write the placements of both soles, and motion and momentum of the centre of mass.
 
-    The centre of mass c in base axes and its velocity are read off the base rows of M:
-    `M[0:3, 3:6] = −m [c]×`, and `M[0:3] v` is the momentum in base axes; see
+    The centre of mass c in base axes and the momentum are read off the base rows of M:
+    `M[0:3, 3:6] = −m [c]×`, and `M[0:6] v` is the momentum about the base's origin in base
+    axes, of which `c × M[0:3] v` is that of the centre of mass; see
     `wbc.kinematics.Kinematics.centroid`.
 
     Args:
@@ -52,9 +56,9 @@ def read_ground(
         M: (nv, nv) mass matrix.
         v: (nv,) generalised velocity.
         body: (1,) of the type `BODY`.
-        out: (19,) per sole x, y, z of its centre (m) and yaw (rad), then x and y of the centre of
-            mass (m) and of its velocity (m/s), all in world axes; workspace (3,); per sole its
-            rise per metre along x and along y.
+        out: (27,) per sole x, y, z of its centre (m) and yaw (rad), then position (m) and
+            velocity (m/s) of the centre of mass, and the angular momentum about it (kg·m²/s), all
+            in world axes; workspace (6,); per sole its rise per metre along x and along y.
     """
     b = body[0]
     mass, axes, normals, positions = b["mass"], b["axis"], b["normal"], b["position"]
@@ -72,11 +76,15 @@ def read_ground(
         for i in range(2):
             along = T[i] * normal[0] + T[3 + i] * normal[1] + T[6 + i] * normal[2]
             # A sole on edge has no slope.
-            out[15 + 2 * k + i] = -along / z if z > 0.5 else 0.0
-    base, momentum = joint_placements[1], out[12:15]
+            out[23 + 2 * k + i] = -along / z if z > 0.5 else 0.0
+    base, momentum = joint_placements[1], out[17:23]
     base_momentum(M, v, momentum)
     c0, c1, c2 = M[1, 5] / mass, M[2, 3] / mass, M[0, 4] / mass
-    for i in range(2):
+    p0, p1, p2 = momentum[0], momentum[1], momentum[2]
+    h0 = momentum[3] - (c1 * p2 - c2 * p1)
+    h1 = momentum[4] - (c2 * p0 - c0 * p2)
+    h2 = momentum[5] - (c0 * p1 - c1 * p0)
+    for i in range(3):
         out[8 + i] = base[i] * c0 + base[3 + i] * c1 + base[6 + i] * c2 + base[9 + i]
-        total = base[i] * momentum[0] + base[3 + i] * momentum[1] + base[6 + i] * momentum[2]
-        out[10 + i] = total / mass
+        out[11 + i] = (base[i] * p0 + base[3 + i] * p1 + base[6 + i] * p2) / mass
+        out[14 + i] = base[i] * h0 + base[3 + i] * h1 + base[6 + i] * h2

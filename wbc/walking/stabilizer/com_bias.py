@@ -1,70 +1,78 @@
-"""Bias of the estimated centre of mass, observed from the measured centre of pressure."""
+"""Bias of the estimated centre of mass, observed from the measured force of the ground."""
 
 from __future__ import annotations
 
 from wbc.geometry.planar import planar_rotation
+from wbc.walking.feet import GroundReaction
+from wbc.walking.ground_kinematics import CentroidalMotion
 
 _TIME = 1.5  # s, time constant of the bias
 _FIRST = 0.5  # s of readings that the first ones are averaged with
-_SMOOTHING = 0.05  # s, time constant of the DCM's rate
+_SMOOTHING = 0.05  # s, time constant of the momentum's rate
 _MAX_BIAS = 0.03  # m
 
 
 class ComBiasEstimator:
     """Constant error of the estimated CoM over the soles, on the ground, m.
 
-    An accelerometer that is off by b tilts the estimate by b/g, and the CoM with it. The linear
-    inverted pendulum moves by `ξ̇ = ω (ξ − p)` with the true DCM ξ and centre of pressure p, so
+    An accelerometer that is off by b tilts the estimate by b/g, and the CoM with it. The angular
+    momentum k about the ground point c below the CoM changes by the moment of the ground's force
+    f_z at the centre of pressure p: with horizontal moments turned into the ground plane,
 
-        ξ̂ − ξ̂˙ / ω − p
+        k̇ = (c − p) f_z + m ż ċ,
 
-    is the error of the estimated DCM ξ̂, which is that of the CoM. Both ξ̂ and p pass the same
-    low-pass of 0.05 s, so that the rate of ξ̂ is the difference to its low-pass; pushes average
-    out in a second low-pass (the integral term of Caron et al., Stair climbing stabilization of
-    the HRP-4 humanoid robot, ICRA 2019, removes the same bias by way of the DCM error).
+    whatever the robot does. The rest of this equation with the estimated ĉ, over the weight,
 
-    The bias is estimated at rest and kept while the robot steps: there the pendulum's own model
-    error, which does not average to zero over a step, would be taken for a bias.
+        (ĉ − p) f_z / (m g) + ż ċ / g − k̇ / (m g),
+
+    is the error of ĉ. A linear inverted pendulum in its place, k = m z ċ, would take the momentum
+    of legs that sway on standing feet for an error, a seventh of `c̈ / ω²` on Talos.
+
+    The momentum and the rest pass the same low-pass of 0.05 s, so that the rate of the momentum
+    is the difference to its low-pass; pushes average out in a second low-pass (the integral term
+    of Caron et al., Stair climbing stabilization of the HRP-4 humanoid robot, ICRA 2019, removes
+    the same bias by way of the DCM error). The bias is estimated at rest and kept while the robot
+    steps.
+
+    Args:
+        gravity: g, m/s².
     """
 
-    def __init__(self) -> None:
+    def __init__(self, gravity: float) -> None:
+        self._gravity = gravity
         self.reset()
 
     def reset(self) -> None:
         """Start anew, without a known bias."""
         self._bias = 0j  # heading axes, m
         self._elapsed = 0.0
-        self._dcm: complex | None = None  # low-passed, world axes
-        self._offset = 0j  # low-passed ξ̂ − p, world axes
+        self._momentum: complex | None = None  # low-passed, world axes, over the weight, m·s
+        self._offset = 0j  # low-passed rest of the equation, world axes, m
 
     def update(
-        self,
-        dt: float,
-        dcm: complex,
-        cop: complex | None,
-        omega: float,
-        heading: float,
+        self, dt: float, com: CentroidalMotion, reaction: GroundReaction | None, heading: float
     ) -> complex:
         """Take in one reading; returns the bias in world axes, m.
 
         Args:
             dt: time since the last reading, s.
-            dcm: estimated ξ̂, ground point in world axes, m.
-            cop: measured p, ground point in world axes, m; None keeps the bias: the robot steps,
-                or nothing is measured.
-            omega: natural frequency ω, 1/s.
+            com: estimated motion of the centre of mass.
+            reaction: measured force of the ground; None keeps the bias: the robot steps, or
+                nothing is measured.
             heading: axes in which the bias is constant, rad.
         """
         to_world = planar_rotation(heading)
-        if cop is None:
-            self._dcm = None
+        if reaction is None:
+            self._momentum = None
             return self._bias * to_world
-        if self._dcm is None:
-            self._dcm, self._offset = dcm, dcm - cop
+        offset = (com.point - reaction.cop) * reaction.load
+        offset += com.velocity * (com.vertical_velocity / self._gravity)
+        if self._momentum is None:
+            self._momentum, self._offset = com.momentum, offset
         share = min(dt / _SMOOTHING, 1.0)
-        self._dcm += share * (dcm - self._dcm)
-        self._offset += share * (dcm - cop - self._offset)
-        error = self._offset - (dcm - self._dcm) / (_SMOOTHING * omega)
+        self._momentum += share * (com.momentum - self._momentum)
+        self._offset += share * (offset - self._offset)
+        error = self._offset - (com.momentum - self._momentum) / _SMOOTHING
         size = abs(error)
         if size > _MAX_BIAS:  # a push, not a bias
             error *= _MAX_BIAS / size

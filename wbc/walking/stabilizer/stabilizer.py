@@ -8,7 +8,9 @@ from wbc.gait import DcmReference, GaitState, Phase, Placement, SwingFoot
 from wbc.gait.footsteps import clamp_footstep
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
+from wbc.walking.feet import GroundReaction
 from wbc.walking.gains import WalkerGains
+from wbc.walking.ground_kinematics import CentroidalMotion
 from wbc.walking.stabilizer.com_bias import ComBiasEstimator
 from wbc.walking.stabilizer.dcm_feedback import zmp_from_dcm_error
 from wbc.walking.stabilizer.push_recovery import PushRecovery, Reference
@@ -58,7 +60,7 @@ class Stabilizer:
 
     def __init__(self, robot: Robot, gains: WalkerGains) -> None:
         self._gains = gains
-        self.com_bias = ComBiasEstimator()
+        self.com_bias = ComBiasEstimator(robot.gravity)
         self.support = SupportPolygon(robot)
         self.push_recovery = PushRecovery(self.support)
 
@@ -69,9 +71,8 @@ class Stabilizer:
     def observe(
         self,
         state: GaitState,
-        com: complex,
-        com_velocity: complex,
-        cop: complex | None,
+        com: CentroidalMotion,
+        reaction: GroundReaction | None,
         heading: float,
         dt: float,
     ) -> None:
@@ -79,16 +80,14 @@ class Stabilizer:
 
         Args:
             state: state of the gait.
-            com: ground point below the estimated centre of mass, m.
-            com_velocity: velocity of the estimated centre of mass, m/s.
-            cop: measured centre of pressure of a robot at rest, ground point, m; else None.
+            com: estimated motion of the centre of mass.
+            reaction: measured force of the ground on a robot at rest; else None.
             heading: heading of the robot, rad.
             dt: time since the last tick, s.
         """
-        omega = state.gait.omega
-        dcm = com + com_velocity / omega
-        state.com = com
-        state.dcm = dcm - self.com_bias.update(dt, dcm, cop, omega, heading)
+        dcm = com.point + com.velocity / state.gait.omega
+        state.com = com.point
+        state.dcm = dcm - self.com_bias.update(dt, com, reaction, heading)
 
     def update(self, state: GaitState, reference: Reference) -> StabilizerOutput:
         """Decide on ZMP, CoM acceleration and landing place of this tick.
