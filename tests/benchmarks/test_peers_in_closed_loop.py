@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -15,8 +16,11 @@ import wbc
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 sys.path.insert(0, str(BENCHMARKS))
 
+from peers import placo_walking  # noqa: E402
 from peers.closed_loop import save_case  # noqa: E402
 from peers.reference import Reference  # noqa: E402
+
+from wbc.errors import GaitError  # noqa: E402
 
 # An adapter whose torques are the joint positions and whose accelerations are the velocities.
 ECHO = """
@@ -72,3 +76,27 @@ def test_the_case_of_a_robot_has_a_tick_for_each_set_of_standing_feet(tmp_path):
     assert case.ticks.stance.tolist() == [BOTH, LEFT, RIGHT]
     assert case.joints == robot.joint_names
     assert case.limits.torque == pytest.approx(robot.tau_max)
+
+
+def test_placos_walk_goes_forward_and_a_copy_of_it_goes_on_alike(monkeypatch):
+    pytest.importorskip("mujoco")
+    monkeypatch.setattr(placo_walking, "DURATION", 3.0)
+    robot = wbc.load("talos")
+    controller = placo_walking.PlacoController(robot, 0.002)
+    controller.velocity = (0.2, 0.0, 0.0)
+    with pytest.raises(GaitError, match="straight ahead only"):
+        controller.velocity = (0.2, 0.1, 0.0)
+    plant, estimator = wbc.sim.Mujoco(robot), wbc.Estimator(robot)
+    estimator.reset(robot.standing())
+
+    def run(plant, estimator, controller, ticks):
+        for _ in range(ticks):
+            plant.step(controller.step(estimator.update(plant.measure())))
+        return plant.ground_truth().q
+
+    run(plant, estimator, controller, 1600)
+    twin = pickle.loads(pickle.dumps((plant, estimator, controller)))
+    end = run(plant, estimator, controller, 400)
+    np.testing.assert_array_equal(end, run(*twin, 400))
+    assert 0.1 < end[0] < 0.8
+    assert end[2] > 0.9 * robot.q_nominal[2]
