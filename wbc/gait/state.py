@@ -76,6 +76,8 @@ class GaitState:
         swing: reference of the foot in the air; None when both stand.
         landing: placement at which the swing foot lands, with the stabilizer's adjustment.
         steps: number of touchdowns so far.
+        on_stairs: the given footsteps lead over stairs, so that no other foothold may be chosen and
+            no quick step be made.
         ground_slope: estimated slope of the ground: its rise per metre along world x, and along y
             as the imaginary part.
         lift_off_slope: that of the sole that left the ground last.
@@ -102,6 +104,7 @@ class GaitState:
     swing: SwingFoot | LiftedFoot | None = None
     landing: Placement = _ORIGIN
     steps: int = 0
+    on_stairs: bool = False
     ground_slope: complex = 0j
     lift_off_slope: complex = 0j
     requested_swing: str | None = None

@@ -9,10 +9,11 @@ from wbc.gait.footsteps import other_side
 from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.planners.planner import Planner
-from wbc.gait.state import GaitCommand, GaitState, Phase
+from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
 from wbc.gait.swing_foot import SwingFoot
 from wbc.geometry.planar import Feet, Placement
 
+_STAIR = 0.05  # m; footholds whose heights differ by more are on stairs
 _SHORTENING = 0.5  # share of the double support that a late touchdown may take off it
 _FROM_THE_AIR = 0.7  # share of the single support after which a foot that was held up lands
 _EARLIEST_TOUCHDOWN = 0.6  # share of the swing before which contact is lift-off noise
@@ -67,6 +68,7 @@ class GaitStateMachine:
         lifted = state.lifted
         state.feet = feet
         state.time += dt
+        state.on_stairs = _leads_over_stairs(state, command.footsteps)
         if state.phase is Phase.STAND or (state.stopping and state.requested_swing):
             side = planner.next_swing(state, command) or state.requested_swing
             if side is not None:
@@ -199,3 +201,15 @@ class GaitStateMachine:
         spare = max(-_SHORTENING * usual, state.duration - state.time)
         self._enter(Phase.TRANSFER, usual + spare)
         state.hold = max(spare, 0.0)
+
+
+def _leads_over_stairs(state: GaitState, given: list[PlannedFootstep]) -> bool:
+    """Whether the footholds of now and those given differ much in height."""
+    present = state.stance.height
+    if state.phase is Phase.SWING:
+        other = state.landing.height if state.lifted is None else present
+    else:
+        other = state.other_foot.height
+    if abs(other - present) > _STAIR:
+        return True
+    return any(abs(step.placement.height - present) > _STAIR for step in given)

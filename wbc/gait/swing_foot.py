@@ -13,6 +13,7 @@ from wbc.geometry.quintic import evaluate_quintic, quintic_coefficients
 from wbc.tasks import TaskReference
 
 _PEAK = 10.0 / math.sqrt(3.0)  # largest acceleration of a quintic, times T² over the distance
+_UPRIGHT = 0.25  # share of the duration in which a foot goes straight up a high stair, or down
 _FREEZE = 0.2  # share of the duration, at its end, in which the target no longer moves
 
 
@@ -60,6 +61,11 @@ class SwingFoot:
         self.yaw = start.yaw
         self._touchdown_speed = touchdown_speed
         self._start_slope = slope
+        # Up a stair the toe first clears its edge, down one the heel that of the stair it leaves.
+        rise = target.height - start.height
+        steep = min(abs(rise) / (abs(rise) + height), 1.0)
+        self._lift = LIFT + (_UPRIGHT * steep if rise > 0.0 else 0.0)
+        self._arrival = 1.0 - (_UPRIGHT * steep if rise < 0.0 else 0.0)
         tilt(self.motion.pose, start.yaw, slope.real, slope.imag)
         self._higher = max(start.height, target.height)
         self.set_apex(height)
@@ -97,6 +103,8 @@ class SwingFoot:
             self._start_slope.imag,
             slope.real,
             slope.imag,
+            self._lift,
+            self._arrival,
         )
         self.time += dt
 
@@ -141,20 +149,25 @@ class SwingFoot:
     @property
     def target_frozen(self) -> bool:
         """Whether the landing place no longer moves."""
-        return self.duration - self.time <= _FREEZE * self.duration
+        return self.duration - self.time <= (_FREEZE + 1.0 - self._arrival) * self.duration
 
     def path(self, points: int = 12) -> list[tuple[float, float, float]]:
         """The way still to go, for display: positions from now to touchdown."""
         duration, target = self.duration, self.target
         left = max(duration - self.time, 0.0)
-        wait = min(max(LIFT * duration - self.time, 0.0), left)  # straight up for so long
+        wait = min(max(self._lift * duration - self.time, 0.0), left)  # straight up for so long
         rise = max(left - (1.0 - APEX) * duration, 0.0)
         motion = self.motion
         (x, y, z), (vx, vy, vz), (ax, ay, az) = (
             part[:3].tolist() for part in (motion.position, motion.velocity, motion.acceleration)
         )
         plane = _quintic(
-            complex(x, y), complex(vx, vy), complex(ax, ay), target.point, 0.0, left - wait
+            complex(x, y),
+            complex(vx, vy),
+            complex(ax, ay),
+            target.point,
+            0.0,
+            left - wait - (1.0 - self._arrival) * duration,
         )
         up = _quintic(z, vz, az, self._apex, 0.0, rise)
         if rise > 0.0:

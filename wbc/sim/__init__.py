@@ -9,6 +9,7 @@ from wbc.sim.noise import SensorNoise
 from wbc.sim.plant import Mujoco
 from wbc.sim.ramp import Ramp
 from wbc.sim.slippery_patch import SlipperyPatch
+from wbc.sim.staircase import Staircase
 from wbc.sim.terrain import Flat, Terrain, Tiles
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "Ramp",
     "SensorNoise",
     "SlipperyPatch",
+    "Staircase",
     "Terrain",
     "Tiles",
 ]

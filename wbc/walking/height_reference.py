@@ -5,6 +5,7 @@ from __future__ import annotations
 from wbc.gait import GaitState, Phase
 from wbc.gait.leg_workspace import LegWorkspace
 
+_FASTEST = 0.25  # m/s, of the ground's height: more takes the weight off the soles, or doubles it
 _SLOWER = 0.25  # the height over the ground changes slower than the ground by this factor
 
 
@@ -42,16 +43,31 @@ class HeightReference:
             step_length: length of the present steps, m.
             dt: time since the last tick, s.
         """
-        ground = state.stance.height
-        if state.phase is not Phase.SWING:
-            other = state.other_foot.height
-            share = state.progress if state.phase is Phase.TRANSFER else 0.5
-            ground = other + (ground - other) * share
+        ground = _ground_below(state)
         blend = min(dt / self._time_constant, 1.0)
-        self.ground += blend * (ground - self.ground)
+        self.ground += max(-_FASTEST * dt, min(_FASTEST * dt, blend * (ground - self.ground)))
         if step_length != self._step_length:
             self._step_length = step_length
             self._reachable = self._workspace.com_height(step_length)
         height = min(state.gait.com_height, self._reachable)
         self.above_ground += _SLOWER * blend * (height - self.above_ground)
         return self.ground + self.above_ground
+
+
+def _ground_below(state: GaitState) -> float:
+    """Height of the ground from which the CoM's height counts, m.
+
+    A step down begins with the support leg, which bends while the other foot swings: otherwise
+    that foot does not reach its stair.
+    """
+    support = state.stance.height
+    if state.phase is Phase.SWING:
+        if state.lifted is not None:
+            return support
+        s = state.progress
+        return support + min(state.landing.height - support, 0.0) * s * s * (3.0 - 2.0 * s)
+    other = state.other_foot.height
+    share = state.progress if state.phase is Phase.TRANSFER else 0.5
+    if state.phase is Phase.TRANSFER and not state.starting:
+        other = min(other, support)
+    return other + (support - other) * share

@@ -70,7 +70,7 @@ def tilt(pose: np.ndarray, yaw: float, slope_x: float, slope_y: float) -> None:
 _VECTOR = np.zeros(6)
 
 
-@kernel(argument_types(np.zeros((4, 4)), _VECTOR, _VECTOR, *(1.0,) * 14))
+@kernel(argument_types(np.zeros((4, 4)), _VECTOR, _VECTOR, *(1.0,) * 16))
 def advance_swing(
     pose: np.ndarray,
     velocity: np.ndarray,
@@ -89,6 +89,8 @@ def advance_swing(
     start_slope_y: float,
     slope_x: float,
     slope_y: float,
+    lift: float,
+    arrival: float,
 ) -> float:
     """Move a swing foot on by dt towards a landing place; return its heading, rad.
 
@@ -106,16 +108,19 @@ def advance_swing(
         touchdown_speed: downward, m/s.
         start_slope_x, start_slope_y: slope of the sole at lift-off, rise per metre along x, y.
         slope_x, slope_y: the same where it lands.
+        lift: share of the duration in which the foot goes straight up.
+        arrival: share of the duration after which it goes straight down.
     """
     remaining = duration - time
-    if time + dt > LIFT * duration:
+    if time + dt > lift * duration:
+        until = arrival * duration - time
         for i, goal in enumerate((x, y)):
             pose[i, 3], velocity[i], acceleration[i] = _step_quintic(
-                pose[i, 3], velocity[i], acceleration[i], goal, 0.0, remaining, dt
+                pose[i, 3], velocity[i], acceleration[i], goal, 0.0, until, dt
             )
         goal = yaw + ((end_yaw - yaw + math.pi) % (2.0 * math.pi) - math.pi)
         yaw, velocity[5], acceleration[5] = _step_quintic(
-            yaw, velocity[5], acceleration[5], goal, 0.0, remaining, dt
+            yaw, velocity[5], acceleration[5], goal, 0.0, until, dt
         )
     # The sole turns from slope to slope while it is well above the ground.
     s = min(max((time + dt) / duration - _TURN, 0.0) / (APEX - _TURN), 1.0)

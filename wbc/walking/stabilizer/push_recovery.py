@@ -37,6 +37,8 @@ class PushRecovery:
     The steps that follow are planned with the recovery gait, until a swing can end so that the
     normal gait goes on from it. The landing place itself is that of the step adjustment.
 
+    On stairs, where another foothold than the given one may be an edge, no step is quick.
+
     Args:
         support: the support polygon.
     """
@@ -68,7 +70,9 @@ class PushRecovery:
         if undisturbed:
             shift = uncaught_dcm_error(state, planned, ankles)
             least = _OUT_OF_REACH * state.gait.com_height
-            if shift == 0j or self._missed(state, shift) <= least or quick is state.normal_gait:
+            if shift == 0j or self._missed(state, shift) <= least:
+                return planned, shift
+            if quick is state.normal_gait or state.on_stairs:
                 return planned, shift
             remaining = max(quick.single_support - state.time, _LEAST_REMAINING)
             state.duration = min(usual, state.time + remaining)
@@ -95,7 +99,7 @@ class PushRecovery:
     ) -> DcmReference:
         """Shorten the transfer if no ZMP within the support catches the DCM; see `update_swing`."""
         quick = state.recovery_gait
-        if quick is state.gait or abs(state.dcm - planned.dcm) <= _LEAST_ERROR:
+        if quick is state.gait or abs(state.dcm - planned.dcm) <= _LEAST_ERROR or state.on_stairs:
             return planned
         # The ZMP moves on to the support foot: half the way is its mean.
         reach = self._zmp_range(state, planned, 0.5)
@@ -108,7 +112,7 @@ class PushRecovery:
     def update_standing(self, state: GaitState, planned: DcmReference) -> None:
         """Request a step if the DCM is near the edge of the support; see `update_swing`."""
         state.gait, state.requested_swing = state.normal_gait, None
-        if state.recovery_gait is state.gait:
+        if state.recovery_gait is state.gait or state.on_stairs:
             return
         lifted = state.lifted is not None
         # A motion may bring the planned ZMP itself to the edge: small errors are the ankles'. On
