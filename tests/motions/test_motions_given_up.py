@@ -45,15 +45,22 @@ def pushed_motion(
         return wbc.run(player, plant, duration), player
 
 
+def assert_feet_side_by_side(player: MotionPlayer) -> None:
+    walker = player.walker
+    assert walker.gait_state.phase is Phase.STAND
+    between = walker.feet.left.to_local(walker.feet.right.point)
+    assert abs(between - complex(0.0, -walker.gait.step_width)) < 0.03
+
+
 @pytest.mark.parametrize("direction", DIRECTIONS)
 def test_a_robot_on_one_leg_puts_its_foot_down_where_it_catches_a_push(direction):
     motion = OneLeg(leg="left", hold=2.0, impulse=0.0)
-    report, player = pushed_motion("g1", motion, direction, 0.35, at=2.6, duration=6.0)
+    report, player = pushed_motion("g1", motion, direction, 0.35, at=2.6, duration=6.8)
     assert report.survived, report.table()
     assert player.aborted_motions == ("one-leg",)
     assert "one-leg: given up" in player.context.notes[0]
     assert player.idle
-    assert player.walker.gait_state.phase is Phase.STAND
+    assert_feet_side_by_side(player)
 
 
 @pytest.mark.parametrize(
@@ -66,6 +73,7 @@ def test_a_motion_that_does_not_combine_with_steps_is_given_up_for_them(name, mo
     assert player.walker.steps > 0
     assert player.aborted_motions == (motion.name,)
     assert "the robot has to step" in player.context.notes[0]
+    assert_feet_side_by_side(player)
 
 
 def test_a_motion_that_combines_with_walking_goes_on_during_the_steps():

@@ -15,6 +15,7 @@ from wbc.geometry.planar import Feet, Placement
 
 _STAIR = 0.05  # m; footholds whose heights differ by more are on stairs
 _SHORTENING = 0.5  # share of the double support that a late touchdown may take off it
+_MOVED = 0.03  # m from its planned place at which the last step is followed by another one
 _FROM_THE_AIR = 0.7  # share of the single support after which a foot that was held up lands
 _EARLIEST_TOUCHDOWN = 0.6  # share of the swing before which contact is lift-off noise
 
@@ -50,6 +51,7 @@ class GaitStateMachine:
         self.state = GaitState(gait, feet, recovery_gait or gait)
         self.step_length = 0.0
         self._planner = planner
+        self._planned_landing: Placement | None = None
         planner.reset(self.state)
 
     def update(
@@ -96,6 +98,7 @@ class GaitStateMachine:
         self.step_length = plan.step_length
         if plan.duration is not None:
             state.duration = plan.duration
+        self._planned_landing = plan.landing
         if state.phase is Phase.SWING and plan.landing is not None:
             state.landing = plan.landing
             if state.swing is None:
@@ -183,12 +186,17 @@ class GaitStateMachine:
             return state.time >= state.duration
         return state.swing_side in contacts and state.progress >= _EARLIEST_TOUCHDOWN
 
+    def _was_moved(self) -> bool:
+        """Whether the foot has landed elsewhere than planned."""
+        planned = self._planned_landing
+        return planned is not None and abs(self.state.landing.point - planned.point) > _MOVED
+
     def _touch_down(self, command: GaitCommand) -> None:
         state = self.state
         state.steps += 1
         side = self._planner.next_swing(state, command)
-        if side is None and state.shortened:
-            side = state.support  # after a push the robot comes to rest in a step of the usual time
+        if side is None and (state.shortened or self._was_moved()):
+            side = state.support  # after a push it comes to rest in a usual step, its feet square
         state.swing = None
         state.starting, state.stopping = False, side is None
         if side is None:
