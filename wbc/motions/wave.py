@@ -22,9 +22,9 @@ from wbc.motions.engine import (
 from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
 
-# Shares of the arm's length: position forward, outward and up from the shoulder; stroke. Any
-# nearer to the head, the elbows of a G1 touch its trunk.
-_PLACE = np.array([0.2, 0.45, 0.45])
+# Shares of the arm's length: position forward, outward and up from the shoulder; stroke.
+# Nearer to the head, the elbows of a G1 touch its trunk; farther out, the arms of Romeo are slow.
+_PLACE = np.array([0.3, 0.4, 0.45])
 _LOWER = np.array([0.25, 0.4, 0.25])
 _STROKE = 0.15
 _TOLERANCE = 0.02  # m
