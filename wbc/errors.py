@@ -103,13 +103,19 @@ class PhysicsDiverged(PlantError):
 
 
 class MissingExtra(WbcError, ImportError):
-    """An optional dependency is not installed; the text names the pip command."""
+    """An optional dependency is not installed; the text names the pip command.
 
-    def __init__(self, module: str, extra: str) -> None:
-        super().__init__(
-            f"'{module}' is not installed: it comes with the extra '{extra}'; "
-            f"run  pip install 'wbc[{extra}]'"
-        )
+    Args:
+        module: the missing package.
+        extra: the extra that brings it.
+        others: further extras that bring it.
+    """
+
+    def __init__(self, module: str, extra: str, *others: str) -> None:
+        extras = " and ".join(f"'{name}'" for name in (extra, *others))
+        commands = " or  ".join(f"pip install 'wbc[{name}]'" for name in (extra, *others))
+        which = f"the extras {extras}" if others else f"the extra {extras}"
+        super().__init__(f"'{module}' is not installed: it comes with {which}; run  {commands}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _unpickled, (type(self), str(self))

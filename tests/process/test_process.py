@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+from processtools import wait_until
 from rostools import environment, restore_sigint, unused_domain
 
 from wbc.process import ChildProcess, RingReader, SharedRing
@@ -74,6 +75,28 @@ def test_a_child_gets_a_descriptor_with_a_message(tmp_path):
     finally:
         sys.path.remove(str(tmp_path))
     assert reply == {"value": 7.0}
+
+
+def test_a_child_goes_on_listening_after_a_message_that_it_cannot_handle(tmp_path, capfd):
+    module, handled = tmp_path / "listens.py", tmp_path / "handled"
+    module.write_text(
+        "from pathlib import Path\n"
+        "from wbc.process import ParentConnection\n"
+        "parent = ParentConnection()\n"
+        "parent.reply({'ready': True})\n"
+        "parent.listen(lambda path: Path(path).touch())\n"
+        "while not parent.gone:\n"
+        "    parent.wait(1.0)\n"
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(tmp_path))
+        child = ChildProcess("listens")
+    child.configure(None)
+    child.send(3)
+    child.send(str(handled))
+    wait_until(handled.exists)
+    child.close()
+    assert "the parent's message int could not be handled" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize("said", [b"", (1000).to_bytes(4, "big") + b"half"])

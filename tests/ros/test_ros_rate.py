@@ -34,6 +34,13 @@ def test_no_message_is_lost_at_500_hz(seconds):
         assert numbers == list(range(number))
 
 
+def test_a_node_without_subscriptions_waits_instead_of_computing():
+    evaluated = []
+    with node("idle", unused_domain()) as idle:
+        idle.spin_until(lambda: evaluated.append(None), 0.4)
+    assert 1 <= len(evaluated) <= 10
+
+
 def test_rate_is_kept_despite_jitter():
     limiter = RateLimiter(500.0, tolerance=0.001)
     stamps = [0.002 * i + 0.0004 * (-1) ** i for i in range(1000)]

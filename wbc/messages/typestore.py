@@ -50,7 +50,7 @@ def typestore() -> Typestore:
         from rosbags.interfaces import Nodetype
         from rosbags.typesys import Stores, get_types_from_msg, get_typestore
     except ImportError as error:
-        raise MissingExtra("rosbags", "ros2") from error
+        raise MissingExtra("rosbags", "log", "ros2") from error
     store = get_typestore(Stores.ROS2_JAZZY)
     for path in sorted(_DEFINITIONS.glob("*/*/*")):
         package, kind = path.parts[-3:-1]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 import signal
 import threading
@@ -11,6 +12,8 @@ from dataclasses import replace
 from multiprocessing.connection import Connection
 from multiprocessing.reduction import recv_handle
 from typing import Any
+
+logger = logging.getLogger(__name__)
 
 _STDIN = 0
 
@@ -41,7 +44,10 @@ class ParentConnection:
             self._connection.send(message)
 
     def listen(self, on_message: Callable[[Any], object]) -> None:
-        """Call a function with every further message, in a thread of its own."""
+        """Call a function with every further message, in a thread of its own.
+
+        An exception that it raises is logged, and the next message is received.
+        """
         threading.Thread(target=self._listen, args=(on_message,), daemon=True).start()
 
     @property
@@ -54,10 +60,18 @@ class ParentConnection:
         self._closed.wait(timeout)
 
     def _listen(self, on_message: Callable[[Any], object]) -> None:
-        with contextlib.suppress(EOFError, OSError):
+        try:
             while True:
-                on_message(self._receive())
-        self._closed.set()
+                message = self._receive()
+                try:
+                    on_message(message)
+                except Exception:
+                    name = type(message).__name__
+                    logger.exception("the parent's message %s could not be handled", name)
+        except (EOFError, OSError):
+            pass
+        finally:
+            self._closed.set()
 
     def _receive(self) -> Any:
         message, with_descriptor = self._connection.recv()
