@@ -187,9 +187,11 @@ class GaitStateMachine:
         return state.swing_side in contacts and state.progress >= _EARLIEST_TOUCHDOWN
 
     def _was_moved(self) -> bool:
-        """Whether the foot has landed elsewhere than planned."""
-        planned = self._planned_landing
-        return planned is not None and abs(self.state.landing.point - planned.point) > _MOVED
+        """Whether a push moved the landing place, which asks for another step."""
+        state, planned = self.state, self._planned_landing
+        if planned is None or state.on_stairs:  # where another foothold may be an edge
+            return False
+        return abs(state.landing.point - planned.point) > _MOVED
 
     def _touch_down(self, command: GaitCommand) -> None:
         state = self.state
