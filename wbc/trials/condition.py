@@ -73,6 +73,8 @@ class Condition:
             self._check(name, least=0.0)
         for name in ("mass", "torque_limits"):
             self._check(name, above=0.0)
+        if self.tiles > 0.0 and self.slope > 0.0:
+            raise TrialError(f"condition '{self.name}': tiles and slope exclude each other")
         if not all(math.isfinite(x) for x in self.com_offset):
             raise TrialError(f"com_offset = {self.com_offset} must be three finite numbers, m")
 

@@ -200,7 +200,9 @@ def _run(
                     del pending[future]
                 if not pending:
                     return
-            for future in wait(pending, _POLL, FIRST_COMPLETED).done:
+            done = wait(pending, _POLL, FIRST_COMPLETED).done
+            # What has failed ends the run: what was finished is stored before.
+            for future in sorted(done, key=_failed):
                 by_phase = pending.pop(future)
                 outcome = future.result()
                 row, forks = outcome if isinstance(outcome, tuple) else (outcome, ())
@@ -220,3 +222,7 @@ def _run(
     finally:
         for future in pending:
             future.cancel()
+
+
+def _failed(future: Future[Any]) -> bool:
+    return future.cancelled() or future.exception() is not None
