@@ -31,6 +31,7 @@ SAYS = {
     "16_own_solver": "own solver: ok",
     "19_own_planner": "survived",
     "20_trials": "upright against walker: ",
+    "21_stairs": "survived",
 }
 
 
