@@ -91,7 +91,10 @@ class GaitParameters:
             self.max_side_step / (2.0 * T),
             self.max_turn / (2.0 * T),
         )
-        return steps.within(self.velocity_limits)
+        found = self.velocity_limits
+        limits = steps.within(found)
+        # Forward, quicker steps than those of the usual speeds count too.
+        return replace(limits, forward=found.forward) if math.isfinite(found.forward) else limits
 
     @classmethod
     def for_robot(cls, robot: Robot, reach: LegWorkspace | None = None) -> GaitParameters:

@@ -9,6 +9,7 @@ from wbc.gait.footsteps import other_side
 from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.planners.planner import Planner
+from wbc.gait.speed_adaptation import SpeedAdaptation
 from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
 from wbc.gait.swing_foot import SwingFoot
 from wbc.geometry.planar import Feet, Placement
@@ -47,7 +48,9 @@ class GaitStateMachine:
         feet: Feet,
         planner: Planner,
         recovery_gait: GaitParameters | None = None,
+        adaptation: SpeedAdaptation | None = None,
     ) -> None:
+        self._adaptation = adaptation
         self.state = GaitState(gait, feet, recovery_gait or gait)
         self.step_length = 0.0
         self._planner = planner
@@ -66,7 +69,11 @@ class GaitStateMachine:
             contacts: sides of the soles that touch the ground; None when it is not measured:
                 then a swing ends at its planned time.
         """
-        state, planner = self.state, self._planner
+        state, planner, adaptation = self.state, self._planner, self._adaptation
+        if adaptation is not None:
+            walking = state.phase is not Phase.STAND
+            velocity = adaptation.ramp(command.velocity, dt, walking=walking)
+            command = GaitCommand(velocity, command.footsteps)
         lifted = state.lifted
         state.feet = feet
         state.time += dt
@@ -74,6 +81,7 @@ class GaitStateMachine:
         if state.phase is Phase.STAND or (state.stopping and state.requested_swing):
             side = planner.next_swing(state, command) or state.requested_swing
             if side is not None:
+                self._adapt_to_speed(command)
                 state.support = other_side(side)
                 state.starting, state.stopping = True, False
                 self._enter(Phase.TRANSFER, state.gait.first_transfer)
@@ -171,6 +179,17 @@ class GaitStateMachine:
             swing.start_from(lifted.motion, lifted.yaw)
         state.swing = swing
 
+    def _adapt_to_speed(self, command: GaitCommand) -> None:
+        """Choose the normal gait of the steps from now on."""
+        if self._adaptation is None or command.footsteps:
+            return
+        state, normal = self.state, self._adaptation.at(command.velocity)
+        if state.gait is state.normal_gait:
+            state.gait = normal
+        if state.recovery_gait is state.normal_gait:  # no quick steps after a push
+            state.recovery_gait = normal
+        state.normal_gait = normal
+
     def _is_set_down(self, foot: LiftedFoot, contacts: frozenset[str] | None) -> bool:
         if contacts is None:
             return foot.overdue
@@ -197,6 +216,7 @@ class GaitStateMachine:
         state = self.state
         state.steps += 1
         side = self._planner.next_swing(state, command)
+        self._adapt_to_speed(command)
         if side is None and (state.shortened or self._was_moved()):
             side = state.support  # after a push it comes to rest in a usual step, its feet square
         state.swing = None

@@ -10,7 +10,10 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.gait.footsteps import SIDES, Velocity, next_footstep, other_side
+from wbc.gait.kernels.swing import LIFT
+from wbc.gait.leg_momentum import swing_momentum
 from wbc.gait.leg_workspace import LegWorkspace
+from wbc.gait.speed_adaptation import FASTEST, SpeedAdaptation
 from wbc.gait.swing_foot import SwingFoot
 from wbc.gait.velocity_limits import VelocityLimits
 from wbc.geometry.planar import Placement, planar_rotation, rotation_about_z
@@ -26,9 +29,13 @@ _REACHED = 5e-3  # m, rad: farther off, a leg does not reach its foot
 _DAMPING = 1e-6  # of Newton's method
 _LARGEST_STEP = 0.5  # rad
 _MARGIN = 0.03  # rad that hips and knees keep from their limits; balance takes the rest
-_TILT = 0.1  # rad by which an ankle may be beyond them: a foot that leaves the ground may tilt
-_SPEED = 1.2  # share of a joint's speed limit: at the peak the foot may lag behind
+_TILT = 0.15  # rad by which an ankle may be beyond them: a foot that leaves the ground may tilt
+_SPEED = 1.4  # share of a joint's speed limit: at the peak the foot may lag behind
 _BISECTIONS = 6
+_BACKWARD = 0.75  # share of what the joints allow: the supporting knee bears more than forward
+_FRICTION = 0.4  # of the ground
+_GRIP = 0.45  # share of the friction's moment about the vertical for the swing leg
+_PEAK = 10.0 / math.sqrt(3.0)  # peak acceleration of a quintic over distance / duration²
 
 
 class StepMotion:
@@ -72,23 +79,30 @@ class StepMotion:
         self._base = q[:3] - np.array([com[0], com[1], ground])
         self._base_rotation = pin.Quaternion(q[3:7]).matrix()
         self._com_height = robot.com_height
+        # Moment about the vertical over the weight, m: what the swing foot's acceleration needs
+        # for each m/s², and what the sole transmits without slipping.
+        self._yaw_ratio = abs(float(swing_momentum(robot, (1.0, 0.0))[2])) / robot.weight
+        self._grip = _GRIP * _FRICTION * min(s.half_length + s.half_width for s in robot.soles)
 
     def excess(self, gait: GaitParameters, velocity: Velocity) -> np.ndarray:
         """By how much each joint is beyond its range (rad) or its speed (share); ≤ 0: within.
 
         Returns:
-            (2 joints,): positions, then speeds.
+            (2 joints + 1,): positions, speeds, and the moment about the vertical that the swing
+            leg needs beyond what the support sole transmits, over the weight, m.
         """
         play = np.where(self._ankles, -_TILT, _MARGIN)
         dt = gait.single_support / _SAMPLES
         worst = np.full(2 * play.size, -math.inf)
         for q in self.angles(gait, velocity):
             if not np.isfinite(q).all():
-                return np.full(worst.size, math.inf)
+                return np.full(worst.size + 1, math.inf)
             position = np.maximum(self._q_min - q, q - self._q_max).max(axis=0) + play
             speed = (np.abs(np.diff(q, axis=0)) / (dt * self._v_max)).max(axis=0) - _SPEED
             worst = np.maximum(worst, np.concatenate([position, speed]))
-        return worst
+        distance = 2.0 * abs(velocity.forward) * gait.step_duration
+        peak = _PEAK * distance / ((1.0 - LIFT) * gait.single_support) ** 2
+        return np.append(worst, self._yaw_ratio * peak - self._grip)
 
     def angles(self, gait: GaitParameters, velocity: Velocity) -> Iterator[np.ndarray]:
         """Return the (samples, joints) angles of both legs in each swing of a cycle, rad.
@@ -186,7 +200,7 @@ def find_velocity_limits(
         gait: timing, step width and reach, without other limits.
         workspace: workspace of its legs.
     """
-    motion = StepMotion(robot, workspace)
+    motion, adaptation = StepMotion(robot, workspace), SpeedAdaptation(gait, workspace)
     allowed = np.maximum(motion.excess(gait, Velocity()), 0.0)
     reach = gait.max_velocity
 
@@ -197,7 +211,7 @@ def find_velocity_limits(
             scaled = Velocity(
                 share * direction.forward, share * direction.left, share * direction.turn
             )
-            if np.all(motion.excess(gait, scaled) <= allowed):
+            if np.all(motion.excess(adaptation.at(scaled), scaled) <= allowed):
                 low = share
                 if share == 1.0:
                     break
@@ -207,8 +221,8 @@ def find_velocity_limits(
         return max(low, 0.5 ** (_BISECTIONS + 1))
 
     return VelocityLimits(
-        reach.forward * largest(Velocity(forward=reach.forward)),
-        reach.backward * largest(Velocity(forward=-reach.backward)),
+        FASTEST * reach.forward * largest(Velocity(forward=FASTEST * reach.forward)),
+        _BACKWARD * reach.backward * largest(Velocity(forward=-reach.backward)),
         reach.left * largest(Velocity(left=reach.left)),
         reach.turn * largest(Velocity(turn=reach.turn)),
     )

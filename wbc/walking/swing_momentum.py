@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-import pinocchio as pin
-
 from wbc.gait import DcmReference, GaitState, Phase, Planner, SwingFoot
 from wbc.gait.kernels.swing import LIFT
+from wbc.gait.leg_momentum import swing_momentum
 from wbc.robot import Robot
 
 
@@ -150,25 +148,7 @@ def _discounted_acceleration(s: float, duration: float, omega: float) -> float:
 
 
 def _momentum_ratio(robot: Robot) -> float:
-    """κ of a robot in its nominal posture: mean of forward and lateral acceleration, s².
-
-    The swing foot accelerates without turning, the support foot and the centre of mass stay, and
-    the trunk keeps its attitude.
-    """
-    model, q = robot.model, robot.standing().q
-    data = model.createData()
-    pin.ccrba(model, data, q, np.zeros(model.nv))
-    pin.computeJointJacobians(model, data, q)
-    pin.updateFramePlacements(model, data)
-    axes = pin.LOCAL_WORLD_ALIGNED
-    feet = [pin.getFrameJacobian(model, data, sole.frame_id, axes) for sole in robot.soles]
-    com = pin.jacobianCenterOfMass(model, data, q)
-    legs = [int(index) for leg in robot.legs for index in leg]
-    moving = [0, 1, 2, *legs]
-    constraints = np.vstack([*feet, com])[:, moving]
-    wanted = np.zeros((15, 2))
-    wanted[0, 0] = wanted[1, 1] = 1.0  # m/s² of the left foot, forward and to the left
-    motion = np.linalg.lstsq(constraints, wanted, rcond=None)[0]
-    momentum = data.Ag[3:, moving] @ motion
-    pitch, roll = abs(momentum[1, 0]), abs(momentum[0, 1])
-    return 0.5 * float(pitch + roll) / robot.weight
+    """κ of a robot in its nominal posture: mean of forward and lateral acceleration, s²."""
+    pitch = abs(float(swing_momentum(robot, (1.0, 0.0))[1]))
+    roll = abs(float(swing_momentum(robot, (0.0, 1.0))[0]))
+    return 0.5 * (pitch + roll) / robot.weight

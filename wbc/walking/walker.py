@@ -25,6 +25,7 @@ from wbc.gait import (
 )
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.planners import PREVIEW_STEPS, resolve_planner
+from wbc.gait.speed_adaptation import SpeedAdaptation
 from wbc.geometry.planar import rotation_about_z
 from wbc.kinematics import Kinematics
 from wbc.qp import Solver
@@ -92,6 +93,8 @@ class Walker:
         self.dt = dt
         workspace = LegWorkspace(robot)
         self.gait = gait or GaitParameters.for_robot(robot, workspace)
+        self._workspace = workspace
+        self._adaptation = SpeedAdaptation(self.gait, workspace)
         self._scales_recovery = recovery_gait is None
         self.recovery_gait = recovery_gait or GaitParameters.for_recovery(robot, self.gait)
         self.gains = gains = gains or WalkerGains()
@@ -158,6 +161,7 @@ class Walker:
         The present step keeps its duration; everything planned from now on has the new ones.
         """
         self.gait = gait
+        self._adaptation = SpeedAdaptation(gait, self._workspace)
         if self._scales_recovery:
             self.recovery_gait = GaitParameters.for_recovery(self.robot, gait)
         self.state_machine.change_gait(gait, self.recovery_gait)
@@ -204,7 +208,9 @@ class Walker:
         """
         self._kin.update(state)
         feet, com = self._ground.read()
-        self.state_machine = GaitStateMachine(self.gait, feet, self.planner, self.recovery_gait)
+        self.state_machine = GaitStateMachine(
+            self.gait, feet, self.planner, self.recovery_gait, self._adaptation
+        )
         self._ground_slope.reset()
         ground = 0.5 * (feet.left.height + feet.right.height)
         self._tasks.height.reset(ground, float(self._kin.p_com[2]))

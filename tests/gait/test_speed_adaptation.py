@@ -1,0 +1,71 @@
+"""Steps at each walking speed."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import wbc
+from wbc.gait import Velocity
+from wbc.gait.leg_workspace import LegWorkspace
+from wbc.gait.speed_adaptation import SpeedAdaptation
+from wbc.sim import Mujoco
+
+ROBOT = wbc.load("simple_humanoid")
+WORKSPACE = LegWorkspace(ROBOT)
+GAIT = wbc.GaitParameters.for_robot(ROBOT, WORKSPACE)
+USUAL = GAIT.max_step / GAIT.step_duration
+DT = 0.002
+
+
+def test_durations_stay_up_to_the_usual_speed_and_shrink_continuously_beyond() -> None:
+    adaptation = SpeedAdaptation(GAIT, WORKSPACE)
+    for speed in (0.0, 0.3 * USUAL, USUAL):
+        gait = adaptation.at(Velocity(speed))
+        assert gait.single_support == pytest.approx(GAIT.single_support)
+        assert gait.double_support == pytest.approx(GAIT.double_support)
+    before = GAIT
+    for k in range(41, 60):
+        gait = adaptation.at(Velocity(k / 40 * USUAL))
+        assert 0.0 < before.step_duration - gait.step_duration < 0.03
+        assert 0.0 < before.double_support - gait.double_support < 0.03
+        assert k / 40 * USUAL * gait.step_duration < gait.max_step
+        before = gait
+
+
+@given(st.floats(-GAIT.max_velocity.backward, GAIT.max_velocity.forward), st.floats(-0.1, 0.1))
+def test_velocity_ramps_beyond_the_usual_speed_and_stays_within_the_limits(
+    forward: float, left: float
+) -> None:
+    adaptation = SpeedAdaptation(GAIT, WORKSPACE)
+    fast, wanted = Velocity(GAIT.max_velocity.forward), Velocity(forward, left).clamped(GAIT)
+    for target in (fast, wanted):
+        for _ in range(5000):
+            before = adaptation.velocity
+            now = adaptation.ramp(target, DT, walking=True)
+            assert GAIT.max_velocity.usage(now.forward, now.left, now.turn) <= 1.0 + 1e-9
+            if max(before.forward, now.forward) > USUAL:
+                assert min(before.forward, USUAL) <= now.forward + 1e-3
+                assert now.forward - max(before.forward, USUAL) < 1e-3
+            if now is target:
+                break
+        assert now is target
+    assert adaptation.ramp(fast, DT, walking=False).forward < USUAL + 1e-3
+
+
+def test_robot_walks_faster_than_at_its_usual_cadence() -> None:
+    walker = wbc.Walker(ROBOT)
+    marks: list[tuple[float, float]] = []
+    with Mujoco(ROBOT, seed=0) as plant:
+        walker.velocity = (1.4 * USUAL, 0.0, 0.0)
+
+        def mark(time: float) -> None:
+            if walker.steps in (6, 8, 10) and len(marks) < walker.steps // 2 - 2:
+                marks.append((time, float(plant.ground_truth().q[0])))
+
+        report = wbc.run(walker, plant, 7.5, before_tick=mark)
+    assert report.survived, report.table()
+    (t0, x0), (t1, x1) = marks[0], marks[-1]
+    assert (x1 - x0) / (t1 - t0) == pytest.approx(1.4 * USUAL, rel=0.05)
+    assert t1 - t0 < 0.9 * 4 * GAIT.step_duration

@@ -1,0 +1,106 @@
+"""Gait parameters as a function of the walking speed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from wbc.gait.footsteps import Velocity
+from wbc.gait.leg_workspace import LegWorkspace
+
+if TYPE_CHECKING:  # which has the limits that are found with this module
+    from wbc.gait.parameters import GaitParameters
+
+FASTEST = 1.5  # x of the fastest walk: faster ones have not been shown to be reliable
+
+_CADENCE = 0.6  # exponent of the speed with which steps become shorter in time
+_DOUBLE_SUPPORT = 2.0  # the same of the double support
+_GRID = 40  # speeds per usual speed: the parameters stay while the speed hardly changes
+_RESERVE = 1.15  # longest step over the one that the speed asks for
+_RAMP = 0.25  # change of x per usual step where x is above 1
+
+
+class SpeedAdaptation:
+    """Steps of a gait for each speed: quicker, with less double support, and lower.
+
+    Up to the speed of the longest step at the usual cadence, `v₁ = L_max / T`, durations are
+    those of the gait. Faster, with x = v / v₁,
+
+        T = T₁ x^−0.6,   T_double = T_double,₁ x^−2,
+
+    so that length and frequency of the steps grow together, as they do in people (Alexander,
+    Principles of Animal Locomotion, 2003), and the swing keeps most of its time: what bounds the
+    speed are the speeds of the swing leg's joints. The natural frequency is that of the height at
+    which the legs reach the footholds.
+
+    The speed goes beyond v₁, and comes back from there, step by step.
+
+    Args:
+        gait: parameters of the gait at usual speeds.
+        workspace: workspace of the legs.
+
+    Attributes:
+        gait: parameters of the gait at usual speeds.
+        velocity: velocity of now, which `ramp` has led towards the wanted one.
+    """
+
+    def __init__(self, gait: GaitParameters, workspace: LegWorkspace) -> None:
+        self.gait = gait
+        self.velocity = Velocity()
+        self._workspace = workspace
+        self._index = 0
+        self._adapted = gait
+
+    def at(self, velocity: Velocity) -> GaitParameters:
+        """The parameters for steps at a velocity; the same object while it hardly changes."""
+        gait = self.gait
+        usual = gait.max_step / gait.step_duration
+        index = round(_GRID * abs(complex(velocity.forward, velocity.left)) / usual)
+        if index != self._index:
+            self._index = index
+            self._adapted = self._adapt(index / _GRID) if index else gait
+        return self._adapted
+
+    def ramp(self, wanted: Velocity, dt: float, *, walking: bool) -> Velocity:
+        """Lead the velocity towards the wanted one, and return it.
+
+        Args:
+            wanted: commanded velocity.
+            dt: time since the last tick, s.
+            walking: whether the robot walks; standing, it has no speed yet.
+        """
+        if self.velocity is wanted:
+            return wanted
+        gait = self.gait
+        usual = gait.max_step / gait.step_duration
+        now = self.velocity.forward if walking else 0.0
+        change = _RAMP * usual * dt / gait.step_duration
+        # Within the usual speeds it changes at once.
+        least = now - change if now > usual else -max(usual, change - now)
+        most = now + change if now < -usual else max(usual, now + change)
+        forward = max(least, min(most, wanted.forward))
+        if forward == wanted.forward:
+            self.velocity = wanted
+        else:
+            # What the forward velocity still takes, the others cannot have yet.
+            limits = gait.max_velocity
+            left = math.sqrt(max(1.0 - limits.usage(forward, 0.0, 0.0) ** 2, 0.0))
+            share = min(1.0, left / max(limits.usage(0.0, wanted.left, wanted.turn), 1e-9))
+            self.velocity = Velocity(forward, share * wanted.left, share * wanted.turn)
+        return self.velocity
+
+    def _adapt(self, x: float) -> GaitParameters:
+        gait = self.gait
+        speed = x * gait.max_step / gait.step_duration
+        x = max(x, 1.0)
+        duration = gait.step_duration / x**_CADENCE
+        double_support = gait.double_support / x**_DOUBLE_SUPPORT
+        step = speed * duration
+        return replace(
+            gait,
+            single_support=duration - double_support,
+            double_support=double_support,
+            max_step=max(gait.max_step, _RESERVE * step),
+            com_height=min(gait.com_height, self._workspace.com_height(step)),
+        )
