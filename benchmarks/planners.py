@@ -142,7 +142,6 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=1, help="seeds of the pushes (default: 1)")
     parser.add_argument("--jobs", type=int, help="processes for the pushes (default: one per core)")
     parser.add_argument("--json", type=Path, help="write the figures to this file")
-    parser.add_argument("--readme", type=Path, help="update the table in this file")
     args = parser.parse_args()
     pushes = survivals(args) if args.sizes else {}
     rows = []
@@ -157,11 +156,6 @@ def main() -> None:
     print(table(rows))
     if args.json:
         args.json.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
-    if args.readme:
-        head, rest = args.readme.read_text(encoding="utf-8").split("<!-- planners:begin -->")
-        tail = rest.split("<!-- planners:end -->")[1]
-        new = f"{head}<!-- planners:begin -->\n{table(rows)}\n<!-- planners:end -->{tail}"
-        args.readme.write_text(new, encoding="utf-8")
 
 
 def table(rows: list[dict[str, Any]]) -> str:
