@@ -534,8 +534,9 @@ def test_a_fallen_robot_is_reset_from_the_page_after_its_status_reports_the_fall
         until(lambda g: g["mode"] == "running")
         page.request("pause", True)  # and so it ends: a run that is paused can be stopped
         until(lambda g: g["mode"] == "paused")
-    assert [line.split(":")[0] for line in messages][1:] == ["fell", "reset", "reset"]
-    assert "press Reset (R) on the page" in messages[1]
+    said = ["the robot is falling", "fell", "reset", "reset"]
+    assert [line.split(":")[0] for line in messages][1:] == said
+    assert "press Reset (R) on the page" in messages[2]
 
 
 def test_the_page_receives_the_quantity_that_it_selects(live, handler, monkeypatch):

@@ -55,7 +55,7 @@ def assert_feet_side_by_side(player: MotionPlayer) -> None:
 @pytest.mark.parametrize("direction", DIRECTIONS)
 def test_a_robot_on_one_leg_puts_its_foot_down_where_it_catches_a_push(direction):
     motion = OneLeg(leg="left", hold=2.0, impulse=0.0)
-    report, player = pushed_motion("g1", motion, direction, 0.35, at=2.6, duration=6.8)
+    report, player = pushed_motion("g1", motion, direction, 0.35, at=2.6, duration=8.0)
     assert report.survived, report.table()
     assert player.aborted_motions == ("one-leg",)
     assert "one-leg: given up" in player.context.notes[0]
