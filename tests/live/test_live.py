@@ -522,7 +522,7 @@ def test_a_fallen_robot_is_reset_from_the_page_after_its_status_reports_the_fall
         assert 0.0 < first["tick_time"] < 1.0
         page.request("velocity.forward", 0.1)
         until(lambda g: g["velocity"] == [0.1, 0.0, 0.0])
-        page.request("push", [0.0, 0.3 * handler.capabilities.max_impulse])
+        page.request("push", [0.0, handler.capabilities.max_impulse])
         until(lambda g: g["mode"] == "fallen" and g["pushes"] == 1 and g["survived"] == 0)
         page.request("velocity.forward", 0.1)
         assert page.receive("error")["error"] == "the robot has fallen: reset it first"
