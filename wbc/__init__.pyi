@@ -37,8 +37,10 @@ from .limits import Limit as Limit
 from .limits import TorqueLimit as TorqueLimit
 from .measurement import Measurement as Measurement
 from .qp import Formulation as Formulation
+from .robot import FixedBaseRobot as FixedBaseRobot
 from .robot import Robot as Robot
 from .robot import load as load
+from .robot import load_fixed_base as load_fixed_base
 from .runtime.loop import StopRun as StopRun
 from .runtime.loop import run as run
 from .runtime.loop_conditions import LoopConditions as LoopConditions

@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.errors import StateError
-from wbc.robot import Robot
+from wbc.robot import RobotModel
 from wbc.state import State
 
 _WORLD_AXES = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -91,7 +91,7 @@ class Kinematics:
         StateError: the state has a wrong size, a NaN or a non-unit quaternion.
     """
 
-    def __init__(self, robot: Robot, state: State) -> None:
+    def __init__(self, robot: RobotModel, state: State) -> None:
         self.robot = robot
         self.model = robot.model
         self.data = robot.model.createData()
@@ -110,11 +110,11 @@ class Kinematics:
         self._placements_copied = False
         self.update(state)
 
-    def __getstate__(self) -> tuple[Robot, State]:
+    def __getstate__(self) -> tuple[RobotModel, State]:
         """Return the robot and the state; Pinocchio's workspace is computed from them again."""
         return self.robot, self.state
 
-    def __setstate__(self, state: tuple[Robot, State]) -> None:
+    def __setstate__(self, state: tuple[RobotModel, State]) -> None:
         self.__init__(*state)  # type: ignore[misc]
 
     def update(self, state: State) -> None:

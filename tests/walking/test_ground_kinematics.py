@@ -38,7 +38,7 @@ def _random_state(robot: wbc.Robot, seed: int) -> wbc.State:
 
 def test_soles_and_com_equal_those_of_the_kinematics(robot: wbc.Robot) -> None:
     kin = Kinematics(robot, robot.standing())
-    ground = GroundKinematics(kin)
+    ground = GroundKinematics(robot, kin)
     for seed in range(5):
         kin.update(_random_state(robot, seed))
         feet, com = ground.read()
@@ -59,7 +59,7 @@ def test_momentum_about_the_ground_changes_by_the_moment_of_the_grounds_force(
     robot: wbc.Robot,
 ) -> None:
     kin, rng, h = Kinematics(robot, robot.standing()), np.random.default_rng(3), 1e-5
-    ground, model, data = GroundKinematics(kin), robot.model, robot.model.createData()
+    ground, model, data = GroundKinematics(robot, kin), robot.model, robot.model.createData()
     state = _random_state(robot, 3)
     acceleration = rng.standard_normal(robot.nv)
 
@@ -87,7 +87,7 @@ def test_momentum_about_the_ground_changes_by_the_moment_of_the_grounds_force(
 
 def test_a_copy_follows_its_own_kinematics(robot: wbc.Robot) -> None:
     kin = Kinematics(robot, robot.standing())
-    other_kin, other = copy.deepcopy((kin, GroundKinematics(kin)))
+    other_kin, other = copy.deepcopy((kin, GroundKinematics(robot, kin)))
     other_kin.update(_random_state(robot, 1))
     feet, _ = other.read()
     np.testing.assert_allclose(feet.left, _feet(other_kin).left, atol=1e-13)

@@ -8,7 +8,7 @@ from wbc.formatting import format_range
 from wbc.kinematics import Kinematics
 from wbc.limits.acceleration_bound import AccelerationBound
 from wbc.limits.per_joint import per_joint
-from wbc.robot import Robot
+from wbc.robot import RobotModel
 
 
 class JointAccelerationLimit(AccelerationBound):
@@ -24,7 +24,7 @@ class JointAccelerationLimit(AccelerationBound):
 
     name = "joint acceleration limit"
 
-    def __init__(self, robot: Robot, maximum: float | np.ndarray = 500.0) -> None:
+    def __init__(self, robot: RobotModel, maximum: float | np.ndarray = 500.0) -> None:
         self.maximum = per_joint(self.name, "maximum", maximum, robot)
 
     def __repr__(self) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from wbc.errors import LimitError
 from wbc.kinematics import Kinematics
-from wbc.robot import Robot
+from wbc.robot import RobotModel
 
 if TYPE_CHECKING:
     from wbc.contacts import Contact
@@ -77,7 +77,7 @@ class Limit(ABC):
         rows = f"{self.size} row" + "s" * (self.size > 1)
         return f"{type(self).__name__}('{self.name}', {rows}, {self.unit})"
 
-    def bind(self, robot: Robot) -> None:  # noqa: B027 - most limits need nothing here
+    def bind(self, robot: RobotModel) -> None:  # noqa: B027 - most limits need nothing here
         """Look up names in the robot, once, when given to a controller.
 
         Raises:

@@ -10,7 +10,7 @@ from wbc.errors import LimitError, short_repr
 from wbc.limits.acceleration_bound import AccelerationBound
 from wbc.limits.limit import Limit
 from wbc.limits.torque import TorqueLimit
-from wbc.robot import Robot
+from wbc.robot import RobotModel
 
 AnyLimit: TypeAlias = Limit | AccelerationBound | TorqueLimit
 
@@ -35,7 +35,7 @@ class LimitSet:
     inequalities: tuple[Limit, ...]
 
     @classmethod
-    def sort(cls, limits: Sequence[AnyLimit], robot: Robot, dt: float) -> LimitSet:
+    def sort(cls, limits: Sequence[AnyLimit], robot: RobotModel, dt: float) -> LimitSet:
         """Check limits and bind them to a robot.
 
         Args:

@@ -6,10 +6,11 @@ import numpy as np
 
 from wbc.errors import LimitError
 from wbc.kinematics import Kinematics
-from wbc.robot import Robot
+from wbc.robot import RobotModel
+from wbc.state import State
 
 
-def per_joint(name: str, what: str, value: float | np.ndarray, robot: Robot) -> np.ndarray:
+def per_joint(name: str, what: str, value: float | np.ndarray, robot: RobotModel) -> np.ndarray:
     """Return a number or (na,) array of positive limits as (na,), not to be changed in place.
 
     Raises:
@@ -35,11 +36,11 @@ def per_joint(name: str, what: str, value: float | np.ndarray, robot: Robot) -> 
     return array
 
 
-def default_braking(robot: Robot) -> np.ndarray:
+def default_braking(robot: RobotModel) -> np.ndarray:
     """Return the deceleration that a joint can count on, (na,) rad/s².
 
     It is what half of the joint's torque limit gives the limb beyond it in the nominal posture,
     and at most 20 rad/s².
     """
-    inertia = np.diag(Kinematics(robot, robot.standing()).mass_matrix)[6:]
+    inertia = np.diag(Kinematics(robot, State(robot.q_nominal, np.zeros(robot.nv))).mass_matrix)[6:]
     return np.asarray(np.minimum(20.0, 0.5 * robot.tau_max / inertia))

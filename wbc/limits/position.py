@@ -8,7 +8,7 @@ from wbc.errors import LimitError
 from wbc.kinematics import Kinematics
 from wbc.limits.acceleration_bound import AccelerationBound
 from wbc.limits.per_joint import default_braking, per_joint
-from wbc.robot import Robot
+from wbc.robot import RobotModel
 
 
 class JointPositionLimit(AccelerationBound):
@@ -49,7 +49,7 @@ class JointPositionLimit(AccelerationBound):
 
     def __init__(
         self,
-        robot: Robot,
+        robot: RobotModel,
         *,
         margin: float = 0.02,
         braking: float | np.ndarray | None = None,

@@ -6,7 +6,7 @@ import numpy as np
 
 from wbc.formatting import format_range
 from wbc.limits.per_joint import per_joint
-from wbc.robot import Robot
+from wbc.robot import RobotModel
 
 
 class TorqueLimit:
@@ -25,7 +25,7 @@ class TorqueLimit:
     unit = "N·m"
 
     def __init__(
-        self, robot: Robot, maximum: float | np.ndarray | None = None, *, scale: float = 1.0
+        self, robot: RobotModel, maximum: float | np.ndarray | None = None, *, scale: float = 1.0
     ) -> None:
         limit = np.asarray(robot.tau_max if maximum is None else maximum, dtype=float)
         self.maximum = per_joint(self.name, "maximum", limit * scale, robot)

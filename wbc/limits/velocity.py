@@ -8,7 +8,7 @@ from wbc.formatting import format_range
 from wbc.kinematics import Kinematics
 from wbc.limits.acceleration_bound import AccelerationBound
 from wbc.limits.per_joint import default_braking, per_joint
-from wbc.robot import Robot
+from wbc.robot import RobotModel
 
 
 class JointVelocityLimit(AccelerationBound):
@@ -30,7 +30,7 @@ class JointVelocityLimit(AccelerationBound):
 
     def __init__(
         self,
-        robot: Robot,
+        robot: RobotModel,
         maximum: float | np.ndarray | None = None,
         *,
         horizon: float = 0.02,

@@ -2,9 +2,23 @@
 
 from wbc.robot.doctor import check_file
 from wbc.robot.finding import Fact, Finding
+from wbc.robot.fixed_base import FixedBaseRobot, load_fixed_base
 from wbc.robot.loader import load
 from wbc.robot.registry import available, examples
 from wbc.robot.robot import Robot
+from wbc.robot.robot_model import RobotModel
 from wbc.robot.soles import Sole
 
-__all__ = ["Fact", "Finding", "Robot", "Sole", "available", "check_file", "examples", "load"]
+__all__ = [
+    "Fact",
+    "Finding",
+    "FixedBaseRobot",
+    "Robot",
+    "RobotModel",
+    "Sole",
+    "available",
+    "check_file",
+    "examples",
+    "load",
+    "load_fixed_base",
+]

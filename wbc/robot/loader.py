@@ -119,14 +119,14 @@ def build_robot(data: RobotData) -> Robot:
     """
     urdf, data = read_urdf(data.urdf), data.without_fixed_joints()
     folders = search_folders(data.urdf, data.package_dirs)
-    model = build_model(urdf, _known_joints(data, urdf))
+    model = build_model(urdf, known_joints(data, urdf))
     name = data.name or (urdf.element.get("name") or "").strip() or urdf.path.stem
     model.name = name
     base = link_of(model, urdf, 1)
     facts = [Fact("base", base, "derived", "root of the tree")]
     # Before any repair, which would hide a massless link.
     check_mass_matrix(model, pin.neutral(model), str(urdf.path))
-    findings = _repaired(model, urdf)
+    findings = repaired(model, urdf)
     add_placeholder_masses(model)
 
     links = feet_links(data, urdf)
@@ -190,7 +190,7 @@ def _posture_fact(model: pin.Model, posture: Posture) -> Fact:
     return Fact("nominal posture", value, origin, posture.source)
 
 
-def _repaired(model: pin.Model, urdf: Urdf) -> list[Finding]:
+def repaired(model: pin.Model, urdf: Urdf) -> list[Finding]:
     return [
         Finding(
             "warning",
@@ -240,7 +240,7 @@ def _frame(model: pin.Model, data: RobotData, what: str, name: str | None) -> st
     return name
 
 
-def _known_joints(data: RobotData, urdf: Urdf) -> tuple[str, ...]:
+def known_joints(data: RobotData, urdf: Urdf) -> tuple[str, ...]:
     """The stated patterns of joints to weld, each of which must mean something."""
     names = [joint.name for joint in urdf.joints]
     for pattern in data.fixed_joints:

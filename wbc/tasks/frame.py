@@ -8,7 +8,7 @@ import pinocchio as pin
 from wbc.errors import TaskError
 from wbc.formatting import format_vector
 from wbc.kinematics import Kinematics
-from wbc.robot import Robot
+from wbc.robot import RobotModel
 from wbc.tasks.motion import HELD, MotionTask, TaskReference
 
 
@@ -34,7 +34,7 @@ class _FrameTask(MotionTask):
         self.velocity = np.zeros(self.size)
         self.acceleration = np.zeros(self.size)
 
-    def bind(self, robot: Robot) -> None:
+    def bind(self, robot: RobotModel) -> None:
         """See `Task.bind`."""
         self._frame_id = robot.frame_id(self.frame)
 

@@ -9,7 +9,7 @@ import numpy as np
 from wbc.errors import TaskError
 from wbc.formatting import format_range
 from wbc.kinematics import Kinematics
-from wbc.robot import Robot
+from wbc.robot import RobotModel
 from wbc.tasks.task import Task
 
 
@@ -42,7 +42,7 @@ class JointTorqueTask(Task):
 
     def __init__(
         self,
-        robot: Robot,
+        robot: RobotModel,
         joints: Sequence[str],
         *,
         weight: float | np.ndarray = 100.0,

@@ -9,7 +9,7 @@ import numpy as np
 from wbc.errors import TaskError, did_you_mean
 from wbc.formatting import format_range
 from wbc.kinematics import Kinematics
-from wbc.robot import Robot
+from wbc.robot import RobotModel
 from wbc.tasks.task import JointTask
 
 
@@ -38,7 +38,7 @@ class PostureTask(JointTask):
 
     def __init__(
         self,
-        robot: Robot,
+        robot: RobotModel,
         target: np.ndarray | None = None,
         *,
         joints: Sequence[str] | None = None,

@@ -10,7 +10,7 @@ import numpy as np
 from wbc.errors import TaskError
 from wbc.formatting import format_range
 from wbc.kinematics import Kinematics
-from wbc.robot import Robot
+from wbc.robot import RobotModel
 
 
 class Task(ABC):
@@ -147,7 +147,7 @@ class Task(ABC):
             )
         return array
 
-    def bind(self, robot: Robot) -> None:  # noqa: B027 - most tasks need nothing here
+    def bind(self, robot: RobotModel) -> None:  # noqa: B027 - most tasks need nothing here
         """Look up names in the robot, once, when added to a controller.
 
         Raises:

@@ -8,6 +8,7 @@ import numpy as np
 
 from wbc.gait import Feet, Placement
 from wbc.kinematics import Kinematics
+from wbc.robot import Robot
 from wbc.walking.kernels.ground import BODY, read_ground
 
 
@@ -32,6 +33,7 @@ class GroundKinematics:
     """Reads from kinematics what gait and stabilizer need.
 
     Args:
+        robot: the robot.
         kin: kinematics of the robot; whoever owns it updates it.
 
     Attributes:
@@ -39,18 +41,18 @@ class GroundKinematics:
             as the imaginary part.
     """
 
-    def __init__(self, kin: Kinematics) -> None:
+    def __init__(self, robot: Robot, kin: Kinematics) -> None:
         self._kin = kin
         self._body = np.zeros(1, BODY)
         body = self._body[0]
         body["mass"] = kin.mass
-        for k, sole in enumerate(kin.robot.soles):
+        for k, sole in enumerate(robot.soles):
             body["joint"][k] = sole.joint_id
             body["axis"][k] = sole.placement.rotation[:, 0]
             body["normal"][k] = sole.placement.rotation[:, 2]
             body["position"][k] = sole.placement.translation
-        self._weight = kin.robot.weight
-        self._gravity = kin.robot.gravity
+        self._weight = robot.weight
+        self._gravity = robot.gravity
         self._out = np.zeros(27)
         self.slopes = (0j, 0j)
 

@@ -100,7 +100,7 @@ class Walker:
         self.gains = gains = gains or WalkerGains()
         self.controller = controller = WholeBodyController(robot, dt, solver=solver)
         self._kin = Kinematics(robot, robot.standing())
-        self._ground = GroundKinematics(self._kin)
+        self._ground = GroundKinematics(robot, self._kin)
         self._ground_slope = GroundSlope()
         self._tasks = BalanceTasks(controller, self._kin, workspace, gains)
         self.com, self.posture = self._tasks.com, self._tasks.posture

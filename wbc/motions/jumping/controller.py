@@ -81,8 +81,8 @@ class JumpController:
         self._gains = gains or JumpGains()
         self._gravity = robot.gravity
         self._kin = Kinematics(robot, robot.standing())
-        self._ground_kinematics = GroundKinematics(self._kin)
-        self._tasks = JumpTasks(self._kin, dt, self._gains, solver)
+        self._ground_kinematics = GroundKinematics(robot, self._kin)
+        self._tasks = JumpTasks(robot, self._kin, dt, self._gains, solver)
         self.reset(robot.standing())
 
     @property

@@ -15,6 +15,7 @@ from wbc.kinematics import Kinematics
 from wbc.limits import JointPositionLimit, JointVelocityLimit, TorqueLimit
 from wbc.motions.jumping.gains import JumpGains
 from wbc.qp import Solver
+from wbc.robot import Robot
 from wbc.tasks import AngularMomentumTask, ComTask, FrameTask, OrientationTask, PostureTask
 
 
@@ -22,6 +23,7 @@ class JumpTasks:
     """The tasks of CoM, trunk, soles and posture for a robot that stands, flies or lands.
 
     Args:
+        robot: the robot.
         standing: kinematics of the robot when standing.
         dt: control period, s.
         gains: weights and gains.
@@ -35,9 +37,13 @@ class JumpTasks:
     """
 
     def __init__(
-        self, standing: Kinematics, dt: float, gains: JumpGains, solver: str | Solver | None = None
+        self,
+        robot: Robot,
+        standing: Kinematics,
+        dt: float,
+        gains: JumpGains,
+        solver: str | Solver | None = None,
     ) -> None:
-        robot = standing.robot
         self._gains = gains
         self.controller = controller = WholeBodyController(
             robot, dt, solver=solver, limits=_limits(standing, gains.braking)
