@@ -23,9 +23,13 @@ from wbc.gait import (
     Placement,
     Velocity,
 )
+from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.planners.footstep_preview import zmp_over
+from wbc.gait.speed_adaptation import SpeedAdaptation
 
-GAIT = GaitParameters.for_robot(wbc.load("talos"))
+ROBOT = wbc.load("talos")
+WORKSPACE = LegWorkspace(ROBOT)
+GAIT = GaitParameters.for_robot(ROBOT, WORKSPACE)
 DT = 0.002
 HALF = 0.5 * GAIT.step_width
 SQUARE = Feet(Placement(complex(0.0, HALF), 0.0), Placement(complex(0.0, -HALF), 0.0))
@@ -35,10 +39,10 @@ WALK = Velocity(0.3, 0.0, 0.0)
 class Ground:
     """Feet that follow the gait's swing exactly; contact when told."""
 
-    def __init__(self, feet: Feet = SQUARE) -> None:
+    def __init__(self, feet: Feet = SQUARE, adaptation: SpeedAdaptation | None = None) -> None:
         self.feet = feet
         self.planner = DcmPlanner()
-        self.machine = GaitStateMachine(GAIT, feet, self.planner)
+        self.machine = GaitStateMachine(GAIT, feet, self.planner, adaptation=adaptation)
         self.command = GaitCommand()
 
     @property
@@ -201,3 +205,30 @@ def test_new_step_height_applies_to_a_foot_that_is_still_rising() -> None:
     ground.machine.change_gait(higher, higher)
     ground.run(0.3 * GAIT.single_support, WALK, None)
     assert ground.feet.right.height == pytest.approx(2.0 * GAIT.swing_height, rel=0.02)
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.4])
+def test_changed_gait_outlasts_the_next_steps_at_any_speed(speed: float) -> None:
+    ground = Ground(adaptation=SpeedAdaptation(GAIT, WORKSPACE))
+    fast = Velocity(speed * GAIT.max_step / GAIT.step_duration)
+    ground.run(12.0, fast, None)
+    usual = ground.state.gait.single_support
+    higher = replace(GAIT, swing_height=1.5 * GAIT.swing_height)
+    ground.machine.change_gait(higher, higher)
+    assert ground.state.gait.single_support == usual
+    for _ in range(3):
+        ground.run(GAIT.step_duration, fast, None)
+        assert ground.state.gait.swing_height == higher.swing_height
+        assert ground.state.gait.single_support == usual
+
+
+def test_gait_changed_during_a_quick_step_leaves_it_quick() -> None:
+    quick = replace(GAIT, single_support=0.5 * GAIT.single_support)
+    machine = GaitStateMachine(GAIT, SQUARE, DcmPlanner(), quick)
+    machine.state.gait = quick
+    higher, higher_quick = (replace(gait, swing_height=0.1) for gait in (GAIT, quick))
+    machine.change_gait(higher, higher_quick)
+    assert machine.state.gait is higher_quick
+    assert machine.state.normal_gait is higher
+    machine.change_gait(GAIT, GAIT)
+    assert machine.state.recovery_gait is machine.state.normal_gait

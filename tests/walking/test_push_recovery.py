@@ -135,3 +135,11 @@ def test_another_gait_changes_the_recovery_gait_with_it():
     walker.change_gait(replace(walker.gait, swing_height=0.08))
     assert walker.recovery_gait.swing_height == 0.08
     assert walker.gait_state.recovery_gait is walker.recovery_gait
+
+
+def test_another_gait_leaves_a_walker_without_quick_steps_without_them():
+    robot = wbc.load("g1")
+    gait = wbc.GaitParameters.for_robot(robot)
+    walker = wbc.Walker(robot, gait=gait, recovery_gait=gait)
+    walker.change_gait(replace(gait, swing_height=0.08))
+    assert walker.recovery_gait is walker.gait

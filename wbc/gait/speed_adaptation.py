@@ -62,6 +62,16 @@ class SpeedAdaptation:
             self._adapted = self._adapt(index / _GRID) if index else gait
         return self._adapted
 
+    def change_gait(self, gait: GaitParameters) -> GaitParameters:
+        """Adapt other parameters from now on; return those of the present velocity.
+
+        Args:
+            gait: parameters of the gait at usual speeds.
+        """
+        self.gait = self._adapted = gait
+        self._index = 0
+        return self.at(self.velocity)
+
     def ramp(self, wanted: Velocity, dt: float, *, walking: bool) -> Velocity:
         """Lead the velocity towards the wanted one, and return it.
 

@@ -36,6 +36,8 @@ class GaitStateMachine:
         feet: both soles, on the ground.
         planner: plans footsteps and DCM.
         recovery_gait: parameters of the quick steps after a push; `gait` when left out.
+        adaptation: adapts the parameters to the speed, from `gait` on; when left out, they are the
+            same at every speed.
 
     Attributes:
         state: phase, feet and times of now.
@@ -121,11 +123,19 @@ class GaitStateMachine:
             state.swing.advance(dt, landing, state.ground_slope)
 
     def change_gait(self, gait: GaitParameters, recovery_gait: GaitParameters) -> None:
-        """Go on with other parameters; the present phase keeps its duration."""
-        self.state.gait = self.state.normal_gait = gait
-        self.state.recovery_gait = recovery_gait
-        if isinstance(self.state.swing, SwingFoot):
-            self.state.swing.set_apex(gait.swing_height)
+        """Go on with other parameters; the present phase keeps its duration.
+
+        Args:
+            gait: parameters of the gait, at usual speeds.
+            recovery_gait: parameters of the quick steps after a push; `gait` for none.
+        """
+        state, recovering = self.state, self.state.recovering
+        normal = gait if self._adaptation is None else self._adaptation.change_gait(gait)
+        state.normal_gait = normal
+        state.recovery_gait = normal if recovery_gait is gait else recovery_gait
+        state.gait = state.recovery_gait if recovering else normal
+        if isinstance(state.swing, SwingFoot):
+            state.swing.set_apex(gait.swing_height)
 
     def stand_on(self, side: str) -> None:
         """While standing: which foot the ground holds exactly, and is not to be lifted.
@@ -197,11 +207,9 @@ class GaitStateMachine:
 
     def _has_landed(self, contacts: frozenset[str] | None) -> bool:
         state = self.state
-        if contacts is None:
-            return state.time >= state.duration
-        if state.shortened:
-            # A quick foot is low and may scuff; one that is late costs more than one that is
-            # pressed down, because the DCM runs away.
+        # A quick foot is low and may scuff; one that is late costs more than one that is pressed
+        # down, because the DCM runs away.
+        if contacts is None or state.shortened:
             return state.time >= state.duration
         return state.swing_side in contacts and state.progress >= _EARLIEST_TOUCHDOWN
 

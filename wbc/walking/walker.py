@@ -91,10 +91,8 @@ class Walker:
     ) -> None:
         self.robot = robot
         self.dt = dt
-        workspace = LegWorkspace(robot)
+        self._workspace = workspace = LegWorkspace(robot)
         self.gait = gait or GaitParameters.for_robot(robot, workspace)
-        self._workspace = workspace
-        self._adaptation = SpeedAdaptation(self.gait, workspace)
         self._scales_recovery = recovery_gait is None
         self.recovery_gait = recovery_gait or GaitParameters.for_recovery(robot, self.gait)
         self.gains = gains = gains or WalkerGains()
@@ -159,11 +157,15 @@ class Walker:
         """Go on with other gait parameters, at any tick; the wanted velocity is kept within them.
 
         The present step keeps its duration; everything planned from now on has the new ones.
+
+        Args:
+            gait: parameters at usual speeds; faster steps are adapted from them.
         """
-        self.gait = gait
-        self._adaptation = SpeedAdaptation(gait, self._workspace)
         if self._scales_recovery:
             self.recovery_gait = GaitParameters.for_recovery(self.robot, gait)
+        elif self.recovery_gait is self.gait:  # no quick steps
+            self.recovery_gait = gait
+        self.gait = gait
         self.state_machine.change_gait(gait, self.recovery_gait)
         self._command.velocity = self._command.velocity.clamped(gait)
 
@@ -208,8 +210,9 @@ class Walker:
         """
         self._kin.update(state)
         feet, com = self._ground.read()
+        adaptation = SpeedAdaptation(self.gait, self._workspace)
         self.state_machine = GaitStateMachine(
-            self.gait, feet, self.planner, self.recovery_gait, self._adaptation
+            self.gait, feet, self.planner, self.recovery_gait, adaptation
         )
         self._ground_slope.reset()
         ground = 0.5 * (feet.left.height + feet.right.height)
