@@ -1,0 +1,332 @@
+"""Makes any robot stand, squat, walk, turn and take a push from its description: the robots table.
+
+For each robot the model doctor comes first; what cannot work is printed with its reason. The others
+stand for two seconds, squat once by 10 % of the leg, walk and turn for 4 s at 60 % of the greatest
+velocity that the library derives for them, and take a push of 0.1 s from each side while they
+stand, 0.05 √(g h) N·s/kg with the height h of the centre of mass (0.15 N·s/kg for 0.9 m). Every run
+is in MuJoCo with physics at 1 kHz, friction 0.8, the description's torque and joint limits, noisy
+sensors and the estimator in the loop. Nothing is stated beyond what the table's last column shows.
+
+    python benchmarks/robots.py                         # the bipeds of example-robot-data
+    python benchmarks/robots.py ~/urdfs                 # all descriptions below a folder
+    python benchmarks/robots.py atlas.urdf=l_foot,r_foot --json out/robots.json
+"""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+import argparse
+import json
+import math
+import sys
+import time
+import warnings
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import wbc
+from wbc.errors import WbcError
+from wbc.motions import Motion, MotionPlayer
+from wbc.motions.squat import Squat
+from wbc.robot.doctor import check_robot
+from wbc.runtime.report import Report
+from wbc.runtime.tick import Tick
+from wbc.trials import RunEvaluator
+
+#: The bipeds of example-robot-data, with the feet of those whose names do not tell.
+BIPEDS = (
+    "talos_reduced", "talos_full_v2", "g1_29dof_rev_1_0", "g1_29dof_with_hand_rev_1_0",
+    "romeo_small", "icub_reduced", "icub", "simple_humanoid", "human",
+    "alexander_v1.lowerBodyOnly", "bolt=FL_FOOT,FR_FOOT",
+)  # fmt: skip
+DESCRIPTIONS = (".urdf", ".xacro", ".mjcf", ".toml")
+SHARE = 0.6  # of the greatest velocity
+STANDING, MOVING = 1.0, 4.0  # s
+LIMIT_EXCESS = 0.01  # rad; MuJoCo's limits are soft, most for links without rotor inertia
+PUSH = 0.05  # times √(g h), N·s/kg
+MARKS = ("<!-- robots:begin -->", "<!-- robots:end -->")
+
+
+@dataclass
+class Outcome:
+    """One activity of one robot.
+
+    Attributes:
+        ok: whether the robot did it without a fall, within its limits.
+        why: why not.
+        com_mm: error of the centre of mass, mm rms: while it stands or squats against its
+            reference in truth, while it walks that of the divergent component.
+        swing_mm: error of the foot in the air, mm rms; None if none was.
+        torque: largest share of any joint's torque limit.
+        tick_us: median time of a controller tick, µs.
+        text: what it achieved.
+    """
+
+    ok: bool
+    why: str = ""
+    com_mm: float | None = None
+    swing_mm: float | None = None
+    torque: float = 0.0
+    tick_us: float = 0.0
+    text: str = ""
+
+
+@dataclass
+class Row:
+    """One robot.
+
+    Attributes:
+        name: of the robot.
+        size: joints, mass and soles.
+        stated: what had to be stated by hand.
+        refused: why it cannot walk, or not even be loaded; else empty.
+        defects: errors and warnings of the doctor.
+        outcomes: by activity.
+    """
+
+    name: str
+    size: str = ""
+    stated: str = ""
+    refused: str = ""
+    defects: list[str] = field(default_factory=list)
+    outcomes: dict[str, Outcome] = field(default_factory=dict)
+
+
+class SwingError:
+    """An observer of how far the foot in the air is from its reference."""
+
+    quantities = ()
+
+    def begin(self, controller: Any, plant: Any) -> None:
+        """See `wbc.runtime.protocols.Observer`."""
+        self._walker: wbc.Walker = controller.walker
+        self._square_sum, self._ticks = 0.0, 0
+
+    def observe(self, tick: Tick) -> None:
+        """See `wbc.runtime.protocols.Observer`."""
+        state = self._walker.gait_state
+        if state.swing is None or tick.command.status is not wbc.Status.OK:
+            return
+        foot = state.feet.of(state.swing_side)
+        x, y, z = state.swing.motion.position
+        self._square_sum += abs(foot.point - complex(x, y)) ** 2 + (foot.height - z) ** 2
+        self._ticks += 1
+
+    def end(self, report: Report) -> None:
+        """See `wbc.runtime.protocols.Observer`."""
+
+    @property
+    def rms_mm(self) -> float | None:
+        """Root of the mean square over the ticks with a foot in the air, mm."""
+        return 1e3 * math.sqrt(self._square_sum / self._ticks) if self._ticks else None
+
+
+def simulate(
+    robot: wbc.Robot,
+    duration: float,
+    motions: tuple[Motion, ...] = (),
+    before_tick: Callable[[float, MotionPlayer, Any], None] = lambda *_: None,
+) -> tuple[Report, Outcome]:
+    """Run a motion player in closed loop; return the report and what can be read from it."""
+    player = MotionPlayer(robot, motions=motions)
+    evaluator, swing = RunEvaluator(), SwingError()
+    from wbc.sim import Mujoco
+
+    with Mujoco(robot, dt=player.dt, seed=0) as plant:
+        report = wbc.run(
+            player,
+            plant,
+            duration,
+            observers=[evaluator, swing],
+            before_tick=lambda t: before_tick(t, player, plant),
+            on_falling=lambda _: None,
+        )
+    report = evaluator.amend(report)
+    why = report.fell_why
+    if not why and report.aborted_motions:
+        why = "; ".join(report.notes)
+    if not why and report.qp_failures:
+        why = report.explanation
+    excess = report.joint_limit_excess_rad
+    if not why and excess > LIMIT_EXCESS:
+        why = f"a joint {excess:.3f} rad beyond its limit"
+    walked = report.steps > 0
+    return report, Outcome(
+        not why,
+        why,
+        report.dcm_error_rms_mm if walked else report.com_error_rms_mm,
+        swing.rms_mm if walked else None,
+        report.torque_peak_ratio,
+        report.tick_p50_us,
+        f"joint {excess:.3f} rad beyond its limit" if excess > 1e-3 else "",
+    )
+
+
+def stand(robot: wbc.Robot) -> Outcome:
+    """Stand for two seconds."""
+    return simulate(robot, 2.0)[1]
+
+
+def squat(robot: wbc.Robot) -> Outcome:
+    """Squat once."""
+    motion = Squat(times=1)
+    return simulate(robot, 1.0 / motion.frequency + 2.5, (motion,))[1]
+
+
+def move(robot: wbc.Robot, turning: bool) -> Outcome:
+    """Walk forward, or turn in place, and stop."""
+    limits = MotionPlayer(robot).walker.gait.max_velocity
+    wanted = SHARE * (limits.turn if turning else limits.forward)
+    velocity = (0.0, 0.0, wanted) if turning else (wanted, 0.0, 0.0)
+
+    def command(now: float, player: MotionPlayer, _: Any) -> None:
+        player.velocity = velocity if STANDING <= now < STANDING + MOVING else (0.0, 0.0, 0.0)
+
+    report, outcome = simulate(robot, STANDING + MOVING + 2.0, before_tick=command)
+    got = report.turned_rad if turning else report.displacement_m[0]
+    reached = f"{got / MOVING:.2f} {'rad/s' if turning else 'm/s'}"
+    outcome.text = ", ".join(filter(None, (reached, outcome.text)))
+    if outcome.ok and got < 0.5 * wanted * MOVING:
+        outcome.ok, outcome.why = False, f"{reached} instead of {wanted:.2f}"
+    return outcome
+
+
+def push(robot: wbc.Robot) -> Outcome:
+    """Take a push from each of four sides."""
+    size = PUSH * math.sqrt(robot.gravity * robot.com_height)
+    failed, worst = [], Outcome(True)
+    directions = {"forward": (1, 0), "back": (-1, 0), "left": (0, 1), "right": (0, -1)}
+    for name, (x, y) in directions.items():
+        impulse = size * robot.mass * np.array([x, y, 0.0])
+
+        def hit(now: float, _: MotionPlayer, plant: Any, impulse: np.ndarray = impulse) -> None:
+            if abs(now - 0.5) < 0.5 * plant.dt:
+                plant.push(impulse)
+
+        outcome = simulate(robot, 3.0, before_tick=hit)[1]
+        worst.torque = max(worst.torque, outcome.torque)
+        failed += [] if outcome.ok else [f"{name}: {outcome.why}"]
+    worst.ok, worst.why = not failed, "; ".join(failed)
+    worst.text = f"{4 - len(failed)}/4 at {size:.2f}"
+    return worst
+
+
+ACTIVITIES: dict[str, Callable[[wbc.Robot], Outcome]] = {
+    "stand": stand,
+    "squat": squat,
+    "walk": lambda robot: move(robot, turning=False),
+    "turn": lambda robot: move(robot, turning=True),
+    "push": push,
+}
+
+
+def measure(spec: str, only: tuple[str, ...]) -> Row:
+    """Load a robot and let it do everything, or say why it cannot."""
+    path, _, feet = spec.partition("=")
+    row = Row(Path(path).stem if Path(path).suffix in DESCRIPTIONS else path, stated=feet)
+    arguments = dict(zip(("left_foot", "right_foot"), feet.split(","), strict=False))
+    try:
+        robot = wbc.load(path, **(arguments if feet else {}))
+        findings = [f for f in check_robot(robot) if f.severity != "note"]
+        row.defects = [str(f) for f in findings]
+        stated = [f.name for f in robot.facts if f.origin == "stated" and not f.name.endswith("t")]
+        row.stated = ", ".join([*filter(None, [feet]), *stated])
+        sole = robot.soles[0]
+        row.size = f"{robot.na} joints, {robot.mass:.3g} kg, soles {sole.size_text}"
+        errors = [f for f in findings if f.severity == "error"]
+        if errors:
+            row.refused = f"{errors[0].subject}: {errors[0].what}"
+            return row
+    except WbcError as error:
+        row.refused = str(error)
+        return row
+    for name, activity in ACTIVITIES.items():
+        if only and name not in only:
+            continue
+        try:
+            row.outcomes[name] = activity(robot)
+        except WbcError as error:
+            row.outcomes[name] = Outcome(False, f"refused: {error}")
+        print(f"{row.name:28} {name:6} {cell(row.outcomes[name])}", file=sys.stderr, flush=True)
+    return row
+
+
+def cell(outcome: Outcome) -> str:
+    """Return an outcome as the text of a cell."""
+    figures = [outcome.text] if outcome.text else []
+    if outcome.com_mm is not None:
+        figures.append(f"{outcome.com_mm:.1f} mm")
+    if outcome.swing_mm is not None:
+        figures.append(f"foot {outcome.swing_mm:.1f} mm")
+    return ", ".join(figures) or "yes" if outcome.ok else f"no: {outcome.why}"
+
+
+def table(rows: list[Row]) -> str:
+    """Return a Markdown table with one line per robot."""
+    head = ("robot", "size", *ACTIVITIES, "torque", "tick, µs", "stated")
+    lines = ["| " + " | ".join(head) + " |", "|" + " --- |" * len(head)]
+    for row in rows:
+        outcomes = [row.outcomes.get(name) for name in ACTIVITIES]
+        ran = [o for o in outcomes if o is not None]
+        cells = [cell(o) if o else "" for o in outcomes]
+        if row.refused:
+            cells = [f"refused: {row.refused}", *[""] * (len(cells) - 1)]
+        torque = f"{100.0 * max(o.torque for o in ran):.0f} %" if ran else ""
+        tick = f"{max(o.tick_us for o in ran):.0f}" if ran else ""
+        lines.append(f"| {row.name} | {row.size} | {' | '.join(cells)} | {torque} | {tick} | ")
+        lines[-1] += f"{row.stated or 'nothing'} |"
+    return "\n".join(lines)
+
+
+def descriptions(where: str) -> list[str]:
+    """Return the robots that an argument means: itself, or all descriptions below a folder."""
+    folder = Path(where).expanduser()
+    if not folder.is_dir():
+        return [where]
+    return sorted(str(path) for path in folder.rglob("*") if path.suffix in DESCRIPTIONS)
+
+
+def main() -> int:
+    """Run everything, print the table, write the JSON file."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "robots",
+        nargs="*",
+        metavar="ROBOT[=LEFT,RIGHT]",
+        help="name, description or folder, with the links of the feet where names do not tell "
+        "(default: the bipeds of example-robot-data)",
+    )
+    parser.add_argument("--only", action="append", choices=tuple(ACTIVITIES), default=[])
+    parser.add_argument("--json", type=Path, help="write all figures to this file")
+    parser.add_argument("--readme", type=Path, help="update the table in this file")
+    args = parser.parse_args()
+    warnings.simplefilter("ignore")
+    begun = time.perf_counter()
+    robots = [spec for where in (args.robots or BIPEDS) for spec in descriptions(where)]
+    rows = [measure(spec, tuple(args.only)) for spec in robots]
+    text = table(rows)
+    print(text)
+    done = sum(all(o.ok for o in row.outcomes.values()) and not row.refused for row in rows)
+    print(f"\n{done} of {len(rows)} do everything; {time.perf_counter() - begun:.0f} s")
+    if args.readme:
+        head, rest = args.readme.read_text(encoding="utf-8").split(MARKS[0])
+        tail = rest.split(MARKS[1])[1]
+        args.readme.write_text(f"{head}{MARKS[0]}\n{text}\n{MARKS[1]}{tail}", encoding="utf-8")
+    if args.json:
+        args.json.parent.mkdir(parents=True, exist_ok=True)
+        args.json.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
