@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar
 from wbc.cli import teleoperated_run
 from wbc.cli.argument_types import Argument, Seconds, number, positive_number, whole_number
 from wbc.cli.exit_code import ExitCode
-from wbc.cli.parser import Function, Parser, set_command
+from wbc.cli.parser import Function, Parser, set_commands
 from wbc.cli.simulation import Session, Simulation, SimulationOptions
 from wbc.errors import WbcError, did_you_mean
 from wbc.robot.registry import data_file_folder
@@ -299,7 +299,4 @@ VERBS: dict[str, Function] = {
 def add_verbs(parser: Parser) -> None:
     """Add the verbs."""
     parser.description = _DESCRIPTION
-    verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
-    for name, command in VERBS.items():
-        summary = (command.__doc__ or "").partition(".\n")[0]
-        set_command(verbs.add_parser(name, help=summary[:1].lower() + summary[1:]), command)
+    set_commands(parser, VERBS)

@@ -11,7 +11,7 @@ from wbc.cli.argument_types import Argument, positive_number
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.output import writing_results
 from wbc.cli.outputs import OutputOptions, RunOutputs
-from wbc.cli.parser import Function, Parser, set_command
+from wbc.cli.parser import Function, Parser, set_commands
 from wbc.cli.progress import ProgressLine
 from wbc.cli.tour import tour
 from wbc.cli.trials_run import run
@@ -158,7 +158,4 @@ VERBS: dict[str, Function] = {
 def add_verbs(parser: Parser) -> None:
     """Add the verbs."""
     parser.description = _DESCRIPTION
-    verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
-    for name, command in VERBS.items():
-        summary = " ".join((command.__doc__ or "").partition(".\n")[0].split())
-        set_command(verbs.add_parser(name, help=summary[:1].lower() + summary[1:]), command)
+    set_commands(parser, VERBS)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wbc.errors import PlantError
+from wbc.sim.terrain import check_sizes
 
 _THICKNESS = 0.3  # m
 _STEEPEST = math.radians(30.0)
@@ -35,10 +36,7 @@ class Ramp:
     distance: float = 0.5
 
     def __post_init__(self) -> None:
-        for name in ("length", "plateau", "width", "distance"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise PlantError(f"Ramp: {name} is {value}, it must be positive (m)")
+        check_sizes(self, "length", "plateau", "width", "distance")
         if not 0.0 < self.angle <= _STEEPEST:
             raise PlantError(f"Ramp: angle is {self.angle} rad, it must be within 0 and 0.52 (30°)")
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wbc.errors import PlantError
+from wbc.sim.terrain import check_sizes
 
 _HEIGHT = 1e-3  # m above the floor, so that soles touch the patch alone
 
@@ -32,10 +33,7 @@ class SlipperyPatch:
     width: float = 4.0
 
     def __post_init__(self) -> None:
-        for name in ("distance", "length", "width"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise PlantError(f"SlipperyPatch: {name} is {value}, it must be positive (m)")
+        check_sizes(self, "distance", "length", "width")
         if not (math.isfinite(self.friction) and self.friction >= 0.0):
             raise PlantError(f"SlipperyPatch: friction is {self.friction}, it must be at least 0")
 

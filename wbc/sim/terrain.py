@@ -34,6 +34,20 @@ class HasFriction(Protocol):
         ...
 
 
+def check_sizes(terrain: Terrain, *names: str) -> None:
+    """Check that the named attributes are positive.
+
+    Raises:
+        PlantError: one of them is not.
+    """
+    for name in names:
+        value = getattr(terrain, name)
+        if not (np.isfinite(value) and value > 0.0):
+            raise PlantError(
+                f"{type(terrain).__name__}: {name} is {value}, it must be positive (m)"
+            )
+
+
 @dataclass(frozen=True, slots=True)
 class Flat:
     """The infinite horizontal plane z = 0."""
@@ -68,10 +82,7 @@ class Tiles:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name in ("height", "size", "extent"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0.0):
-                raise PlantError(f"Tiles: {name} is {value}, it must be positive (m)")
+        check_sizes(self, "height", "size", "extent")
 
     def boxes(self) -> np.ndarray:
         """Return centre and half sizes of the tiles, (n, 6), m."""

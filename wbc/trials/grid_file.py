@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -15,11 +14,7 @@ from wbc.trials.controllers import ControllerSpec
 from wbc.trials.disturbance import ForceDisturbance, KickDisturbance, PushDisturbance
 from wbc.trials.errors import TrialError
 from wbc.trials.grid import Grid, RobotCases
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from wbc.trials.toml_file import read_toml
 
 #: Classes of the lists of tables in a grid.
 _TABLES: Mapping[str, type] = {
@@ -41,14 +36,7 @@ def read_grid(path: str | Path) -> Grid:
         TrialError: the file cannot be read, is no TOML, or does not describe a grid; the text
             names every wrong key and value.
     """
-    path = Path(path)
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise TrialError(f"cannot read {path}: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise TrialError(f"{path} is no TOML file: {error}") from error
-    return parse_grid(content, str(path))
+    return parse_grid(read_toml(Path(path)), str(path))
 
 
 def parse_grid(content: Mapping[str, Any], source: str = "grid") -> Grid:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,12 +14,8 @@ from wbc.trials.errors import ResultsError, TrialError
 from wbc.trials.grid import Grid
 from wbc.trials.results import Results
 from wbc.trials.runner import GridProgress, run_grid
+from wbc.trials.toml_file import read_toml
 from wbc.trials.workers import Workers
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 #: Undisturbed runs of tuned parameters may cost this much more than those of the first ones.
 MAX_COST_RATIO = 1.05
@@ -103,13 +98,7 @@ def read_tuning_space(path: str | Path) -> TuningSpace:
     Raises:
         TrialError: the file cannot be read, or a key or value is wrong.
     """
-    path = Path(path)
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise TrialError(f"cannot read {path}: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise TrialError(f"{path} is no TOML file: {error}") from error
+    content = read_toml(Path(path))
     seeds = content.pop("seeds", None)
     if not (isinstance(seeds, list) and all(type(seed) is int and seed >= 0 for seed in seeds)):
         raise TrialError(f"{path}: seeds must be a list of whole numbers, e.g. seeds = [100, 101]")
