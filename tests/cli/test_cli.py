@@ -13,6 +13,7 @@ from clitools import QUICK, start
 
 import wbc
 from wbc.cli import main
+from wbc.log import Log
 
 CHAPTER = Path(__file__).parents[1] / "data" / "chapter_minimal.urdf"
 KEYS = {
@@ -226,16 +227,22 @@ def test_a_run_is_shown_in_the_browser_without_no_view(wbc_command):
     assert out.startswith("Viewer: http://127.0.0.1:")
 
 
-def test_ctrl_c_ends_with_the_report_so_far():
-    process = start("stand", *QUICK, "--duration", "600")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_and_sigterm_end_with_the_report_and_the_files_so_far(number, tmp_path):
+    files = ["--log", str(tmp_path / "run.mcap"), "--html", str(tmp_path / "run.html")]
+    process = start("stand", *QUICK, "--duration", "600", *files)
     assert process.stderr is not None
     process.stderr.readline()  # the first line of progress: it runs
     time.sleep(0.2)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     out, err = process.communicate(timeout=30)
-    assert process.returncode == 130
+    assert process.returncode == 128 + number
     assert "interrupted" in out
     assert "Traceback" not in err
+    log = Log(tmp_path / "run.mcap")
+    assert log.complete
+    assert "report" in log.tables
+    assert "</html>" in (tmp_path / "run.html").read_text()[-100:]
 
 
 def test_an_error_in_the_library_has_its_own_exit_code(wbc_command, monkeypatch):

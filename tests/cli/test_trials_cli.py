@@ -11,7 +11,6 @@ from clitools import start
 from trialtools import made_up
 
 from wbc.cli.entry import run
-from wbc.cli.trials_run import stop_on_signal
 from wbc.trials import ControllerSpec
 
 
@@ -92,16 +91,6 @@ def test_a_finished_grid_is_shown_and_not_run_again(tmp_path, capsys, monkeypatc
     printed = capsys.readouterr()
     assert f"{len(results.rows)} of {len(results.rows)} results are in grid.parquet" in printed.err
     assert str(tmp_path / "grid.parquet") in printed.out
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_either_signal_asks_for_the_end_and_is_given_back(number):
-    before = signal.getsignal(number)
-    with stop_on_signal() as received:
-        assert not received
-        signal.raise_signal(number)
-        assert received
-    assert signal.getsignal(number) == before
 
 
 def test_a_signal_ends_a_run_without_losing_what_was_finished(tmp_path):

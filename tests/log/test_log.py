@@ -392,7 +392,7 @@ def test_a_missing_package_is_named_with_the_command_that_brings_it(package, tmp
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name: None if name == package else find_spec(name)
     )
-    for use in (Log, repair, lambda path: FlightRecorder(path, robot())):
+    for use in (Log, lambda path: repair(path, path), lambda path: FlightRecorder(path, robot())):
         with pytest.raises(MissingExtra, match=rf"'{package}' .* pip install 'wbc\[log\]'"):
             use(tmp_path / "any.mcap")
 

@@ -20,7 +20,7 @@ from processtools import gone, wait_until
 import wbc
 from wbc.log.errors import LogError
 from wbc.log.reader import Log
-from wbc.log.recovery import repair
+from wbc.log.recovery import complete, repair
 from wbc.log.run import LoggedRun
 from wbc.messages import message_type
 
@@ -139,7 +139,7 @@ def test_a_log_is_readable_up_to_its_last_second_when_both_processes_are_killed(
     assert not broken.log.complete
     assert broken.time[-1] > 1.598 - 1.0
     before = own_counts(path)
-    end = repair(path)
+    end = complete(path)
     assert end == broken.time[-1]
     assert Log(path).complete
     assert own_counts(path) == before == reference_counts(path)
@@ -174,29 +174,60 @@ def test_a_log_truncated_anywhere_can_be_read_and_repaired(whole, tmp_path):
         assert total >= last, "more of the file holds less of the log"
         last = total
         assert not Log(path).complete
-        repair(path)
+        complete(path)
         assert Log(path).complete
         assert own_counts(path) == counts == reference_counts(path)
     assert last == sum(own_counts(whole).values())
 
 
-def test_a_log_with_a_damaged_chunk_is_read_up_to_the_damage(whole, tmp_path):
+@pytest.fixture(scope="module")
+def chunks(whole):
     from mcap.reader import make_reader
 
     with whole.open("rb") as file:
-        chunks = make_reader(file).get_summary().chunk_indexes
-    assert len(chunks) >= 3
+        found = make_reader(file).get_summary().chunk_indexes
+    assert len(found) >= 3
+    return found
+
+
+def flipped(whole, tmp_path, offset):
     data = bytearray(whole.read_bytes())
-    data[chunks[1].chunk_start_offset + chunks[1].chunk_length // 2] ^= 0xFF
+    data[offset] ^= 0x10
     path = tmp_path / "damaged.mcap"
     path.write_bytes(data)
-    run = LoggedRun.read(path)
-    assert run.stamps[-1] == chunks[0].message_end_time
-    assert len(run) < 90
+    return path
+
+
+@pytest.mark.parametrize("damaged", [0, 1, -1])
+@pytest.mark.parametrize("place", ["opcode", "length", "content"])
+def test_only_a_damaged_chunk_is_missing_from_what_is_read_and_from_a_repaired_copy(
+    whole, chunks, tmp_path, damaged, place
+):
+    chunk = chunks[damaged]
+    offset = {"opcode": 0, "length": 6, "content": chunk.chunk_length // 2}[place]
+    path = flipped(whole, tmp_path, chunk.chunk_start_offset + offset)
+    before = path.read_bytes()
+    original = Log(whole)["/controller_state"].stamps
+    first, last = chunk.message_start_time, chunk.message_end_time
+    expected = [t for t in original.tolist() if not first <= t <= last]
+    read = Log(path)
+    assert read["/controller_state"].stamps.tolist() == expected
+    copy = tmp_path / "copy.mcap"
+    repaired = repair(path, copy)
+    assert repaired.finished
+    assert path.read_bytes() == before
+    assert Log(copy)["/controller_state"].stamps.tolist() == expected
+    assert own_counts(copy) == own_counts(path) == reference_counts(copy)
+    for gaps in (read.gaps, repaired.gaps):
+        (gap,) = gaps
+        assert gap.start <= 1e-9 * first
+        assert gap.end >= 1e-9 * last
+        assert gap.end - gap.start < 1e-9 * (last - first) + 0.005
+    assert not Log(copy).gaps
 
 
 @pytest.mark.parametrize("compression", ["NONE", "LZ4", "ZSTD"])
-def test_a_log_of_another_program_is_read_up_to_a_damaged_chunk(tmp_path, compression):
+def test_a_log_of_another_program_is_read_without_a_damaged_chunk(tmp_path, compression):
     from mcap.reader import make_reader
     from mcap.writer import CompressionType, Writer
 
@@ -219,22 +250,54 @@ def test_a_log_of_another_program_is_read_up_to_a_damaged_chunk(tmp_path, compre
     data[middle : middle + 4] = b"\xff" * 4
     path.write_bytes(data)
     log = Log(path)
+    assert log.complete
+    expected = 0.1 * np.array([*range(20), *range(40, 60)])
+    np.testing.assert_array_equal(log["/number"].numbers("data")[:, 0], expected)
+
+
+def test_a_damaged_log_without_an_end_is_read_past_the_damage(whole, chunks, tmp_path):
+    path = flipped(whole, tmp_path, chunks[1].chunk_start_offset + 6)
+    data = path.read_bytes()
+    path.write_bytes(data[: chunks[2].chunk_start_offset + chunks[2].chunk_length])
+    log = Log(path)
     assert not log.complete
-    np.testing.assert_array_equal(log["/number"].numbers("data")[:, 0], 0.1 * np.arange(20))
+    assert len(log["/controller_state"]) == 90 - 30
+    cut = path.read_bytes()
+    complete(path)  # it would take the third chunk away
+    assert path.read_bytes() == cut
 
 
-def test_repair_does_not_change_a_complete_log(whole, tmp_path):
+def test_only_an_interrupted_log_is_changed_by_its_completion(whole, tmp_path):
     path = Path(shutil.copy(whole, tmp_path))
-    repair(path)
+    complete(path)
     assert path.read_bytes() == whole.read_bytes()
 
 
-def test_repair_refuses_a_file_that_is_no_log(tmp_path):
-    path = tmp_path / "notes.txt"
+def test_repair_refuses_a_file_that_is_no_log_and_the_log_itself(whole, tmp_path):
+    path, copy = tmp_path / "notes.txt", tmp_path / "copy.mcap"
     path.write_bytes(b"dear diary, " * 10)
     with pytest.raises(LogError, match="is not an MCAP file"):
-        repair(path)
+        repair(path, copy)
+    with pytest.raises(LogError, match="is not an MCAP file"):
+        complete(path)
     assert path.read_bytes() == b"dear diary, " * 10
+    assert not copy.exists()
+    with pytest.raises(LogError, match="another file"):
+        repair(whole, whole)
+
+
+def test_a_failed_repair_leaves_the_former_copy_whole(whole, tmp_path, monkeypatch):
+    copy = tmp_path / "copy.mcap"
+    copy.write_bytes(b"former")
+
+    def fail(_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", fail)
+    with pytest.raises(LogError, match="No space left"):
+        repair(whole, copy)
+    assert copy.read_bytes() == b"former"
+    assert sorted(tmp_path.iterdir()) == [copy]
 
 
 def record_until_it_ends(log, humanoid, at_most=10.0):

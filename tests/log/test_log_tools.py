@@ -270,11 +270,17 @@ def test_wbc_log_repairs_a_copy_without_changing_the_log(walk, tmp_path, capsys)
     cut = broken.read_bytes()
     assert main(["log", str(broken)]) == 0
     assert "The log was interrupted" in capsys.readouterr().out
-    assert main(["log", str(broken), "--repair", str(tmp_path / "whole.mcap")]) == 0
+    assert main(["log", str(broken), "--repair"]) == 0
+    assert "the original was interrupted" in capsys.readouterr().out
     assert broken.read_bytes() == cut
-    assert LoggedRun.read(tmp_path / "whole.mcap").log.complete
-    assert main(["log", str(broken), "--repair", str(broken)]) == 0
-    assert broken.read_bytes() == (tmp_path / "whole.mcap").read_bytes()
+    copy = tmp_path / "broken-repaired.mcap"
+    assert LoggedRun.read(copy).log.complete
+    assert main(["log", str(broken), "--repair"]) == 2, "the copy is there already"
+    assert "--out" in capsys.readouterr().err
+    assert main(["log", str(broken), "--out", str(broken)]) == 2
+    assert main(["log", str(broken), "--out", str(tmp_path / "other.mcap")]) == 0
+    assert (tmp_path / "other.mcap").read_bytes() == copy.read_bytes()
+    assert broken.read_bytes() == cut
 
 
 @pytest.mark.parametrize("command", ["plot", "log", "replay"])

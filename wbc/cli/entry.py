@@ -39,7 +39,7 @@ exit codes:
   2    bad usage or bad input
   3    the report or a file could not be written
   70   an error in wbc itself
-  130  interrupted by Ctrl-C
+  130  interrupted by Ctrl-C; 143 by SIGTERM, which ends a run as well as Ctrl-C does
 
 examples:
   wbc walk                                     Talos walks; view it in the browser

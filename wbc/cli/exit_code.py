@@ -12,3 +12,4 @@ class ExitCode(IntEnum):
     OUTPUT_FAILED = 3  #: standard output or a file could not be written
     INTERNAL_ERROR = 70  #: an error in the library; EX_SOFTWARE of sysexits.h
     INTERRUPTED = 130  #: by Ctrl-C: 128 + SIGINT, as in shells
+    TERMINATED = 143  #: by SIGTERM: 128 + SIGTERM, as in shells

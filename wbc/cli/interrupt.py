@@ -1,4 +1,4 @@
-"""Handling of Ctrl-C: an immediate exit while starting, an orderly end of a run."""
+"""Handling of Ctrl-C and SIGTERM: an immediate exit while starting, an orderly end of a run."""
 
 from __future__ import annotations
 
@@ -18,36 +18,36 @@ def exit_on_interrupt() -> Iterator[None]:
     For imports: a `KeyboardInterrupt` inside the initialization of an extension module may be
     turned into another error, or be printed and dropped.
     """
-    with _handler(lambda *_: os._exit(ExitCode.INTERRUPTED)):
+    with _handler(signal.SIGINT, lambda *_: os._exit(ExitCode.INTERRUPTED)):
         yield
 
 
 @contextlib.contextmanager
 def graceful_interrupt() -> Iterator[list[int]]:
-    """Record Ctrl-C instead of raising `KeyboardInterrupt`; a second Ctrl-C raises it.
+    """Record Ctrl-C and SIGTERM; a second Ctrl-C raises `KeyboardInterrupt`.
 
     Yields:
-        A list that contains the signal number once Ctrl-C was pressed.
+        A list that contains the signal number once one of them came.
     """
     received: list[int] = []
 
     def record(signum: int, _: object) -> None:
-        if received:
+        if received and signum == signal.SIGINT:
             raise KeyboardInterrupt
         received.append(signum)
 
-    with _handler(record):
+    with _handler(signal.SIGINT, record), _handler(signal.SIGTERM, record):
         yield received
 
 
 @contextlib.contextmanager
-def _handler(handler: Callable[[int, Any], None]) -> Iterator[None]:
+def _handler(number: signal.Signals, handler: Callable[[int, Any], None]) -> Iterator[None]:
     try:
-        previous = signal.signal(signal.SIGINT, handler)
+        previous = signal.signal(number, handler)
     except ValueError:  # signals reach the main thread only
         yield
         return
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, previous)
+        signal.signal(number, previous)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import shutil
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from wbc.cli.argument_types import OutputFile
 from wbc.cli.formatting import table
@@ -12,24 +13,24 @@ from wbc.log import recovery
 from wbc.log.reader import Log
 from wbc.log.run import LoggedRun
 
+if TYPE_CHECKING:
+    from wbc.log.data_section import Gap
 
-def log(log: Path, *, repair: OutputFile | None = None) -> None:
+
+def log(log: Path, *, repair: bool = False, out: OutputFile | None = None) -> None:
     """Print topics, parameters and versions of a log.
 
-    An interrupted log contains everything up to its last chunk, but lacks the summary that other
-    programs may need: --repair writes a complete copy.
+    A log whose process was killed holds everything up to its last chunk, but lacks the end that
+    other programs may need; a damaged one lacks the chunks whose checksum is wrong. --repair writes
+    a complete copy of what there is, and names the seconds that are missing.
 
     Args:
         log: path of a log.
-        repair: write a complete copy to FILE, which may be LOG itself.
+        repair: write a complete copy, LOG-repaired.mcap by default; the log stays unchanged.
+        out: path of the copy.
     """
-    if repair is not None:
-        try:
-            if not (repair.exists() and log.samefile(repair)):
-                shutil.copyfile(log, repair)
-        except OSError as error:
-            raise WbcError(f"cannot copy {log} to {repair}: {error.strerror}") from error
-        print(f"{repair.resolve()}: complete up to {recovery.repair(repair):.3f} s")
+    if repair or out is not None:
+        print(_repair(log, out))
         return
     contents = Log(log)
     print(_title(contents))
@@ -37,6 +38,23 @@ def log(log: Path, *, repair: OutputFile | None = None) -> None:
     print(f"\n{table(('topic', 'type', 'messages'), rows, right=(2,))}")
     for name, values in contents.tables.items():
         print(f"\n{table((name, ''), list(values.items()))}")
+
+
+def _repair(log: Path, out: Path | None) -> str:
+    target = out or log.with_name(f"{log.stem}-repaired{log.suffix}")
+    if out is None and target.exists():
+        raise WbcError(f"{target} exists; give another path with --out")
+    repaired = recovery.repair(log, target)
+    text = f"{target.resolve()}: complete up to {repaired.end_time:.3f} s"
+    if not repaired.finished:
+        text += "; the original was interrupted"
+    return text + _missing(repaired.gaps)
+
+
+def _missing(gaps: Sequence[Gap]) -> str:
+    if not gaps:
+        return ""
+    return "\nmissing, because the file is damaged there: " + "; ".join(map(str, gaps))
 
 
 def _title(log: Log) -> str:
@@ -47,4 +65,4 @@ def _title(log: Log) -> str:
         text += f"; {dropped} ticks were dropped"
     if not log.complete:
         text += "\nThe log was interrupted; complete it with  wbc log --repair."
-    return text
+    return text + _missing(log.gaps)

@@ -58,7 +58,7 @@ class Session:
         stack: closes what is entered when the run is over.
         observers: observers of the run.
         line: shows the progress.
-        interrupted: not empty once Ctrl-C was pressed; the run is to end then.
+        interrupted: not empty once Ctrl-C was pressed or SIGTERM came; the run is to end then.
     """
 
     stack: contextlib.ExitStack
@@ -125,7 +125,7 @@ class Simulation:
             print(report.table())
             self._outputs.write(report)
         if interrupted:
-            return ExitCode.INTERRUPTED
+            return ExitCode(128 + interrupted[0])
         survived = report is not None and report.survived and not report.aborted_motions
         return ExitCode.SUCCESS if survived else ExitCode.FAILED
 

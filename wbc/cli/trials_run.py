@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import signal
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -52,7 +49,7 @@ def run(
         declared = replace(declared, controllers=(*declared.controllers, spec))
     path = output or Path(f"{grid.stem}.parquet")
     pool = dask_workers(cluster) if cluster is not None else local_workers(workers)
-    with stop_on_signal() as received, ProgressLine(period=10.0) as line, pool as available:
+    with graceful_interrupt() as received, ProgressLine(period=10.0) as line, pool as available:
         progress = _Progress(line, available, path)
         with writing_results(ResultsError):
             results = run_grid(
@@ -66,7 +63,7 @@ def run(
         left = progress.total - len(results.rows)
         if left:
             line.print(f"stopped: {left} of {progress.total} are left; the same command goes on")
-            return ExitCode.INTERRUPTED
+            return ExitCode(128 + received[0])
     print(results_text(results, rates))
     print(f"\n{path.resolve()}")
     return ExitCode.SUCCESS
@@ -101,14 +98,3 @@ def time_text(seconds: float) -> str:
     if seconds < 90.0:
         return f"{seconds:.0f} s"
     return f"{minutes} min" if minutes < 90 else f"{minutes / 60.0:.1f} h"
-
-
-@contextlib.contextmanager
-def stop_on_signal() -> Iterator[list[int]]:
-    """Yield a list that is not empty once Ctrl-C was pressed or SIGTERM came."""
-    with graceful_interrupt() as received:
-        previous = signal.signal(signal.SIGTERM, lambda number, _: received.append(number))
-        try:
-            yield received
-        finally:
-            signal.signal(signal.SIGTERM, previous)

@@ -9,9 +9,10 @@ from typing import Annotated
 
 from wbc.cli.argument_types import Argument, OutputFile, positive_number
 from wbc.cli.exit_code import ExitCode
+from wbc.cli.interrupt import graceful_interrupt
 from wbc.cli.output import writing_results
 from wbc.cli.progress import ProgressLine
-from wbc.cli.trials_run import stop_on_signal, time_text
+from wbc.cli.trials_run import time_text
 from wbc.trials.grid_file import read_grid, write_grid
 from wbc.trials.runner import GridProgress
 from wbc.trials.tuning import read_tuning_space
@@ -48,7 +49,7 @@ def tune(
     path = output or Path(f"{grid.stem}_tuned.toml")
     folder = path.with_suffix(".sets")
     pool = dask_workers(cluster) if cluster is not None else local_workers(workers)
-    with stop_on_signal() as received, ProgressLine(period=10.0) as line, pool as available:
+    with graceful_interrupt() as received, ProgressLine(period=10.0) as line, pool as available:
 
         def show(number: int, progress: GridProgress) -> None:
             text = f"set {number + 1}/{budget}: {progress.finished}/{progress.total}"
@@ -82,4 +83,4 @@ def tune(
         print(f"  wbc trials {path}")
         files = f"{path.stem}.parquet {path.stem}.parquet"
         print(f"  wbc trials compare {files} --controllers '{before.name}' '{after.name}'")
-    return ExitCode.INTERRUPTED if received else ExitCode.SUCCESS
+    return ExitCode(128 + received[0]) if received else ExitCode.SUCCESS

@@ -9,7 +9,7 @@ from wbc.log.logged_robot import logged_robot
 from wbc.log.plots import plot
 from wbc.log.reader import Log
 from wbc.log.recorder import FlightRecorder
-from wbc.log.recovery import repair
+from wbc.log.recovery import RepairedLog, repair
 from wbc.log.run import LoggedRun
 from wbc.log.topic_table import TopicTable
 
@@ -20,6 +20,7 @@ __all__ = [
     "Log",
     "LogError",
     "LoggedRun",
+    "RepairedLog",
     "TopicTable",
     "compare",
     "logged_robot",

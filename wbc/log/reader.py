@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from wbc.errors import did_you_mean
 from wbc.log.errors import LogError, require_packages
 from wbc.log.robot_info import RobotInfo
 from wbc.log.topic_table import TopicTable
+
+if TYPE_CHECKING:
+    from wbc.log.data_section import Gap
 
 
 class Log:
@@ -28,6 +31,7 @@ class Log:
     Attributes:
         path: Path of the file.
         complete: Whether the log was finished; otherwise it ends with its last whole chunk.
+        gaps: What is missing because the file is damaged.
         tables: Parameters and versions; maps each table name to its names and values.
         files: Attached texts by file name, for example "robot.json".
         topics: The messages of each topic that has some, by topic name.
@@ -41,6 +45,7 @@ class Log:
         require_packages()
         self.path = Path(path)
         self.complete = False
+        self.gaps: tuple[Gap, ...] = ()
         self.tables: dict[str, dict[str, str]] = {}
         self.files: dict[str, str] = {}
         self.topics: dict[str, TopicTable] = {}
@@ -93,23 +98,33 @@ class Log:
     def _read(self) -> None:
         from mcap.records import Attachment, Channel, Message, Metadata, Schema
 
-        from wbc.log.record_reader import DAMAGE, read_records
+        from wbc.log.data_section import ChunkBlock, DataSection
+        from wbc.log.record_reader import chunk_records
 
         schemas: dict[int, str] = {}
         channels: dict[int, TopicTable] = {}
-        with self.path.open("rb") as file, contextlib.suppress(*DAMAGE):
-            for record in read_records(file):
-                if isinstance(record, Message):
-                    if record.channel_id in channels:
-                        channels[record.channel_id].add(record.log_time, record.data)
-                elif isinstance(record, Schema):
-                    schemas[record.id] = record.name
-                elif isinstance(record, Channel) and record.message_encoding == "cdr":
-                    table = TopicTable(record.topic, schemas.get(record.schema_id, ""))
-                    channels[record.id] = self.topics.setdefault(record.topic, table)
-                elif isinstance(record, Metadata):
-                    self.tables[record.name] = record.metadata
-                elif isinstance(record, Attachment):
-                    self.files[record.name] = record.data.decode("utf-8", "replace")
-            self.complete = True
+
+        def describe(record: Schema | Channel) -> None:
+            if isinstance(record, Schema):
+                schemas[record.id] = record.name
+            elif record.message_encoding == "cdr":
+                table = TopicTable(record.topic, schemas.get(record.schema_id, ""))
+                channels[record.id] = self.topics.setdefault(record.topic, table)
+
+        with self.path.open("rb") as file:
+            section = DataSection(file)
+            for one in section.summary.descriptions:
+                describe(one)
+            for _, content in section:
+                if isinstance(content, ChunkBlock):
+                    for record in chunk_records(content.content):
+                        if not isinstance(record, Message):
+                            describe(record)
+                        elif record.channel_id in channels:
+                            channels[record.channel_id].add(record.log_time, record.data)
+                elif isinstance(content, Metadata):
+                    self.tables[content.name] = content.metadata
+                elif isinstance(content, Attachment):
+                    self.files[content.name] = content.data.decode("utf-8", "replace")
+        self.complete, self.gaps = section.finished, tuple(section.gaps)
         self.topics = {name: table for name, table in sorted(self.topics.items()) if len(table)}

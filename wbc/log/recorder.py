@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from wbc.log.config import LogConfig
 from wbc.log.errors import LogError, require_packages
 from wbc.log.metadata import Metadata, run_metadata
-from wbc.log.recovery import repair
+from wbc.log.recovery import complete
 from wbc.log.status import LogStatus
 from wbc.process import ChildProcess
 from wbc.runtime.process_observer import ProcessObserver
@@ -129,7 +129,7 @@ class FlightRecorder(ProcessObserver):
         """Repair the file if the log writer did not finish it, and warn of missing ticks."""
         self._warn_if_ended()
         if self._process.exit_code != 0 and not self._status.reason:
-            logger.warning("the log %s now ends at %.2f s", self.path, repair(self.path))
+            logger.warning("the log %s now ends at %.2f s", self.path, complete(self.path))
         if self.dropped:
             logger.warning(
                 "%d of %d ticks are not in %s: the writing process was too slow",

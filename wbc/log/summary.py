@@ -82,10 +82,34 @@ class Summary:
         """Add metadata, whose record begins at offset `start` and has `length` bytes."""
         self.metadata.append(records.MetadataIndex(offset=start, length=length, name=metadata.name))
 
+    def add(self, record: records.Attachment | records.Metadata, start: int, length: int) -> None:
+        """Add an attachment or metadata; see `add_attachment`."""
+        if isinstance(record, records.Attachment):
+            self.add_attachment(record, start, length)
+        else:
+            self.add_metadata(record, start, length)
+
+    def add_message_index(self, channel: int, start: int, length: int) -> None:
+        """Add the index of the messages that a channel has in the last chunk."""
+        self.chunks[-1].message_index_offsets[channel] = start
+        self.chunks[-1].message_index_length += length
+
+    def drop_partial_index(self) -> bool:
+        """Drop the indices of the last chunk's messages unless all channels have one.
+
+        Returns:
+            Whether some were missing.
+        """
+        if not self.chunks or set(self.chunks[-1].message_index_offsets) == set(self._counts[-1]):
+            return False
+        self.chunks[-1].message_index_offsets.clear()
+        self.chunks[-1].message_index_length = 0
+        return True
+
     @property
-    def last_channels(self) -> set[int]:
-        """Channels that have messages in the last chunk."""
-        return set(self._counts[-1]) if self._counts else set()
+    def end_time(self) -> float:
+        """Time of the last message, s; 0 if there is none."""
+        return 1e-9 * max((chunk.message_end_time for chunk in self.chunks), default=0)
 
     def drop_last_chunk(self) -> int:
         """Drop the last chunk and what follows it; return the chunk's offset, bytes."""

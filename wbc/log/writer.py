@@ -16,7 +16,7 @@ from wbc.log.config import LogConfig
 from wbc.log.errors import LogError
 from wbc.log.mcapfile import McapFile
 from wbc.log.metadata import Metadata, versions
-from wbc.log.recovery import repair
+from wbc.log.recovery import complete
 from wbc.log.robot_info import RobotInfo
 from wbc.log.status import LogStatus
 from wbc.process import ParentConnection
@@ -134,7 +134,7 @@ def serve(parent: ParentConnection) -> int:
     except OSError as error:
         writer.give_up(f"{error.strerror}: {config.path}")
         with contextlib.suppress(LogError):
-            repair(config.path)
+            complete(config.path)
         return _DISK_ERROR
     return 0
 

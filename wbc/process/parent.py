@@ -19,7 +19,8 @@ _STDIN = 0
 
 
 class ParentConnection:
-    """A child's connection to its parent. From its creation on SIGINT is ignored.
+    """A child's connection to its parent. From its creation on SIGINT and SIGTERM are
+    ignored: the child ends when its parent does, for instance to finish its file.
 
     Attributes:
         config: Configuration, which is the parent's first message.
@@ -30,6 +31,7 @@ class ParentConnection:
 
     def __init__(self) -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
         self._pid = os.getppid()
         self._connection = Connection(os.dup(_STDIN))
         self._closed = threading.Event()
