@@ -28,6 +28,15 @@ pytest.importorskip("cyclonedds")
 
 #: Printed by `ros2 topic info --verbose` in Jazzy.
 KNOWN_HASHES = {
+    "nav2_msgs/action/NavigateToPose_SendGoal_Request": (
+        "e9381f2acfe9fa8c4838a277d0cde28a93c483564827b9f13496b9c2092e4f09"
+    ),
+    "nav2_msgs/action/NavigateToPose_GetResult_Response": (
+        "c59f178c377de5318919c00bdbf7884cb3b185acfdffceba6c9f161e0aa3cc81"
+    ),
+    "nav2_msgs/action/NavigateToPose_FeedbackMessage": (
+        "9d1f6fa2eb975ce733b419ac2e97b134d8ff92b6478b6559feed9a50bdfd82b3"
+    ),
     "action_msgs/msg/GoalStatusArray": (
         "6c1684b00f177d37438febe6e709fc4e2b0d4248dca4854946f9ed8b30cda83e"
     ),

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
 
 import pytest
+from rostools import ROOT, TIMEOUT, environment
 
 from wbc.errors import MissingExtra
 from wbc.ros import DiscoveryRange, Network, Node, RosError
@@ -26,15 +28,15 @@ def peers(network: Network) -> list[str | None]:
     return [p.get("address") for p in parsed(network).findall("Domain/Discovery/Peers/Peer")]
 
 
-def interface(network: Network) -> dict[str, str]:
-    found = parsed(network).find("Domain/General/Interfaces/NetworkInterface")
-    return {} if found is None else dict(found.attrib)
+def interfaces(network: Network) -> list[dict[str, str]]:
+    found = parsed(network).findall("Domain/General/Interfaces/NetworkInterface")
+    return [dict(one.attrib) for one in found]
 
 
 def test_default_is_the_loopback_interface():
     network = Network.from_environment(environment={})
     assert network.domain_id == 0
-    assert interface(network) == {"address": "127.0.0.1"}
+    assert interfaces(network) == [{"address": "127.0.0.1"}]
     assert text(network, "General/AllowMulticast") == "false"
     assert peers(network) == ["127.0.0.1"]
 
@@ -72,12 +74,25 @@ def test_unknown_discovery_range_is_refused():
         Network.from_environment(environment={"ROS_AUTOMATIC_DISCOVERY_RANGE": "EVERYWHERE"})
 
 
-def test_localhost_is_configured_as_in_rmw_cyclonedds():
-    network = Network.from_environment(environment={"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"})
-    assert interface(network) == {}
-    assert text(network, "General/AllowMulticast") == "false"
+@pytest.mark.parametrize(
+    "variables",
+    [
+        {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"},
+        {"ROS_LOCALHOST_ONLY": "1"},
+        {"ROS_STATIC_PEERS": "127.0.0.1"},
+    ],
+)
+def test_localhost_is_the_loopback_interface_where_nodes_of_ros_announce_themselves(variables):
+    network = Network.from_environment(environment=variables)
+    assert interfaces(network) == [{"address": "127.0.0.1"}]
     assert text(network, "Discovery/ParticipantIndex") == "auto"
     assert text(network, "Discovery/MaxAutoParticipantIndex") == "32"
+
+
+def test_subnet_includes_the_loopback_interface():
+    network = Network.from_environment(environment={"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"})
+    assert {"address": "127.0.0.1"} in interfaces(network)
+    assert text(network, "General/AllowMulticast") is None
     assert peers(network) == ["127.0.0.1"]
 
 
@@ -88,15 +103,12 @@ def test_static_peers_are_added():
 
 def test_interface_argument_overrides_the_variables():
     network = Network.from_environment(interface="eth7", environment={"ROS_LOCALHOST_ONLY": "1"})
-    assert interface(network) == {"name": "eth7"}
+    assert interfaces(network) == [{"name": "eth7"}]
     assert text(network, "General/AllowMulticast") is None
-    assert interface(Network.from_environment(interface="192.0.2.2", environment={})) == {
-        "address": "192.0.2.2"
-    }
-    assert (
-        Network.from_environment(interface="lo", environment={}).discovery_range
-        is DiscoveryRange.LOOPBACK
-    )
+    by_address = Network.from_environment(interface="192.0.2.2", environment={})
+    assert interfaces(by_address) == [{"address": "192.0.2.2"}]
+    for name in ("lo", "127.0.0.1", "localhost"):
+        assert Network.from_environment(interface=name, environment={}) == Network()
 
 
 def test_discovery_off_has_no_peers():
@@ -114,6 +126,49 @@ def test_cyclonedds_uri_overrides_all_other_settings():
     assert Network.from_environment(environment=both).xml().endswith(f",{own}")
 
 
+#: A second interface, which the nodes of ROS select by default.
+ETHERNET = (
+    "ip link add ethernet0 type veth peer name ethernet1",
+    "ip address add 10.77.0.1/24 dev ethernet0",
+    "ip link set ethernet0 up",
+    "ip link set ethernet1 up",
+)
+
+
+def meetings(*commands: str) -> set[str]:
+    """Return the combinations of settings that meet; the commands make interfaces."""
+    namespace = ["unshare", "--user", "--map-root-user", "--net", "bash", "-ec"]
+    setup = "\n".join(("ip link set lo up", *commands))
+    try:
+        subprocess.run([*namespace, setup], check=True, capture_output=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        pytest.skip(f"a network namespace with two interfaces cannot be made: {error}")
+    script = ROOT / "tests" / "tools" / "rosmeeting.py"
+    done = subprocess.run(
+        [*namespace, f"{setup}\nexec '{sys.executable}' '{script}'"],
+        capture_output=True,
+        text=True,
+        env=environment(0),
+        timeout=3.0 * TIMEOUT,
+    )
+    assert done.returncode == 0, done.stderr
+    return set(json.loads(done.stdout))
+
+
+def test_nodes_meet_nodes_of_ros_on_a_machine_with_two_interfaces():
+    assert meetings(*ETHERNET) == {
+        "this machine | LOCALHOST",
+        "remote peer | LOCALHOST",
+        "SUBNET | LOCALHOST",
+        "SUBNET | SUBNET",
+    }
+
+
+@pytest.mark.slow
+def test_nodes_meet_nodes_of_ros_on_a_machine_with_the_loopback_interface_only():
+    assert len(meetings()) >= 4
+
+
 def test_missing_interface_is_reported():
     with pytest.raises(RosError, match="cannot be joined"):
         Network(102, DiscoveryRange.SUBNET, "no_such_interface").join()
@@ -122,7 +177,7 @@ def test_missing_interface_is_reported():
 def test_domain_cannot_be_joined_with_two_configurations():
     Network(101).join()
     with pytest.raises(RosError, match="another configuration"):
-        Network(101, DiscoveryRange.LOCALHOST).join()
+        Network(101, peers=("192.0.2.7",)).join()
 
 
 def test_error_without_cyclonedds_names_the_extra(monkeypatch):

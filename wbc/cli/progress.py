@@ -25,7 +25,8 @@ class ProgressLine(Closeable):
 
     def show(self, text: str, time: float) -> None:
         """Show a text that describes the progress at a time, s."""
-        if self._rewrite or time >= self._next:
+        before_reset = self._next - self._period > time  # the time of a new run begins at zero
+        if self._rewrite or time >= self._next or before_reset:
             self._next = time + self._period - 1e-6
             self._stream.write(f"\r{text}\x1b[K" if self._rewrite else f"{text}\n")
             self._stream.flush()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import os
+import sys
 import time
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
@@ -33,10 +34,10 @@ Rate = Annotated[float, Argument("HZ", number)]
 _DESCRIPTION = """\
 Run ROS 2 nodes over DDS (Cyclone DDS) and inspect the ROS graph, without a ROS installation.
 
-The network is the loopback interface unless --interface or one of these environment variables
-selects another: ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_LOCALHOST_ONLY,
-ROS_STATIC_PEERS, CYCLONEDDS_URI. `wbc ros2 uri` prints the setting for a ROS 2 system that is to
-use the same interface.
+Nodes are met on this machine only, unless --interface or one of these environment variables
+selects another network: ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_LOCALHOST_ONLY,
+ROS_STATIC_PEERS, CYCLONEDDS_URI. A ROS 2 system looks for nodes in the subnet: set
+ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST there, or CYCLONEDDS_URI to what `wbc ros2 uri` prints.
 """
 
 
@@ -46,7 +47,7 @@ class NetworkOptions:
 
     Attributes:
         domain: DDS domain (default: ROS_DOMAIN_ID, or 0).
-        interface: network interface, by name or address (default: loopback).
+        interface: the only network interface to use, by name or address (default: loopback).
     """
 
     title: ClassVar[str] = "network"
@@ -84,7 +85,8 @@ class TopicOptions:
         topics = node.graph.settle().topics()
         if name not in topics:
             near = did_you_mean(name, topics)
-            raise RosError(f"no node publishes or subscribes to '{name}'{near}")
+            hint = "" if topics else f"; no node was met ({node.network.hint})"
+            raise RosError(f"no node publishes or subscribes to '{name}'{near}{hint}")
         return topics[name]
 
 
@@ -96,7 +98,10 @@ def _nodes(network: NetworkOptions, *, all: bool = False) -> None:
         all: include hidden names.
     """
     with network.introspection_node() as node:
-        _print_names(dict.fromkeys(node.graph.settle().nodes, ""), all)
+        nodes = node.graph.settle().nodes
+        _print_names(dict.fromkeys(nodes, ""), all)
+        if not nodes:
+            print(f"no node was met ({node.network.hint})", file=sys.stderr)
 
 
 def _topics(network: NetworkOptions, *, all: bool = False) -> None:
@@ -217,6 +222,7 @@ def _hz(
             found.name,
             lambda _, info: statistics.add(time.monotonic(), info.size),
             _compatible_qos(found),
+            found.type_hash,
         )
         # A publisher may not have discovered this subscription yet.
         node.spin_until(lambda: statistics.hz > 0.0, topic.wait)
@@ -274,7 +280,11 @@ def _walk(
             session.observers.append(session.stack.enter_context(viewer))
         bridge = Bridge(handler, network=network.network(), update_rate=rate, use_sim_time=sim_time)
         session.stack.enter_context(bridge)
-        print(f"[INFO] [wbc]: {robot.name} is ready; listening on /cmd_vel. Press Ctrl-C to stop.")
+        where = f"DDS domain {bridge.network.domain_id}, {bridge.network.scope}"
+        print(
+            f"[INFO] [{bridge.name}]: {robot.name} is ready; listening on /cmd_vel ({where}). "
+            "Press Ctrl-C to stop."
+        )
         return bridge
 
     # The loop keeps the time, which need not be that of the wall clock.

@@ -83,6 +83,11 @@ class TopicInfo:
         """Name of its type in DDS."""
         return self.endpoints[0].dds_type_name
 
+    @property
+    def type_hash(self) -> str:
+        """Hash of its type; empty if no endpoint announces one."""
+        return next((e.type_hash for e in self.endpoints if e.type_hash), "")
+
 
 @dataclass(frozen=True)
 class GraphSnapshot:

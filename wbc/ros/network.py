@@ -1,8 +1,12 @@
-"""DDS domain and network interface of a node; the loopback interface by default."""
+"""DDS domain and network interfaces of a node; this machine only by default."""
 
 from __future__ import annotations
 
+import contextlib
 import os
+import socket
+import struct
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
@@ -27,11 +31,15 @@ _MAX_PARTICIPANT_INDEX = 32  # participants to discover on one machine; the valu
 
 
 class DiscoveryRange(Enum):
-    """The range of discovery, as `ROS_AUTOMATIC_DISCOVERY_RANGE`, and the loopback interface."""
+    """The range of discovery, as `ROS_AUTOMATIC_DISCOVERY_RANGE` in ROS 2.
 
-    LOOPBACK = "loopback"  #: the loopback interface only
-    LOCALHOST = "localhost"  #: this machine as in ROS 2: any interface, no multicast
-    SUBNET = "subnet"  #: every host that multicast reaches
+    Cyclone DDS uses one interface unless told otherwise, and drops what arrives on another one.
+    Nodes of this machine may use any of its interfaces, and all of them reach the loopback
+    interface: both LOCALHOST and SUBNET include it.
+    """
+
+    LOCALHOST = "localhost"  #: this machine only; no multicast
+    SUBNET = "subnet"  #: this machine and every host that multicast reaches
     SYSTEM_DEFAULT = "system_default"  #: as configured by `CYCLONEDDS_URI`
     OFF = "off"  #: no other process
 
@@ -43,7 +51,8 @@ class Network:
     Attributes:
         domain_id: id of the DDS domain, `ROS_DOMAIN_ID`.
         discovery_range: range of discovery.
-        interface: name or address of a network interface; if empty, `discovery_range` selects it.
+        interface: name or address of the only network interface to use; if empty,
+            `discovery_range` selects the interfaces.
         peers: addresses of further hosts to discover.
         configuration: configuration of Cyclone DDS, XML or the path of a file; it overrides all
             other settings.
@@ -53,7 +62,7 @@ class Network:
     """
 
     domain_id: int = 0
-    discovery_range: DiscoveryRange = DiscoveryRange.LOOPBACK
+    discovery_range: DiscoveryRange = DiscoveryRange.LOCALHOST
     interface: str = ""
     peers: tuple[str, ...] = ()
     configuration: str = ""
@@ -63,10 +72,7 @@ class Network:
             raise RosError(f"domain id {self.domain_id} is out of range; use 0 to {MAX_DOMAIN_ID}")
 
     def __repr__(self) -> str:
-        where = self.interface or self.discovery_range.name
-        more = f", peers={self.peers}" if self.peers else ""
-        more += ", configuration=…" if self.configuration else ""
-        return f"Network(domain_id={self.domain_id}, {where}{more})"
+        return f"Network(domain_id={self.domain_id}, {self.scope})"
 
     @staticmethod
     def from_environment(
@@ -77,7 +83,8 @@ class Network:
         """Return the network that the environment variables of ROS 2 select.
 
         `ROS_DOMAIN_ID`, `ROS_LOCALHOST_ONLY`, `ROS_AUTOMATIC_DISCOVERY_RANGE`, `ROS_STATIC_PEERS`
-        and `CYCLONEDDS_URI` are respected. Without any of them it is the loopback interface.
+        and `CYCLONEDDS_URI` are respected. Without any of them the range is this machine, whereas
+        that of ROS 2 is the subnet.
 
         Args:
             domain_id: overrides `ROS_DOMAIN_ID`.
@@ -90,7 +97,7 @@ class Network:
         environment = os.environ if environment is None else environment
         if domain_id is None:
             domain_id = _parse_domain_id(environment.get("ROS_DOMAIN_ID", "") or "0")
-        if interface in ("lo", _LOOPBACK, "localhost"):
+        if interface == "lo" or (interface is not None and _is_loopback(interface)):
             return Network(domain_id)
         if interface is not None:
             return Network(domain_id, DiscoveryRange.SUBNET, interface)
@@ -98,10 +105,8 @@ class Network:
         peers = tuple(
             filter(None, map(str.strip, environment.get("ROS_STATIC_PEERS", "").split(";")))
         )
-        default = DiscoveryRange.SYSTEM_DEFAULT if uri else DiscoveryRange.LOOPBACK
+        default = DiscoveryRange.SYSTEM_DEFAULT if uri else DiscoveryRange.LOCALHOST
         discovery_range = _parse_range(environment) or default
-        if peers and discovery_range is DiscoveryRange.LOOPBACK:
-            discovery_range = DiscoveryRange.LOCALHOST
         return Network(domain_id, discovery_range, "", peers, uri)
 
     def xml(self) -> str:
@@ -109,13 +114,7 @@ class Network:
         scope = self.discovery_range
         if scope is DiscoveryRange.SYSTEM_DEFAULT:
             return self.configuration
-        general, discovery, peers = "", "", self.peers
-        interface = _LOOPBACK if scope is DiscoveryRange.LOOPBACK else self.interface
-        if interface:
-            key = "address" if _is_address(interface) else "name"
-            general += f"<Interfaces><NetworkInterface {key}={quoteattr(interface)}/></Interfaces>"
-        if scope is not DiscoveryRange.SUBNET:
-            general += "<AllowMulticast>false</AllowMulticast>"
+        general, peers = "", self.peers
         if scope is DiscoveryRange.OFF:
             peers = ()
             discovery = f"<ParticipantIndex>none</ParticipantIndex><Tag>off_{os.getpid()}</Tag>"
@@ -124,8 +123,12 @@ class Network:
                 "<ParticipantIndex>auto</ParticipantIndex>"
                 f"<MaxAutoParticipantIndex>{_MAX_PARTICIPANT_INDEX}</MaxAutoParticipantIndex>"
             )
-        if scope in (DiscoveryRange.LOOPBACK, DiscoveryRange.LOCALHOST):
-            peers = (_LOOPBACK, *peers)
+            general = "".join(f"<NetworkInterface {one}/>" for one in self._interfaces())
+            general = f"<Interfaces>{general}</Interfaces>"
+            if not self.interface:
+                peers = (_LOOPBACK, *peers)
+        if scope is not DiscoveryRange.SUBNET:
+            general += "<AllowMulticast>false</AllowMulticast>"
         if peers:
             addresses = "".join(f"<Peer address={quoteattr(peer)}/>" for peer in peers)
             discovery += f"<Peers>{addresses}</Peers>"
@@ -134,6 +137,47 @@ class Network:
             f"<Discovery>{discovery}</Discovery></Domain></CycloneDDS>"
         )
         return ",".join(filter(None, (xml, self.configuration)))
+
+    def _interfaces(self) -> list[str]:
+        """Return the attributes of the interfaces in the configuration."""
+        if self.interface:
+            key = "address" if _is_address(self.interface) else "name"
+            return [f"{key}={quoteattr(self.interface)}"]
+        loopback = f'address="{_LOOPBACK}"'
+        stays = self.discovery_range is DiscoveryRange.LOCALHOST and not self._remote_peers
+        # On a machine with no other interface Cyclone DDS would determine this one, and refuses to
+        # use it twice.
+        if stays or not _has_other_interface():
+            return [loopback]
+        return ['autodetermine="true"', loopback]
+
+    @property
+    def _remote_peers(self) -> tuple[str, ...]:
+        return tuple(peer for peer in self.peers if not _is_loopback(peer))
+
+    @property
+    def scope(self) -> str:
+        """Which nodes can be met, in a few words."""
+        if self.interface:
+            return f"interface {self.interface} only"
+        words = {
+            DiscoveryRange.LOCALHOST: ", ".join(("this machine only", *self._remote_peers)),
+            DiscoveryRange.SUBNET: "the subnet",
+            DiscoveryRange.SYSTEM_DEFAULT: "as Cyclone DDS is configured",
+            DiscoveryRange.OFF: "no other process",
+        }
+        return words[self.discovery_range]
+
+    @property
+    def hint(self) -> str:
+        """What to try when no other node is met."""
+        if self.discovery_range is DiscoveryRange.OFF:
+            return "discovery is off: unset ROS_AUTOMATIC_DISCOVERY_RANGE"
+        return (
+            f"DDS domain {self.domain_id}, {self.scope}; the other side needs the same "
+            "ROS_DOMAIN_ID, RMW_IMPLEMENTATION=rmw_cyclonedds_cpp and "
+            'ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST, or CYCLONEDDS_URI="$(wbc ros2 uri)"'
+        )
 
     def join(self) -> Any:
         """Join the DDS domain, until the process ends; return Cyclone's domain object.
@@ -167,6 +211,30 @@ def _parse_range(environment: Mapping[str, str]) -> DiscoveryRange | None:
 
 def _is_address(text: str) -> bool:
     return text.replace(".", "").isdecimal() or ":" in text
+
+
+def _is_loopback(host: str) -> bool:
+    return host == "localhost" or host.startswith("127.")
+
+
+def _has_other_interface() -> bool:
+    """Return whether an interface other than loopback is up and has an IPv4 address."""
+    if sys.platform != "linux":
+        return True
+    import fcntl
+
+    get_flags, get_address, up, is_loopback = 0x8913, 0x8915, 0x1, 0x8  # <linux/sockios.h>, if.h
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as any_socket:
+        for _, name in socket.if_nameindex():
+            request = struct.pack("16s24x", name.encode())
+            with contextlib.suppress(OSError):  # it has no address, or has just gone
+                flags = int.from_bytes(
+                    fcntl.ioctl(any_socket, get_flags, request)[16:18], sys.byteorder
+                )
+                fcntl.ioctl(any_socket, get_address, request)
+                if flags & up and not flags & is_loopback:
+                    return True
+    return False
 
 
 @cache

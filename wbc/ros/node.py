@@ -18,7 +18,7 @@ from wbc.ros.graph import Graph
 from wbc.ros.network import Network
 from wbc.ros.parameters import NodeParameter, ParameterServer
 from wbc.ros.participant import Participant
-from wbc.ros.qos import DEFAULT, QoSProfile
+from wbc.ros.qos import DEFAULT, SERVICES, QoSProfile
 from wbc.ros.services import Client, Service, ServiceReply
 from wbc.ros.topics import Publisher, RawSubscription, Subscription
 
@@ -119,6 +119,7 @@ class Node(Closeable):
         topic: str,
         callback: Callable[..., object],
         qos_profile: QoSProfile | int = DEFAULT,
+        type_hash: str = "",
     ) -> RawSubscription:
         """Create a subscription to serialized messages, whose type need not be known here.
 
@@ -128,13 +129,16 @@ class Node(Closeable):
             callback: called with the bytes of each message, CDR header included, or with these
                 and a `MessageInfo` if it takes two arguments.
             qos_profile: quality of service, or the history depth alone.
+            type_hash: hash of the type to announce, `RIHS01_…`; nodes of ROS 2 warn if there is
+                none.
 
         Raises:
             InvalidName: the name of the topic is invalid.
         """
         name = self.resolve_topic_name(topic)
         dds_name, sample_type = names.dds_topic_name(names.TOPIC, name), raw_dds_type(dds_type_name)
-        config = EndpointConfig(dds_name, sample_type, QoSProfile.of(qos_profile))
+        user_data = f"typehash={type_hash};" if type_hash else ""
+        config = EndpointConfig(dds_name, sample_type, QoSProfile.of(qos_profile), user_data)
         subscription = RawSubscription(self, config, name, callback)
         self.add_waitable(subscription)
         return subscription
@@ -144,7 +148,7 @@ class Node(Closeable):
         srv_type: str,
         srv_name: str,
         callback: Callable[[Any, Any], Message],
-        qos_profile: QoSProfile = DEFAULT,
+        qos_profile: QoSProfile = SERVICES,
     ) -> Service:
         """Create a service.
 
@@ -170,7 +174,7 @@ class Node(Closeable):
         srv_type: str,
         srv_name: str,
         callback: Callable[[Any, ServiceReply], None],
-        qos_profile: QoSProfile = DEFAULT,
+        qos_profile: QoSProfile = SERVICES,
     ) -> Service:
         """Create a service that may respond later; see `create_service` for the arguments.
 
@@ -182,7 +186,7 @@ class Node(Closeable):
         return service
 
     def create_client(
-        self, srv_type: str, srv_name: str, qos_profile: QoSProfile = DEFAULT
+        self, srv_type: str, srv_name: str, qos_profile: QoSProfile = SERVICES
     ) -> Client:
         """Create a client of a service; see `create_service` for the arguments."""
         client = Client(self, srv_type, srv_name, qos_profile)

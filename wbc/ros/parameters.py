@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from wbc.errors import did_you_mean
 from wbc.messages import Message, message_type
 from wbc.ros.errors import RosError
-from wbc.ros.qos import PARAMETERS
+from wbc.ros.qos import SERVICES
 from wbc.ros.stamp import stamp_now
 
 if TYPE_CHECKING:
@@ -78,6 +78,8 @@ class NodeParameter:
             raise ValueError(f"{self.name} is read-only")
         names = (name for name, number in _TYPE_NUMBERS.items() if number == message.type)
         name = next(names, f"unknown ({message.type})")
+        if name == "not_set":
+            raise ValueError(f"{self.name} cannot be deleted")
         if name not in (self.type_name, _INTEGER_TYPES.get(self.type_name)):
             raise ValueError(f"{self.name} is of type {self.type_name}, not {name}")
         value, python = getattr(message, f"{name}_value"), _TYPES[self.type_name]
@@ -135,7 +137,7 @@ class ParameterServer:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._parameters: dict[str, NodeParameter] = {}
-        self._events = node.create_publisher(_EVENT, "/parameter_events", PARAMETERS)
+        self._events = node.create_publisher(_EVENT, "/parameter_events", SERVICES)
         for service, callback in (
             ("DescribeParameters", self._describe_parameters),
             ("GetParameterTypes", self._get_parameter_types),
@@ -145,7 +147,7 @@ class ParameterServer:
             ("SetParametersAtomically", self._set_parameters_atomically),
         ):
             name = f"~/{callback.__name__[1:]}"
-            node.create_service(f"rcl_interfaces/srv/{service}", name, callback, PARAMETERS)
+            node.create_service(f"rcl_interfaces/srv/{service}", name, callback)
 
     def declare(self, parameter: NodeParameter) -> NodeParameter:
         """Add a parameter; see `Node.declare_parameter`."""

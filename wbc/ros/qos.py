@@ -139,14 +139,14 @@ class QoSProfile:
         )
 
 
-#: Topics, services and action topics.
+#: Topics.
 DEFAULT = QoSProfile()
 #: Late subscriptions receive the last message.
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 #: 0.2 s of messages at 500 Hz: more than a reader needs to ask for a lost message.
 HIGH_RATE = QoSProfile(depth=100)
-#: Parameter services and events.
-PARAMETERS = QoSProfile(depth=1000)
+#: Requests, replies and parameter events: of many at once none is lost.
+SERVICES = QoSProfile(depth=1000)
 #: Reliable, hence compatible with best-effort subscriptions (those of `rclcpp`) and reliable ones.
 CLOCK = QoSProfile(depth=1)
 ROSOUT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=10.0)

@@ -38,6 +38,8 @@ class Bridge(ProcessObserver):
         topics: Additional topics beside those of `wbc.ros.bridge.node_topics`.
 
     Attributes:
+        name: Fully qualified name of the node.
+        network: Domain and interface.
         reset_hint: Text that tells a user how to reset the robot.
         stream: Stream that the node reads, see `wbc.runtime.protocols.StreamObserver`.
 
@@ -64,11 +66,12 @@ class Bridge(ProcessObserver):
             topic.check_importable()
         robot, dt = handler.player.robot, handler.player.dt
         channel = handler.open_channel().config
+        self.network = network or Network.from_environment()
         config = NodeConfig(
             robot=robot,
             name=name,
             namespace=namespace,
-            network=network or Network.from_environment(),
+            network=self.network,
             channel=channel,
             update_rate=update_rate,
             use_sim_time=use_sim_time,
@@ -78,4 +81,4 @@ class Bridge(ProcessObserver):
         super().__init__(
             ChildProcess("wbc.ros.bridge.server", channel.descriptors, title="the ROS 2 node")
         )
-        self._configure(config, RosError)
+        self.name: str = self._configure(config, RosError)["node"]

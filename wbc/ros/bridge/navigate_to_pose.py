@@ -1,8 +1,8 @@
 """The action `navigate_to_pose`, which walks to a pose, of the type that Nav2 defines.
 
 With Nav2's own type, RViz's goal tool, `ros2 action` and every client of Nav2 can send goals, and
-nothing needs to be built on the ROS side. Later releases of Nav2 have appended fields, which
-earlier readers ignore. The field `behavior_tree` is ignored here.
+nothing needs to be built on the ROS side. The type is that of Jazzy; later releases of Nav2 have
+appended fields to the feedback. The field `behavior_tree` is ignored here.
 """
 
 from __future__ import annotations
