@@ -185,8 +185,26 @@ def test_terrain_is_that_of_the_condition_and_the_seed(robot):
     np.testing.assert_array_equal(boxes(tiles, 1), boxes(tiles, 1))
     assert (boxes(tiles, 1) != boxes(tiles, 2)).any()
     assert abs(boxes(Condition(slope=5.0), 0)[:, 7]).max() == pytest.approx(np.radians(5.0))
-    with pytest.raises(TrialError, match="exclude each other"):
+    slippery = Condition(patch_friction=0.3).make_plant(robot, 0.002, 0)
+    assert slippery.model.geom_friction[:, 0].min() == pytest.approx(0.3)
+    with pytest.raises(TrialError, match="tiles and slope exclude each other"):
         Condition(tiles=0.02, slope=5.0)
+
+
+def test_soft_ground_and_late_sensors_are_in_the_physics(robot):
+    hard, soft = (Condition(ground_sink=depth).make_plant(robot, 0.002, 0) for depth in (0, 0.005))
+    assert (hard.model.geom_solref != soft.model.geom_solref).any()
+    command = make_loop(RUN).tick()[1]
+    readings = []
+    for age in (0.0, 0.004):
+        plant = Condition(noise=0.0, sensor_latency=age).make_plant(robot, 0.002, 0)
+        plant.push([0.0, 20.0, 0.0])
+        readings.append([])
+        for _ in range(6):
+            plant.step(command)
+            readings[-1].append(plant.measure().joint_velocity)
+    now, late = readings
+    np.testing.assert_array_equal(late[2:], now[:-2])
 
 
 @pytest.mark.parametrize("degrees", [0.0, 90.0, 215.0])

@@ -14,9 +14,23 @@ from wbc.estimation import Estimator, GroundTruthEstimator
 from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
 from wbc.runtime.protocols import StateEstimator
-from wbc.sim import Flat, Mujoco, Ramp, SensorNoise, Terrain, Tiles
+from wbc.sim import Flat, Mujoco, Ramp, SensorNoise, SlipperyPatch, Terrain, Tiles
 from wbc.trials.contact_by_time import ContactByTime
 from wbc.trials.errors import TrialError
+
+#: Each of these lays something on the floor.
+_TERRAINS = ("tiles", "slope", "patch_friction")
+_AT_LEAST_0 = (
+    *_TERRAINS,
+    "noise",
+    "latency",
+    "sensor_latency",
+    "friction",
+    "payload",
+    "joint_friction",
+    "joint_damping",
+    "ground_sink",
+)
 
 
 @dataclass(frozen=True)
@@ -29,6 +43,7 @@ class Condition:
         name: its name in results.
         noise: factor on all sensor noise.
         latency: age of a command when it reaches the motors, s.
+        sensor_latency: age of the readings when they are measured, a multiple of 2 ms, s.
         friction: Coulomb coefficient between soles and ground.
         payload: mass that is carried, kg.
         payload_on: where it is: at the centre of mass of the torso, or half of it in each hand.
@@ -42,6 +57,9 @@ class Condition:
             trial draws their heights.
         slope: angle of a ramp of 2 m half a metre in front of the robot, with a plateau and a
             ramp down behind it, degrees; 0 for none.
+        patch_friction: Coulomb coefficient of a patch of 2 m half a metre in front of the robot;
+            0 for none.
+        ground_sink: depth to which the standing robot sinks into soft ground, m; 0 for hard ground.
         state: "estimated" from noisy sensors, or "exact".
         contact: what the controller is given: contacts and foot loads as "measured", or nothing,
             so that contact goes by "time".
@@ -53,6 +71,7 @@ class Condition:
     name: str = "nominal"
     noise: float = 1.0
     latency: float = 0.0
+    sensor_latency: float = 0.0
     friction: float = 0.8
     payload: float = 0.0
     payload_on: Literal["torso", "hands"] = "torso"
@@ -63,18 +82,21 @@ class Condition:
     torque_limits: float = 1.0
     tiles: float = 0.0
     slope: float = 0.0
+    patch_friction: float = 0.0
+    ground_sink: float = 0.0
     state: Literal["estimated", "exact"] = "estimated"
     contact: Literal["measured", "time"] = "measured"
 
     def __post_init__(self) -> None:
-        for name in ("noise", "latency", "friction", "payload", "tiles", "slope"):
-            self._check(name, least=0.0)
-        for name in ("joint_friction", "joint_damping"):
+        for name in _AT_LEAST_0:
             self._check(name, least=0.0)
         for name in ("mass", "torque_limits"):
             self._check(name, above=0.0)
-        if self.tiles > 0.0 and self.slope > 0.0:
-            raise TrialError(f"condition '{self.name}': tiles and slope exclude each other")
+        terrains = [name for name in _TERRAINS if getattr(self, name) > 0.0]
+        if len(terrains) > 1:
+            raise TrialError(
+                f"condition '{self.name}': {' and '.join(terrains)} exclude each other"
+            )
         if not all(math.isfinite(x) for x in self.com_offset):
             raise TrialError(f"com_offset = {self.com_offset} must be three finite numbers, m")
 
@@ -152,6 +174,8 @@ class Condition:
                 ground_truth=self.state == "exact",
                 seed=seed,
                 latency=self.latency,
+                sensor_latency=self.sensor_latency,
+                ground_sink=self.ground_sink,
             )
         except PlantError as error:
             raise TrialError(f"condition '{self.name}' of '{robot.name}': {error}") from error
@@ -164,6 +188,8 @@ class Condition:
     def _terrain(self, seed: int) -> Terrain:
         if self.tiles > 0.0:
             return Tiles(height=self.tiles, seed=seed)
+        if self.patch_friction > 0.0:
+            return SlipperyPatch(self.patch_friction)
         return Ramp(math.radians(self.slope)) if self.slope > 0.0 else Flat()
 
     def make_estimator(self, robot: Robot, dt: float) -> StateEstimator:
