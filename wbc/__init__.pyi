@@ -47,6 +47,8 @@ from .runtime.loop_conditions import LoopConditions as LoopConditions
 from .runtime.real_time import RealTime as RealTime
 from .runtime.report import Report as Report
 from .runtime.schema import Quantity as Quantity
+from .servo import ServoCommand as ServoCommand
+from .servo import ServoGains as ServoGains
 from .state import State as State
 from .tasks import AngularMomentumTask as AngularMomentumTask
 from .tasks import ComTask as ComTask

@@ -7,6 +7,8 @@ from enum import Enum
 
 import numpy as np
 
+from wbc.servo import ServoCommand, ServoGains
+
 
 class Status(Enum):
     """Outcome of the tick's QP."""
@@ -40,6 +42,15 @@ class Command:
     v_target: np.ndarray
     status: Status = Status.OK
     explanation: str = ""
+
+    def servo(self, gains: ServoGains) -> ServoCommand:
+        """Return this command for joint servos with such gains.
+
+        Their positions and velocities are `q_target` and `v_target`, one control period ahead of
+        the measured ones, and their feed-forward torques `tau`: at rest and without disturbances
+        the servos exert `tau`. A `ServoReference` gives positions that resist disturbances.
+        """
+        return ServoCommand(self.q_target, self.v_target, self.tau, gains.kp, gains.kd)
 
     def __repr__(self) -> str:
         torque = f"largest torque {float(np.abs(self.tau).max(initial=0.0)):.4g} N·m"

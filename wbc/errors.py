@@ -94,6 +94,10 @@ class MeasurementError(WbcError, ValueError):
     """A measurement has a wrong size or a value that is not finite."""
 
 
+class ServoError(WbcError, ValueError):
+    """Servo gains or properties of servos are invalid."""
+
+
 class PlantError(WbcError):
     """The simulated plant cannot be built or stepped with these arguments."""
 

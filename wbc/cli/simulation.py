@@ -19,10 +19,11 @@ from wbc.cli.progress import ProgressLine
 from wbc.errors import PlantError
 from wbc.runtime.protocols import Observer
 from wbc.runtime.report import Report
-from wbc.sim import Flat, Mujoco, Ramp, Terrain, Tiles
+from wbc.sim import Flat, JointServos, Mujoco, Ramp, Terrain, Tiles
 
 _MAX_SPEED = 1.5  # m/s, by which the extent of the tiles is chosen
 _TILE_MARGIN = 2.0  # m
+_SERVO_LATENCY = 0.002  # s
 _MAX_TILE_EXTENT = 12.0  # m
 
 
@@ -39,6 +40,8 @@ class SimulationOptions:
         terrain: flat ground, square tiles of random height up to 30 mm, or a ramp of 10° up to a
             plateau and down again.
         seed: random seed of sensor noise and tiles.
+        actuation: what the joints are driven by: ideal sources of torque, or servos with soft
+            gains, 2 ms of delay, friction and a backlash of 0.5°.
     """
 
     outputs: OutputOptions
@@ -48,6 +51,7 @@ class SimulationOptions:
     planner: Literal["dcm", "preview", "mpc"] = "dcm"
     terrain: Literal["flat", "tiles", "ramp"] = "flat"
     seed: int = 0
+    actuation: Literal["torque", "servo"] = "torque"
 
 
 @dataclass(frozen=True)
@@ -93,11 +97,14 @@ class Simulation:
             self.walker = wbc.Walker(self.robot, planner=options.planner, solver=options.solver)
             terrain = _terrain(options, duration)
             self.boxes = terrain.boxes()
+            servos = JointServos() if options.actuation == "servo" else None
             self.plant = Mujoco(
                 self.robot,
                 dt=self.walker.dt,
                 terrain=terrain,
                 seed=options.seed,
+                latency=_SERVO_LATENCY if servos is not None else 0.0,
+                servos=servos,
                 ground_truth=ground_truth,
             )
             self._outputs = RunOutputs(options.outputs, self.robot, self.boxes)

@@ -8,6 +8,7 @@ from wbc.sim.collision_shapes import CollisionShape
 from wbc.sim.noise import SensorNoise
 from wbc.sim.plant import Mujoco
 from wbc.sim.ramp import Ramp
+from wbc.sim.servos import JointServos
 from wbc.sim.slippery_patch import SlipperyPatch
 from wbc.sim.staircase import Staircase
 from wbc.sim.terrain import Flat, Terrain, Tiles
@@ -16,6 +17,7 @@ __all__ = [
     "CollisionShape",
     "DisabledPair",
     "Flat",
+    "JointServos",
     "Mujoco",
     "Ramp",
     "SensorNoise",

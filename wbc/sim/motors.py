@@ -7,6 +7,7 @@ from collections import deque
 
 import numpy as np
 
+from wbc.command import Command
 from wbc.errors import PlantError
 from wbc.robot import Robot
 
@@ -30,18 +31,18 @@ class Motors:
         """Forget the commands that have not arrived."""
         self._queue.clear()
 
-    def command(self, tau: np.ndarray, step: int) -> None:
-        """Send torques at a physics step, clipped to the limits.
+    def command(self, command: Command, step: int) -> None:
+        """Send a command's torques at a physics step, clipped to the limits.
 
         Args:
-            tau: (na,) N·m.
+            command: its `tau` is used.
             step: physics steps since the reset. The first command acts at once: a robot is
                 never switched on without one.
 
         Raises:
             PlantError: a wrong size, or torques that are not finite.
         """
-        tau = np.asarray(tau, dtype=float)
+        tau = np.asarray(command.tau, dtype=float)
         if tau.shape != self._tau_max.shape:
             raise PlantError(
                 f"command.tau has shape {tau.shape}, the robot has {self._tau_max.size} joints"

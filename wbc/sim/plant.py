@@ -1,4 +1,4 @@
-"""A humanoid in MuJoCo: torques in, sensor readings out."""
+"""A humanoid in MuJoCo: commands in, sensor readings out."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from wbc.sim.noise import NoiseGenerator, SensorNoise
 from wbc.sim.pushes import Push, PushSchedule
 from wbc.sim.sensor_delay import SensorDelay
 from wbc.sim.sensors import Sensors
+from wbc.sim.servos import JointServos, Servos, set_friction
 from wbc.sim.soft_ground import soften_ground
 from wbc.sim.terrain import Flat, Terrain
 from wbc.state import State
@@ -53,6 +54,8 @@ class Mujoco(Closeable):
         latency: age of a command when it reaches the motors, s.
         sensor_latency: age of the readings when they are measured, a multiple of `dt`, s.
         ground_sink: depth to which the standing robot sinks into soft ground, m; 0: hard ground.
+        servos: the joints are driven by such servos, which take positions, velocities and
+            feed-forward torques; by default they are ideal sources of the commanded torque.
         collisions: "all": every body collides with the ground and with the others, but for
             those of `disabled_pairs`. "soles": only the soles do; limbs pass through each
             other, and a fallen robot through the floor.
@@ -81,6 +84,7 @@ class Mujoco(Closeable):
         latency: float = 0.0,
         sensor_latency: float = 0.0,
         ground_sink: float = 0.0,
+        servos: JointServos | None = None,
         collisions: Collisions = "all",
     ) -> None:
         self._substeps = _whole_steps("dt", dt, timestep, least=1)
@@ -126,6 +130,10 @@ class Mujoco(Closeable):
             (s.name, slice(first + 6 * i, first + 6 * i + 6)) for i, s in enumerate(robot.soles)
         ]
         self._motors = Motors(robot, latency_steps)
+        self._servos: Servos | None = None
+        if servos is not None:
+            self._servos = Servos(robot, servos, dt, timestep, latency_steps)
+            set_friction(self.model, robot, servos, 6 + self.coordinates.order)
         self._pushes = PushSchedule()
         self._connect()
         self.reset()
@@ -187,6 +195,8 @@ class Mujoco(Closeable):
         self._place_ground(state)
         self._steps = 0
         self._motors.clear()
+        if self._servos is not None:
+            self._servos.clear()
         self._pushes.clear()
         self._noise = NoiseGenerator(self.noise, self.robot.na, len(self.robot.soles), self.seed)
         mujoco.mj_forward(model, data)
@@ -213,7 +223,7 @@ class Mujoco(Closeable):
         return self._measurement
 
     def step(self, command: Command) -> None:
-        """Hold a command's torques over one control period.
+        """Hold a command over one control period.
 
         Torques beyond the robot's limits are clipped to them; `torque` returns what the
         motors exert.
@@ -223,11 +233,13 @@ class Mujoco(Closeable):
             PhysicsDiverged: velocities that are not finite or absurdly large.
         """
         mujoco, model, data, motors = self._mujoco, self.model, self.data, self._motors
-        motors.command(command.tau, self._steps)
+        servos = self._servos
+        (motors if servos is None else servos).command(command, self._steps)
         self._ground.follow(data)
         for _ in range(self._substeps):
-            torque = motors.arrived(self._steps)
-            if torque is not None:
+            if servos is not None:
+                data.ctrl[:] = servos.torque(self._steps, *self._sensors.joints())
+            elif (torque := motors.arrived(self._steps)) is not None:
                 data.ctrl[:] = torque
             self._pushes.apply(self._steps, mujoco, model, data)
             # mj_step's two halves, turned round: the tick ends with fresh kinematics.
@@ -240,6 +252,8 @@ class Mujoco(Closeable):
         if not velocity.dot(velocity) < _MAX_SPEED**2:
             raise PhysicsDiverged(self._divergence())
         self._sensors.update()
+        if servos is not None:
+            servos.add_play(self._sensors.reading)
         self._delay.add(self._sensors.reading)
         self._measurement = None
 

@@ -69,6 +69,10 @@ class Sensors:
         self._averaged = self.reading[2 * na + 3 :]
         self._wrenches = self._averaged[3:].reshape(-1, 6)
 
+    def joints(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return exact joint positions and velocities now, (na,) each; rad, rad/s."""
+        return self._qpos.take(self._joints), self._qvel.take(self._rates)
+
     def accumulate(self) -> None:
         """Add the readings of one physics step, between its forces and the next kinematics."""
         self._acceleration += self._exact_accelerometer
