@@ -17,7 +17,11 @@ from wbc.cli.parser import Parser, set_command
 COMMANDS = [
     *(diff.diff, doctor.doctor, live.live, log.log, plot.plot, replay.replay, robots.robots),
     *(stand.stand, view.view, walk.walk),
-    *ros2.VERBS.values(),
+    *(
+        f
+        for verb in ros2.VERBS.values()
+        for f in (verb.values() if isinstance(verb, dict) else [verb])
+    ),
 ]
 
 

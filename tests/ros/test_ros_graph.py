@@ -192,48 +192,67 @@ def command(publisher, environment_of_domain, capsys):
 
 
 def test_nodes_topics_and_services_are_listed(command):
-    code, nodes, _ = command("nodes")
+    code, nodes, _ = command("node", "list")
     assert code == 0
     assert "/joint_publisher" in nodes.splitlines()
-    _, topics, _ = command("topics")
+    _, topics, _ = command("topic", "list")
     assert "/joint_states [sensor_msgs/msg/JointState]" in topics.splitlines()
-    _, services, _ = command("services")
+    _, services, _ = command("service", "list")
     assert "/joint_publisher/get_parameters [rcl_interfaces/srv/GetParameters]" in services
 
 
 def test_echo_prints_messages_and_fields(command):
-    code, text, _ = command("echo", "/joint_states", "-n", "2")
+    code, text, _ = command("topic", "echo", "/joint_states", "-n", "2")
     assert code == 0
     assert text.count("\n---\n") == 2
     assert "name:\n- torso_yaw\n- right_hip_pitch\n" in text
-    _, one, _ = command("echo", "joint_states", "-n", "1", "--field", "header.frame_id")
+    _, one, _ = command("topic", "echo", "joint_states", "-n", "1", "--field", "header.frame_id")
     assert one == "base_link\n---\n"
-    _, latched, _ = command("echo", "/robot_description", "-n", "1")
+    _, latched, _ = command("topic", "echo", "/robot_description", "-n", "1")
     assert '<robot name="simple_humanoid">' in latched
 
 
 def test_hz_measures_the_rate(command):
-    code, text, _ = command("hz", "/joint_states", "-n", "1")
+    code, text, _ = command("topic", "hz", "/joint_states", "-n", "1")
     assert code == 0
     assert re.match(r"average rate: \d+\.\d+ Hz +min: ", text)
 
 
 def test_info_prints_node_type_hash_and_quality_of_service(command):
-    code, text, _ = command("info", "/joint_states")
+    code, text, _ = command("topic", "info", "/joint_states")
     assert code == 0
     assert "publishers: 1\n  /joint_publisher\n" in text
     assert JOINT_STATE_HASH in text
     assert "reliable, volatile, keep last 10" in text
 
 
+def test_node_info_prints_topics_and_services(command):
+    code, text, _ = command("node", "info", "joint_publisher")
+    assert code == 0
+    assert "  Publishers:\n    /joint_states: sensor_msgs/msg/JointState\n" in text
+    assert "    /joint_publisher/get_parameters: rcl_interfaces/srv/GetParameters\n" in text
+    code, _, error = command("node", "info", "/joint_publishers")
+    assert (code, "did you mean '/joint_publisher'?" in error) == (2, True)
+
+
+def test_parameters_are_listed_read_and_set(command):
+    assert command("param", "list")[1] == "/joint_publisher:\n  update_rate\n"
+    assert command("param", "get", "joint_publisher", "update_rate")[1] == "100.0\n"
+    code, text, _ = command("param", "set", "/joint_publisher", "update_rate", "900")
+    assert code == 1
+    assert "out of its range" in text
+    assert command("param", "set", "/joint_publisher", "update_rate", "100")[:2] == (0, "set\n")
+    assert "no parameter 'rate'" in command("param", "get", "joint_publisher", "rate")[2]
+
+
 def test_error_for_an_unknown_topic_suggests_a_similar_one(command):
-    code, _, error = command("echo", "/joint_state", "--wait", "0.3")
+    code, _, error = command("topic", "echo", "/joint_state", "--wait", "0.3")
     assert code == 2
     assert "did you mean '/joint_states'?" in error
 
 
 def test_error_for_an_unknown_field_names_it(command):
-    code, _, error = command("echo", "/joint_states", "-n", "1", "--field", "positions[2]")
+    code, _, error = command("topic", "echo", "/joint_states", "-n", "1", "--field", "positions[2]")
     assert code == 2
     assert "positions" in error
 

@@ -76,12 +76,16 @@ def set_command(parser: Parser, command: Function, **types: type) -> None:
     parser.set_defaults(execute=lambda namespace: _call(command, namespace, types))
 
 
-def set_commands(parser: Parser, commands: Mapping[str, Function]) -> None:
-    """Have a parser run one of several functions, by the name that is its first argument."""
+def set_commands(parser: Parser, commands: Mapping[str, Function | Mapping[str, Function]]) -> None:
+    """Have a parser run the function that a verb names; a verb may have verbs of its own."""
     verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
     for name, command in commands.items():
-        summary = " ".join((command.__doc__ or "").partition(".\n")[0].split())
-        set_command(verbs.add_parser(name, help=summary[:1].lower() + summary[1:]), command)
+        if isinstance(command, Mapping):
+            own = verbs.add_parser(name, help=", ".join(command))
+            set_commands(own, command)
+        else:
+            summary = " ".join((command.__doc__ or "").partition(".\n")[0].split())
+            set_command(verbs.add_parser(name, help=summary[:1].lower() + summary[1:]), command)
 
 
 class _Parameter(NamedTuple):

@@ -90,6 +90,18 @@ class Message:
         return message  # type: ignore[no-any-return]
 
     @classmethod
+    def element_type(cls, field: str) -> type[Message] | None:
+        """Return the class of the elements of a field that is a list of messages; else None."""
+        from rosbags.interfaces import Nodetype
+
+        for name, desc in typestore().fielddefs[cls.type_name][1]:
+            match desc:
+                case (Nodetype.ARRAY | Nodetype.SEQUENCE, ((Nodetype.NAME, element), _)):
+                    if name == field:
+                        return message_type(element)
+        return None
+
+    @classmethod
     def schema(cls) -> str:
         """Return the definition with those of all nested types, in the format `ros2msg` of mcap."""
         return typestore().generate_msgdef(cls.type_name, ros_version=2)[0]

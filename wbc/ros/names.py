@@ -102,6 +102,14 @@ def service_type_name(name: str) -> str:
     return name
 
 
+def action_of(service: str, type_name: str) -> tuple[str, str] | None:
+    """Return name and type of the action whose goals a service takes; None if it takes none."""
+    suffix, type_suffix = "/_action/send_goal", "_SendGoal"
+    if not service.endswith(suffix):
+        return None
+    return service.removesuffix(suffix), type_name.removesuffix(type_suffix)
+
+
 def is_hidden(name: str) -> bool:
     """Return whether listings omit a name by default: one part begins with an underscore."""
     return any(part.startswith("_") for part in name.split("/"))

@@ -127,6 +127,29 @@ class NodeParameter:
         return descriptor
 
 
+def parameter_message(name: str, value: Any) -> Message:
+    """Return a `Parameter`, whose type is that of a value of Python.
+
+    Raises:
+        RosError: no parameter can have the value.
+    """
+    if isinstance(value, list):
+        value = tuple(float(one) if type(one) is int else one for one in value)
+        if not all(type(one) is float for one in value):
+            raise RosError(f"parameter '{name}': {list(value)} is not a list of numbers")
+    parameter = NodeParameter(name, value)
+    if parameter.type_name == "not_set":
+        raise RosError(f"parameter '{name}' cannot be {value!r}")
+    return _PARAMETER(name=name, value=parameter.to_message())
+
+
+def parameter_value(message: Any) -> Any:
+    """Return the value of a `ParameterValue`; None if it is not set."""
+    names = {number: name for name, number in _TYPE_NUMBERS.items()}
+    name = names.get(message.type, "not_set")
+    return None if name == "not_set" else getattr(message, f"{name}_value")
+
+
 class ParameterServer:
     """Holds the parameters of a node and serves them to other nodes.
 
