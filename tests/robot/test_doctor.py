@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from robottools import CHAPTER, FEET, SIMPLE, changed, codes, element, inertial
@@ -285,3 +287,32 @@ def test_a_robot_without_findings_stands_with_feasible_torques(name):
     command = controller.step(robot.standing())
     assert command.status is Status.OK
     assert (np.abs(command.tau) <= robot.tau_max).all()
+
+
+def test_a_range_in_degrees_is_a_finding(tmp_path):
+    old = '<limit lower="0" upper="2.4" effort="200" velocity="12"/>'
+    path = changed(tmp_path, (old, old.replace('"2.4"', '"143"')))
+    assert ("degrees", "right_knee") in codes(check(path, **FEET))
+
+
+def test_masses_in_grams_are_a_finding(tmp_path):
+    text = re.sub(
+        r'mass value="([\d.]+)"', lambda m: f'mass value="{1e3 * float(m[1])}"', SIMPLE.read_text()
+    )
+    path = tmp_path / "grams.urdf"
+    path.write_text(text)
+    assert "implausible-mass" in {code for code, _ in codes(check(path, **FEET))}
+
+
+def test_an_ankle_whose_axes_are_exchanged_still_leads_to_the_foot(tmp_path):
+    text = SIMPLE.read_text()
+    for side in ("left", "right"):
+        text = text.replace(f'"{side}_ankle"', f'"{side}_ankle_roll_link"')
+        text = text.replace(f'"{side}_foot"', f'"{side}_ankle_pitch_link"')
+    path = tmp_path / "h2.urdf"
+    path.write_text(text)
+    robot = wbc.robot.load(path)
+    assert [sole.link for sole in robot.soles] == [
+        "left_ankle_pitch_link",
+        "right_ankle_pitch_link",
+    ]

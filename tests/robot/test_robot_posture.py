@@ -69,3 +69,24 @@ def test_joints_left_out_whose_range_has_no_zero_stay_at_the_nearest_limit(tmp_p
     robot = wbc.robot.load(path, **FEET, nominal_posture={"left_knee": 0.5, "right_knee": 0.5})
     assert (robot.q_nominal[7:] >= robot.q_min).all()
     assert 0.3 in robot.q_nominal[7:]
+
+
+def test_knees_that_cannot_bend_as_usual_are_bent_less_rather_than_the_legs_spread(tmp_path):
+    old = '<axis xyz="0 1 0"/><limit lower="-1" upper="0.8" effort="120" velocity="10"/>'
+    new = old.replace('lower="-1"', 'lower="-0.15"')
+    robot = wbc.robot.load(changed(tmp_path, (old, new), (old, new)), **FEET)
+    assert stands(robot)
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.q_nominal)
+    left, right = (data.oMf[sole.frame_id].translation for sole in robot.soles)
+    assert 0.15 < left[1] - right[1] < 0.35
+
+
+def test_feet_that_would_overlap_are_put_side_by_side():
+    sole = {"height": -0.08, "length": 0.22, "width": 0.24}
+    robot = wbc.robot.load("simple_humanoid", nominal_posture={"left_elbow": 0.0}, sole=sole)
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.q_nominal)
+    left, right = (data.oMf[sole.frame_id].translation for sole in robot.soles)
+    assert left[1] - right[1] > 0.24
+    assert "overlapping-soles" not in {finding.code for finding in robot.check()}

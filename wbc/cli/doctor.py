@@ -7,6 +7,7 @@ from collections import Counter
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.formatting import paragraph
 from wbc.cli.model_options import ModelOptions
+from wbc.gait import check_walking
 from wbc.robot.doctor import check_file
 from wbc.robot.finding import SEVERITIES
 
@@ -23,6 +24,9 @@ def doctor(robot: str, model: ModelOptions) -> ExitCode:
         model: properties of the robot.
     """
     findings = check_file(robot, **model.load_arguments())
+    if not any(finding.severity == "error" for finding in findings):
+        findings += check_walking(model.load(robot))
+        findings.sort(key=lambda finding: SEVERITIES.index(finding.severity))
     for finding in findings:
         print(f"{finding.severity:<{_INDENT}}{finding.subject}")
         for text in (finding.what, f"→ {finding.consequence}", f"cure: {finding.cure}"):

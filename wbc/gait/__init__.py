@@ -19,6 +19,7 @@ from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
 from wbc.gait.state_machine import GaitStateMachine
 from wbc.gait.swing_foot import SwingFoot
 from wbc.gait.velocity_limits import VelocityLimits
+from wbc.gait.walkability import check_walking
 from wbc.geometry.planar import Feet, Placement
 
 __all__ = [
@@ -42,6 +43,7 @@ __all__ = [
     "Velocity",
     "VelocityLimits",
     "ZmpSegment",
+    "check_walking",
     "make_planner",
     "next_footstep",
     "solve_dcm",

@@ -37,7 +37,9 @@ class LegWorkspace:
         max_spread: largest distance of the feet beyond that in the nominal posture, m,
             before an ankle's roll joint is at its stop.
         max_step: longest step for which the knees can still carry the robot, m: a longer step
-            lowers the hip, and a bent knee has the weight on a longer lever.
+            lowers the hip, and a bent knee has the weight on a longer lever. Zero if they
+            cannot carry it over the shortest one.
+        min_knee_torque: what a knee needs for the shortest steps, N·m.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -48,6 +50,7 @@ class LegWorkspace:
         self._com_height = robot.com_height
         self.max_spread = min(left.roll, right.roll) * left.hip_height / _TILT
         drop = min(left.drop, right.drop)
+        self.min_knee_torque = max(left.min_torque, right.min_torque)
         hip = max(left.hip_height - drop, 0.0)
         self.max_step = math.sqrt(max(self.reach**2 - hip**2, 0.0)) / _TRAIL
 
@@ -137,5 +140,7 @@ class _Leg:
         lever = abs(float(knee.translation[0] - pin.centerOfMass(model, data, q)[0]))
         strength = _STRENGTH * float(robot.tau_max[self.knee]) / (robot.weight * max(lever, 1e-3))
         off = math.sqrt(max(longest**2 - self.hip_height**2, 0.0))  # twice the knee's offset
+        shortest = math.sqrt(max(longest**2 - min(self.reach, self.hip_height) ** 2, 0.0))
+        self.min_torque = shortest / max(off, 1e-6) * robot.weight * max(lever, 1e-3) / _STRENGTH
         bearable = min(off * strength, longest)
         return self.hip_height - math.sqrt(longest**2 - bearable**2)

@@ -10,10 +10,12 @@ import pinocchio as pin
 
 from wbc.errors import GaitError
 from wbc.gait.leg_workspace import LegWorkspace
-from wbc.gait.step_motion import find_velocity_limits
+from wbc.gait.step_motion import StepMotion, find_velocity_limits
+from wbc.gait.strength import check_knees, check_support
 from wbc.gait.velocity_limits import VelocityLimits
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
+from wbc.robot.posture import has_soles
 
 _GRAVITY = float(-pin.Model.gravity981[2])  # m/s², that of every Pinocchio model
 _NO_LIMITS = VelocityLimits()
@@ -106,6 +108,10 @@ class GaitParameters:
         Args:
             robot: the robot.
             reach: workspace of its legs; computed when left out.
+
+        Raises:
+            GaitError: the robot cannot walk: a leg has no knee, or a joint is too weak to carry the
+                robot on one leg. The text names the joint and the bound.
         """
         left, right = robot.soles
         kin = Kinematics(robot, robot.standing())
@@ -116,21 +122,25 @@ class GaitParameters:
         natural = math.sqrt(height / robot.gravity)
         leg = robot.leg_length
         reach = reach or LegWorkspace(robot)
+        check_knees(robot, reach)
         gait = cls(
             single_support=2.0 * natural,
             double_support=0.8 * natural,
             first_transfer=2.0 * natural,
             swing_height=0.07 * leg,
             touchdown_speed=0.05,
-            step_width=width,
-            least_width=min(width, max(foot_width + _CLEARANCE, 0.75 * width)),
+            step_width=max(width, foot_width + _CLEARANCE),
+            least_width=max(foot_width + _CLEARANCE, 0.75 * width),
             max_step=min(0.51 * height, reach.max_step),
             max_side_step=min(0.35 * leg, reach.max_spread),
             max_turn=0.55,
             com_height=height,
             gravity=robot.gravity,
         )
-        return replace(gait, velocity_limits=find_velocity_limits(robot, gait, reach))
+        motion = StepMotion(robot, reach)
+        check_support(robot, motion, gait)
+        limits = find_velocity_limits(motion, gait, reach)
+        return replace(gait, velocity_limits=limits.scaled(_joints_share(robot)))
 
     @classmethod
     def for_recovery(cls, robot: Robot, gait: GaitParameters) -> GaitParameters:
@@ -158,3 +168,15 @@ class GaitParameters:
             max_step=max(_RECOVERY_REACH * robot.com_height, gait.max_step),
             max_side_step=max(_RECOVERY_REACH * robot.leg_length, gait.max_side_step),
         )
+
+
+def _joints_share(robot: Robot) -> float:
+    """Return the share of the velocities that a robot keeps whose legs lack joints.
+
+    Without an ankle's roll the whole trunk leans to move the centre of mass sideways, and without
+    a hip's yaw the trunk turns with the swing leg: each joint that a leg lacks halves the
+    velocities. A point foot need not be turned, so that three joints are enough for it.
+    """
+    needed = 6 if has_soles(robot.soles) else 3
+    lacking = max(needed - min(len(leg) for leg in robot.legs), 0)
+    return 0.5**lacking

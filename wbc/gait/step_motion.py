@@ -18,6 +18,7 @@ from wbc.gait.swing_foot import SwingFoot
 from wbc.gait.velocity_limits import VelocityLimits
 from wbc.geometry.planar import Placement, planar_rotation, rotation_about_z
 from wbc.robot import Robot
+from wbc.robot.statics import smallest_wrenches
 
 if TYPE_CHECKING:  # which has the limits that are found here
     from wbc.gait.parameters import GaitParameters
@@ -28,11 +29,13 @@ _CONVERGED = 1e-4  # m, rad
 _REACHED = 5e-3  # m, rad: farther off, a leg does not reach its foot
 _DAMPING = 1e-6  # of Newton's method
 _LARGEST_STEP = 0.5  # rad
+_FREE_ROTATION = 1e-3  # weight of the orientation of a foot whose leg has too few joints for it
 _MARGIN = 0.03  # rad that hips and knees keep from their limits; balance takes the rest
 _TILT = 0.15  # rad by which an ankle may be beyond them: a foot that leaves the ground may tilt
 _SPEED = 1.4  # share of a joint's speed limit: at the peak the foot may lag behind
 _BISECTIONS = 6
 _BACKWARD = 0.75  # share of what the joints allow: the supporting knee bears more than forward
+_CENTRING = 3  # times that the base moves until the CoM is where it should be
 _FRICTION = 0.4  # of the ground
 _GRIP = 0.45  # share of the friction's moment about the vertical for the swing leg
 _PEAK = 10.0 / math.sqrt(3.0)  # peak acceleration of a quintic over distance / duration²
@@ -61,6 +64,11 @@ class StepMotion:
         # Of each leg, the columns of its joints in the reduced model.
         self._legs = [
             [self._model.idx_vs[self._model.getJointId(joints[int(i)])] for i in leg]
+            for leg in robot.legs
+        ]
+        # A leg of fewer than six joints places its foot, and turns it as far as it can.
+        self._weights = [
+            np.array([1.0] * 3 + [1.0 if len(leg) >= 6 else _FREE_ROTATION] * 3)
             for leg in robot.legs
         ]
         self._frames = [self._model.getFrameId(sole.name) for sole in robot.soles]
@@ -123,6 +131,46 @@ class StepMotion:
                 yield self._swing(gait, side, stance, start, landing, height)
             feet[side] = landing
 
+    def support_torques(self, gait: GaitParameters, support: str) -> np.ndarray:
+        """Return the torques of the leg that carries the robot alone, in the middle of a swing.
+
+        The robot steps on the spot. The ground's force acts at the centre of the sole and points
+        to the centre of mass, which therefore accelerates as the linear inverted pendulum does:
+        every body has the weight `m (g − c̈)`, `c̈ = g (c − p) / h`.
+
+        Args:
+            gait: timing, width and height of the steps.
+            support: side of the supporting foot.
+
+        Returns:
+            (n,) torques of the leg's joints, from the hip down, N·m; NaN if it does not reach.
+        """
+        model, data, side = self._model, self._data, SIDES.index(support)
+        ground = Placement(0j, 0.0)
+        lifted = next_footstep(ground, other_side(support), Velocity(), gait).point
+        beside = _beside(gait) / math.cosh(0.5 * gait.omega * gait.single_support)
+        foot = pin.SE3(np.eye(3), np.array([lifted.real, lifted.imag, gait.swing_height]))
+        targets = (pin.SE3.Identity(), foot) if side == 0 else (foot, pin.SE3.Identity())
+        q = self._start.copy()
+        self._place_base(q, 1j * beside * lifted.imag, 0.0, gait.com_height)
+        for _ in range(_CENTRING):
+            legs = self._solve(q, targets)
+            if not np.isfinite(legs).all():
+                return np.full(len(self._legs[side]), math.nan)
+            com = pin.centerOfMass(model, data, q)
+            q[0] -= com[0]
+            q[1] += beside * lifted.imag - com[1]
+        self._solve(q, targets)
+        com = pin.centerOfMass(model, data, q)
+        upright = model.gravity.linear.copy()
+        model.gravity.linear = -gait.gravity / com[2] * com
+        weight = pin.computeGeneralizedGravity(model, data, q)
+        model.gravity.linear = upright
+        pin.computeJointJacobians(model, data, q)
+        J = pin.computeFrameJacobian(model, data, q, self._frames[side], pin.LOCAL)
+        torque = weight - J.T @ smallest_wrenches(J, weight[:6])
+        return np.asarray(torque[self._legs[side]])
+
     def _swing(
         self,
         gait: GaitParameters,
@@ -135,7 +183,7 @@ class StepMotion:
         omega, T = gait.omega, gait.single_support
         a, b = 0.5 * omega * T, 0.5 * omega * gait.double_support
         ahead = 0.5 * math.sinh(a) / (math.sinh(a) + b * math.cosh(a))
-        beside = 0.5 * math.cosh(a) / (math.cosh(a) + b * math.sinh(a))
+        beside = _beside(gait)
         first, last = (stance.to_local(p.point) for p in (start, landing))
         first, last = (complex(ahead * p.real, beside * p.imag) for p in (first, last))
         foot = SwingFoot(start, landing, T, gait.swing_height, gait.touchdown_speed)
@@ -171,14 +219,16 @@ class StepMotion:
         for _ in range(_ITERATIONS):
             pin.computeJointJacobians(model, data, q)
             worst = 0.0
-            for columns, frame, target in zip(self._legs, self._frames, targets, strict=True):
+            for columns, frame, target, weight in zip(
+                self._legs, self._frames, targets, self._weights, strict=True
+            ):
                 placement = pin.updateFramePlacement(model, data, frame)
                 error = pin.log6(placement.actInv(target)).vector
-                worst = max(worst, float(np.abs(error).max()))
+                worst = max(worst, float(np.abs(error[weight == 1.0]).max()))
                 J = pin.getFrameJacobian(model, data, frame, pin.LOCAL)[:, columns]
-                H = J.T @ J
+                H = (J.T * weight) @ J
                 H[np.diag_indices_from(H)] += _DAMPING
-                step = np.linalg.solve(H, J.T @ error)
+                step = np.linalg.solve(H, J.T @ (weight * error))
                 for column, delta in zip(columns, step.tolist(), strict=True):
                     q[column + 1] += max(-_LARGEST_STEP, min(_LARGEST_STEP, delta))
             if worst < _CONVERGED:
@@ -188,19 +238,25 @@ class StepMotion:
         return np.array([q[c + 1] for columns in self._legs for c in columns])
 
 
+def _beside(gait: GaitParameters) -> float:
+    """Return the CoM's lateral distance from the support foot at lift-off, share of the width."""
+    a, b = 0.5 * gait.omega * gait.single_support, 0.5 * gait.omega * gait.double_support
+    return 0.5 * math.cosh(a) / (math.cosh(a) + b * math.sinh(a))
+
+
 def find_velocity_limits(
-    robot: Robot, gait: GaitParameters, workspace: LegWorkspace
+    motion: StepMotion, gait: GaitParameters, workspace: LegWorkspace
 ) -> VelocityLimits:
     """The velocities at which the leg joints stay within their ranges and speeds.
 
     What a joint is beyond already when the robot steps in place counts as its limit.
 
     Args:
-        robot: the robot.
+        motion: what walking asks of the leg joints.
         gait: timing, step width and reach, without other limits.
-        workspace: workspace of its legs.
+        workspace: workspace of the legs.
     """
-    motion, adaptation = StepMotion(robot, workspace), SpeedAdaptation(gait, workspace)
+    adaptation = SpeedAdaptation(gait, workspace)
     allowed = np.maximum(motion.excess(gait, Velocity()), 0.0)
     reach = gait.max_velocity
 

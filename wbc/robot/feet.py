@@ -34,10 +34,27 @@ def find_feet(urdf: Urdf) -> tuple[str, str] | None:
         # `l_foot` beside `l_foot_dh_frame`: the plainer name is the link itself.
         pairs.sort(key=lambda pair: len(pair[0]))
         if pairs and (len(pairs) == 1 or len(pairs[0][0]) < len(pairs[1][0])):
-            return pairs[0]
+            left, right = pairs[0]
+            # The ankle's axes come in either order, and the foot is what the last one moves.
+            return (_leg_end(urdf, left), _leg_end(urdf, right)) if "ankle" in part else pairs[0]
         if pairs or single:
             return None
     return None
+
+
+def _leg_end(urdf: Urdf, link: str) -> str:
+    """Return the last link of the chain of moving joints that goes on from a link."""
+    while True:
+        fixed = [link]
+        onward: list[str] = []
+        while fixed:
+            parent = fixed.pop()
+            for joint in urdf.joints:
+                if joint.parent == parent:
+                    (fixed if joint.type == "fixed" else onward).append(joint.child)
+        if len(onward) != 1:
+            return link
+        link = onward[0]
 
 
 def side_of(name: str) -> str | None:

@@ -23,6 +23,16 @@ EXACT = 1e-9
 SUPPORTED = 0.6
 # Thigh and shank are at least this share of the distance from hip to sole.
 SEGMENT = 0.15
+# Shares of the knees' bend that are tried, until the posture is sound.
+_BENDS = (1.0, 0.5, 0.25, -1.0, -0.5, 0.0)
+# Sum of what is wrong with a sound posture, m and rad.
+_SOUND = 2e-3
+# Share of the soles' half length by which the centre of mass may be off their midpoint.
+_CENTRED = 0.25
+# Feet farther apart than this share of the height of the centre of mass stand astride.
+_ASTRIDE = 0.6
+# Least distance of the soles' centres over the sum of their half widths.
+_SIDE_BY_SIDE = 1.1
 # A sole narrower than this half size is a point, m.
 POINT = 0.01
 
@@ -187,14 +197,58 @@ def _bent(
     """
     ids = (soles[0].frame_id, soles[1].frame_id)
     q = placed(model, q, ids)
-    wanted: dict[int, float] = {}
-    for sole, leg in zip(soles, legs, strict=True):
-        knee = find_knee(model, q, sole, leg)
-        if knee is not None:
-            wanted[knee] = knee_bend(model, q, knee)
     move = {index for leg in legs for index in leg}
-    q = standing_posture(model, q, ids, move, joints=wanted, align=True, over_soles=True)
-    return q, "knees bent" if wanted else "legs without knees"
+    knees = [find_knee(model, q, sole, leg) for sole, leg in zip(soles, legs, strict=True)]
+    bends = {knee: knee_bend(model, q, knee) for knee in knees if knee is not None}
+    apart = _distance_apart(model, q, soles)
+    best, least = q, np.inf
+    # The likely bend first; the others for knees whose axis or range misleads.
+    shares = _BENDS if bends else (1.0,)
+    # Where the legs cannot do both, level soles come before a centred mass.
+    for share, over_soles in (*((s, True) for s in shares), *((s, False) for s in shares)):
+        found = standing_posture(
+            model,
+            q,
+            ids,
+            move,
+            joints={knee: share * angle for knee, angle in bends.items()},
+            align=True,
+            over_soles=over_soles,
+            apart=apart,
+        )
+        defect = _defect(model, found, soles)
+        if defect < least:
+            best, least = found, defect
+        if least <= _SOUND:
+            break
+    return best, "knees bent" if bends else "legs without knees"
+
+
+def _distance_apart(model: pin.Model, q: np.ndarray, soles: tuple[Sole, Sole]) -> float | None:
+    """Return how far apart the soles have to be if they are too near each other in q, m."""
+    apart = float(abs(_between(model, q, soles)[1]))
+    least = _SIDE_BY_SIDE * (soles[0].half_width + soles[1].half_width)
+    return least if apart < least else None
+
+
+def _defect(model: pin.Model, q: np.ndarray, soles: tuple[Sole, Sole]) -> float:
+    """Return how far a posture is from standing soundly: tilt, steps, spread and imbalance, m."""
+    ids = (soles[0].frame_id, soles[1].frame_id)
+    tilt, height = unevenness(model, q, ids)
+    middle = placed(model, q, ids)
+    com, apart = com_offset(model, middle), np.abs(_between(model, middle, soles)[:2])
+    reach = float(pin.centerOfMass(model, model.createData(), middle)[2])
+    astride = max(apart[1] - _ASTRIDE * abs(reach), 0.0)
+    toppling = max(float(np.abs(com).max()) - _CENTRED * min(s.half_length for s in soles), 0.0)
+    return float(tilt + height + apart[0] + astride + toppling)
+
+
+def _between(model: pin.Model, q: np.ndarray, soles: tuple[Sole, Sole]) -> np.ndarray:
+    """Return the vector from the right to the left sole, (3,) m."""
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    left, right = (data.oMf[sole.frame_id].translation for sole in soles)
+    return np.asarray(left - right)
 
 
 def find_knee(model: pin.Model, q: np.ndarray, sole: Sole, leg: Sequence[int]) -> int | None:

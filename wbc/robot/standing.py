@@ -28,6 +28,7 @@ def standing_posture(
     joints: Mapping[int, float] | None = None,
     align: bool = False,
     over_soles: bool = False,
+    apart: float | None = None,
 ) -> np.ndarray:
     """Return the standing posture near q (nq,).
 
@@ -39,6 +40,7 @@ def standing_posture(
         joints: index into velocities -> target position, rad.
         align: also bring the soles beside each other, pointing along x.
         over_soles: also bring the centre of mass over the soles' midpoint.
+        apart: also bring the soles to this lateral distance, m, if they are aligned.
     """
     # The base moves but does not turn: upright is what the posture means by it.
     free = np.zeros(model.nv, dtype=bool)
@@ -55,7 +57,7 @@ def standing_posture(
         max_step=_MAX_STEP,
         tolerance=_TOLERANCE,
     )
-    terms: list[PostureTerm] = [_FlatSoles(soles, align)]
+    terms: list[PostureTerm] = [_FlatSoles(soles, align, apart)]
     if over_soles:
         terms.append(_ComOverSoles(soles))
     terms += [JointTerm(index, target) for index, target in (joints or {}).items()]
@@ -85,10 +87,11 @@ def posture_range(model: pin.Model) -> tuple[np.ndarray, np.ndarray]:
 
 @dataclass(frozen=True)
 class _FlatSoles:
-    """Soles flat on z = 0; if aligned, also side by side and pointing along x."""
+    """Soles flat on z = 0; if aligned, also side by side, pointing along x, and so far apart."""
 
     soles: tuple[int, int]
     align: bool
+    apart: float | None = None
     weight: float = 1.0
 
     def rows(
@@ -96,6 +99,12 @@ class _FlatSoles:
     ) -> tuple[np.ndarray, np.ndarray]:
         middle, J_middle = _middle(model, data, self.soles)
         rows, errors = [], []
+        if self.align and self.apart is not None:
+            left, right = (data.oMf[sole].translation for sole in self.soles)
+            J_left, J_right = (
+                pin.getFrameJacobian(model, data, sole, _WORLD)[1:2] for sole in self.soles
+            )
+            rows, errors = [J_left - J_right], [self.apart - (left - right)[1:2]]
         for sole in self.soles:
             T = data.oMf[sole]
             J = pin.getFrameJacobian(model, data, sole, _WORLD)

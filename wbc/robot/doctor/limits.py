@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from wbc.errors import RobotDescriptionError
 from wbc.robot.finding import Finding
 from wbc.robot.model import has_no_range
@@ -9,6 +11,8 @@ from wbc.robot.urdf import Urdf, UrdfJoint
 
 # Exporters write an effort this large on every joint as a placeholder, N·m.
 PLACEHOLDER_EFFORT = 900.0
+# No joint of a robot turns farther from its zero than this, rad: it must be degrees.
+DEGREES = 12.0
 
 
 def check_limits(urdf: Urdf) -> list[Finding]:
@@ -78,6 +82,17 @@ def _limits(urdf: Urdf, joint: UrdfJoint) -> list[Finding]:
                 "it cannot move, so tasks that need it conflict with its limits",
                 f"make it fixed, or weld it: fixed_joints = ['{joint.name}']",
                 "empty-range",
+            )
+        )
+    elif joint.type == "revolute" and max(abs(lower), abs(upper)) > DEGREES:
+        findings.append(
+            Finding(
+                "warning",
+                joint.name,
+                f"its range is {lower:g} to {upper:g} rad {place}, which looks like degrees",
+                "the joint is free to turn as far as it states",
+                f"state radians: lower={math.radians(lower):.3f} upper={math.radians(upper):.3f}",
+                "degrees",
             )
         )
     mimic = joint.element.find("mimic")

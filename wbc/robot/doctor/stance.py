@@ -24,6 +24,8 @@ SINGULAR = 1e-2
 UNLIKE = 0.1
 # A sole that is wider than long by this factor is suspicious.
 WIDE = 1.2
+# Mass over the cube of the leg's length, kg/m³: humans and humanoids have 20 to 300.
+DENSITY = (0.5, 5000.0)
 # Condition number of the mass matrix above which its inverse has lost half its digits.
 ILL_CONDITIONED = 1e8
 
@@ -36,6 +38,7 @@ def check_stance(robot: Robot) -> list[Finding]:
         *_balance(robot),
         *_range(robot),
         *_legs(robot),
+        *_mass(robot),
         *_mass_matrix(robot),
         *_strength(robot),
     ]
@@ -81,6 +84,7 @@ def _soles(robot: Robot) -> list[Finding]:
                     "wide-sole",
                 )
             )
+    findings += _overlap(robot)
     left, right = ((s.half_length, s.half_width) for s in robot.soles)
     if not np.allclose(left, right, rtol=UNLIKE, atol=1e-3):
         findings.append(
@@ -95,6 +99,26 @@ def _soles(robot: Robot) -> list[Finding]:
             )
         )
     return findings
+
+
+def _overlap(robot: Robot) -> list[Finding]:
+    """Soles side by side whose rectangles overlap."""
+    ahead, apart = np.abs(_sole_distance(robot)[:2])
+    left, right = robot.soles
+    width, length = left.half_width + right.half_width, left.half_length + right.half_length
+    if apart >= width or ahead >= length:
+        return []
+    return [
+        Finding(
+            "warning",
+            right.link,
+            f"its sole overlaps the left one by {1e3 * (width - apart):.0f} mm in the nominal "
+            "posture",
+            "the feet collide; the gait keeps them farther apart",
+            "check the feet's collision shapes, or state a posture with the feet farther apart",
+            "overlapping-soles",
+        )
+    ]
 
 
 def _heading(robot: Robot) -> list[Finding]:
@@ -211,6 +235,25 @@ def _legs(robot: Robot) -> list[Finding]:
 
 def _joints(leg: Sequence[int]) -> str:
     return f"{len(leg)} joint{'s' if len(leg) > 1 else ''}"
+
+
+def _mass(robot: Robot) -> list[Finding]:
+    """A mass that does not fit the size of the robot."""
+    density = robot.mass / robot.leg_length**3
+    if DENSITY[0] < density < DENSITY[1]:
+        return []
+    much = density >= DENSITY[1]
+    return [
+        Finding(
+            "warning",
+            robot.name,
+            f"weighs {robot.mass:.3g} kg on legs of {robot.leg_length:.3g} m, too "
+            f"{'much' if much else 'little'} for its size",
+            "torques, contact forces and effort limits do not fit it",
+            "check the units: URDF has kg and m, CAD programs often g and mm",
+            "implausible-mass",
+        )
+    ]
 
 
 def _mass_matrix(robot: Robot) -> list[Finding]:

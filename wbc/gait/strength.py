@@ -1,0 +1,75 @@
+"""Whether the legs are strong enough to walk: the torques of the leg that carries the robot."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from wbc.errors import GaitError
+from wbc.gait.footsteps import SIDES
+from wbc.gait.leg_workspace import LegWorkspace
+from wbc.gait.step_motion import StepMotion
+from wbc.robot import Robot
+
+if TYPE_CHECKING:  # which refuses what is too weak
+    from wbc.gait.parameters import GaitParameters
+
+_CURE = "correct the effort limit or the masses, or state a posture with straighter knees"
+
+
+class SupportEffort(NamedTuple):
+    """The joint that needs the largest share of its torque to carry the robot on one leg.
+
+    Attributes:
+        joint: its name.
+        torque: what it needs, N·m.
+        share: the same as a share of its limit.
+    """
+
+    joint: str
+    torque: float
+    share: float
+
+
+def support_effort(robot: Robot, motion: StepMotion, gait: GaitParameters) -> SupportEffort:
+    """Return the effort of stepping on the spot; see `StepMotion.support_torques`."""
+    worst = SupportEffort("", 0.0, 0.0)
+    for side, leg in zip(SIDES, robot.legs, strict=True):
+        torques = np.abs(motion.support_torques(gait, side)).tolist()
+        for torque, index in zip(torques, leg, strict=True):
+            share = torque / float(robot.tau_max[index - 6])
+            if share > worst.share:
+                worst = SupportEffort(robot.joint_names[index - 6], torque, share)
+    return worst
+
+
+def check_knees(robot: Robot, workspace: LegWorkspace) -> None:
+    """Check that the knees bear the weight while they bend as far as the shortest steps do.
+
+    Raises:
+        GaitError: they do not; the text names the knee, its torque and the bound.
+    """
+    if workspace.max_step > 0.0:
+        return
+    knee = min(workspace.knees, key=lambda index: float(robot.tau_max[index]))
+    raise GaitError(
+        f"'{robot.name}' cannot walk: its knee '{robot.joint_names[knee]}' has "
+        f"{robot.tau_max[knee]:.3g} N·m, and to carry {robot.mass:.3g} kg over even the shortest "
+        f"step takes {workspace.min_knee_torque:.3g} N·m; {_CURE}"
+    )
+
+
+def check_support(robot: Robot, motion: StepMotion, gait: GaitParameters) -> None:
+    """Check that each leg can carry the robot alone.
+
+    Raises:
+        GaitError: it cannot; the text names the joint, its torque and the bound.
+    """
+    effort = support_effort(robot, motion, gait)
+    if effort.share > 1.0:
+        raise GaitError(
+            f"'{robot.name}' cannot walk: its joint '{effort.joint}' has "
+            f"{effort.torque / effort.share:.3g} N·m, and to carry {robot.mass:.3g} kg on one leg "
+            f"takes {effort.torque:.3g} N·m; {_CURE}"
+        )
