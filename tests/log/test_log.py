@@ -98,8 +98,8 @@ def test_sensors_and_targets_are_logged_in_single_precision(made_up):
         ("/command/acceleration", "data", [t.command.acceleration for t in ticks]),
         ("/sensors/joint_states", "position", [t.measurement.joint_position for t in ticks]),
         ("/sensors/joint_states", "velocity", [t.measurement.joint_velocity for t in ticks]),
-        ("/sensors/imu", "angular_velocity", [t.measurement.gyro for t in ticks]),
-        ("/sensors/imu", "linear_acceleration", [t.measurement.accelerometer for t in ticks]),
+        ("/imu", "angular_velocity", [t.measurement.gyro for t in ticks]),
+        ("/imu", "linear_acceleration", [t.measurement.accelerometer for t in ticks]),
     ):
         assert (log[topic].numbers(field) == np.array(values, np.float32)).all(), (topic, field)
 

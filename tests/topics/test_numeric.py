@@ -16,7 +16,7 @@ def batch_of(points, period=0.002):
     """Return a batch whose CoM is given for each tick."""
     stamps = 1_500_000_000 + np.arange(len(points)) * round(1e9 * period)
     points = np.array(points, float)
-    kinematics = BatchKinematics({}, points, points)
+    kinematics = BatchKinematics({}, points, points, np.zeros((len(points), 4)))
     return TickBatch(np.zeros(len(points)), stamps, lambda: kinematics)
 
 

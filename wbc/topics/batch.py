@@ -23,16 +23,18 @@ class BatchKinematics:
         soles: Pose of each sole by name: position, m, and quaternion x y z w, shape (n, 7).
         com: Centre of mass, m, shape (n, 3).
         cop: Measured centre of pressure of both feet, m, shape (n, 3); NaN in flight.
+        imu: Orientation of the IMU, quaternion x y z w, shape (n, 4).
     """
 
     soles: dict[str, np.ndarray]
     com: np.ndarray
     cop: np.ndarray
+    imu: np.ndarray
 
     def select(self, ticks: np.ndarray) -> BatchKinematics:
         """Return those of the ticks with some indices."""
         soles = {name: poses[ticks] for name, poses in self.soles.items()}
-        return BatchKinematics(soles, self.com[ticks], self.cop[ticks])
+        return BatchKinematics(soles, self.com[ticks], self.cop[ticks], self.imu[ticks])
 
 
 class TickBatch:
@@ -81,6 +83,7 @@ class BatchMaker:
         self._model = robot.model
         self._data = robot.model.createData()
         self._soles = [(sole.name, int(sole.frame_id)) for sole in robot.soles]
+        self._imu = int(robot.frame_id(robot.imu))
         self._min_force = _MIN_FORCE * robot.weight
         self._offset = 0.0
         self._last: float | None = None
@@ -102,18 +105,20 @@ class BatchMaker:
         com = records["com"].copy()
         unknown = ~np.isfinite(com).all(axis=1)
         poses, rotations = np.empty((len(self._soles), n, 7)), np.empty((len(self._soles), n, 3, 3))
+        imu = np.empty((n, 4))
         for k, q in enumerate(records["q"]):
             pin.forwardKinematics(model, data, q)
             for i, (_, frame) in enumerate(self._soles):
                 placement = pin.updateFramePlacement(model, data, frame)
                 poses[i, k] = pin.SE3ToXYZQUATtuple(placement)
                 rotations[i, k] = placement.rotation
+            imu[k] = pin.SE3ToXYZQUATtuple(pin.updateFramePlacement(model, data, self._imu))[3:]
             if unknown[k]:
                 com[k] = pin.centerOfMass(model, data, False)
         soles = {name: poses[i] for i, (name, _) in enumerate(self._soles)}
         wrenches = np.stack([records[f"foot_wrench/{name}"] for name in soles])
         cop = self._centre_of_pressure(poses[:, :, :3], rotations, wrenches)
-        return BatchKinematics(soles, com, cop)
+        return BatchKinematics(soles, com, cop, imu)
 
     def _centre_of_pressure(
         self, positions: np.ndarray, rotations: np.ndarray, wrenches: np.ndarray

@@ -1,7 +1,7 @@
 """`tf` and `tf_static`: the transforms of all links.
 
 The tree is that of the URDF, as `robot_state_publisher` publishes it, with `odom` as the parent of
-the base, and the soles as additional frames.
+the base, and the soles and those of `wbc.topics.standard_frames` as additional frames.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from wbc.robot import Robot
 from wbc.runtime.schema import ODOM
 from wbc.topics.batch import TickBatch
 from wbc.topics.numeric import NumericTopic
+from wbc.topics.standard_frames import BASE_FOOTPRINT, base_footprints, standard_frames
 from wbc.topics.topic import LatchedTopic
 
 
@@ -92,7 +93,7 @@ class LinkPoses:
 
 
 def moving_link_transforms(robot: Robot, period: float) -> NumericTopic:
-    """Return the topic `/tf`: the base in `odom`, and the links that move in their parents.
+    """Return the topic `/tf`: the base in `odom`, its footprint, and the links that move.
 
     Args:
         robot: Robot of the ticks.
@@ -104,18 +105,25 @@ def moving_link_transforms(robot: Robot, period: float) -> NumericTopic:
     def values(batch: TickBatch) -> dict[str, np.ndarray]:
         q = batch.records["q"]
         relative = np.array([poses.at(row) for row in q]).reshape(len(q), -1, 7)
-        every = np.concatenate((q[:, None, :7], relative), axis=1)
-        return {"transforms[{}].transform": every}
+        parts = (q[:, None, :7], base_footprints(batch)[:, None], relative)
+        return {"transforms[{}].transform": np.concatenate(parts, axis=1)}
 
-    message = _transforms([(ODOM, robot.base), *((link.parent, link.name) for link in moving)])
+    children = [(link.parent, link.name) for link in moving]
+    message = _transforms([(ODOM, robot.base), (robot.base, BASE_FOOTPRINT), *children])
     return NumericTopic("/tf", message, values, period)
 
 
 def fixed_link_transforms(robot: Robot) -> LatchedTopic:
-    """Return the topic `/tf_static`: the links that are fixed to their parents, and the soles."""
+    """Return the topic `/tf_static`: links and frames that are fixed to their parents."""
     fixed = [link for link in links(robot) if not link.moves]
-    message = _transforms([(link.parent, link.name) for link in fixed])
-    poses = LinkPoses(robot, fixed).at(robot.q_nominal)
+    standard = standard_frames(robot)
+    message = _transforms(
+        [*((link.parent, link.name) for link in fixed), *((f.parent, f.name) for f in standard)]
+    )
+    poses = [
+        *LinkPoses(robot, fixed).at(robot.q_nominal),
+        *(pin.SE3ToXYZQUATtuple(one.placement) for one in standard),
+    ]
     for one, pose in zip(message.transforms, poses, strict=True):
         translation, rotation = one.transform.translation, one.transform.rotation
         translation.x, translation.y, translation.z = pose[:3]
