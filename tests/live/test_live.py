@@ -11,9 +11,11 @@ import time
 import urllib.error
 import urllib.request
 from pathlib import Path
+from pwd import struct_passwd
 
 import pytest
 from motiontools import InfeasibleMotion, SlowlyPlannedMotion, WaitingMotion
+from processtools import wait_until
 
 import wbc
 from wbc.live import Live, LiveError
@@ -195,7 +197,8 @@ class Client:
 
     def __init__(self, url, path="controls", origin=None):
         self._received = queue.Queue()
-        self._url = url.replace("http", "ws").replace("static/", path)
+        base, _, token = url.partition("?")
+        self._url = base.replace("http", "ws").replace("static/", path) + (token and f"?{token}")
         self._headers = {} if origin is None else {"Origin": origin}
         self._ready = threading.Event()
         self.refused = None
@@ -254,7 +257,7 @@ def handler(player, plant):
 
 @pytest.fixture
 def live(handler):
-    with Live(handler, port=0, announce=False) as live:
+    with Live(handler, port=0, announce=False, token="") as live:
         yield live
 
 
@@ -366,7 +369,67 @@ def test_a_loop_that_takes_no_commands_is_reported(live):
     assert "too many" in page.receive("error")["error"]
 
 
-@pytest.mark.parametrize("path", ["controls", "socket"])
+@pytest.mark.parametrize("ending", ["the page closes", "the page's process is killed"])
+def test_a_robot_whose_last_driving_page_is_gone_stops_and_others_are_told(
+    live, handler, player, ending
+):
+    page, other = Client(live.url), Client(live.url)
+    handler.on_timeout = (told := []).append
+    page.request("velocity.forward", 0.1)
+    wait_until(lambda: handler.before_tick(0.0) or player.walker.velocity[0] == 0.1)
+    page.close() if ending == "the page closes" else os.kill(live.pid, signal.SIGKILL)
+    wait_until(lambda: handler.before_tick(0.0) or player.walker.velocity[0] == 0.0)
+    assert told == ["nothing more came from the page: the robot stops and stands"]
+    if ending == "the page closes":
+        shown = [other.receive("values")["values"]["velocity.forward"] for _ in range(3)]
+        assert shown == [0.0, 0.1, 0.0]
+        assert other.receive("error") == {"error": told[0]}
+
+
+def test_no_page_frames_the_page_and_it_loads_nothing_from_elsewhere(live):
+    with urllib.request.urlopen(live.url, timeout=20.0) as answer:
+        headers = answer.headers
+    assert headers["X-Frame-Options"] == "DENY"
+    assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
+    assert "default-src 'none'" in headers["Content-Security-Policy"]
+
+
+def test_a_page_that_others_reach_is_opened_by_its_token_only(handler, caplog):
+    with Live(handler, host="0.0.0.0", port=0, announce=True) as live:
+        assert "whoever has its address drives the robot" in caplog.text
+        address, _, token = live.url.partition("?token=")
+        assert len(token) > 16
+        with urllib.request.urlopen(live.url, timeout=20.0) as answer:
+            cookie = answer.headers["Set-Cookie"]
+        assert "HttpOnly" in cookie
+        assert "SameSite=Strict" in cookie
+        for headers in ({}, {"Cookie": cookie.replace(token, "x" * len(token))}):
+            request = urllib.request.Request(f"{address}panel.js", headers=headers)
+            with pytest.raises(urllib.error.HTTPError) as refusal:
+                urllib.request.urlopen(request, timeout=20.0)
+            assert refusal.value.code == 403
+        request = urllib.request.Request(f"{address}panel.js", headers={"Cookie": cookie})
+        with urllib.request.urlopen(request, timeout=20.0) as answer:
+            assert answer.status == 200
+        for path in ("controls", "socket", "alive"):
+            assert Client(address, path).refused == 403
+
+
+@pytest.mark.parametrize(
+    ("host", "others", "expected"),
+    [("127.0.0.1", 0, False), ("127.0.0.1", 1, True), ("0.0.0.0", 0, True), ("::1", 0, False)],
+)
+def test_a_token_is_needed_where_others_reach_the_page(host, others, expected, monkeypatch):
+    from wbc.live import address
+
+    users = [("root", "x", 0, 0, "", "/root", "/bin/sh"), ("d", "x", 1, 1, "", "/", "/bin/false")]
+    users += [("other", "x", 1001, 1001, "", "/home/other", "/bin/bash")] * others
+    users += [("service", "x", 1002, 1002, "", "/", "/usr/sbin/nologin")]
+    monkeypatch.setattr(address.pwd, "getpwall", lambda: [struct_passwd(user) for user in users])
+    assert address.needs_token(host) is expected
+
+
+@pytest.mark.parametrize("path", ["controls", "socket", "alive"])
 def test_pages_of_other_origins_are_refused(live, path):
     assert Client(live.url, path, origin="http://elsewhere.example").refused == 403
     assert Client(live.url, path, origin="null").refused == 403

@@ -21,6 +21,7 @@ from wbc.teleop import (
     GainCommand,
     GaitParameterCommand,
     JointCommand,
+    KeepVelocityCommand,
     MotionCommand,
     PauseCommand,
     PushCommand,
@@ -367,6 +368,33 @@ def test_a_velocity_ends_with_its_timeout(still, player, monkeypatch):
     now = 5.01
     still.before_tick(0.0)
     assert player.velocity == (0.0, 0.0, 0.0)
+
+
+def test_a_velocity_goes_on_while_its_sender_says_that_it_is_there(still, player, monkeypatch):
+    now = time.monotonic()
+    monkeypatch.setattr(time, "monotonic", lambda: now)
+    acks, told = [], []
+    still.add_observer(lambda sent, ack: acks.append((type(sent.command), ack.outcome)))
+    still.on_timeout = told.append
+    number = still.submit(VelocityCommand(0.1, timeout=0.5))
+    still.before_tick(0.0)
+    for _ in range(4):
+        now += 0.4
+        still.submit(KeepVelocityCommand(number, 0.5))
+        still.submit(KeepVelocityCommand(number + 100, 50.0))  # another velocity's sender
+        still.before_tick(0.0)
+        assert player.walker.velocity[0] == 0.1
+    now += 0.51
+    still.before_tick(0.0)
+    assert player.walker.velocity[0] == 0.0
+    assert acks == [
+        (VelocityCommand, CommandOutcome.ACCEPTED),
+        (VelocityCommand, CommandOutcome.ABORTED),
+    ]
+    assert told == ["nothing more came from the script: the robot stops and stands"]
+    still.submit(KeepVelocityCommand(number, 0.5))
+    still.before_tick(0.0)
+    assert player.walker.velocity[0] == 0.0
 
 
 def test_a_reset_discards_earlier_commands_except_parameters(still, player):

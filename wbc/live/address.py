@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import pwd
 import re
 import socket
 
@@ -9,6 +11,7 @@ from wbc.live.errors import LiveError
 from wbc.view.web import HOST, LOOPBACK
 
 _ANY = ("", "0.0.0.0", "::")
+_FIRST_USER, _NOBODY = 1000, 65534  # user ids of people
 
 
 def check_host(host: str) -> None:
@@ -49,5 +52,38 @@ def allowed_hosts(host: str) -> str:
 def url_host(host: str) -> str:
     """Return the host part of the page's address."""
     if host in _ANY:
-        return socket.gethostname()
+        return _own_address()
     return f"[{host}]" if ":" in host else host
+
+
+def is_local(host: str) -> bool:
+    """Return whether only this machine reaches an address."""
+    return host == "localhost" or host == "::1" or host.startswith("127.")
+
+
+def needs_token(host: str) -> bool:
+    """Return whether others than the user may reach an address: by network, or on this machine."""
+    return not is_local(host) or _has_other_users()
+
+
+def _own_address() -> str:
+    """Return the address by which others in the network reach this machine.
+
+    A host name is none: others may not know it.
+    """
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # sends nothing; selects the interface
+        except OSError:
+            return HOST
+        return str(probe.getsockname()[0])
+
+
+def _has_other_users() -> bool:
+    own = os.getuid()
+    return any(
+        _FIRST_USER <= user.pw_uid < _NOBODY
+        and user.pw_uid != own
+        and not user.pw_shell.endswith(("/nologin", "/false"))
+        for user in pwd.getpwall()
+    )

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
+from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -20,16 +22,29 @@ from wbc.teleop import (
     CommandClient,
     CommandOutcome,
     CommandRefused,
+    KeepVelocityCommand,
     ResetCommand,
     StandCommand,
+    VelocityCommand,
 )
 
 _MAX_TICKS = 4096  # in one status message
 _MAX_UNANSWERED = 1000  # commands whose sender is remembered
+_TIMEOUT = 0.5  # s within which the robot stops when the last page that drives is gone
+_KEEP_PERIOD = 0.1  # s between two commands that keep the velocity
+#: Silence of a page that drives after which it counts as gone, s. Those on this machine
+#: close their connection when they end; one may be silent for long because its machine is busy.
+_SILENCE, _LOCAL_SILENCE = 0.5, 3.0
 
 
 class PageClient(Protocol):
-    """An open page."""
+    """An open page.
+
+    Attributes:
+        local: Whether its browser runs on this machine.
+    """
+
+    local: bool
 
     def send(self, message: dict[str, Any]) -> None:
         """Send it a message; never waits."""
@@ -57,6 +72,12 @@ class RequestBroker:
         self._senders: dict[int, PageClient] = {}  # by the number of the command
         self._infeasible = 0  # number of infeasible motions that the pages know of
         self._planning: tuple[Motion, PageClient] | None = None
+        self._numbers: dict[str, PageClient] = {}
+        #: When the pages that have commanded velocities since standing gave their last sign, s.
+        self._drivers: dict[PageClient, float] = {}
+        self._kept = 0.0  # s, when the velocity was last kept
+        self._velocity = 0  # number of the velocity command in force
+        self._opened = 0  # pages so far
 
     def start_planning(self) -> None:
         """Start to plan motions, first of all with their default parameters."""
@@ -70,6 +91,8 @@ class RequestBroker:
                 self._select_quantity(request.value, page)
                 return
             command = self._controls.command(request)
+            if isinstance(command, VelocityCommand):
+                command = replace(command, timeout=_TIMEOUT)
             number = self._client.send(command, request.source)
         except CommandRefused as error:
             page.send({"error": str(error)})
@@ -79,12 +102,34 @@ class RequestBroker:
             del self._senders[next(iter(self._senders))]
         if changes := self._controls.apply(command):
             self._broadcast({"values": changes}, but=page)
+        if isinstance(command, VelocityCommand):
+            self._velocity = number
+            self._drivers[page] = time.monotonic()
         if isinstance(command, (StandCommand, ResetCommand)):
             self._zero_velocity()
         self._announce_planning(page)
 
+    def on_alive(self, page: str) -> None:
+        """Note that the page with a number is there."""
+        driver = self._numbers.get(page)
+        if driver is not None and driver in self._drivers:
+            self._drivers[driver] = time.monotonic()
+
+    def _keep_velocity(self, now: float) -> None:
+        """Keep the velocity in force while a page that drives is there."""
+        ends = [
+            seen + (_LOCAL_SILENCE if page.local else _SILENCE)
+            for page, seen in self._drivers.items()
+        ]
+        left = max(ends, default=now) - now
+        if left > 0.0 and now >= self._kept + _KEEP_PERIOD:
+            self._kept = now
+            with contextlib.suppress(CommandRefused):  # a loop that takes none at the moment
+                self._client.send(KeepVelocityCommand(self._velocity, min(left, _TIMEOUT)))
+
     def advance(self) -> None:
         """Forward acknowledgements, and send the status to the pages if it is due."""
+        self._keep_velocity(time.monotonic())
         for acknowledgement in self._client.poll():
             self._forward(acknowledgement)
         self._announce_planning(None)
@@ -98,7 +143,9 @@ class RequestBroker:
 
     def add_page(self, page: PageClient) -> None:
         """Send a new page all controls and values; from now on it receives the status."""
-        page.send({"controls": self._controls.describe()})
+        self._opened += 1
+        self._numbers[str(self._opened)] = page
+        page.send({"controls": self._controls.describe(), "page": self._opened})
         page.send({"values": self._controls.values, "infeasible": self._client.infeasible})
         page.send({"quantities": list(self._series)})
         self._pages[page] = ""
@@ -106,6 +153,8 @@ class RequestBroker:
     def remove_page(self, page: PageClient) -> None:
         """Forget a page that has been closed."""
         self._pages.pop(page, None)
+        self._drivers.pop(page, None)
+        self._numbers = {number: one for number, one in self._numbers.items() if one is not page}
 
     def _select_quantity(self, label: Any, page: PageClient) -> None:
         if not isinstance(label, str) or (label and label not in self._series):
@@ -137,6 +186,9 @@ class RequestBroker:
     def _forward(self, acknowledgement: Acknowledgement) -> None:
         """Send the page that sent a command the outcome."""
         number, outcome = acknowledgement.id, acknowledgement.outcome
+        if number == self._velocity and outcome is CommandOutcome.ABORTED:
+            self._zero_velocity()
+            self._broadcast({"error": acknowledgement.reason})
         page = self._senders.get(number)
         if page is None:
             return
@@ -151,6 +203,7 @@ class RequestBroker:
             self._zero_velocity()
 
     def _zero_velocity(self) -> None:
+        self._drivers.clear()
         self._broadcast({"values": self._controls.zero_velocity()})
 
     def _announce_planning(self, page: PageClient | None) -> None:

@@ -15,7 +15,9 @@ class LiveServerConfig(ViewerConfig):
     Attributes:
         channel: Channel of the commands.
         host: Address to listen on.
+        token: What the address of the page must contain; empty for nothing.
     """
 
     channel: ChannelConfig
     host: str
+    token: str

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import logging
+import secrets
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wbc.live.address import is_local, needs_token
 from wbc.live.config import LiveServerConfig
 from wbc.live.errors import LiveError
 from wbc.process import ChildProcess
@@ -16,6 +19,11 @@ from wbc.view.terrain import checked_boxes
 if TYPE_CHECKING:
     from wbc.runtime.schema import Quantity
 
+logger = logging.getLogger(__name__)
+
+_OPEN = (
+    "the page is open to the network, without encryption: whoever has its address drives the robot"
+)
 _RATE = 40.0  # Hz of frames and status
 
 
@@ -35,6 +43,9 @@ class Live(ProcessObserver):
         port: Port of the page; None takes the first free one from 7000 on, 0 any free one.
         boxes: Terrain as upright boxes: centre, then half sizes, m, shape (n, 6).
         announce: Whether to print the page's address.
+        token: What the address of the page must contain, so that nobody else drives the robot;
+            by default random where others could reach the page, over the network or as users of
+            this machine, and empty elsewhere.
 
     Attributes:
         reset_hint: How a person resets the robot on the page.
@@ -55,17 +66,22 @@ class Live(ProcessObserver):
         port: int | None = None,
         boxes: np.ndarray | None = None,
         announce: bool = True,
+        token: str | None = None,
     ) -> None:
+        if token is None:
+            token = secrets.token_urlsafe(16) if needs_token(host) else ""
         robot = handler.player.robot
         self._handler = handler
         channel = handler.open_channel().config
-        config = LiveServerConfig(robot, port, _RATE, checked_boxes(boxes), channel, host)
+        config = LiveServerConfig(robot, port, _RATE, checked_boxes(boxes), channel, host, token)
         super().__init__(
             ChildProcess("wbc.live.server", channel.descriptors, title="the live page")
         )
         self.url = str(self._configure(config, LiveError, "the live page: ")["url"])
         if announce:
             print(f"Live: {self.url}", flush=True)
+            if not is_local(host):
+                logger.warning(_OPEN)
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:

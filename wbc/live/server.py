@@ -14,13 +14,13 @@ from typing import Any
 
 import tornado.websocket
 
-from wbc.live.address import allowed_hosts, check_host, url_host
+from wbc.live.address import allowed_hosts, check_host, is_local, url_host
 from wbc.live.broker import RequestBroker
 from wbc.live.config import LiveServerConfig
 from wbc.motions.engine import SWITCH_INTERVAL
 from wbc.process import ParentConnection
 from wbc.view.server import SceneServer
-from wbc.view.web import listen
+from wbc.view.web import GuardedHandler, Text, listen
 
 _HERE = Path(__file__).parent / "page"
 _FILES = ("elements.js", "parameters.js", "plots.js", "panel.js", "panel.css")
@@ -28,12 +28,13 @@ _MAX_SIZE = 1 << 16  # bytes; a longer message ends the connection
 _MAX_UNSENT = 100  # messages to a page that does not read; further ones are dropped
 
 
-class ControlSocket(tornado.websocket.WebSocketHandler):
+class ControlSocket(GuardedHandler, tornado.websocket.WebSocketHandler):
     """The control connection of one open page. Tornado refuses pages of other origins."""
 
     def initialize(self, broker: RequestBroker) -> None:
         self._broker = broker
         self._unsent = 0
+        self.local = is_local(self.request.remote_ip or "")
 
     def open(self, *_: str, **__: str) -> None:
         self.set_nodelay(True)
@@ -60,6 +61,16 @@ class ControlSocket(tornado.websocket.WebSocketHandler):
         self._broker.remove_page(self)
 
 
+class AliveSocket(GuardedHandler, tornado.websocket.WebSocketHandler):
+    """The connection by which the worker of a page says that the page is there."""
+
+    def initialize(self, broker: RequestBroker) -> None:
+        self._broker = broker
+
+    def on_message(self, message: str | bytes) -> None:
+        self._broker.on_alive(self.get_query_argument("page", ""))
+
+
 class LiveServer(SceneServer):
     """Serves the scene and the controls until the parent process ends.
 
@@ -69,21 +80,29 @@ class LiveServer(SceneServer):
 
     def __init__(self, config: LiveServerConfig) -> None:
         super().__init__(config)
-        self._host = config.host
+        self._host, self._token = config.host, config.token
         self._broker = RequestBroker(config, self.reader)
 
     def listen(self) -> str:
         check_host(self._host)
         names = allowed_hosts(self._host)
         size = {"websocket_max_message_size": _MAX_SIZE}
-        port = listen(self.handlers(), self.config.port, self._host, names, **size)
-        return f"http://{url_host(self._host)}:{port}/static/"
+        port = listen(self.handlers(), self.config.port, self._host, names, self._token, **size)
+        query = f"?token={self._token}" if self._token else ""
+        return f"http://{url_host(self._host)}:{port}/static/{query}"
 
     def files(self) -> list[Path]:
         return [*super().files(), *(_HERE / name for name in _FILES)]
 
     def handlers(self) -> list[Any]:
-        return [(r"/controls", ControlSocket, {"broker": self._broker}), *super().handlers()]
+        broker = {"broker": self._broker}
+        worker = {"text": (_HERE / "alive.js").read_text("utf-8"), "kind": "text/javascript"}
+        return [
+            (r"/controls", ControlSocket, broker),
+            (r"/alive", AliveSocket, broker),
+            (r"/static/alive.js", Text, worker),
+            *super().handlers(),
+        ]
 
     def start(self) -> None:
         self._broker.start_planning()

@@ -16,14 +16,15 @@ class CommandOutcome(Enum):
     """The outcome of a command.
 
     Every command is accepted or refused. A motion and a reset take time: after `ACCEPTED` follows
-    one of `DONE`, `SUPERSEDED` and `ABORTED`.
+    one of `DONE`, `SUPERSEDED` and `ABORTED`. So does `ABORTED` after a velocity whose sender has
+    fallen silent.
     """
 
     ACCEPTED = "accepted"  #: applied before a tick
     REFUSED = "refused"  #: not applied
     SUPERSEDED = "superseded"  #: another command took its place
     DONE = "done"  #: the motion is over and the robot stands, or the reset is complete
-    ABORTED = "aborted"  #: the robot gave up the motion
+    ABORTED = "aborted"  #: the robot gave up the motion, or stopped when the timeout was over
 
 
 @dataclass(frozen=True, slots=True)

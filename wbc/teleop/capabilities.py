@@ -110,6 +110,8 @@ class Capabilities:
                 for name, value in (("forward", forward), ("left", left), ("turn", turn)):
                     self._check_parameter(f"{VELOCITY}.{name}", value)
                 check_number("timeout", timeout, 0.0, math.inf, "s")
+            case commands.KeepVelocityCommand(_, timeout):
+                check_number("timeout", timeout, 0.0, math.inf, "s")
             case commands.PushCommand():
                 self._check_push(command)
             case commands.MotionCommand(motion):

@@ -57,6 +57,7 @@ class CommandHandler(Closeable):
         pushes: counter of the pushes that were survived.
         quantities: quantities of the stream of ticks beside those of the library.
         on_idle: called with the mode, every few milliseconds, while there are no ticks.
+        on_timeout: called with a line of text when a velocity ends by its timeout.
         stop: returns whether to end the run while it is paused.
 
     Raises:
@@ -87,6 +88,7 @@ class CommandHandler(Closeable):
         self._motion: commands.SentCommand | None = None  # in progress
         self._resets: list[commands.SentCommand] = []  # in progress
         self._motion_end = ""  # why the motion in progress is to end
+        self._velocity: commands.SentCommand | None = None  # in force, until its end:
         self._velocity_end = np.inf  # s by `time.monotonic`
         self._first_tick = True
         self.quantities = (
@@ -99,6 +101,7 @@ class CommandHandler(Closeable):
             Quantity("pushes_survived", lambda _: self.pushes.survived, "pushes survived"),
         )
         self.on_idle: Callable[[Mode], None] = lambda _: None
+        self.on_timeout: Callable[[str], None] = lambda _: None
         self.stop: Callable[[], bool] = lambda: False
 
     # Senders.
@@ -144,7 +147,7 @@ class CommandHandler(Closeable):
         self._end_motion(CommandOutcome.SUPERSEDED, "the robot was reset")
         self._manager.reset()
         self._joints.clear()
-        self._velocity_end = np.inf
+        self._velocity, self._velocity_end = None, np.inf
         self.pushes.on_reset()
         self.mode = Mode.RUNNING
         self.paused = self.reset_wanted = False
@@ -173,9 +176,8 @@ class CommandHandler(Closeable):
         self._resets.clear()
         self.mode = Mode.RUNNING
         self._first_tick = False
-        if self._velocity_end < np.inf and time.monotonic() >= self._velocity_end:
-            self._velocity_end = np.inf
-            self._manager.velocity = ZERO_VELOCITY
+        if time.monotonic() >= self._velocity_end:
+            self._end_velocity()
         self._manager.update()
         self._track_motion()
         self._joints.advance(time.monotonic())
@@ -236,6 +238,9 @@ class CommandHandler(Closeable):
 
     def _apply(self, sent: commands.SentCommand) -> None:
         command = sent.command
+        if isinstance(command, commands.KeepVelocityCommand):
+            self._keep_velocity(sent, command)
+            return
         parameter = isinstance(command, (*commands.PARAMETER_COMMANDS, commands.PauseCommand))
         if self.mode is Mode.FALLEN and not parameter and command != commands.ResetCommand():
             self._acknowledge(sent, CommandOutcome.REFUSED, _FALLEN)
@@ -246,7 +251,7 @@ class CommandHandler(Closeable):
                 if any(command.velocity):
                     self._motion_end = f"{sent} took its place"
                 self._manager.velocity = command.velocity
-                self._velocity_end = sent.stamp + timeout
+                self._velocity, self._velocity_end = sent, sent.stamp + timeout
             case commands.PushCommand(impulse, duration, frame):
                 vector = np.array(impulse)
                 if frame == "heading":
@@ -258,7 +263,7 @@ class CommandHandler(Closeable):
                 self._manager.play(motion)
             case commands.StandCommand():
                 self._motion_end = f"{sent} took its place"
-                self._velocity_end = np.inf
+                self._velocity, self._velocity_end = None, np.inf
                 self._manager.stand()
             case commands.GaitParameterCommand(name, value):
                 walker = self.player.walker
@@ -276,6 +281,23 @@ class CommandHandler(Closeable):
             case commands.ResetCommand():
                 self._resets.append(sent)
                 self.reset_wanted = not self._first_tick
+
+    def _keep_velocity(
+        self, sent: commands.SentCommand, command: commands.KeepVelocityCommand
+    ) -> None:
+        velocity = self._velocity
+        if velocity is not None and (velocity.id, velocity.reply) == (command.number, sent.reply):
+            self._velocity_end = sent.stamp + command.timeout
+
+    def _end_velocity(self) -> None:
+        """Stop and stand, because the sender of the velocity has fallen silent."""
+        velocity, self._velocity, self._velocity_end = self._velocity, None, np.inf
+        walked = any(self._manager.velocity)
+        self._manager.velocity = ZERO_VELOCITY
+        if walked and velocity is not None:
+            reason = f"nothing more came from the {velocity.source}: the robot stops and stands"
+            self._acknowledge(velocity, CommandOutcome.ABORTED, reason)
+            self.on_timeout(reason)
 
     def _push(self, impulse: np.ndarray, duration: float = 0.1) -> None:
         if self.capabilities.max_impulse:

@@ -36,6 +36,22 @@ class VelocityCommand:
 
 
 @dataclass(frozen=True, slots=True)
+class KeepVelocityCommand:
+    """Say that the sender of a velocity command is still there: its timeout begins anew.
+
+    It changes nothing else, and nothing at all if another command has taken its place. It is not
+    acknowledged.
+
+    Attributes:
+        number: number of the velocity command, see `SentCommand`.
+        timeout: see `VelocityCommand`.
+    """
+
+    number: int
+    timeout: float
+
+
+@dataclass(frozen=True, slots=True)
 class PushCommand:
     """Push the torso of a simulated robot with a constant force.
 
@@ -141,6 +157,7 @@ class ResetCommand:
 
 TeleopCommand: TypeAlias = (
     VelocityCommand
+    | KeepVelocityCommand
     | PushCommand
     | MotionCommand
     | StandCommand

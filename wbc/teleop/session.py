@@ -57,7 +57,8 @@ def run(
             its commands here.
         stop: asked several times per second whether to end the run.
         progress: see `wbc.run`.
-        message: called with a line of text when the robot falls or is reset.
+        message: called with a line of text when the robot falls or is reset, or stops because the
+            sender of its velocity has fallen silent.
 
     Returns:
         The report of the last run between two resets; None when the physics diverged in its first
@@ -79,7 +80,7 @@ def run(
         if stream is not None:
             stream.repeat(mode, time.time(), handler.status())
 
-    handler.stop, handler.on_idle = stop, on_idle
+    handler.stop, handler.on_idle, handler.on_timeout = stop, on_idle, message
     left = duration
     with contextlib.ExitStack() as stack:
         if handler.owns_clock:

@@ -19,6 +19,9 @@ from wbc.view.config import ViewerConfig
 from wbc.view.page_text import caption, viewer_scripts
 from wbc.view.web import HOST, ScenePage, listen, page_handlers
 
+ENDED = 1000  # code by which a connection is closed at the end of a run
+_CLOSING = 0.1  # s, for the pages to be told
+
 
 class LiveScene:
     """The current scene, and the pages that show it.
@@ -147,6 +150,9 @@ class SceneServer:
         while not parent.gone:
             self.advance()
             await asyncio.sleep(period)
+        for page in tuple(scene.pages):
+            page.close(ENDED, "the run has ended")
+        await asyncio.sleep(_CLOSING)
 
 
 async def main() -> None:

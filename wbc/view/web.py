@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import hmac
 import json
 import re
 from collections.abc import Sequence
@@ -30,7 +31,41 @@ _STILL = 1e-5  # m or 1; smaller changes of a pose are not sent
 _KINDS = {".css": "text/css", ".js": "text/javascript"}
 
 
-class Text(tornado.web.RequestHandler):
+#: Pages load nothing from elsewhere, and no other page may put them into a frame.
+_POLICY = (
+    "default-src 'none'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; connect-src 'self' data: blob:; worker-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+
+
+class GuardedHandler(tornado.web.RequestHandler):
+    """A handler that refuses requests without the token of the server, if that has one.
+
+    The address that the server prints contains the token. Its page keeps it in a cookie, for its
+    scripts and web sockets.
+    """
+
+    def set_default_headers(self) -> None:
+        self.set_header("Content-Security-Policy", _POLICY)
+        self.set_header("X-Frame-Options", "DENY")
+        self.set_header("X-Content-Type-Options", "nosniff")
+        self.set_header("Referrer-Policy", "no-referrer")
+
+    def prepare(self) -> None:
+        token: str = self.settings.get("token", "")
+        if not token:
+            return
+        cookie = f"wbc_{self.settings['port']}"
+        given = self.get_query_argument("token", "")
+        if hmac.compare_digest(given.encode(), token.encode()):
+            self.set_cookie(cookie, token, httponly=True, samesite="Strict")
+        elif not hmac.compare_digest((self.get_cookie(cookie) or "").encode(), token.encode()):
+            self.set_status(403)
+            self.finish("Open the address that wbc printed: it contains a token.")
+
+
+class Text(GuardedHandler):
     """The handler of a page, a script or a style sheet."""
 
     def initialize(self, text: str, kind: str) -> None:
@@ -42,7 +77,7 @@ class Text(tornado.web.RequestHandler):
         self.finish(self.text)
 
 
-class ScenePage(tornado.websocket.WebSocketHandler):
+class ScenePage(GuardedHandler, tornado.websocket.WebSocketHandler):
     """The web socket of a page that shows a scene: its objects first, then frames."""
 
     async def send_objects(self, scene: Scene, commands: Sequence[bytes], **more: object) -> None:
@@ -88,6 +123,7 @@ def listen(
     port: int | None,
     host: str = HOST,
     names: str = LOOPBACK,
+    token: str = "",
     **settings: Any,
 ) -> int:
     """Serve an application that rejects requests for other host names; return the port.
@@ -100,12 +136,13 @@ def listen(
         port: Port; None takes the first free one from 7000 on, 0 any.
         host: Address to listen on.
         names: Regular expression of the accepted host names.
+        token: What the address must contain; anybody may open the page if it is empty.
         settings: Settings of the application.
 
     Raises:
         ViewerError: The port is in use, or the system refuses the address or port.
     """
-    application = tornado.web.Application(**settings)
+    application = tornado.web.Application(log_function=lambda _: None, **settings)
     application.add_handlers(names, list(handlers))
     server = tornado.httpserver.HTTPServer(application)
     for candidate in range(FIRST_PORT, FIRST_PORT + _PORTS) if port is None else (port,):
@@ -116,7 +153,9 @@ def listen(
                 text = f"cannot listen on {host}, port {candidate}: {error.strerror}"
                 raise ViewerError(f"{text}; give another address or port") from error
             continue
+        bound = int(sockets[0].getsockname()[1])
+        application.settings.update(token=token, port=bound)
         server.add_sockets(sockets)
-        return int(sockets[0].getsockname()[1])
+        return bound
     what = f"port {port} is" if port is not None else f"all ports from {FIRST_PORT} on are"
     raise ViewerError(f"{what} in use on {host}; give another port, or port=0 for any")

@@ -268,9 +268,11 @@ function fitScene() {
 }
 
 function open() {
+  const alive = new Worker("alive.js");
   socket = new WebSocket(`ws://${location.host}/controls`);
   socket.onmessage = (message) => {
     const received = JSON.parse(message.data);
+    alive.postMessage(received.page);
     if (received.controls) build(received.controls);
     if (received.quantities) plots.offer(received.quantities);
     for (const [name, value] of Object.entries(received.values ?? {})) sliders.get(name).set(value);
@@ -286,7 +288,8 @@ function open() {
       element("planning").textContent = received.planning ? `Planning: ${received.planning} …` : "";
     }
   };
-  socket.onclose = () => {
+  socket.onclose = (event) => {
+    disconnected(event);
     for (const control of document.querySelectorAll("#panel :is(button, input, select)")) {
       control.disabled = true;
     }

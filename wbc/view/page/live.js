@@ -2,4 +2,4 @@
 // frames and does not lag.
 "use strict";
 const acknowledge = () => liveSocket.send("ready for a frame");
-const liveSocket = connect(acknowledge, acknowledge, "the run has ended");
+const liveSocket = connect(acknowledge, acknowledge);

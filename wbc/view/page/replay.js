@@ -53,5 +53,5 @@ function plot(series, run) {
   return row.querySelector(".mark");
 }
 
-const socket = connect(start, () => { waiting = false; request(); }, "the replay has ended");
+const socket = connect(start, () => { waiting = false; request(); });
 socket.addEventListener("close", () => { if (wbc.player) wbc.player.playing = false; });

@@ -6,7 +6,7 @@ var viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
 const THREE = MeshCat.THREE;
 const element = (id) => document.getElementById(id);
 // Tests read this to wait for a complete scene instead of a fixed time.
-var wbc = {frames: 0, ready: false, time: null};
+var wbc = {frames: 0, ready: false, time: null, lost: ""};
 
 function makeSurroundings(scale) {
   for (const path of [["Lights"], ["Grid"], ["Axes"]]) {
