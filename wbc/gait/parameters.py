@@ -19,6 +19,8 @@ from wbc.robot.posture import has_soles
 
 _GRAVITY = float(-pin.Model.gravity981[2])  # m/s², that of every Pinocchio model
 _NO_LIMITS = VelocityLimits()
+_DCM_GAIN = 4.0  # 1/s
+_LARGE = 0.45  # m: with the centre of mass below this, the feedback is as much quicker as the robot
 _CLEARANCE = 0.02  # m between the soles at the narrowest step
 # Durations of the recovery gait times ω.
 _RECOVERY_SWING = 0.77
@@ -58,7 +60,7 @@ class GaitParameters:
     max_side_step: float
     max_turn: float
     com_height: float
-    dcm_gain: float = 4.0
+    dcm_gain: float = _DCM_GAIN
     gravity: float = _GRAVITY
     velocity_limits: VelocityLimits = _NO_LIMITS
 
@@ -135,6 +137,7 @@ class GaitParameters:
             max_side_step=min(0.35 * leg, reach.max_spread),
             max_turn=0.55,
             com_height=height,
+            dcm_gain=_DCM_GAIN * max(math.sqrt(_LARGE / height), 1.0),
             gravity=robot.gravity,
         )
         motion = StepMotion(robot, reach)

@@ -145,7 +145,7 @@ def make_walker(
         dt,
         gait=normal,
         recovery_gait=_changed(quick, recovery_gait, "recovery_gait"),
-        gains=_changed(WalkerGains(), gains, "gains"),
+        gains=_changed(WalkerGains.for_robot(robot), gains, "gains"),
         planner=planner,
         solver=solver,
     )

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+
+from wbc.robot import Robot
+
+# Height of the centre of mass, m, from which on the gains are those of large robots.
+_LARGE = 0.45
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,3 +57,26 @@ class WalkerGains:
     ankle_share: float = 0.5
     unload_from: float = 0.6
     ground_time: float = 0.15
+
+    @classmethod
+    def for_robot(cls, robot: Robot) -> WalkerGains:
+        """Gains scaled to a robot.
+
+        Robots whose centre of mass is at least 0.45 m high have the same gains. With height and g
+        everything of a smaller one is quicker: stiffnesses, 1/s², grow with g/h, and lengths and
+        times shrink with h and √(h/g) (dynamic similarity; see `GaitParameters.for_robot`).
+
+        Args:
+            robot: the robot.
+        """
+        scale = max(_LARGE / robot.com_height, 1.0)
+        gains = cls()
+        return cls(
+            height_kp=scale * gains.height_kp,
+            swing_kp=scale * gains.swing_kp,
+            trunk_kp=scale * gains.trunk_kp,
+            posture_kp=scale * gains.posture_kp,
+            sole_margin=gains.sole_margin / scale,
+            zmp_margin=gains.zmp_margin / scale,
+            ground_time=gains.ground_time / math.sqrt(scale),
+        )

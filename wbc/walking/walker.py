@@ -59,7 +59,7 @@ class Walker:
         gait: gait parameters; scaled to the robot when left out.
         recovery_gait: parameters of the quick steps that catch a push; scaled to the robot and
             its gait when left out. The gait itself means no quick steps.
-        gains: weights and gains of the tasks.
+        gains: weights and gains of the tasks; scaled to the robot when left out.
         planner: plans footsteps and DCM: a name for `wbc.gait.make_planner`, or an object of one's
             own; the analytic `DcmPlanner` when left out.
         solver: QP solver, by name or as an object.
@@ -95,7 +95,7 @@ class Walker:
         self.gait = gait or GaitParameters.for_robot(robot, workspace)
         self._scales_recovery = recovery_gait is None
         self.recovery_gait = recovery_gait or GaitParameters.for_recovery(robot, self.gait)
-        self.gains = gains = gains or WalkerGains()
+        self.gains = gains = gains or WalkerGains.for_robot(robot)
         self.controller = controller = WholeBodyController(robot, dt, solver=solver)
         self._kin = Kinematics(robot, robot.standing())
         self._ground = GroundKinematics(robot, self._kin)
