@@ -4,6 +4,7 @@ from . import contacts as contacts
 from . import errors as errors
 from . import estimation as estimation
 from . import gait as gait
+from . import ik as ik
 from . import limits as limits
 from . import live as live
 from . import log as log
@@ -29,6 +30,7 @@ from .estimation import Estimate as Estimate
 from .estimation import Estimator as Estimator
 from .estimation import GroundTruthEstimator as GroundTruthEstimator
 from .gait import GaitParameters as GaitParameters
+from .ik import InverseKinematics as InverseKinematics
 from .kinematics import Kinematics as Kinematics
 from .limits import JointAccelerationLimit as JointAccelerationLimit
 from .limits import JointPositionLimit as JointPositionLimit

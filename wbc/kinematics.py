@@ -128,11 +128,9 @@ class Kinematics:
                 f"{type(state).__name__} is no state: give wbc.State(q, v) with q of "
                 f"({self._nq},) and v of ({self._nv},)"
             )
-        model, data = self.model, self.data
-        self.state = state = state if state.is_valid(self._nq, self._nv) else state.validated(model)
-        q, v = state.q, state.v
-        self.mass_matrix: np.ndarray = pin.crba(model, data, q, pin.Convention.WORLD)
-        self.bias_forces: np.ndarray = pin.nonLinearEffects(model, data, q, v)
+        valid = state.is_valid(self._nq, self._nv)
+        self.state = state = state if valid else state.validated(self.model)
+        self._propagate(state.q, state.v)
         self._world.clear()
         self._local.clear()
         self._centroid = self._p_com = None
@@ -140,6 +138,12 @@ class Kinematics:
         if self._placements_copied:
             del self.joint_placements
             self._placements_copied = False
+
+    def _propagate(self, q: np.ndarray, v: np.ndarray) -> None:
+        """Run Pinocchio's passes for a state."""
+        model, data = self.model, self.data
+        self.mass_matrix: np.ndarray = pin.crba(model, data, q, pin.Convention.WORLD)
+        self.bias_forces: np.ndarray = pin.nonLinearEffects(model, data, q, v)
 
     @cached_property
     def joint_placements(self) -> np.ndarray:

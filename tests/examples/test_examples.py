@@ -33,6 +33,7 @@ SAYS = {
     "19_own_planner": "survived",
     "20_trials": "upright against walker: ",
     "21_stairs": "survived",
+    "22_inverse_kinematics": "held back by joint position limit",
 }
 
 

@@ -41,3 +41,18 @@ class AccelerationBound(ABC):
 
         Bounds of one limit do not exclude each other: lower ≤ upper.
         """
+
+    def velocity_bounds(
+        self, kin: Kinematics, v: np.ndarray, dt: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the least and the largest joint velocity of a step, (na,) rad/s each.
+
+        Unless overridden, those that follow from `bounds` within dt.
+
+        Args:
+            kin: kinematics of a state at rest.
+            v: (na,) joint velocities before the step, rad/s.
+            dt: duration of the step, s.
+        """
+        lower, upper = self.bounds(kin)
+        return v + dt * lower, v + dt * upper

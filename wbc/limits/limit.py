@@ -93,3 +93,19 @@ class Limit(ABC):
             kin: kinematics of the present state.
             rows: rows to write to.
         """
+
+    def write_velocity(self, kin: Kinematics, dt: float, rows: LimitRows) -> None:
+        """Write the rows at velocity level, `lower ≤ A v ≤ upper`.
+
+        Args:
+            kin: kinematics of a state at rest.
+            dt: duration of the step, s.
+            rows: rows to write to; `forces` is empty.
+
+        Raises:
+            LimitError: the limit has no form for velocities.
+        """
+        raise LimitError(
+            f"limit '{self.name}' has no form for velocities: {type(self).__name__} lacks the "
+            "method write_velocity"
+        )

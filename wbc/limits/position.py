@@ -11,6 +11,34 @@ from wbc.limits.per_joint import default_braking, per_joint
 from wbc.robot import RobotModel
 
 
+def stopping_speed(
+    distance: np.ndarray, braking: np.ndarray, dt: float, recovery: float
+) -> np.ndarray:
+    """Return the largest speed towards a limit from which it is not overrun, rad/s.
+
+    Steps of velocity that are braked by a_b dt each cover `(k+1) w dt − k (k+1)/2 a_b dt²` for
+    k a_b dt ≤ w ≤ (k+1) a_b dt. The largest w that covers no more than the distance d is
+
+        w = d/((k+1) dt) + k a_b dt/2,   k = ⌊(√(1 + 8 d/(a_b dt²)) − 1)/2⌋,
+
+    the discrete form of w = √(2 a_b d) (Del Prete 2018, for velocity control). Beyond the limit
+    it is d/recovery, a speed away from it.
+
+    Args:
+        distance: d, to the limit, negative beyond it, rad.
+        braking: a_b, rad/s²; infinite for d/dt.
+        dt: duration of a step, s.
+        recovery: time within which a joint that is beyond is brought back, s.
+    """
+    unit = braking * (dt * dt)
+    inside = np.maximum(distance, 0.0)
+    with np.errstate(invalid="ignore"):  # a joint without limits: ∞
+        k = np.floor(0.5 * (np.sqrt(1.0 + 8.0 * inside / unit) - 1.0))
+        speed = (inside / (k + 1.0)) / dt + np.where(k > 0.0, 0.5 * k * unit / dt, 0.0)
+    speed = np.where(np.isinf(inside), np.inf, speed)
+    return np.asarray(np.where(distance < 0.0, distance / max(recovery, dt), speed))
+
+
 class JointPositionLimit(AccelerationBound):
     """Keeps every joint able to stop before its limit.
 
@@ -78,6 +106,18 @@ class JointPositionLimit(AccelerationBound):
 
     def __repr__(self) -> str:
         return f"JointPositionLimit(margin {self._margin:g} rad, horizon {self.horizon:g} s)"
+
+    def velocity_bounds(
+        self, kin: Kinematics, v: np.ndarray, dt: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the velocities from which a joint stops before its limit; see `stopping_speed`.
+
+        A joint that is beyond its limit is brought back within `recovery`.
+        """
+        q = kin.state.q[7:]
+        low = stopping_speed(q - self.lower, self.braking, dt, self.recovery)
+        high = stopping_speed(self.upper - q, self.braking, dt, self.recovery)
+        return -low, high
 
     def bounds(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
         """See `AccelerationBound`."""

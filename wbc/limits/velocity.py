@@ -47,6 +47,12 @@ class JointVelocityLimit(AccelerationBound):
         maximum = format_range(self.maximum, "rad/s")
         return f"JointVelocityLimit({maximum}, horizon {self.horizon:g} s)"
 
+    def velocity_bounds(
+        self, kin: Kinematics, v: np.ndarray, dt: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """See `AccelerationBound`: ∓ v_max."""
+        return -self.maximum, self.maximum
+
     def bounds(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray]:
         """See `AccelerationBound`."""
         v = kin.state.v[6:]

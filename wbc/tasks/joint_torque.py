@@ -69,3 +69,16 @@ class JointTorqueTask(Task):
         np.subtract(self.target, kin.bias_forces[dofs], out=b)
         b *= inverse
         b += self.disturbance
+
+    def write_velocity(
+        self, kin: Kinematics, J: np.ndarray, velocity: np.ndarray, error: np.ndarray
+    ) -> None:
+        """Raise an error: torques say nothing about velocities.
+
+        Raises:
+            TaskError: always.
+        """
+        raise TaskError(
+            f"task '{self.name}' states torques, which inverse kinematics knows nothing of; "
+            "leave it out there"
+        )

@@ -46,3 +46,11 @@ class AngularMomentumTask(MotionTask):
         """See `MotionTask.write_reference`."""
         reference.position[:] = self.target
         reference.acceleration[:] = self.rate
+
+    def write_velocity(
+        self, kin: Kinematics, J: np.ndarray, velocity: np.ndarray, error: np.ndarray
+    ) -> None:
+        """Write `J_L v = L_ref`: the momentum is a velocity itself, not an error."""
+        J[:] = kin.J_angular
+        velocity[:] = self.target
+        error[:] = 0.0

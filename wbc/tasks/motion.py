@@ -81,6 +81,27 @@ class MotionTask(Task):
         """See `Task.write`."""
         reference, rows = self._reference, self.components
         self.write_reference(kin, reference)
+        at, error = self._error(kin, reference)
+        A[:] = at.jacobian[rows]
+        np.subtract(reference.acceleration, at.bias[rows], out=b)
+        b += self.kd * (reference.velocity - at.velocity[rows])
+        b += self.kp * error[rows]
+
+    def write_velocity(
+        self, kin: Kinematics, J: np.ndarray, velocity: np.ndarray, error: np.ndarray
+    ) -> None:
+        """See `Task.write_velocity`."""
+        reference, rows = self._reference, self.components
+        self.write_reference(kin, reference)
+        at, e = self._error(kin, reference)
+        J[:] = at.jacobian[rows]
+        velocity[:] = reference.velocity
+        error[:] = e[rows]
+
+    def _error(
+        self, kin: Kinematics, reference: TaskReference
+    ) -> tuple[Centroid | FrameKinematics, np.ndarray]:
+        """Return the motion that the task is about, and its error e (6,)."""
         error = np.empty(6)
         at: Centroid | FrameKinematics
         if self._frame_id == CENTROID:
@@ -90,7 +111,4 @@ class MotionTask(Task):
             at = kin.motion(self._frame_id)
             error[3:] = pin.log3(reference.rotation @ at.rotation.T)
         error[:3] = reference.position - at.position
-        A[:] = at.jacobian[rows]
-        np.subtract(reference.acceleration, at.bias[rows], out=b)
-        b += self.kd * (reference.velocity - at.velocity[rows])
-        b += self.kp * error[rows]
+        return at, error

@@ -71,6 +71,15 @@ class PostureTask(JointTask):
     def _format_target(self) -> str:
         return f"of {self.size} joints, {format_range(np.asarray(self.target), 'rad')}"
 
+    def write_velocity(
+        self, kin: Kinematics, J: np.ndarray, velocity: np.ndarray, error: np.ndarray
+    ) -> None:
+        """See `Task.write_velocity`."""
+        J[:] = 0.0
+        J[np.arange(self.size), 6 + self.index] = 1.0
+        velocity[:] = self.velocity
+        np.subtract(self.target, kin.state.q[7:][self.index], out=error)
+
     def write_joints(self, kin: Kinematics, b: np.ndarray) -> None:
         """See `JointTask.write_joints`."""
         q = kin.state.q[7:][self.index]

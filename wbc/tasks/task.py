@@ -166,6 +166,34 @@ class Task(ABC):
             b: (m,) to be written.
         """
 
+    @property
+    def velocity_gain(self) -> np.ndarray:
+        """(m,) gain of the task at velocity level, 1/s: kp/kd, or kp where kd is zero."""
+        return np.asarray(self.kp / np.where(self.kd > 0.0, self.kd, 1.0))
+
+    def write_velocity(
+        self, kin: Kinematics, J: np.ndarray, velocity: np.ndarray, error: np.ndarray
+    ) -> None:
+        """Write the rows at velocity level, unweighted: `J v = velocity + (kp/kd) error`.
+
+        This is the velocity at which the second-order law asks for no more correction than its
+        feed-forward. Unless overridden, the rows are those of `write` for a robot at rest, with
+        `b / kp` for an error.
+
+        Args:
+            kin: kinematics of a state at rest.
+            J: (m, nv) to be written; the array of the last call.
+            velocity: (m,) to be written: reference velocity.
+            error: (m,) to be written: target minus present value.
+
+        Raises:
+            TaskError: the task has no meaning for velocities.
+        """
+        self.write(kin, J, error)
+        free = self.kp <= 0.0
+        velocity[:] = np.where(free & (self.kd > 0.0), error / np.maximum(self.kd, 1e-300), 0.0)
+        error[:] = np.where(free, 0.0, error / np.maximum(self.kp, 1e-300))
+
 
 class JointTask(Task):
     """A task each of whose rows is about one joint's acceleration.

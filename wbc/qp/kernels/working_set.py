@@ -129,7 +129,10 @@ def append(
         c = rows.C[row - rows.bounded]
         for i in range(n):
             m[i] = sign * c[i]
-        solve_lower(work.L, m, np.int64(0))  # a literal would be compiled apart
+        first = np.int64(0)  # a literal would be compiled apart
+        while first < n - 1 and c[first] == 0.0:
+            first += 1
+        solve_lower(work.L, m, first)
     s = rows.ub[row] if side > 0 else -rows.lb[row]
     for i in range(n):
         s += m[i] * work.w[i]

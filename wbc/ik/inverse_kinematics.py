@@ -1,0 +1,305 @@
+"""Inverse kinematics: joint velocities from the tasks and limits of the controller."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from wbc.errors import TaskError, short_repr
+from wbc.ik.configuration_kinematics import ConfigurationKinematics
+from wbc.ik.errors import InverseKinematicsError, NoSolutionFound
+from wbc.ik.reach import ReachSearch, ReachSolution
+from wbc.ik.velocity_program import Unknown, VelocityProblemLayout, VelocityProgram
+from wbc.limits import AnyLimit, JointPositionLimit, JointVelocityLimit, LimitSet
+from wbc.qp import Outcome, Problem, Solver, explain, load_qp_kernels, resolve_solver
+from wbc.robot import FixedBaseRobot, RobotModel
+from wbc.tasks import JointTask, Task
+
+if TYPE_CHECKING:
+    from wbc.ik.compiled_program import CompiledVelocityProgram
+
+TaskT = TypeVar("TaskT", bound=Task)
+BASE = "root_joint"  #: name of the floating base among the joints
+
+
+class InverseKinematics:
+    """Differential inverse kinematics by a quadratic program.
+
+    Each step solves, over the velocities v of the coordinates that move,
+
+        min  ½ Σ_tasks ‖J v − v_ref − (kp/kd) e‖²_w + ½ damping ‖v‖²
+        s.t. J v = v_ref + (kp/kd) e for exact tasks (priority 0), limits on v,
+
+    with the same tasks and limits as `wbc.WholeBodyController`: e is the task's error and v_ref
+    its reference velocity. A task with kp = 1/dt and kd = 1 asks for its target within one step.
+    Position limits keep every joint able to stop before its range ends, at the limit's `braking`
+    (see `wbc.limits.JointPositionLimit.velocity_bounds`); limits on torques have no meaning here
+    and are left aside.
+
+    Args:
+        robot: one that walks or one whose base is fixed.
+        joints: names of the joints that may move, "root_joint" for a floating base; when left
+            out all of them, and the base unless it is fixed.
+        limits: inequalities that hold exactly; position and velocity limits of the robot when
+            left out.
+        solver: QP solver, see `wbc.WholeBodyController`.
+        damping: cost of every velocity, which makes the optimum unique.
+
+    Attributes:
+        robot: the robot.
+        tasks: those added, in order.
+        kinematics: kinematics of the last configuration; None before the first step.
+        problem: the last step's QP; its arrays are overwritten by the next one.
+
+    Raises:
+        JointNotFound: one of the joints is missing.
+        InverseKinematicsError: nothing may move, or the damping is not positive.
+        LimitError: see `set_limits`.
+        SolverNotFound: the solver is unknown or not installed.
+    """
+
+    def __init__(
+        self,
+        robot: RobotModel,
+        *,
+        joints: Sequence[str] | None = None,
+        limits: Sequence[AnyLimit] | None = None,
+        solver: str | Solver | None = None,
+        damping: float = 1e-6,
+    ) -> None:
+        if not 0.0 < damping < math.inf:
+            raise InverseKinematicsError(f"damping = {damping} must be positive and finite")
+        self.robot = robot
+        self.solver = resolve_solver(solver)
+        self.damping = damping
+        self._columns = _columns(robot, joints)
+        if limits is None:
+            limits = (JointPositionLimit(robot), JointVelocityLimit(robot))
+        self.set_limits(limits)
+        self.tasks: list[Task] = []
+        self.kinematics: ConfigurationKinematics | None = None
+        self.problem: Problem | None = None
+        self._at_rest = np.zeros(robot.na)
+        self._programs: dict[tuple[object, ...], VelocityProgram | CompiledVelocityProgram] = {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return everything but the programs, which refer to memory and are made again."""
+        return {**self.__dict__, "_programs": {}, "problem": None}
+
+    def __repr__(self) -> str:
+        tasks = ", ".join(task.name for task in self.tasks) or "none"
+        return (
+            f"InverseKinematics('{self.robot.name}', {self._columns.size} of {self.robot.nv} "
+            f"coordinates move, tasks: {tasks})"
+        )
+
+    def add(self, task: TaskT) -> TaskT:
+        """Add a task and return it.
+
+        Raises:
+            TaskError: it is no task, or there is one of that name already.
+            FrameNotFound: the task's frame is missing; the text lists near names.
+        """
+        if not isinstance(task, Task):
+            raise TaskError(
+                f"{short_repr(task)} is no task: add an object such as wbc.FrameTask('hand')"
+            )
+        if any(task.name == other.name for other in self.tasks):
+            raise TaskError(
+                f"there is a task named '{task.name}' already; give this one another name"
+            )
+        task.bind(self.robot)
+        self.tasks.append(task)
+        return task
+
+    def remove(self, task: Task) -> None:
+        """Remove a task.
+
+        Raises:
+            TaskError: it was never added.
+        """
+        if task not in self.tasks:
+            raise TaskError(f"{short_repr(task)} is none of the tasks that were added")
+        self.tasks.remove(task)
+
+    @property
+    def limits(self) -> tuple[AnyLimit, ...]:
+        """The limits; set them by `set_limits`."""
+        return self._limits
+
+    def set_limits(self, limits: Sequence[AnyLimit]) -> None:
+        """Replace the limits.
+
+        Raises:
+            LimitError: something that is no limit, or two general limits of one name.
+        """
+        self._limit_set = LimitSet.sort(limits, self.robot, 0.0)
+        self._limits = tuple(limits)
+        self._positions = tuple(
+            bound for bound in self._limit_set.bounds if isinstance(bound, JointPositionLimit)
+        )
+        self._reach_limits = LimitSet(None, self._positions, self._limit_set.inequalities)
+
+    def step(self, q: np.ndarray, dt: float, v: np.ndarray | None = None) -> np.ndarray:
+        """Return the velocity (nv,) of one step; move on with `pin.integrate(model, q, dt * v)`.
+
+        Args:
+            q: (nq,) configuration.
+            dt: duration of the step, s.
+            v: (nv,) velocity before the step, from which limits on accelerations count; at rest
+                when left out.
+
+        Raises:
+            StateError: q has a wrong size, a NaN or a non-unit quaternion.
+            InverseKinematicsError: dt is not positive, or v has a wrong size or a NaN.
+            NoSolutionFound: no velocity holds all limits and exact tasks.
+        """
+        if not 0.0 < dt < math.inf:
+            raise InverseKinematicsError(f"dt = {dt} must be positive: the step's duration in s")
+        if self.kinematics is None:
+            self.kinematics = ConfigurationKinematics(self.robot, q)
+        else:
+            self.kinematics.set_configuration(q)
+        before = self._at_rest if v is None else self._joint_velocities(v)
+        weighted = tuple([task for task in self.tasks if task.priority != 0])
+        exact = tuple([task for task in self.tasks if task.priority == 0])
+        program = self._program(Unknown.VELOCITY, weighted, exact, self._limit_set)
+        problem = self.problem = program.build(self.kinematics, before, dt)
+        velocity = np.zeros(self.robot.nv)
+        velocity[self._columns] = self._solve(problem)
+        return velocity
+
+    def reach(
+        self,
+        q: np.ndarray,
+        *,
+        targets: Sequence[Task] | None = None,
+        tolerance: float = 1e-5,
+        restarts: int = 50,
+        seed: int = 0,
+    ) -> ReachSolution:
+        """Search for a posture at which the errors of tasks vanish.
+
+        Position limits and general limits hold at every posture tried; limits on velocities and
+        accelerations have no meaning for a search. What the targets leave open is settled by the
+        other weighted tasks, e.g. a posture.
+
+        Args:
+            q: (nq,) posture to start from; what does not move stays as in it.
+            targets: tasks to reach, among those that were added; when left out all but postures.
+            tolerance: largest error of a row that counts as reached, m and rad.
+            restarts: largest number of further attempts, from random postures.
+            seed: seed of these.
+
+        Returns:
+            The posture that came nearest, whether it reached the targets, and if not, which limits
+            were in the way.
+
+        Raises:
+            StateError: q has a wrong size, a NaN or a non-unit quaternion.
+            TaskError: a target was not added.
+            InverseKinematicsError: there is nothing to reach, or a tolerance that is not positive.
+        """
+        reached = tuple(self._targets() if targets is None else targets)
+        for task in reached:
+            if task not in self.tasks:
+                raise TaskError(f"{short_repr(task)} is none of the tasks that were added")
+        if not reached or not tolerance > 0.0 or restarts < 0:
+            raise InverseKinematicsError(
+                f"{len(reached)} targets, tolerance {tolerance}, {restarts} restarts: there must "
+                "be a target and a positive tolerance"
+            )
+        if self.kinematics is None:
+            self.kinematics = ConfigurationKinematics(self.robot, q)
+        self.kinematics.set_configuration(q)
+        limits, displacement = self._reach_limits, Unknown.DISPLACEMENT
+        others = tuple([t for t in self.tasks if t not in reached and t.priority != 0])
+        secondary = self._program(displacement, others, reached, limits) if others else None
+        lower = np.max([self.robot.q_min, *(b.lower for b in self._positions)], axis=0)
+        upper = np.min([self.robot.q_max, *(b.upper for b in self._positions)], axis=0)
+        search = ReachSearch(
+            self.robot,
+            self._program(displacement, reached, (), limits),
+            reached,
+            self._columns,
+            lower,
+            upper,
+            self.solver,
+            tolerance,
+            others,
+            secondary,
+        )
+        return search.search(self.kinematics, np.array(q, dtype=float), restarts, seed)
+
+    def _targets(self) -> list[Task]:
+        """Return the tasks to reach: all but postures, unless there are no others."""
+        return [t for t in self.tasks if not isinstance(t, JointTask)] or self.tasks
+
+    def _program(
+        self,
+        unknown: Unknown,
+        weighted: tuple[Task, ...],
+        exact: tuple[Task, ...],
+        limits: LimitSet,
+    ) -> VelocityProgram | CompiledVelocityProgram:
+        """Return the program of this structure, from a cache."""
+        key = (unknown, weighted, exact, limits, self.damping)
+        found = self._programs.get(key)
+        if found is None:
+            if len(self._programs) >= 8:
+                self._programs.clear()
+            layout = VelocityProblemLayout(
+                self.robot, weighted, exact, limits, self._columns, unknown, self.damping
+            )
+            if load_qp_kernels():
+                from wbc.ik.compiled_program import CompiledVelocityProgram
+
+                found = CompiledVelocityProgram(layout)
+            else:
+                found = VelocityProgram(layout)
+            self._programs[key] = found
+        return found
+
+    def _solve(self, problem: Problem) -> np.ndarray:
+        if not problem.finite:
+            raise NoSolutionFound(
+                "the QP is not finite: the target, weight or gain of a task or a limit is NaN or "
+                "infinite"
+            )
+        solution = self.solver.solve(problem)
+        x = np.asarray(solution.x)
+        solved = solution.outcome is Outcome.SOLVED and x.shape == problem.g.shape
+        if solved and math.isfinite(x.dot(x)):
+            return x
+        raise NoSolutionFound(explain(problem) or f"the solver gave up ({solution.detail})")
+
+    def _joint_velocities(self, v: np.ndarray) -> np.ndarray:
+        v = np.asarray(v, dtype=float)
+        if v.shape != (self.robot.nv,) or not math.isfinite(v.dot(v)):
+            raise InverseKinematicsError(
+                f"v of shape {v.shape} must be ({self.robot.nv},) finite numbers"
+            )
+        return v[6:]
+
+
+def _columns(robot: RobotModel, joints: Sequence[str] | None) -> np.ndarray:
+    """Return the indices into nv of the coordinates that move: joints from the last, then the base.
+
+    Legs come first in most trees: so the rows of standing feet begin with zeros, which the solver
+    skips.
+    """
+    if joints is None:
+        names = list(robot.joint_names)
+        base = not isinstance(robot, FixedBaseRobot)
+    else:
+        names = [name for name in joints if name != BASE]
+        base = len(names) < len(joints)
+        if base and isinstance(robot, FixedBaseRobot):
+            raise InverseKinematicsError(f"the base of '{robot.name}' is fixed; leave '{BASE}' out")
+    moving = sorted({6 + robot.joint_index(name) for name in names}, reverse=True)
+    if not moving and not base:
+        raise InverseKinematicsError("no joint may move: joints is empty")
+    return np.array([*moving, *(range(6) if base else ())], dtype=int)
