@@ -308,6 +308,22 @@ def test_invalid_readings_are_refused_by_name(field):
     assert not estimator.contacts, "a reading that is refused changes nothing"
 
 
+def test_read_only_and_strided_arrays_are_taken():
+    m = swaying(duration=2.0).measurements[0]
+    acceleration = np.repeat(np.linspace(-1.0, 1.0, robot().nv), 2)[::2]
+    other = dataclasses.replace(m, joint_position=m.joint_position.copy())
+    given = [acceleration.copy(), acceleration, acceleration.copy()]
+    for array in (given[2], other.joint_position):
+        array.setflags(write=False)
+    states = []
+    for array, reading in zip(given, (m, m, other), strict=True):
+        estimator = Estimator(robot())
+        estimator.update(m)  # the first reading is taken as it is, whatever is foreseen
+        states.append(estimator.update(reading, acceleration=array).state)
+    for state in states[1:]:
+        np.testing.assert_array_equal(state.v, states[0].v)
+
+
 def test_readings_of_other_number_types_are_taken():
     m = swaying(duration=2.0).measurements[0]
     q = m.joint_position.astype(np.float32)
@@ -317,7 +333,9 @@ def test_readings_of_other_number_types_are_taken():
     np.testing.assert_array_equal(states[0].q, states[1].q)
 
 
-@pytest.mark.parametrize("bad", [np.zeros(7), np.full(38, np.nan), 0.0])
+@pytest.mark.parametrize(
+    "bad", [np.zeros(7), np.full(38, np.nan), 0.0, np.zeros((38, 1)), [0.0] * 38]
+)
 def test_a_foreseen_acceleration_that_makes_no_sense_is_refused(bad):
     m = swaying(duration=2.0).measurements[0]
     with pytest.raises(MeasurementError, match="acceleration is"):

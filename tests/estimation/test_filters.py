@@ -24,7 +24,8 @@ def period(
     update, state, acceleration, position, velocity = joints
     chains = (np.zeros(3, LINK), np.array([1, 2, 3]), np.zeros(1, POSES))
     chains[0]["joint"] = -1
-    predict(f.record, slip, update, state, *chains, acceleration, position, velocity, *imu)
+    result = (np.zeros(7 + position.size), np.zeros(6 + position.size))
+    predict(f.record, slip, update, state, *chains, *result, acceleration, position, velocity, *imu)
 
 
 def propagate(

@@ -43,7 +43,7 @@ class ContactTrigger:
 
     def slip_factor(self, load: float) -> float:
         """Return the factor on the drift of a sole with this load, a share of the weight."""
-        return max(1.0, self.full / max(load, _MIN_LOAD))
+        return 1.0 if load >= self.full else max(1.0, self.full / max(load, _MIN_LOAD))
 
 
 class ContactDetector:
@@ -93,12 +93,15 @@ class ContactDetector:
             stands, loads = [], {}
             for i, name in enumerate(names):
                 wrench = wrenches.get(name)
-                if wrench is None or wrench.shape != (6,) or not math.isfinite(wrench.dot(wrench)):
+                components = None
+                if wrench is not None and wrench.shape == (6,):
+                    components = wrench.tolist()
+                if components is None or not math.isfinite(sum(components)):
                     raise MeasurementError(
                         f"measurement.foot_wrenches['{name}'] is {wrench!r}: it needs six finite "
                         "numbers for every sole, or no entries at all without foot sensors"
                     )
-                load = loads[name] = wrench.item(2) / self._weight
+                load = loads[name] = components[2] / self._weight
                 stood = before[i]
                 slip[i] = trigger.slip_factor(load) if stood else 0.0
                 stands.append(load > (trigger.off if stood else trigger.on))

@@ -24,6 +24,7 @@ from wbc.state import State
 
 #: Without foot sensors, soles within this of the lowest one are taken to stand, m.
 _LEVEL = 0.005
+_NUMBERS = "fiu"  # kinds of data types: floating-point, signed and unsigned numbers
 
 
 class Estimator:
@@ -166,35 +167,44 @@ class Estimator:
         detector = self._detector
         before = detector.stands
         loads = detector.update(measurement.foot_wrenches, contacts)
-        outcome = self._predict(measurement, acceleration)
+        q, v = np.empty(self._nq), np.empty(self._nv)
+        outcome = self._predict(measurement, acceleration, q, v)
         if outcome == REFUSED:
             detector.decide(before)
             self._refuse(measurement, acceleration)
         if loads is None and contacts is None:
             detector.decide(self._lowest())
-        self._correct(before, detector.stands, outcome == CORRECTION_DUE)
-        return Estimate(self._state(), detector.contacts, loads, measurement.foot_wrenches)
+        due, stands = outcome == CORRECTION_DUE, detector.stands
+        if due or stands != before:
+            self._correct(before, stands, due)
+            write_state(self.filter.record, self._legs.poses, self._joints.state, q, v)
+        return Estimate(State(q, v), detector.contacts, loads, measurement.foot_wrenches)
 
-    def _predict(self, measurement: Measurement, acceleration: np.ndarray | None) -> int:
-        """Take in the readings of joints and IMU; see `predict`."""
+    def _predict(
+        self,
+        measurement: Measurement,
+        acceleration: np.ndarray | None,
+        q: np.ndarray,
+        v: np.ndarray,
+    ) -> int:
+        """Take in the readings of joints and IMU, and write the state; see `predict`."""
         m, joints, legs = measurement, self._joints, self._legs
-        readings = (m.joint_position, m.joint_velocity, m.gyro, m.accelerometer)
-        try:
-            foreseen = self._no_acceleration if acceleration is None else acceleration[6:]
-            if tuple([x.shape for x in (foreseen, *readings)]) != self._shapes:
-                return REFUSED
-        except (AttributeError, TypeError):
-            return REFUSED
         update = joints.update_matrix(acceleration is not None)
-        state = (self.filter.record, self._detector.slip, update, joints.state)
-        chains = (legs.links, legs.ends, legs.poses)
+        record, slip = self.filter.record, self._detector.slip
+        filters = (record, slip, update, joints.state, legs.links, legs.ends, legs.poses)
+        if acceleration is None:
+            foreseen = self._no_acceleration
+        elif isinstance(acceleration, np.ndarray) and acceleration.ndim == 1:
+            foreseen = acceleration[6:]
+        else:
+            return REFUSED
+        readings = (foreseen, m.joint_position, m.joint_velocity, m.gyro, m.accelerometer)
         try:
-            outcome = predict(*state, *chains, foreseen, *readings)
-        except TypeError:  # other numbers than floats, or not contiguous
-            if any(x.dtype.kind not in "fiu" for x in (foreseen, *readings)):
+            outcome = predict(*filters, q, v, *readings)
+        except (AttributeError, TypeError):  # other numbers than floats, not contiguous, read-only
+            if not all(_is_vector_of_numbers(x) for x in readings):
                 return REFUSED
-            floats = [np.ascontiguousarray(x, dtype=float) for x in (foreseen, *readings)]
-            outcome = predict(*state, *chains, *floats)
+            outcome = predict(*filters, q, v, *(np.array(x, dtype=float) for x in readings))
         if outcome != REFUSED:
             joints.fresh = False
         return int(outcome)
@@ -203,7 +213,7 @@ class Estimator:
         names = ("joint_position", "joint_velocity", "gyro", "accelerometer")
         for name, shape in zip(names, self._shapes[1:], strict=True):
             reading = getattr(measurement, name)
-            if not isinstance(reading, np.ndarray) or reading.dtype.kind not in "fiu":
+            if not isinstance(reading, np.ndarray) or reading.dtype.kind not in _NUMBERS:
                 raise MeasurementError(
                     f"measurement.{name} is {short_repr(reading)}: it must be an array of numbers"
                 )
@@ -228,8 +238,6 @@ class Estimator:
 
     def _correct(self, before: list[bool], stands: list[bool], due: bool) -> None:
         """Correct by the soles that stood and stand; take in those that came down."""
-        if not due and stands == before:
-            return
         h, F = self._legs.sole_positions, self._legs.sole_rotations
         if due:
             held = [now and then for now, then in zip(stands, before, strict=True)]
@@ -238,8 +246,6 @@ class Estimator:
             if now and not before[i]:
                 self.filter.land(i, h[i], F[i])
 
-    def _state(self) -> State:
-        """Return the state of the robot now, in new arrays."""
-        q, v = np.empty(self._nq), np.empty(self._nv)
-        write_state(self.filter.record, self._legs.poses, self._joints.state, q, v)
-        return State(q, v)
+
+def _is_vector_of_numbers(x: object) -> bool:
+    return isinstance(x, np.ndarray) and x.ndim == 1 and x.dtype.kind in _NUMBERS

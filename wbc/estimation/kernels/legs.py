@@ -138,32 +138,11 @@ def find_poses(links: np.ndarray, ends: np.ndarray, joints: np.ndarray, out: np.
             _move_along(links[n], q, R, p, work)
 
 
-@kernel(
-    argument_types(
-        np.zeros(1, FILTER),
-        _POSES,
-        _JOINTS,
-        _VECTOR,
-        _VECTOR,
-    )
-)
-def write_state(
-    filter_: np.ndarray,
-    poses: np.ndarray,
-    joints: np.ndarray,
-    q: np.ndarray,
-    v: np.ndarray,
+@subkernel
+def find_state(
+    f: np.ndarray, seen: np.ndarray, joints: np.ndarray, q: np.ndarray, v: np.ndarray
 ) -> None:
-    """Write configuration and velocity of the robot.
-
-    Args:
-        filter_: (1,) state of the IMU.
-        poses: (1,) as seen from the IMU.
-        joints: (2, na) positions and velocities, rad and rad/s.
-        q: (nq,) result.
-        v: (nv,) result.
-    """
-    f, seen = filter_[0], poses[0]
+    """Write configuration and velocity of the robot; see `write_state`."""
     R, vectors, gyro, bias = f["R"], f["vectors"], f["gyro"], f["gyro_bias"]
     origin, work = f["origin"], seen["matrices"]
     base_R, base_p = seen["base_rotation"], seen["base_position"]
@@ -186,3 +165,23 @@ def write_state(
     for i in range(joints.shape[1]):
         q[7 + i] = joints[0, i]
         v[6 + i] = joints[1, i]
+
+
+@kernel(argument_types(np.zeros(1, FILTER), _POSES, _JOINTS, _VECTOR, _VECTOR))
+def write_state(
+    filter_: np.ndarray,
+    poses: np.ndarray,
+    joints: np.ndarray,
+    q: np.ndarray,
+    v: np.ndarray,
+) -> None:
+    """Write configuration and velocity of the robot.
+
+    Args:
+        filter_: (1,) state of the IMU.
+        poses: (1,) as seen from the IMU.
+        joints: (2, na) positions and velocities, rad and rad/s.
+        q: (nq,) result.
+        v: (nv,) result.
+    """
+    find_state(filter_[0], poses[0], joints, q, v)

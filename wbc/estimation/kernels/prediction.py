@@ -9,7 +9,7 @@ import numpy as np
 from wbc.estimation.kernels.filter_record import FEET, FILTER
 from wbc.estimation.kernels.inekf import propagate
 from wbc.estimation.kernels.joints import update_joints
-from wbc.estimation.kernels.legs import LINK, POSES, find_poses
+from wbc.estimation.kernels.legs import LINK, POSES, find_poses, find_state
 from wbc.jit.compile import argument_types, kernel, subkernel
 
 #: What `predict` returns.
@@ -26,6 +26,11 @@ def _sum_of_squares(x: np.ndarray) -> float:
     return total
 
 
+@subkernel
+def _fits(x: np.ndarray, size: int) -> bool:
+    return x.ndim == 1 and x.size == size
+
+
 @kernel(
     argument_types(
         np.zeros(1, FILTER),
@@ -35,7 +40,7 @@ def _sum_of_squares(x: np.ndarray) -> float:
         np.zeros(1, LINK),
         np.zeros(1, np.int64),
         np.zeros(1, POSES),
-        *(_VECTOR,) * 5,
+        *(_VECTOR,) * 7,
     )
 )
 def predict(
@@ -46,13 +51,15 @@ def predict(
     links: np.ndarray,
     ends: np.ndarray,
     poses: np.ndarray,
+    q: np.ndarray,
+    v: np.ndarray,
     acceleration: np.ndarray,
     joint_position: np.ndarray,
     joint_velocity: np.ndarray,
     gyro: np.ndarray,
     accelerometer: np.ndarray,
 ) -> int:
-    """Advance filter and joints by one period, and compute the legs' poses.
+    """Advance filter and joints by one period, and compute the legs' poses and the robot's state.
 
     Args:
         filter_: (1,) the invariant filter.
@@ -62,6 +69,8 @@ def predict(
         links: see `find_poses`.
         ends: see `find_poses`.
         poses: (1,) result.
+        q: (nq,) result, the configuration.
+        v: (nv,) result, the generalised velocity.
         acceleration: (na,) foreseen for the joints, rad/s².
         joint_position: (na,) reading, rad.
         joint_velocity: (na,) reading, rad/s.
@@ -69,9 +78,14 @@ def predict(
         accelerometer: (3,) reading, IMU axes, m/s².
 
     Returns:
-        REFUSED when an entry is not finite, and nothing has changed; CORRECTION_DUE when the
-        filter is to be corrected by the legs; else DONE.
+        REFUSED when a size is wrong or an entry is not finite, and nothing has changed;
+        CORRECTION_DUE when the filter is to be corrected by the legs; else DONE.
     """
+    na = joints.shape[1]
+    if not (_fits(joint_position, na) and _fits(joint_velocity, na) and _fits(acceleration, na)):
+        return REFUSED
+    if not (_fits(gyro, 3) and _fits(accelerometer, 3)):
+        return REFUSED
     total = _sum_of_squares(joint_position) + _sum_of_squares(joint_velocity)
     total += _sum_of_squares(gyro) + _sum_of_squares(accelerometer) + _sum_of_squares(acceleration)
     # Not `isfinite(total)`, which is `total − total == 0` to the compiler: it may reorder the sums.
@@ -80,4 +94,5 @@ def predict(
     due = propagate(filter_[0], gyro, accelerometer, slip)
     update_joints(joint_update, joints, acceleration, joint_position, joint_velocity)
     find_poses(links, ends, joints, poses[0])
+    find_state(filter_[0], poses[0], joints, q, v)
     return CORRECTION_DUE if due else DONE
