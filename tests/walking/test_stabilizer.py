@@ -61,7 +61,7 @@ def test_com_bias_is_estimated_from_the_force_of_the_ground(inertia: float) -> N
         com = 0.03 * np.exp(1j * sway * dt * k)
         cop = com * (1.0 + lever * sway**2) + 0.005 * random.standard_normal()
         estimate = com + (0.004 - 0.006j)
-        motion = CentroidalMotion(estimate, 1j * sway * com, 0.0, 1j * sway * com * lever)
+        motion = CentroidalMotion(estimate, 1j * sway * com, height, 0.0, 1j * sway * com * lever)
         found = bias.update(dt, motion, GroundReaction(cop, 1.0), 0.0)
     assert found == pytest.approx(0.004 - 0.006j, abs=7e-4)
     # While the robot steps the bias is kept, in the axes of the robot.
@@ -70,7 +70,7 @@ def test_com_bias_is_estimated_from_the_force_of_the_ground(inertia: float) -> N
 
 
 def test_without_foot_sensors_the_com_bias_is_zero() -> None:
-    bias, moved = ComBiasEstimator(9.81), CentroidalMotion(0.1 + 0.1j, 0j, 0.0, 0j)
+    bias, moved = ComBiasEstimator(9.81), CentroidalMotion(0.1 + 0.1j, 0j, 0.8, 0.0, 0j)
     assert all(bias.update(0.002, moved, None, 0.3) == 0j for _ in range(10))
 
 
@@ -86,7 +86,7 @@ def test_landing_place_moves_in_the_tick_that_decides_it() -> None:
         state = machine.state
         machine.update(dt, feet, command, None)
         dcm = planner.reference(state).dcm + push
-        stabilizer.observe(state, CentroidalMotion(dcm, 0j, 0.0, 0j), None, 0.0, dt)
+        stabilizer.observe(state, CentroidalMotion(dcm, 0j, 0.8, 0.0, 0j), None, 0.0, dt)
         decided = stabilizer.update(state, lambda at: planner.reference(state, at))
         machine.move_swing(dt, decided.landing)
         return state

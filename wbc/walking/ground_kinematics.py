@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 
 from wbc.gait import Feet, Placement
 from wbc.kinematics import Kinematics
@@ -18,6 +19,7 @@ class CentroidalMotion(NamedTuple):
     Attributes:
         point: ground point below the centre of mass, m.
         velocity: its velocity, m/s.
+        height: world height of the centre of mass, m.
         vertical_velocity: of the centre of mass, m/s.
         momentum: angular momentum k about `point` over the weight, `(k_y − i k_x) / (m g)`, m·s:
             that of a linear inverted pendulum of height z is `z ċ / g`.
@@ -25,6 +27,7 @@ class CentroidalMotion(NamedTuple):
 
     point: complex
     velocity: complex
+    height: float
     vertical_velocity: float
     momentum: complex
 
@@ -39,33 +42,35 @@ class GroundKinematics:
     Attributes:
         slopes: slopes of the left and of the right sole: rise per metre along world x, and along y
             as the imaginary part.
+        tilt: angle from the vertical of what is vertical on the body in the nominal posture, rad,
+            and its rate, rad/s.
     """
 
     def __init__(self, robot: Robot, kin: Kinematics) -> None:
         self._kin = kin
         self._body = np.zeros(1, BODY)
         body = self._body[0]
-        body["mass"] = kin.mass
+        body["mass"], body["weight"], body["gravity"] = kin.mass, robot.weight, robot.gravity
         for k, sole in enumerate(robot.soles):
             body["joint"][k] = sole.joint_id
             body["axis"][k] = sole.placement.rotation[:, 0]
             body["normal"][k] = sole.placement.rotation[:, 2]
             body["position"][k] = sole.placement.translation
-        self._weight = robot.weight
-        self._gravity = robot.gravity
-        self._out = np.zeros(27)
+        body["up"] = pin.Quaternion(robot.q_nominal[3:7]).matrix()[2]
         self.slopes = (0j, 0j)
+        self.tilt = (0.0, 0.0)
 
     def read(self) -> tuple[Feet, CentroidalMotion]:
         """Return both soles and the motion of the centre of mass, world axes."""
-        kin, out = self._kin, self._out
-        read_ground(kin.joint_placements, kin.mass_matrix, kin.state.v, self._body, out)
-        x, y, z, yaw, right_x, right_y, right_z, right_yaw, *motion = out.tolist()
-        left = Placement(complex(x, y), yaw, z)
-        right = Placement(complex(right_x, right_y), right_yaw, right_z)
-        c_x, c_y, c_z, v_x, v_y, v_z, l_x, l_y, *rest = motion
-        left_x, left_y, other_x, other_y = rest[7:]
-        self.slopes = (complex(left_x, left_y), complex(other_x, other_y))
-        velocity, height = complex(v_x, v_y), c_z - 0.5 * (z + right_z)
-        momentum = velocity * (height / self._gravity) + complex(l_y, -l_x) / self._weight
-        return Feet(left, right), CentroidalMotion(complex(c_x, c_y), velocity, v_z, momentum)
+        kin = self._kin
+        left, right, com, self.tilt = read_ground(
+            kin.joint_placements, kin.mass_matrix, kin.state.v, self._body
+        )
+        left_point, left_yaw, left_height, left_slope = left
+        right_point, right_yaw, right_height, right_slope = right
+        self.slopes = (left_slope, right_slope)
+        feet = Feet(
+            Placement(left_point, left_yaw, left_height),
+            Placement(right_point, right_yaw, right_height),
+        )
+        return feet, CentroidalMotion(*com)

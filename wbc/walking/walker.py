@@ -216,7 +216,7 @@ class Walker:
         )
         self._ground_slope.reset()
         ground = 0.5 * (feet.left.height + feet.right.height)
-        self._tasks.height.reset(ground, float(self._kin.p_com[2]))
+        self._tasks.height.reset(ground, com.height)
         self._heading = mean_heading(self.gait_state)
         at_rest = DcmReference(com.point, 0j, com.point)
         landing = self.gait_state.landing
@@ -250,9 +250,8 @@ class Walker:
         state.ground_slope = self._ground_slope.update(state, self._ground.slopes, dt)
         state.lift_off_slope = self._ground.slopes[0 if state.support == "right" else 1]
         stabilizer.observe(state, com, reaction, self._heading, dt)
-        self._falling_why = self._fall_detector.update(
-            estimate.state, state.dcm, float(kin.p_com[2]), feet
-        )
+        tilt = self._ground.tilt
+        self._falling_why = self._fall_detector.update(tilt, state.dcm, com.height, feet)
         if self._falling_why:
             return self._fall_controller.command(estimate.state)
         machine.update(dt, feet, self._command, sides_in_contact(self.robot, estimate))

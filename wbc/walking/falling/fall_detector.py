@@ -7,7 +7,6 @@ import math
 from wbc.gait import Feet
 from wbc.geometry.polygon import clamp_to_polygon, convex_hull, sole_corners
 from wbc.robot import Robot
-from wbc.state import State
 
 #: Sum of the four measures from which on no run recovered, and for how long, s. It was chosen on
 #: pushes of 0.3 to 1.2 N·s/kg from eight directions, standing and walking: the largest sum from
@@ -41,8 +40,6 @@ class FallDetector:
         left, right = robot.soles
         self._sizes = (left.half_length, left.half_width), (right.half_length, right.half_width)
         self._height = robot.com_height
-        x, y, z, w = robot.q_nominal[3:7].tolist()
-        self._up = _vertical(x, y, z, w)
         self._least_ticks = max(1, round(_LEAST_TIME / dt))
         self._ticks = 0
 
@@ -50,19 +47,23 @@ class FallDetector:
         """Forget the past."""
         self._ticks = 0
 
-    def update(self, state: State, dcm: complex, com_height: float, feet: Feet) -> str:
+    def update(self, tilt: tuple[float, float], dcm: complex, com_height: float, feet: Feet) -> str:
         """Return why a fall is unavoidable; an empty text if it is not.
 
         Args:
-            state: as estimated.
+            tilt: angle of the body from the vertical, rad, and its rate, rad/s.
             dcm: divergent component of motion, ground point, m.
             com_height: world height of the centre of mass, m.
             feet: both soles.
         """
-        tilt, rate = self._tilt(state)
+        angle, rate = tilt
         height = com_height - min(feet.left.height, feet.right.height)
         lost = 1.0 - height / self._height
-        index = tilt + _LEAD * max(rate, 0.0) + max(lost, 0.0)
+        index = angle
+        if rate > 0.0:
+            index += _LEAD * rate
+        if lost > 0.0:
+            index += lost
         # The feet themselves are farther from the DCM than the soles: most ticks end here.
         nearest = min(abs(dcm - feet.left.point), abs(dcm - feet.right.point))
         if index + nearest / self._height <= _MAX_INDEX:
@@ -77,30 +78,12 @@ class FallDetector:
             return ""
         return (
             f"the DCM is {distance:.2f} m off the soles, the body is tilted by "
-            f"{math.degrees(tilt):.0f}° at {math.degrees(rate):+.0f}°/s, and the centre of mass is "
-            f"at {100.0 * (1.0 - lost):.0f} % of its height"
+            f"{math.degrees(angle):.0f}° at {math.degrees(rate):+.0f}°/s, and the centre of mass "
+            f"is at {100.0 * (1.0 - lost):.0f} % of its height"
         )
-
-    def _tilt(self, state: State) -> tuple[float, float]:
-        """Return the body's angle from the vertical, rad, and its rate, rad/s."""
-        x, y, z, w = state.q[3:7].tolist()
-        p, q, r = state.v[3:6].tolist()
-        # The world's vertical in base axes turns as u̇ = u × ω; the body's own is constant there.
-        u, v, t = _vertical(x, y, z, w)
-        a, b, c = self._up
-        cosine = min(max(a * u + b * v + c * t, -1.0), 1.0)
-        derivative = a * (v * r - t * q) + b * (t * p - u * r) + c * (u * q - v * p)
-        sine = math.sqrt(1.0 - cosine * cosine)
-        # Upright, the tilt has no direction yet: its rate is zero there and grows with it.
-        return math.acos(cosine), -derivative / max(sine, 1e-3)
 
     def _distance(self, dcm: complex, feet: Feet) -> float:
         """Return the distance of the DCM from the hull of both soles, m."""
         left, right = self._sizes
         corners = sole_corners(feet.left, *left) + sole_corners(feet.right, *right)
         return abs(dcm - clamp_to_polygon(dcm, convex_hull(corners), 0.0))
-
-
-def _vertical(x: float, y: float, z: float, w: float) -> tuple[float, float, float]:
-    """Return the world's z axis in the axes of a body with this orientation."""
-    return 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)

@@ -1,4 +1,4 @@
-"""Placements of the soles and motion of the centre of mass, as the gait reads them."""
+"""Soles, centre of mass and tilt of the body, as gait and balance read them."""
 
 from __future__ import annotations
 
@@ -6,16 +6,20 @@ import math
 
 import numpy as np
 
-from wbc.jit.compile import argument_types, kernel, subkernel_or
+from wbc.jit.compile import argument_types, kernel, subkernel, subkernel_or
 
-#: Mass of the robot, and where each sole is on the joint that carries it.
+#: What `read_ground` has to know of the robot, and its workspace.
 BODY = np.dtype(
     [
         ("mass", float),  # kg
+        ("weight", float),  # N
+        ("gravity", float),  # m/s²
         ("joint", np.int64, (2,)),
         ("axis", float, (2, 3)),  # x axis of the sole, joint axes
         ("normal", float, (2, 3)),  # z axis of the sole, joint axes
         ("position", float, (2, 3)),  # centre of the sole, joint axes, m
+        ("up", float, (3,)),  # world's z axis in the nominal posture, base axes
+        ("momentum", float, (6,)),  # workspace
     ],
     align=True,
 )
@@ -38,13 +42,41 @@ def base_momentum(M: np.ndarray, v: np.ndarray, out: np.ndarray) -> None:
         out[i] = total
 
 
-@kernel(
-    argument_types(np.zeros((1, 12)), np.zeros((1, 1)), np.zeros(1), np.zeros(1, BODY), np.zeros(1))
-)
+@subkernel
+def _read_sole(
+    T: np.ndarray, axis: np.ndarray, normal: np.ndarray, position: np.ndarray
+) -> tuple[complex, float, float, complex]:
+    """Ground point (m), heading (rad), height (m) and slope of a sole.
+
+    Args:
+        T: (12,) placement of the joint, see `wbc.kinematics.Kinematics`.
+        axis: (3,) x axis of the sole, joint axes.
+        normal: (3,) z axis of the sole, joint axes.
+        position: (3,) centre of the sole, joint axes, m.
+    """
+    x = T[0] * position[0] + T[3] * position[1] + T[6] * position[2] + T[9]
+    y = T[1] * position[0] + T[4] * position[1] + T[7] * position[2] + T[10]
+    z = T[2] * position[0] + T[5] * position[1] + T[8] * position[2] + T[11]
+    ahead = T[0] * axis[0] + T[3] * axis[1] + T[6] * axis[2]
+    aside = T[1] * axis[0] + T[4] * axis[1] + T[7] * axis[2]
+    n_x = T[0] * normal[0] + T[3] * normal[1] + T[6] * normal[2]
+    n_y = T[1] * normal[0] + T[4] * normal[1] + T[7] * normal[2]
+    n_z = T[2] * normal[0] + T[5] * normal[1] + T[8] * normal[2]
+    # A sole on edge has no slope.
+    slope = complex(-n_x / n_z, -n_y / n_z) if n_z > 0.5 else 0j
+    return complex(x, y), math.atan2(aside, ahead), z, slope
+
+
+@kernel(argument_types(np.zeros((1, 12)), np.zeros((1, 1)), np.zeros(1), np.zeros(1, BODY)))
 def read_ground(
-    joint_placements: np.ndarray, M: np.ndarray, v: np.ndarray, body: np.ndarray, out: np.ndarray
-) -> None:
-    """Write the placements of both soles, and motion and momentum of the centre of mass.
+    joint_placements: np.ndarray, M: np.ndarray, v: np.ndarray, body: np.ndarray
+) -> tuple[
+    tuple[complex, float, float, complex],
+    tuple[complex, float, float, complex],
+    tuple[complex, complex, float, float, complex],
+    tuple[float, float],
+]:
+    """Return placements of both soles, motion of the centre of mass, and tilt of the body.
 
     The centre of mass c in base axes and the momentum are read off the base rows of M:
     `M[0:3, 3:6] = −m [c]×`, and `M[0:6] v` is the momentum about the base's origin in base
@@ -56,35 +88,45 @@ def read_ground(
         M: (nv, nv) mass matrix.
         v: (nv,) generalised velocity.
         body: (1,) of the type `BODY`.
-        out: (27,) per sole x, y, z of its centre (m) and yaw (rad), then position (m) and
-            velocity (m/s) of the centre of mass, and the angular momentum about it (kg·m²/s), all
-            in world axes; workspace (6,); per sole its rise per metre along x and along y.
+
+    Returns:
+        Per sole its ground point (m), heading (rad), height (m) and slope, the rise per metre
+        along x, and along y as the imaginary part; of the centre of mass its ground point (m),
+        horizontal velocity (m/s), height (m), vertical velocity (m/s) and angular momentum about
+        the ground below it, see `wbc.walking.ground_kinematics.CentroidalMotion` (m·s); angle of
+        the body from the vertical (rad) and its rate (rad/s). World axes.
     """
     b = body[0]
     mass, axes, normals, positions = b["mass"], b["axis"], b["normal"], b["position"]
-    for k in range(2):
-        axis, normal, position = axes[k], normals[k], positions[k]
-        T = joint_placements[b["joint"][k]]
-        for i in range(3):
-            out[4 * k + i] = (
-                T[i] * position[0] + T[3 + i] * position[1] + T[6 + i] * position[2] + T[9 + i]
-            )
-        x = T[0] * axis[0] + T[3] * axis[1] + T[6] * axis[2]
-        y = T[1] * axis[0] + T[4] * axis[1] + T[7] * axis[2]
-        out[4 * k + 3] = math.atan2(y, x)
-        z = T[2] * normal[0] + T[5] * normal[1] + T[8] * normal[2]
-        for i in range(2):
-            along = T[i] * normal[0] + T[3 + i] * normal[1] + T[6 + i] * normal[2]
-            # A sole on edge has no slope.
-            out[23 + 2 * k + i] = -along / z if z > 0.5 else 0.0
-    base, momentum = joint_placements[1], out[17:23]
-    base_momentum(M, v, momentum)
+    left = _read_sole(joint_placements[b["joint"][0]], axes[0], normals[0], positions[0])
+    right = _read_sole(joint_placements[b["joint"][1]], axes[1], normals[1], positions[1])
+    base, p = joint_placements[1], b["momentum"]
+    base_momentum(M, v, p)
     c0, c1, c2 = M[1, 5] / mass, M[2, 3] / mass, M[0, 4] / mass
-    p0, p1, p2 = momentum[0], momentum[1], momentum[2]
-    h0 = momentum[3] - (c1 * p2 - c2 * p1)
-    h1 = momentum[4] - (c2 * p0 - c0 * p2)
-    h2 = momentum[5] - (c0 * p1 - c1 * p0)
-    for i in range(3):
-        out[8 + i] = base[i] * c0 + base[3 + i] * c1 + base[6 + i] * c2 + base[9 + i]
-        out[11 + i] = (base[i] * p0 + base[3 + i] * p1 + base[6 + i] * p2) / mass
-        out[14 + i] = base[i] * h0 + base[3 + i] * h1 + base[6 + i] * h2
+    h0 = p[3] - (c1 * p[2] - c2 * p[1])
+    h1 = p[4] - (c2 * p[0] - c0 * p[2])
+    h2 = p[5] - (c0 * p[1] - c1 * p[0])
+    x = base[0] * c0 + base[3] * c1 + base[6] * c2 + base[9]
+    y = base[1] * c0 + base[4] * c1 + base[7] * c2 + base[10]
+    z = base[2] * c0 + base[5] * c1 + base[8] * c2 + base[11]
+    velocity = complex(
+        (base[0] * p[0] + base[3] * p[1] + base[6] * p[2]) / mass,
+        (base[1] * p[0] + base[4] * p[1] + base[7] * p[2]) / mass,
+    )
+    rising = (base[2] * p[0] + base[5] * p[1] + base[8] * p[2]) / mass
+    l_x = base[0] * h0 + base[3] * h1 + base[6] * h2
+    l_y = base[1] * h0 + base[4] * h1 + base[7] * h2
+    height = z - 0.5 * (left[2] + right[2])
+    momentum = velocity * (height / b["gravity"]) + complex(l_y, -l_x) / b["weight"]
+    # The world's vertical u in base axes turns as u̇ = u × ω; the body's own is constant there.
+    u0, u1, u2, up = base[2], base[5], base[8], b["up"]
+    cosine = min(max(up[0] * u0 + up[1] * u1 + up[2] * u2, -1.0), 1.0)
+    derivative = (
+        up[0] * (u1 * v[5] - u2 * v[4])
+        + up[1] * (u2 * v[3] - u0 * v[5])
+        + up[2] * (u0 * v[4] - u1 * v[3])
+    )
+    # Upright, the tilt has no direction yet: its rate is zero there and grows with it.
+    rate = -derivative / max(math.sqrt(1.0 - cosine * cosine), 1e-3)
+    com = (complex(x, y), velocity, z, rising, momentum)
+    return left, right, com, (math.acos(cosine), rate)
