@@ -38,6 +38,11 @@ class Velocity:
         """No motion asked for."""
         return self.forward == 0.0 and self.left == 0.0 and self.turn == 0.0
 
+    @property
+    def speed(self) -> float:
+        """Speed over the ground, m/s."""
+        return math.hypot(self.forward, self.left)
+
     def must_be_finite(self) -> None:
         """Check the entries.
 

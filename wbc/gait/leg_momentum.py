@@ -8,16 +8,16 @@ import pinocchio as pin
 from wbc.robot import Robot
 
 
-def swing_momentum(robot: Robot, velocity: tuple[float, float]) -> np.ndarray:
-    """Angular momentum about the centre of mass while the left foot moves, (3,) kg·m²/s.
+def swing_momentum(robot: Robot) -> np.ndarray:
+    """Angular momentum about the centre of mass per velocity of the left foot, (3, 2) kg·m.
 
-    In the nominal posture: the foot moves without turning, the support foot and the centre of
-    mass rest, and the trunk keeps its attitude. The same matrix leads from the acceleration of a
-    foot that starts from rest to the rate of the angular momentum.
+    Its columns belong to velocities forward and to the left. In the nominal posture: the foot moves
+    without turning, the support foot and the centre of mass rest, and the trunk keeps its attitude.
+    The same matrix leads from the acceleration of a foot that starts from rest to the rate of the
+    angular momentum.
 
     Args:
         robot: the robot.
-        velocity: of the left foot, forward and to the left, m/s.
     """
     model, q = robot.model, robot.standing().q
     data = model.createData()
@@ -29,7 +29,6 @@ def swing_momentum(robot: Robot, velocity: tuple[float, float]) -> np.ndarray:
     com = pin.jacobianCenterOfMass(model, data, q)
     moving = [0, 1, 2, *(int(index) for leg in robot.legs for index in leg)]
     constraints = np.vstack([*feet, com])[:, moving]
-    wanted = np.zeros(15)
-    wanted[:2] = velocity
+    wanted = np.eye(15)[:, :2]
     motion = np.linalg.lstsq(constraints, wanted, rcond=None)[0]
     return np.asarray(data.Ag[3:, moving] @ motion)

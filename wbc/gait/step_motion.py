@@ -89,7 +89,7 @@ class StepMotion:
         self._com_height = robot.com_height
         # Moment about the vertical over the weight, m: what the swing foot's acceleration needs
         # for each m/s², and what the sole transmits without slipping.
-        self._yaw_ratio = abs(float(swing_momentum(robot, (1.0, 0.0))[2])) / robot.weight
+        self._yaw_ratio = abs(float(swing_momentum(robot)[2, 0])) / robot.weight
         self._grip = _GRIP * _FRICTION * min(s.half_length + s.half_width for s in robot.soles)
 
     def excess(self, gait: GaitParameters, velocity: Velocity) -> np.ndarray:
@@ -117,7 +117,7 @@ class StepMotion:
 
         A row is infinite where a leg does not reach its foot.
         """
-        step = abs(complex(velocity.forward, velocity.left)) * gait.step_duration
+        step = velocity.speed * gait.step_duration
         height = min(gait.com_height, self._workspace.com_height(step))
         feet = {
             "left": Placement(0j, 0.0),

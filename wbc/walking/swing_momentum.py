@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from wbc.gait import DcmReference, GaitState, Phase, Planner, SwingFoot
 from wbc.gait.kernels.swing import LIFT
 from wbc.gait.leg_momentum import swing_momentum
 from wbc.robot import Robot
+from wbc.walking.kernels.swing_momentum import swing_acceleration
 
 
 class SwingMomentum:
@@ -60,32 +63,21 @@ class SwingMomentum:
         if state.shortened or state.recovering:
             return self._apply_recovery(reference, state)
         gait, swing = state.gait, state.swing
-        omega = gait.omega
-        wait = state.remaining + LIFT * gait.single_support
-        offset = acceleration = 0j
+        gap, distance = 0.0, 0j
         if isinstance(swing, SwingFoot):
-            wait += gait.double_support
-            duration = (1.0 - LIFT) * state.duration
-            lifting = max(LIFT * state.duration - state.time, 0.0)
-            s = 1.0 - min(state.remaining / duration, 1.0)
-            distance = state.landing.point - swing.start.point
-            offset = distance * (
-                math.exp(-omega * lifting) * _discounted_acceleration(s, duration, omega)
-            )
-            acceleration = distance * (_acceleration(s) / (duration * duration))
-        if self._next != 0j:
-            offset += self._next * (
-                math.exp(-omega * wait)
-                * _discounted_acceleration(0.0, (1.0 - LIFT) * gait.single_support, omega)
-            )
-        offset *= -self.ratio
-        pivot = -self.ratio * acceleration
-        return DcmReference(
-            reference.dcm + offset,
-            reference.dcm_velocity + omega * (offset - pivot),
-            reference.zmp,
-            pivot,
+            gap, distance = gait.double_support, state.landing.point - swing.start.point
+        offset, pivot = swing_acceleration(
+            state.time,
+            state.duration,
+            gap,
+            gait.single_support,
+            LIFT,
+            gait.omega,
+            self.ratio,
+            distance,
+            self._next,
         )
+        return _moved(reference, offset, pivot, gait.omega)
 
     def _apply_recovery(self, reference: DcmReference, state: GaitState) -> DcmReference:
         """Return the reference of a step that catches a push with the momentum of its swing.
@@ -107,13 +99,13 @@ class SwingMomentum:
         way = swing.target.point - complex(x, y)
         mean = 0.5 * way + 0.1 * remaining * velocity
         offset = self.ratio * omega * (velocity - omega * (way * left + mean * (1.0 - left)))
-        pivot = -self.ratio * complex(a_x, a_y)
-        return DcmReference(
-            reference.dcm + offset,
-            reference.dcm_velocity + omega * (offset - pivot),
-            reference.zmp,
-            pivot,
-        )
+        return _moved(reference, offset, -self.ratio * complex(a_x, a_y), omega)
+
+
+def _moved(reference: DcmReference, offset: complex, pivot: complex, omega: float) -> DcmReference:
+    """Return a reference whose DCM is moved by an offset, and its pivot off its ZMP, m."""
+    dcm, velocity, zmp, _ = reference
+    return DcmReference(dcm + offset, velocity + omega * (offset - pivot), zmp, pivot)
 
 
 def _next_displacement(state: GaitState, planner: Planner) -> complex:
@@ -124,31 +116,7 @@ def _next_displacement(state: GaitState, planner: Planner) -> complex:
     return steps[0].placement.point - state.other_foot.point if steps else 0j
 
 
-def _acceleration(s: float) -> float:
-    """Second derivative of the quintic from 0 to 1, at rest at both ends, at 0 ≤ s ≤ 1."""
-    return 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s)
-
-
-def _discounted_acceleration(s: float, duration: float, omega: float) -> float:
-    """`ω ∫ a(u) e^(−ω(u − t)) du` from now to the end of a swing over a unit distance, 1/s².
-
-    By parts: a is a cubic polynomial, whose derivatives at the end are 0, 60, 360 and 720.
-
-    Args:
-        s: elapsed share of the swing, 0 to 1.
-        duration: of the swing, s.
-        omega: natural frequency ω, 1/s.
-    """
-    x = omega * duration
-    here = (
-        _acceleration(s) + (60.0 - 360.0 * s * (1.0 - s) + (720.0 * s - 360.0 + 720.0 / x) / x) / x
-    )
-    end = (60.0 + (360.0 + 720.0 / x) / x) / x
-    return (here - math.exp(-x * (1.0 - s)) * end) / (duration * duration)
-
-
 def _momentum_ratio(robot: Robot) -> float:
     """κ of a robot in its nominal posture: mean of forward and lateral acceleration, s²."""
-    pitch = abs(float(swing_momentum(robot, (1.0, 0.0))[1]))
-    roll = abs(float(swing_momentum(robot, (0.0, 1.0))[0]))
-    return 0.5 * (pitch + roll) / robot.weight
+    momentum = np.abs(swing_momentum(robot))
+    return 0.5 * float(momentum[1, 0] + momentum[0, 1]) / robot.weight
