@@ -56,7 +56,7 @@ class SpeedAdaptation:
         """The parameters for steps at a velocity; the same object while it hardly changes."""
         gait = self.gait
         usual = gait.max_step / gait.step_duration
-        index = round(_GRID * abs(complex(velocity.forward, velocity.left)) / usual)
+        index = round(_GRID * velocity.speed / usual)
         if index != self._index:
             self._index = index
             self._adapted = self._adapt(index / _GRID) if index else gait

@@ -125,9 +125,10 @@ class GaitState:
 
     def on_slope(self, placement: Placement) -> Placement:
         """The same placement at the height that the ground has there, from the support foot on."""
-        slope, stance = self.ground_slope, self.stance
+        slope = self.ground_slope
         if slope == 0j:
             return placement
+        stance = self.stance
         way = placement.point - stance.point
         rise = slope.real * way.real + slope.imag * way.imag
         return placement._replace(height=stance.height + rise)
@@ -150,7 +151,7 @@ class GaitState:
     @property
     def at_rest(self) -> bool:
         """Whether the robot stands, on two feet or on one."""
-        return self.phase is Phase.STAND or self.lifted is not None
+        return self.phase is Phase.STAND or isinstance(self.swing, LiftedFoot)
 
     @property
     def lifted(self) -> LiftedFoot | None:
@@ -160,13 +161,16 @@ class GaitState:
     @property
     def progress(self) -> float:
         """Completed share of the swing or of the weight's transfer, 0 to 1."""
-        whole = self.duration - self.hold
-        return min(max(self.time - self.hold, 0.0) / whole, 1.0) if whole > 0.0 else 1.0
+        elapsed, whole = self.time - self.hold, self.duration - self.hold
+        if elapsed >= whole or whole <= 0.0:
+            return 1.0
+        return elapsed / whole if elapsed > 0.0 else 0.0
 
     @property
     def remaining(self) -> float:
         """Time to the planned end of the phase, s; 0 when overdue."""
-        return max(self.duration - self.time, 0.0)
+        left = self.duration - self.time
+        return left if left > 0.0 else 0.0
 
     @property
     def standing_point(self) -> complex:

@@ -75,7 +75,8 @@ class GaitStateMachine:
         if adaptation is not None:
             walking = state.phase is not Phase.STAND
             velocity = adaptation.ramp(command.velocity, dt, walking=walking)
-            command = GaitCommand(velocity, command.footsteps)
+            if velocity is not command.velocity:
+                command = GaitCommand(velocity, command.footsteps)
         lifted = state.lifted
         state.feet = feet
         state.time += dt
@@ -250,4 +251,4 @@ def _leads_over_stairs(state: GaitState, given: list[PlannedFootstep]) -> bool:
         other = state.other_foot.height
     if abs(other - present) > _STAIR:
         return True
-    return any(abs(step.placement.height - present) > _STAIR for step in given)
+    return bool(given) and any(abs(step.placement.height - present) > _STAIR for step in given)

@@ -64,11 +64,11 @@ class Placement(NamedTuple):
 
     def to_world(self, local: complex) -> complex:
         """World point of a point given in the axes of this placement."""
-        return self.point + local * planar_rotation(self.yaw)
+        return self.point + local * cmath.rect(1.0, self.yaw)
 
     def to_local(self, world: complex) -> complex:
         """Coordinates of a world point in the axes of this placement."""
-        return (world - self.point) * planar_rotation(-self.yaw)
+        return (world - self.point) * cmath.rect(1.0, -self.yaw)
 
     def relative_to(self, other: Placement) -> Placement:
         """This placement in the axes of another one."""
@@ -78,10 +78,10 @@ class Placement(NamedTuple):
 
     def compose(self, relative: Placement) -> Placement:
         """The world placement of one that is given in this one's axes."""
+        point, yaw, height = self
+        other, turn, rise = relative
         return Placement(
-            self.to_world(relative.point),
-            wrap_angle(self.yaw + relative.yaw),
-            self.height + relative.height,
+            point + other * cmath.rect(1.0, yaw), wrap_angle(yaw + turn), height + rise
         )
 
 

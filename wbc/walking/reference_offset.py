@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pinocchio as pin
 
-from wbc.gait import DcmReference, GaitState, Phase
+from wbc.gait import DcmReference, GaitState
 from wbc.geometry.planar import planar_rotation
 
 _H = 1e-3  # s, step of the finite differences of a rotation
@@ -88,7 +88,7 @@ class ReferenceOffset:
             complex(*x[:2].tolist()) * to_world
             for x in (self.com, self.com_velocity, self.com_acceleration)
         )
-        if state.phase is Phase.STAND or state.lifted is not None:
+        if state.at_rest:
             across = state.feet.left.point - state.feet.right.point
             v += self.weight_shift_velocity * across
             a += self.weight_shift_acceleration * across

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wbc.gait.footsteps import Velocity, first_swing_side
-from wbc.gait.planners.dcm import DcmReference, ZmpSegment, dcm_before
+from wbc.gait.planners.dcm import DcmReference, ZmpSegment, dcm_before, solve_dcm
 from wbc.gait.planners.footstep_preview import FootstepPreview, zmp_over
 from wbc.gait.planners.planner import StepPlan
 from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
@@ -75,7 +75,7 @@ class DcmPlanner:
         plan, given = self._plan, command.footsteps
         preview = self._current_preview(state, given)
         plan.landing = None
-        if state.phase is Phase.STAND or state.lifted is not None:
+        if state.at_rest:
             plan.step_length = 0.0
             return plan
         stance = state.stance
@@ -89,7 +89,7 @@ class DcmPlanner:
         elif state.time > 0.0 and not state.stopping:
             self._follow(state, command.velocity, dt)
         velocity = self.velocity
-        plan.step_length = abs(complex(velocity.forward, velocity.left)) * state.gait.step_duration
+        plan.step_length = velocity.speed * state.gait.step_duration
         if state.phase is Phase.SWING:
             plan.landing = stance.compose(self._relative_landing)
             if not self._follows_given:
@@ -99,19 +99,24 @@ class DcmPlanner:
     def reference(self, state: GaitState, landing: Placement | None = None) -> DcmReference:
         """See `Planner.reference`."""
         omega = state.gait.omega
-        self._current_preview(state, self._preview.given)
-        if state.phase is Phase.STAND or state.lifted is not None:
+        preview = self._current_preview(state, self._preview.given)
+        if state.at_rest:
             zmp = dcm = state.standing_point
         elif state.phase is Phase.SWING:
             zmp = state.stance.point
             dcm = dcm_before(zmp, zmp, state.remaining, self._touchdown_dcm(state, landing), omega)
         else:
-            zmp, dcm = self._transfer_zmp_and_dcm(state)
+            final = None
+            if not state.stopping:
+                final = preview.arrival_dcm(
+                    state.stance, state.support, self.velocity, PREVIEW_STEPS
+                )
+            dcm, _, zmp, _ = solve_dcm(self._present_zmp(state), omega, final)
         return DcmReference(dcm, omega * (dcm - zmp) + self._dcm_drift, zmp)
 
     def footsteps(self, state: GaitState) -> list[PlannedFootstep]:
         """See `Planner.footsteps`."""
-        if state.phase is Phase.STAND or state.stopping or state.lifted is not None:
+        if state.at_rest or state.stopping:
             return []
         preview = self._preview
         stance = state.stance
@@ -230,19 +235,3 @@ class DcmPlanner:
             *(self._preview, self.velocity, self._relative_landing),
             *(state.phase, state.support, state.shortened),
         )
-
-    def _transfer_zmp_and_dcm(self, state: GaitState) -> tuple[complex, complex]:
-        """ZMP and DCM now: the ZMP moves to the support foot, or to the middle to rest."""
-        preview, omega, feet = self._preview, state.gait.omega, state.feet
-        stance = state.stance
-        support = stance.point
-        if state.stopping:
-            middle = feet.middle
-            zmp = support + (middle - support) * state.progress
-            return zmp, dcm_before(zmp, middle, state.remaining, middle, omega)
-        origin = feet.middle if state.starting else state.other_foot.point
-        zmp = origin + (support - origin) * state.progress
-        hold = max(state.hold - state.time, 0.0)
-        arrival = preview.arrival_dcm(stance, state.support, self.velocity, PREVIEW_STEPS)
-        dcm = dcm_before(zmp, support, state.remaining - hold, arrival, omega)
-        return zmp, dcm_before(zmp, zmp, hold, dcm, omega)
