@@ -28,8 +28,10 @@ class GroundSlope:
     def reset(self) -> None:
         """Start anew, on level ground."""
         self._last = [0j] * _STEPS
+        self._common = 0j  # of the last soles, without the present one
         self._present = 0j
         self._swings = False
+        self._ranges = _ranges(self._last[1:])
 
     def update(self, state: GaitState, soles: tuple[complex, complex], dt: float) -> complex:
         """Return the slope of the ground after dt.
@@ -43,21 +45,35 @@ class GroundSlope:
             if self._swings:
                 self._last = [*self._last[1:], self._present]
                 self._swings = False
-            return _common(self._last)
+                self._common = self._with_present()
+                self._ranges = _ranges(self._last[1:])
+            return self._common
         measured = soles[0 if state.support == "left" else 1]
         if state.time < _LANDED or not self._swings:
             self._swings, self._present = True, measured
-            return _common(self._last)
+            return self._common
         self._present += min(dt / _TIME, 1.0) * (measured - self._present)
-        return _common([*self._last[1:], self._present])
+        return self._with_present()
+
+    def _with_present(self) -> complex:
+        """Return what the present sole has in common with the two before."""
+        along, across = self._ranges
+        present = self._present
+        return complex(_smallest(*along, present.real), _smallest(*across, present.imag))
 
 
-def _common(slopes: list[complex]) -> complex:
-    return complex(_smallest([s.real for s in slopes]), _smallest([s.imag for s in slopes]))
+def _ranges(slopes: list[complex]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return least and largest component of some slopes, along x and along y."""
+    along, across = [s.real for s in slopes], [s.imag for s in slopes]
+    return (min(along), max(along)), (min(across), max(across))
 
 
-def _smallest(slopes: list[float]) -> float:
-    least, most = min(slopes), max(slopes)
+def _smallest(least: float, most: float, present: float) -> float:
+    """Return the smallest of some components, from the range of all but the present one."""
+    if present < least:
+        least = present
+    elif present > most:
+        most = present
     if least <= 0.0 <= most:
         return 0.0
     size = min(least if least > 0.0 else -most, _STEEPEST)

@@ -43,13 +43,15 @@ class HeightReference:
             step_length: length of the present steps, m.
             dt: time since the last tick, s.
         """
-        ground = _ground_below(state)
         blend = min(dt / self._time_constant, 1.0)
-        self.ground += max(-_FASTEST * dt, min(_FASTEST * dt, blend * (ground - self.ground)))
+        most, change = _FASTEST * dt, blend * (_ground_below(state) - self.ground)
+        self.ground += most if change > most else -most if change < -most else change
         if step_length != self._step_length:
             self._step_length = step_length
             self._reachable = self._workspace.com_height(step_length)
-        height = min(state.gait.com_height, self._reachable)
+        height = state.gait.com_height
+        if height > self._reachable:
+            height = self._reachable
         self.above_ground += _SLOWER * blend * (height - self.above_ground)
         return self.ground + self.above_ground
 
@@ -62,12 +64,14 @@ def _ground_below(state: GaitState) -> float:
     """
     support = state.stance.height
     if state.phase is Phase.SWING:
-        if state.lifted is not None:
+        rise = state.landing.height - support
+        if rise >= 0.0 or state.at_rest:
             return support
         s = state.progress
-        return support + min(state.landing.height - support, 0.0) * s * s * (3.0 - 2.0 * s)
+        return support + rise * s * s * (3.0 - 2.0 * s)
     other = state.other_foot.height
-    share = state.progress if state.phase is Phase.TRANSFER else 0.5
-    if state.phase is Phase.TRANSFER and not state.starting:
-        other = min(other, support)
-    return other + (support - other) * share
+    if state.phase is Phase.STAND:
+        return 0.5 * (support + other)
+    if other > support and not state.starting:
+        return support
+    return other + (support - other) * state.progress

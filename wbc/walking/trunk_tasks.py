@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.controller import WholeBodyController
-from wbc.geometry.planar import set_rotation_about_z
+from wbc.geometry.planar import rotation_about_z
 from wbc.kinematics import Kinematics
 from wbc.tasks import OrientationTask
 from wbc.walking.gains import WalkerGains
+from wbc.walking.kernels.trunk import turn_about_z
 from wbc.walking.reference_offset import ReferenceOffset
 
 
@@ -32,10 +33,8 @@ class TrunkTasks:
             controller.add(OrientationTask(name, weight=gains.trunk_weight, kp=gains.trunk_kp))
             for name in frames
         )
-        self._upright = [np.array(kin.frame(name).rotation, order="C") for name in frames]
-        self._heading = np.eye(3)
-        targets = [np.empty((3, 3)) for _ in frames]
-        self._references = tuple(zip(self.tasks, self._upright, targets, strict=True))
+        self._upright = np.array([kin.frame(name).rotation for name in frames])
+        self._targets = self._upright.copy()
 
     def update(self, yaw: float, yaw_rate: float, offset: ReferenceOffset | None) -> None:
         """Set the references: upright along a heading, turned by an offset.
@@ -45,13 +44,13 @@ class TrunkTasks:
             yaw_rate: rad/s.
             offset: rotation that a motion adds; None: nothing.
         """
-        heading = self._heading
-        set_rotation_about_z(heading, yaw)
-        for task, upright, target in self._references:
-            task.target = heading.dot(upright, out=target)
+        turn_about_z(yaw, self._upright, self._targets)
+        for k, task in enumerate(self.tasks):
+            task.target = self._targets[k]
             task.velocity[2] = yaw_rate
         if offset is None:
             return
+        heading = rotation_about_z(yaw)
         rotations = (offset.torso, offset.base)[-len(self.tasks) :]
         for task, upright, added in zip(self.tasks, self._upright, rotations, strict=True):
             if added.is_zero:
