@@ -40,7 +40,6 @@ def test_a_folder_as_robot_file_is_refused(tmp_path):
         ("<robot name='r'>\n<link/>\n</robot>", "line 2: a <link> has no name"),
         ("<robot name='r'></robot>", "no <link>"),
         ("<sdf version='1.6'/>", "the root element is <sdf>"),
-        ("<robot name='r'>\n\n<xacro:macro name='m'/></robot>", "line 3: <xacro:macro> is xacro"),
         (
             "<robot name='r'><link name='a'/>\n<joint name='j' type='fixed'>"
             "<parent link='a'/></joint></robot>",

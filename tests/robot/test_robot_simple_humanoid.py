@@ -8,8 +8,9 @@ import pytest
 from robottools import SIMPLE
 
 import wbc.robot
+from wbc.robot.description import read_description
 from wbc.robot.inertia import is_physical
-from wbc.robot.urdf import floats, read_urdf
+from wbc.robot.urdf import floats
 
 # The 15 joints that the chapter's publisher sends, and those that its robot lacked.
 CHAPTER = {"torso_yaw"} | {
@@ -48,11 +49,11 @@ def placements(robot, **joints):
 def test_simple_humanoid_has_the_tutorials_joints_and_links(robot):
     assert len(CHAPTER) == 15
     assert set(robot.joint_names) == CHAPTER | ADDED
-    assert set(read_urdf(SIMPLE).links) >= LINKS
+    assert set(read_description(SIMPLE).links) >= LINKS
 
 
 def test_every_link_has_mass_and_every_body_part_is_drawn_and_collides():
-    for name, link in read_urdf(SIMPLE).links.items():
+    for name, link in read_description(SIMPLE).links.items():
         assert link.find("inertial") is not None, name
         assert link.find("collision") is not None, name
         if not name.endswith("hip_fork"):  # hidden inside the hip
@@ -82,7 +83,7 @@ def volume(shape):
 
 
 def test_each_inertia_of_simple_humanoid_is_that_of_its_solid_shape():
-    for name, link in read_urdf(SIMPLE).links.items():
+    for name, link in read_description(SIMPLE).links.items():
         inertia, shape = link.find("inertial/inertia"), link.find("collision/geometry")[0]
         mass = floats(link.find("inertial/mass"), "value", (0,))[0]
         moments = [floats(inertia, key, (0,))[0] for key in ("ixx", "iyy", "izz")]

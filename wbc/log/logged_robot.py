@@ -9,8 +9,8 @@ from wbc.errors import WbcError
 from wbc.log.errors import LogError
 from wbc.log.robot_info import RobotInfo
 from wbc.robot import available, examples, load
+from wbc.robot.description import read_description
 from wbc.robot.registry import find_robot
-from wbc.robot.urdf import read_urdf
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
@@ -56,7 +56,7 @@ def _known_name(info: RobotInfo) -> str | None:
 def _stated(info: RobotInfo) -> dict[str, Any]:
     """Return the arguments of `load` for a URDF that is not in the catalogue."""
     left, right = info.feet
-    joints = [j.name for j in read_urdf(Path(info.urdf)).joints if j.type != "fixed"]
+    joints = [j.name for j in read_description(Path(info.urdf)).joints if j.type != "fixed"]
     fixed = [name for name in joints if name not in info.joints]
     stated: dict[str, Any] = {"left_foot": left, "right_foot": right, "name": info.name}
     if fixed:

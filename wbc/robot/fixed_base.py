@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+from wbc.robot.description import read_description
 from wbc.robot.finding import Fact
 from wbc.robot.inertia import add_placeholder_masses
 from wbc.robot.limits import set_armature, set_limits
@@ -20,7 +21,6 @@ from wbc.robot.registry import find_robot
 from wbc.robot.robot_model import RobotModel
 from wbc.robot.srdf import find_srdf
 from wbc.robot.topology import link_of
-from wbc.robot.urdf import read_urdf
 
 _CENTRED_RANGE = 2.0 * np.pi  # rad: a joint that turns farther than that starts at zero
 
@@ -76,7 +76,7 @@ def load_fixed_base(
         package_dirs=package_dirs,
         name=name,
     )
-    urdf, data = read_urdf(data.urdf), data.without_fixed_joints()
+    urdf, data = read_description(data.urdf), data.without_fixed_joints()
     model = build_model(urdf, known_joints(data, urdf))
     model.name = data.name or (urdf.element.get("name") or "").strip() or urdf.path.stem
     findings = repaired(model, urdf)

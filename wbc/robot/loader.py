@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError, did_you_mean
 from wbc.robot.data_file import RobotData
+from wbc.robot.description import read_description
 from wbc.robot.feet import checked_foot_link, find_feet
 from wbc.robot.finding import Fact, Finding, Origin
 from wbc.robot.inertia import add_placeholder_masses, check_mass_matrix, repair_model
@@ -30,7 +31,7 @@ from wbc.robot.robot import Robot
 from wbc.robot.soles import add_soles
 from wbc.robot.srdf import find_srdf
 from wbc.robot.topology import find_torso, leg_joints, link_of, parent_joint
-from wbc.robot.urdf import Urdf, read_urdf
+from wbc.robot.urdf import Urdf
 
 
 def load(
@@ -117,7 +118,7 @@ def build_robot(data: RobotData) -> Robot:
     Raises:
         RobotDescriptionError: the description is malformed or unusable.
     """
-    urdf, data = read_urdf(data.urdf), data.without_fixed_joints()
+    urdf, data = read_description(data.urdf), data.without_fixed_joints()
     folders = search_folders(data.urdf, data.package_dirs)
     model = build_model(urdf, known_joints(data, urdf))
     name = data.name or (urdf.element.get("name") or "").strip() or urdf.path.stem

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 
 from wbc.errors import RobotDescriptionError, RobotNotFound, did_you_mean
@@ -52,11 +53,30 @@ def find_robot(name_or_path: str | Path) -> RobotData:
     root = example_robot_data()
     if root is not None and text.endswith(".urdf") and (root / "robots" / text).is_file():
         return RobotData(root / "robots" / text)
+    if text.endswith("_description") and text.isidentifier():
+        found = _of_robot_descriptions(text)
+        if found is not None:
+            return RobotData(found, name=text.removesuffix("_description"))
     if path.is_dir():
         raise RobotDescriptionError(f"{path} is a folder; give the path of the URDF inside it")
     if path.suffix or len(path.parts) > 1:
         raise RobotNotFound(f"there is no file {path}{_suggestion(text, names)}")
     raise RobotNotFound(f"there is no robot '{text}'{_suggestion(text, names)}")
+
+
+def _of_robot_descriptions(name: str) -> Path | None:
+    """Return the file of a description of the package robot_descriptions; None without it.
+
+    The package brings names and addresses, and clones the description when it is imported.
+    """
+    try:
+        module = import_module(f"robot_descriptions.{name}")
+    except ModuleNotFoundError:
+        return None
+    for kind in ("URDF_PATH", "MJCF_PATH", "XACRO_PATH"):
+        if path := getattr(module, kind, None):
+            return Path(path).resolve()
+    return None
 
 
 def _suggestion(text: str, names: dict[str, Path]) -> str:

@@ -137,24 +137,23 @@ def read_xml(path: Path) -> tuple[ET.Element, dict[ET.Element, int]]:
     return builder.close(), lines
 
 
-def read_urdf(path: Path) -> Urdf:
-    """Read a URDF file.
+def parse_urdf(path: Path, root: ET.Element, lines: dict[ET.Element, int]) -> Urdf:
+    """Return the description that a URDF document holds.
+
+    Args:
+        path: file that it comes from.
+        root: the document.
+        lines: line of each element in the file; empty if it was generated.
 
     Raises:
-        RobotDescriptionError: unreadable, malformed, no URDF, a joint or link
-            without a name, or a joint without its two links.
+        RobotDescriptionError: no URDF, a joint or link without a name, or a joint without its two
+            links.
     """
-    root, lines = read_xml(path)
     if root.tag != "robot":
         raise RobotDescriptionError(
-            f"{path}, line {lines[root]}: the root element is <{root.tag}>, a URDF begins "
-            "with <robot>; give the path of a URDF file (convert SDF or MJCF first)"
-        )
-    macro = next((e for e in root.iter() if e.tag.startswith("xacro:")), None)
-    if macro is not None:
-        raise RobotDescriptionError(
-            f"{path}, line {lines[macro]}: <{macro.tag}> is xacro, not URDF; "
-            "expand it first:  xacro robot.urdf.xacro > robot.urdf"
+            f"{path}, line {lines.get(root, 0)}: the root element is <{root.tag}>, a URDF begins "
+            "with <robot>, an MJCF file with <mujoco>; give the path of one of them (convert SDF "
+            "first)"
         )
     links: dict[str, ET.Element] = {}
     for element in root.findall("link"):
@@ -169,7 +168,7 @@ def _name_of(element: ET.Element, path: Path, lines: dict[ET.Element, int]) -> s
     name = element.get("name", "").strip()
     if not name:
         raise RobotDescriptionError(
-            f"{path}, line {lines[element]}: a <{element.tag}> has no name; give it one"
+            f"{path}, line {lines.get(element, 0)}: a <{element.tag}> has no name; give it one"
         )
     return name
 
@@ -182,7 +181,7 @@ def _joint(element: ET.Element, path: Path, lines: dict[ET.Element, int]) -> Urd
         link = end.get("link", "") if end is not None else ""
         if not link:
             raise RobotDescriptionError(
-                f"{path}, line {lines[element]}: joint '{name}' has no <{tag} link=…>; "
+                f"{path}, line {lines.get(element, 0)}: joint '{name}' has no <{tag} link=…>; "
                 "a joint needs both links"
             )
         ends[tag] = link

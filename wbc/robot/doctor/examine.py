@@ -12,6 +12,7 @@ import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError, RobotNotFound
 from wbc.robot.data_file import RobotData
+from wbc.robot.description import read_description
 from wbc.robot.doctor.geometry import check_meshes, check_shapes
 from wbc.robot.doctor.limits import check_limits
 from wbc.robot.doctor.links import check_links, check_masses
@@ -23,7 +24,7 @@ from wbc.robot.loader import build_robot, feet_links
 from wbc.robot.model import build_model
 from wbc.robot.packages import search_folders
 from wbc.robot.registry import find_robot
-from wbc.robot.urdf import Urdf, read_urdf
+from wbc.robot.urdf import Urdf
 
 if TYPE_CHECKING:
     from wbc.robot.robot import Robot
@@ -44,7 +45,7 @@ def check_file(path: str | Path, **stated: Any) -> list[Finding]:
     """
     try:
         data = find_robot(path).with_arguments(**stated)
-        urdf = read_urdf(data.urdf)
+        urdf = read_description(data.urdf)
     except RobotNotFound:
         raise
     except RobotDescriptionError as error:
