@@ -22,6 +22,7 @@ from wbc.log.plots.style import spans
 from wbc.log.plots.timing import draw_tick_time
 from wbc.log.plots.torques import draw_torque_peaks, draw_torques
 from wbc.log.run import LoggedRun
+from wbc.runtime.event import RunEvent
 from wbc.sim import Mujoco
 
 
@@ -188,8 +189,8 @@ def test_diff_of_runs_with_other_gains_begins_in_the_commands(walk, folder, caps
     assert main(["diff", str(run.log.path), str(path)]) == 1
     told = capsys.readouterr().out
     assert "first in a commanded quantity" in told
-    assert "the controllers, their weights or their solvers differ" in " ".join(told.split())
-    assert "controller.gains.trunk_kp" in told
+    assert "the controllers, their parameters or their solvers differ" in " ".join(told.split())
+    assert 0 < told.index("controller.gains.trunk_kp") < told.index("The runs diverge")
     assert "Run 2 ends earlier" in told
 
 
@@ -233,6 +234,40 @@ def test_diff_states_joint_time_and_size_of_a_difference(tmp_path):
     assert divergence.b - divergence.a == pytest.approx(1e-4)
     assert divergence.largest == pytest.approx(1e-4)
     assert compare(a, b, tolerance=1e-3).divergences == ()
+
+
+def test_diff_does_not_blame_the_estimators_for_a_dcm_of_the_controller(tmp_path, capsys):
+    def shifted_dcm(tick):
+        moved = replace(tick.telemetry, dcm=tick.telemetry.dcm + 5e-7)
+        return replace(tick, telemetry=moved)
+
+    a, b = made_up(tmp_path / "a.mcap"), made_up(tmp_path / "b.mcap", shifted_dcm)
+    assert compare(a, b).first.stage == "intended"
+    assert main(["diff", str(a.log.path), str(b.log.path)]) == 1
+    assert "estimators" not in capsys.readouterr().out
+    assert main(["diff", str(a.log.path), str(b.log.path), "--tolerance", "1e-6"]) == 0
+    assert "The runs are equal to within 1e-06 at all 20" in capsys.readouterr().out
+
+
+def test_diff_names_another_command_first(tmp_path, capsys):
+    def log(path, value):
+        humanoid = robot()
+        rng = np.random.default_rng(3)
+        with StreamedLog(path, humanoid) as log:
+            log.stream.begin_run()
+            log.begin()
+            for k in range(4):
+                log.record(random_tick(humanoid, rng, 0.002 * k))
+            log.log.on_event(RunEvent(0.002, "command", "page", 1, "stand", "{}", "accepted"))
+            log.log.on_event(RunEvent(0.004, "command", "page", 2, "gain", value, "accepted"))
+        return str(path)
+
+    values = (f'{{"task": "com", "gain": "kp", "value": {k}}}' for k in (1, 2))
+    logs = [log(tmp_path / name, value) for name, value in zip("ab", values, strict=True)]
+    assert main(["diff", *logs]) == 0
+    told = capsys.readouterr().out
+    assert told.index("The commands differ, first here:") < told.index("The runs are equal")
+    assert '1  0.004 s: gain {"task": "com", "gain": "kp", "value": 1} from the page' in told
 
 
 def test_a_value_that_is_nan_in_one_run_only_is_a_difference(tmp_path):

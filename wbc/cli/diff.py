@@ -9,14 +9,19 @@ from wbc.cli.exit_code import ExitCode
 from wbc.cli.formatting import paragraph, table
 from wbc.log.diff import Difference, Divergence, compare
 from wbc.log.run import LoggedRun
+from wbc.runtime.event import RunEvent
 
-_CAUSES = {
-    "measured": "the measurements differ first: sensors, ground, pushes or initial states differ",
-    "estimated": "the measurements are equal until then: the estimators differ",
-    "intended": "measurements and state are equal until then: commands, plans or their "
-    "parameters differ",
+#: What follows if a stage of the tick is the first that differs. The log holds measurements in
+#: single precision, so that smaller differences of them do not show.
+_FOLLOWS = {
+    "measured": "the measurements differ first: sensors, ground, pushes, initial states or earlier "
+    "commands to the motors do",
+    "estimated": "the logged measurements are equal until then: the estimators differ, or the "
+    "measurements by less than the single precision of the log",
+    "intended": "measurements and state are equal until then: the controllers, their commands or "
+    "their parameters differ",
     "commanded": "measurements, state and plans are equal until then: the controllers, their "
-    "weights or their solvers differ",
+    "parameters or their solvers differ",
 }
 
 
@@ -28,26 +33,39 @@ def diff(log1: Path, log2: Path, *, tolerance: float = 0.0) -> ExitCode:
     Args:
         log1: path of a log.
         log2: path of the other log.
-        tolerance: largest difference to ignore, in SI units.
+        tolerance: largest difference to ignore, in SI units, e.g. 1e-6 for the rounding of another
+            machine.
     """
     first, second = LoggedRun.read(log1), LoggedRun.read(log2)
     difference = compare(first, second, tolerance)
     print(f"1  {first.log.path}: {first.title}\n2  {second.log.path}: {second.title}\n")
-    print(_verdict(difference))
-    if difference.divergences:
-        print(f"\n{_divergences(difference.divergences)}")
+    if any(difference.commands):
+        print("The commands differ, first here:")
+        for number, event in enumerate(difference.commands, 1):
+            print(f"  {number}  {_command(event)}")
+        print()
     if difference.parameters:
         rows = [(n, a or "—", b or "—") for n, (a, b) in difference.parameters.items()]
-        print(f"\n{table(('parameter', 'in 1', 'in 2'), [tuple(map(_short, r)) for r in rows])}")
+        print(f"{table(('parameter', 'in 1', 'in 2'), [tuple(map(_short, r)) for r in rows])}\n")
+    print(_verdict(difference, tolerance))
+    if difference.divergences:
+        print(f"\n{_divergences(difference.divergences)}")
     same = not difference.divergences and difference.ends[0] == difference.ends[1]
     return ExitCode.SUCCESS if same else ExitCode.FAILED
 
 
-def _verdict(difference: Difference) -> str:
+def _command(event: RunEvent | None) -> str:
+    if event is None:
+        return "no further command"
+    return f"{event.time:.3f} s: {event.name} {event.value} from the {event.source}"
+
+
+def _verdict(difference: Difference, tolerance: float) -> str:
     first = difference.first
     lines = []
     if first is None:
-        lines.append(f"The runs are equal at all {difference.ticks} common ticks.")
+        within = f" to within {tolerance:g}" if tolerance else ""
+        lines.append(f"The runs are equal{within} at all {difference.ticks} common ticks.")
     else:
         gap = f"by {_gap(first)}{first.unit and ' ' + first.unit}"
         lines.append(
@@ -55,7 +73,17 @@ def _verdict(difference: Difference) -> str:
             f"{first.stage} quantity:\n"
             f"{first.label}: {_value(first.a)} against {_value(first.b)}, {gap}."
         )
-        lines.append(paragraph(f"→ {_CAUSES[first.stage]}"))
+        lines.append(paragraph(f"→ {_FOLLOWS[first.stage]}"))
+        known = [
+            name
+            for name, differs in (
+                ("commands", any(difference.commands)),
+                ("parameters", bool(difference.parameters)),
+            )
+            if differs
+        ]
+        if known:
+            lines.append(paragraph(f"→ the {' and '.join(known)} above differ, too"))
     one, other = difference.ends
     if one != other:
         lines.append(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import wbc
@@ -10,11 +10,13 @@ from wbc.cli.argument_types import Pushes
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.simulation import Session, Simulation, SimulationOptions
 from wbc.errors import WbcError
+from wbc.runtime.event import COMMAND, RunEvent, tell
 from wbc.runtime.loop import StopRun
-from wbc.runtime.protocols import Controller
+from wbc.runtime.protocols import Controller, Observer
 from wbc.runtime.report import Report
 from wbc.runtime.statistics import Progress
 from wbc.sim import Mujoco
+from wbc.teleop import commands
 from wbc.trials import RunEvaluator
 from wbc.view import Meshcat
 
@@ -107,6 +109,12 @@ class ScriptedRun:
             if evaluator is not None:
                 observers.append(evaluator)
 
+            told = _CommandEvents(self.walker, self._options.push, observers)
+
+            def tick(time: float) -> None:
+                before_tick(time, simulation.plant)
+                told.on_tick(time)
+
             def progress(now: Progress) -> None:
                 session.line.show_run(replace(now, duration=expected_duration or now.duration))
                 if session.interrupted:
@@ -122,9 +130,34 @@ class ScriptedRun:
                 real_time=self._options.real_time,
                 on_conditions=lambda conditions: session.line.print(conditions.describe()),
                 on_falling=lambda text: session.line.print(f"the robot is {text}"),
-                before_tick=lambda time: before_tick(time, simulation.plant),
+                before_tick=tick,
                 progress=progress,
             )
             return report if evaluator is None else evaluator.amend(report)
 
         return simulation.run(execute)
+
+
+class _CommandEvents:
+    """Tells the observers of a run when its velocity changes and its pushes begin."""
+
+    def __init__(self, walker: wbc.Walker, pushes: Pushes, observers: Sequence[Observer]) -> None:
+        self._walker, self._observers = walker, observers
+        self._pushes = sorted(pushes)
+        self._velocity: Velocity = (0.0, 0.0, 0.0)
+        self._number = 0
+
+    def on_tick(self, time: float) -> None:
+        """Tell what has changed since the tick before."""
+        if self._walker.velocity != self._velocity:
+            self._velocity = self._walker.velocity
+            self._tell(time, commands.VelocityCommand(*self._velocity))
+        while self._pushes and time >= self._pushes[0][0]:
+            _, impulse = self._pushes.pop(0)
+            self._tell(time, commands.PushCommand(impulse, frame="world"))
+
+    def _tell(self, time: float, command: commands.TeleopCommand) -> None:
+        self._number += 1
+        name, value = commands.command_name(command), commands.command_json(command)
+        event = RunEvent(time, COMMAND, "script", self._number, name, value, "accepted")
+        tell(self._observers, event)

@@ -16,8 +16,10 @@ class LogConfig:
         robot: Robot whose run is logged.
         path: Path of the log file.
         status: File descriptor of the shared `LogStatus`.
+        events: File descriptor of the queue of events.
     """
 
     robot: Robot
     path: Path
     status: int
+    events: int

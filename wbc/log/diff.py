@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -9,16 +10,20 @@ import numpy as np
 
 from wbc.log.errors import LogError
 from wbc.log.run import LoggedRun
+from wbc.runtime.event import RunEvent
 from wbc.runtime.schema import Column
 
 #: Stages of a tick, in order of cause and effect, with the quantities that are compared. A name
 #: stands for all quantities whose names have it before the slash.
 STAGES: Mapping[str, tuple[str, ...]] = {
     "measured": ("joint_position", "joint_velocity", "gyro", "accelerometer", "foot_wrench"),
-    "estimated": ("q", "v", "com", "dcm"),
-    "intended": ("velocity_command", "heading", "phase", "steps", "dcm_reference", "zmp"),
+    "estimated": ("q", "v"),
+    "intended": (
+        "velocity_command", "heading", "phase", "steps", "com", "dcm", "dcm_reference", "zmp",
+    ),
     "commanded": ("tau", "commanded_wrench", "acceleration", "q_target", "v_target", "status"),
-}
+}  # fmt: skip
+_SIMULTANEOUS = 1e-3  # s; commands are given at whole ticks
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,12 +70,15 @@ class Difference:
         ends: Time of the last tick of each run, s.
         divergences: One entry per quantity that differs, in order of time.
         parameters: Maps "table.name" to the values in both runs; None where a run has no value.
+        commands: The first accepted command that differs, in both runs; None where a run has no
+            further command. Both are None if the runs had the same commands at the same times.
     """
 
     ticks: int
     ends: tuple[float, float]
     divergences: tuple[Divergence, ...]
     parameters: Mapping[str, tuple[str | None, str | None]]
+    commands: tuple[RunEvent | None, RunEvent | None]
 
     @property
     def first(self) -> Divergence | None:
@@ -113,7 +121,24 @@ def compare(a: LoggedRun, b: LoggedRun, tolerance: float = 0.0) -> Difference:
         ends=(float(a.time[-1]), float(b.time[-1])),
         divergences=tuple(found),
         parameters=_parameters(a, b),
+        commands=_first_other_command(a, b),
     )
+
+
+def _first_other_command(a: LoggedRun, b: LoggedRun) -> tuple[RunEvent | None, RunEvent | None]:
+    """Return the first pair of commands that differ in time or content, up to the common end."""
+    end = min(a.end, b.end)
+    one, other = (
+        [e for e in run.events if e.outcome == "accepted" and e.time <= end] for run in (a, b)
+    )
+    for first, second in itertools.zip_longest(one, other):
+        if first is None or second is None or not _same_command(first, second):
+            return first, second
+    return None, None
+
+
+def _same_command(a: RunEvent, b: RunEvent) -> bool:
+    return (a.name, a.value) == (b.name, b.value) and abs(a.time - b.time) < _SIMULTANEOUS
 
 
 def _values(run: LoggedRun, column: Column) -> np.ndarray:

@@ -15,6 +15,7 @@ import zlib
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 import zstandard
 from mcap import records
 from mcap.data_stream import RecordBuilder
@@ -24,8 +25,8 @@ import wbc
 from wbc.log.message_chunk import MessageChunk
 from wbc.log.metadata import Metadata
 from wbc.log.summary import Summary
-from wbc.messages import message_type
-from wbc.topics import LatchedTopic, MessageTopic, TickBatch
+from wbc.messages import Message, message_type
+from wbc.topics import LatchedTopic, MessageBlock, MessageTopic, TickBatch
 
 _LEVEL = 3  # of zstandard
 _QOS = (
@@ -75,9 +76,23 @@ class McapFile:
     def write(self, batch: TickBatch, topics: Sequence[MessageTopic]) -> None:
         """Append the messages of a batch to the current chunk, in order of time."""
         blocks = [
-            (self._channel(topic), block) for topic in topics for block in topic.messages(batch)
+            (self._channel(topic.name, topic.type_name, isinstance(topic, LatchedTopic)), block)
+            for topic in topics
+            for block in topic.messages(batch)
         ]
         self._chunk.add_messages(batch.stamps, blocks)
+
+    def write_message(self, topic: str, stamp: int, message: Message) -> None:
+        """Append one message to the current chunk.
+
+        Args:
+            topic: Name of its topic.
+            stamp: Its time, ns.
+            message: The message.
+        """
+        block = MessageBlock.of(0, message.encode())
+        channel = self._channel(topic, message.type_name, latched=False)
+        self._chunk.add_messages(np.array([stamp], np.int64), [(channel, block)])
 
     def commit(self) -> None:
         """End the chunk and write it to the disk.
@@ -138,24 +153,24 @@ class McapFile:
         self._size += len(data)
         return start, len(data)
 
-    def _channel(self, topic: MessageTopic) -> int:
+    def _channel(self, name: str, type_name: str, latched: bool) -> int:
         """Return the number of a topic's channel, which is registered at its first message."""
-        if topic.name not in self._channels:
-            durability, depth = (1, 1) if isinstance(topic, LatchedTopic) else (2, 10)
+        if name not in self._channels:
+            durability, depth = (1, 1) if latched else (2, 10)
             channel = records.Channel(
                 id=len(self._channels) + 1,
-                topic="/" + topic.name.lstrip("/"),
+                topic="/" + name.lstrip("/"),
                 message_encoding="cdr",
-                schema_id=self._schema(topic.type_name),
+                schema_id=self._schema(type_name),
                 metadata={
                     "offered_qos_profiles": _QOS.format(durability=durability, depth=depth),
-                    "topic_type_hash": message_type(topic.type_name).type_hash(),
+                    "topic_type_hash": message_type(type_name).type_hash(),
                 },
             )
-            self._channels[topic.name] = channel.id
+            self._channels[name] = channel.id
             self._summary.channels[channel.id] = channel
             self._chunk.add_record(channel)
-        return self._channels[topic.name]
+        return self._channels[name]
 
     def _schema(self, type_name: str) -> int:
         if type_name not in self._schemas:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from wbc.log.config import LogConfig
 from wbc.log.errors import LogError, require_packages
+from wbc.log.event_queue import EventQueue
 from wbc.log.metadata import Metadata, run_metadata
 from wbc.log.recovery import complete
 from wbc.log.status import LogStatus
@@ -17,6 +18,7 @@ from wbc.runtime.process_observer import ProcessObserver
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
+    from wbc.runtime.event import RunEvent
     from wbc.runtime.protocols import Controller, Plant
     from wbc.runtime.report import Report
     from wbc.runtime.stream import TickStream
@@ -58,11 +60,14 @@ class FlightRecorder(ProcessObserver):
         self.path = Path(path)
         self._robot = robot
         self._status = LogStatus()
+        self._events = EventQueue()
+        self._run = 0
         self._observed = 0
         self._next_check = 0.0
         self._warned = self._closed = self._configured = False
-        config = LogConfig(robot, self.path, self._status.descriptor)
-        super().__init__(ChildProcess("wbc.log.writer", (self._status.descriptor,), _GRACE))
+        descriptors = (self._status.descriptor, self._events.descriptor)
+        config = LogConfig(robot, self.path, *descriptors)
+        super().__init__(ChildProcess("wbc.log.writer", descriptors, _GRACE))
         self._configure(config, LogError, f"the log {self.path}: ")
         self._configured = True
 
@@ -91,6 +96,7 @@ class FlightRecorder(ProcessObserver):
 
     def begin(self, controller: Controller, plant: Plant) -> None:
         """Log the parameters of the run; see `wbc.runtime.protocols.Observer`."""
+        self._run = 1 if self.stream is None else self.stream.runs
         self._process.send(run_metadata(controller, plant))
 
     def observe(self, tick: Tick) -> None:
@@ -100,6 +106,10 @@ class FlightRecorder(ProcessObserver):
         if now >= self._next_check:
             self._next_check = now + _CHECK_PERIOD
             self._warn_if_ended()
+
+    def on_event(self, event: RunEvent) -> None:
+        """Log an event of the run; see `wbc.runtime.event.EventObserver`."""
+        self._events.put(self._run, event)
 
     def _warn_if_ended(self) -> None:
         """Warn once when the log has ended early."""
@@ -124,12 +134,15 @@ class FlightRecorder(ProcessObserver):
         if self._configured:
             self._finish()
         self._status.close()
+        self._events.close()
 
     def _finish(self) -> None:
         """Repair the file if the log writer did not finish it, and warn of missing ticks."""
         self._warn_if_ended()
         if self._process.exit_code != 0 and not self._status.reason:
             logger.warning("the log %s now ends at %.2f s", self.path, complete(self.path))
+        if self._events.dropped:
+            logger.warning("%d events are not in %s", self._events.dropped, self.path)
         if self.dropped:
             logger.warning(
                 "%d of %d ticks are not in %s: the writing process was too slow",

@@ -14,6 +14,7 @@ from wbc.log.errors import LogError
 from wbc.log.reader import Log
 from wbc.log.robot_info import RobotInfo
 from wbc.messages import Message
+from wbc.runtime.event import FALL, RESET, RunEvent
 from wbc.runtime.quantities import STATUSES
 from wbc.runtime.schema import ODOM, WRENCH, XYZ, Column, columns_from_json
 from wbc.runtime.snapshot import Snapshot
@@ -142,13 +143,32 @@ class LoggedRun:
 
     @property
     def title(self) -> str:
-        """Robot, duration and outcome of the run."""
+        """Robot, duration and outcome of the run, with its falls and resets."""
+        text = f"{self.robot_info.name}, {self.time[-1]:.1f} s"
         report = self.log.tables.get("report")
         if report is None:
-            return f"{self.robot_info.name}, {self.time[-1]:.1f} s, interrupted"
-        if report.get("survived") == "True":
-            return f"{self.robot_info.name}, {self.time[-1]:.1f} s"
-        return f"{self.robot_info.name}, {self.time[-1]:.1f} s: {report.get('fell_why', 'fell')}"
+            text += ", interrupted"
+        elif report.get("survived") != "True":
+            text += f": {report.get('fell_why', 'fell')}"
+        for kind, name in ((FALL, "fall"), (RESET, "reset")):
+            if count := sum(event.kind == kind for event in self.events):
+                text += f", {count} {name}{'s' * (count > 1)}"
+        return text
+
+    @cached_property
+    def events(self) -> list[RunEvent]:
+        """Commands, falls and resets in order of time, which is that of the log."""
+        if "/events" not in self.log:
+            return []
+        table = self.log["/events"]
+        found = [
+            RunEvent(
+                1e-9 * stamp, message.kind, message.source, int(message.number), message.name,
+                message.value, message.outcome, message.reason,
+            )
+            for stamp, message in zip(table.stamps.tolist(), table.messages(), strict=True)
+        ]  # fmt: skip
+        return sorted(found, key=lambda one: one.time)
 
     @cached_property
     def plans(self) -> list[ContactPlan]:

@@ -14,6 +14,8 @@ import time
 
 from wbc.log.config import LogConfig
 from wbc.log.errors import LogError
+from wbc.log.event_log import EventLog
+from wbc.log.event_queue import EventQueue
 from wbc.log.mcapfile import McapFile
 from wbc.log.metadata import Metadata, versions
 from wbc.log.recovery import complete
@@ -52,6 +54,7 @@ class LogWriter:
         self._metadata: queue.SimpleQueue[Metadata] = queue.SimpleQueue()
         self._batches = BatchMaker(robot)
         self._topics = StreamTopics(robot)
+        self._events = EventLog(self._file, EventQueue(config.events))
         self._add_quantities()
         self._ticks = 0
         self._due = self._longest = 0.0
@@ -76,9 +79,13 @@ class LogWriter:
             if self._topics.attach(self._reader.schema):
                 self._add_quantities()
             running = records[records["mode"] == Mode.RUNNING]
-            self._file.write(self._batches.batch(running), self._topics.topics_of(running))
+            batch = self._batches.batch(running)
+            self._file.write(batch, self._topics.topics_of(running))
+            if len(running):
+                self._events.on_ticks(running, batch.stamps)
             self._ticks += len(running)
             self._status.dropped = self._reader.lost
+        self._events.advance()
         start = time.monotonic()
         if start >= self._due:
             self._due = start + _CHUNK
@@ -99,6 +106,7 @@ class LogWriter:
         """
         while self.advance():
             pass
+        self._events.finish()
         own = {
             "ticks": str(self._ticks),
             "dropped": str(self._status.dropped),

@@ -12,6 +12,7 @@ import numpy as np
 from wbc.errors import PhysicsDiverged, WbcError
 from wbc.estimation import Estimator
 from wbc.runtime.clock import Clock
+from wbc.runtime.event import FALL, FALLING, RunEvent, tell
 from wbc.runtime.fall import fall_reason
 from wbc.runtime.loop_conditions import LoopConditions
 from wbc.runtime.protocols import (
@@ -156,6 +157,7 @@ def run(
                 state = true_state or estimate.state
                 if telemetry.phase == "falling" and not statistics.falling:
                     on_falling(telemetry.status_text)
+                    tell(observers, RunEvent(now, FALLING, reason=telemetry.status_text))
                 statistics.record(tick, state)
                 if stream is not None:
                     stream.write(tick)
@@ -166,12 +168,14 @@ def run(
                 reason = fall_reason(plant.robot, state, statistics.ground)
                 if reason:
                     statistics.end(reason, fell_at=plant.time)
+                    tell(observers, RunEvent(plant.time, FALL, reason=reason))
                     break
                 index += 1
         except PhysicsDiverged as error:
             if statistics.empty:
                 raise
             statistics.end(str(error), diverged=True)
+            tell(observers, RunEvent(now, FALL, reason=str(error)))
         except StopRun as stop:
             if statistics.empty:
                 raise WbcError(f"the run was stopped before its first tick: {stop}") from stop

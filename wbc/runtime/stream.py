@@ -99,6 +99,11 @@ class TickStream:
         return self._runs
 
     @property
+    def runs(self) -> int:
+        """Number of runs that have begun."""
+        return self._runs
+
+    @property
     def written(self) -> int:
         """Number of records written so far."""
         return self._ring.published

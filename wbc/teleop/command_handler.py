@@ -134,6 +134,10 @@ class CommandHandler(Closeable):
         """Have every acknowledged command passed to a function, e.g. for a log."""
         self._observers.append(observer)
 
+    def remove_observer(self, observer: AcknowledgementObserver) -> None:
+        """Undo `add_observer`."""
+        self._observers.remove(observer)
+
     # The loop.
 
     def begin(self) -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from wbc.motions import Motion
 from wbc.teleop.acknowledgement import Acknowledgement
@@ -176,6 +178,31 @@ PARAMETER_COMMANDS = (GaitParameterCommand, GainCommand, TimeScaleCommand)
 def command_label(command: TeleopCommand) -> str:
     """Return what a command is in words, e.g. "velocity command"."""
     return re.sub(r"(?<!^)(?=[A-Z])", " ", type(command).__name__).lower()
+
+
+def command_name(command: TeleopCommand) -> str:
+    """Return the name of a command, e.g. "velocity" or "gait_parameter"."""
+    name = type(command).__name__.removesuffix("Command")
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+
+
+def command_json(command: TeleopCommand) -> str:
+    """Return the values of a command as JSON; infinite and unknown numbers are null."""
+    values: dict[str, Any] = {
+        field.name: getattr(command, field.name) for field in dataclasses.fields(command)
+    }
+    if isinstance(command, MotionCommand):
+        motion = command.motion
+        values = {
+            "name": motion.name,
+            **{p.name: getattr(motion, p.name, None) for p in type(motion).parameters()},
+        }
+    plain = json.loads(json.dumps(values, default=_plain), parse_constant=lambda _: None)
+    return json.dumps(plain, ensure_ascii=False)
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else str(value)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,13 +9,16 @@ from typing import Protocol
 
 from wbc.errors import PhysicsDiverged
 from wbc.runtime import loop
+from wbc.runtime.event import COMMAND, RESET, RunEvent, tell
 from wbc.runtime.mode import Mode
 from wbc.runtime.protocols import Observer, StateEstimator, StreamObserver
 from wbc.runtime.real_time import RealTime, real_time_thread
 from wbc.runtime.report import Report
 from wbc.runtime.schema import Quantity
 from wbc.runtime.statistics import Progress
+from wbc.teleop.acknowledgement import Acknowledgement
 from wbc.teleop.command_handler import CommandHandler
+from wbc.teleop.commands import SentCommand, command_json, command_name
 
 
 class TeleopClient(Observer, StreamObserver, Protocol):
@@ -71,18 +74,28 @@ def run(
         if stop():
             raise loop.StopRun("stopped")
 
-    def on_tick(now: float) -> None:
-        before_tick(now)
-        handler.before_tick(now)
-
     def on_idle(mode: Mode) -> None:
         stream = next((client.stream for client in clients), None)
         if stream is not None:
             stream.repeat(mode, time.time(), handler.status())
 
+    def on_acknowledgement(sent: SentCommand, acknowledgement: Acknowledgement) -> None:
+        tell((*clients, *observers), _command_event(sent, acknowledgement))
+
     handler.stop, handler.on_idle, handler.on_timeout = stop, on_idle, message
-    left = duration
+    left, resets, told = duration, 0, 0
+
+    def on_tick(now: float) -> None:
+        nonlocal told
+        if told < resets:
+            told = resets
+            tell((*clients, *observers), RunEvent(now, RESET))
+        before_tick(now)
+        handler.before_tick(now)
+
     with contextlib.ExitStack() as stack:
+        handler.add_observer(on_acknowledgement)
+        stack.callback(handler.remove_observer, on_acknowledgement)
         if handler.owns_clock:
             message(stack.enter_context(real_time_thread(RealTime())).describe())
         while True:
@@ -117,6 +130,20 @@ def run(
             if stop() or left <= handler.plant.dt:
                 return report
             message("reset")
+            resets += 1
+
+
+def _command_event(sent: SentCommand, acknowledgement: Acknowledgement) -> RunEvent:
+    return RunEvent(
+        acknowledgement.time,
+        COMMAND,
+        sent.source,
+        sent.id,
+        command_name(sent.command),
+        command_json(sent.command),
+        acknowledgement.outcome.value,
+        acknowledgement.reason,
+    )
 
 
 def _wait_for_reset(handler: CommandHandler, longest: float, stop: Callable[[], bool]) -> float:

@@ -17,8 +17,9 @@ from wbc.log.plots.style import (
     REFERENCE,
     RIGHT,
     ZMP,
+    broken_time,
     legend,
-    mark_failures,
+    mark_events,
     mark_level,
     shade_phases,
     spans,
@@ -29,6 +30,7 @@ from wbc.log.run import LoggedRun
 _MIN_LOAD = 0.05  # smallest load of a sole in contact, as a share of the weight
 _SHORTEST = 0.05  # s; shorter contacts are not counted as footsteps
 _MARGIN = 0.12  # m
+_MIN_STRETCH = 2.0  # of one axis, below which both have one scale
 
 
 class Curve(NamedTuple):
@@ -100,9 +102,13 @@ def draw_coordinate(axes: Any, run: LoggedRun, coordinate: int) -> None:
     for curve, points in _known_curves(run):
         values = points[every, coordinate]
         axes.plot(
-            run.time[every], values, color=curve.colour, linewidth=curve.width, label=curve.label
+            broken_time(run, every),
+            values,
+            color=curve.colour,
+            linewidth=curve.width,
+            label=curve.label,
         )
-    mark_failures(axes, run)
+    mark_events(axes, run)
     axes.set(ylabel="xy"[coordinate] + ", m")
     axes.set_title("xy"[coordinate] + " of CoM, DCM and ZMP; bands: stance soles")
 
@@ -112,8 +118,8 @@ def draw_dcm_error(axes: Any, run: LoggedRun) -> None:
     every = thin(len(run))
     error = 1e3 * run["dcm_error"]
     shade_phases(axes, run)
-    mark_failures(axes, run)
-    axes.plot(run.time[every], error[every], color=DCM, linewidth=0.9)
+    mark_events(axes, run)
+    axes.plot(broken_time(run, every), error[every], color=DCM, linewidth=0.9)
     known = error[np.isfinite(error)]
     if known.size:
         rms = float(np.sqrt(np.mean(known**2)))
@@ -130,20 +136,35 @@ def draw_top_view(axes: Any, run: LoggedRun) -> None:
         axes.fill(*corners.T, facecolor=colour, alpha=0.10, linewidth=0)
         axes.plot(*np.vstack([corners, corners[:1]]).T, color=colour, linewidth=0.8, alpha=0.8)
     every = thin(len(run))
+    times = broken_time(run, every)
     for curve, points in _known_curves(run):
         if curve.quantity != "dcm_reference":
-            line = points[every, :2].T
+            line = np.where(np.isfinite(times)[:, None], points[every, :2], np.nan).T
             axes.plot(*line, color=curve.colour, linewidth=curve.width, label=curve.label)
     com = run["com"]
     axes.plot(*com[0, :2], "o", color=COM, markersize=4, label="start")
     axes.plot(*com[-1, :2], "s", color=COM, markersize=4, label="end")
     for colour, label in ((LEFT, "left sole"), (RIGHT, "right sole")):
         axes.fill([], [], facecolor=colour, alpha=0.2, edgecolor=colour, label=label)
-    axes.set_aspect("equal", adjustable="datalim")
     axes.margins(_MARGIN)
     axes.set(xlabel="x, m", ylabel="y, m")
-    axes.set_title("CoM, DCM, ZMP and footsteps, from above")
+    _fill_area(axes)
     legend(axes)
+
+
+def _fill_area(axes: Any) -> None:
+    """Draw x and y to one scale if that uses the area, else stretch the shorter one."""
+    width, height = (float(np.ptp(limits)) for limits in (axes.get_xlim(), axes.get_ylim()))
+    box = axes.get_window_extent()
+    stretch = (width / box.width) / (height / box.height)
+    title = "CoM, DCM, ZMP and footsteps, from above"
+    if max(stretch, 1.0 / stretch) < _MIN_STRETCH:
+        axes.set_aspect("equal", adjustable="datalim")
+    else:
+        longer, shorter = ("x", "y") if stretch > 1.0 else ("y", "x")
+        ratio = max(stretch, 1.0 / stretch)
+        title += f"; {shorter} is drawn {ratio:.1f} times as large as {longer}"
+    axes.set_title(title)
 
 
 def footprints(run: LoggedRun) -> Iterator[tuple[str, np.ndarray]]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wbc.log.plots.style import legend, mark_failures, thin
+from wbc.log.plots.style import broken_time, legend, mark_events, thin
 from wbc.log.run import LoggedRun
 
 _LEGEND = 12  # largest number of components with a legend entry each
@@ -27,8 +27,8 @@ def draw_quantity(axes: Any, run: LoggedRun, name: str) -> None:
     column = run.quantities[name]
     every = thin(len(run))
     for i in range(values.shape[1]):
-        axes.plot(run.time[every], values[every, i], linewidth=0.9, label=column.labels[i])
-    mark_failures(axes, run)
+        axes.plot(broken_time(run, every), values[every, i], linewidth=0.9, label=column.labels[i])
+    mark_events(axes, run)
     axes.set(xlabel="time, s", ylabel=column.unit or None)
     axes.set_title(f"{name}: {column.doc}" + (f" ({column.frame})" if column.frame else ""))
     if 1 < values.shape[1] <= _LEGEND:

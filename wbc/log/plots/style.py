@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from wbc.log.run import LoggedRun
+from wbc.runtime.event import FALL, RESET
 
 COM, DCM, REFERENCE, ZMP, COP = "#23272f", "#7b3fbf", "#b48ad9", "#e69f00", "#0a8f6c"
 LEFT, RIGHT = "#1f66c1", "#d1650c"
@@ -63,8 +64,21 @@ def shade_phases(axes: Any, run: LoggedRun) -> None:
             axes.axvspan(run.time[start], run.time[stop - 1], color=colour, alpha=0.07, linewidth=0)
 
 
-def mark_failures(axes: Any, run: LoggedRun) -> None:
-    """Mark the ticks whose QP had no solution."""
+def broken_time(run: LoggedRun, every: slice) -> np.ndarray:
+    """Return some of the times, s, with NaN where a run begins: lines are broken at resets."""
+    time, tick = run.time[every].copy(), run["tick"][every]
+    time[1:][np.diff(tick) < 0.0] = np.nan
+    return time
+
+
+def mark_events(axes: Any, run: LoggedRun) -> None:
+    """Mark falls, resets and pushes, and the ticks whose QP had no solution."""
+    for event in run.events:
+        if event.kind in (FALL, RESET):
+            colour, dashes = (LIMIT, "-") if event.kind == FALL else (FAINT, "--")
+            axes.axvline(event.time, color=colour, linestyle=dashes, linewidth=1.0)
+        elif event.name == "push" and event.outcome == "accepted":
+            axes.axvline(event.time, color=ZMP, linestyle=":", linewidth=1.2)
     for start, stop in spans(run["status"] != 0):
         axes.axvspan(run.time[start], run.time[stop - 1], color=LIMIT, alpha=0.35, linewidth=0.8)
 

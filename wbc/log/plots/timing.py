@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wbc.log.plots.style import LIMIT, mark_failures, mark_level, thin
+from wbc.log.plots.style import LIMIT, mark_events, mark_level, thin
 from wbc.log.run import LoggedRun
 
 _CONTROLLER, _ESTIMATOR = "#2f6fb0", "#8fb8de"
@@ -25,7 +25,7 @@ def draw_tick_time(axes: Any, run: LoggedRun) -> None:
     for share, name in ((50, "median"), (99, "p99")):
         value = float(np.percentile(total, share))
         mark_level(axes, value, f"{name} {value:.0f} µs")
-    mark_failures(axes, run)
+    mark_events(axes, run)
     axes.set_yscale("log")
     axes.set(ylabel="µs", xlabel="time, s")
     failed = int((run["status"] != 0).sum())

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wbc.log.plots.style import FAINT, LIMIT, legend, thin
+from wbc.log.plots.style import FAINT, LIMIT, broken_time, legend, thin
 from wbc.log.run import LoggedRun
 
 _SHOWN = 6  # joints drawn over time
@@ -16,11 +16,11 @@ _LISTED = 34  # joints listed
 def draw_torques(axes: Any, run: LoggedRun) -> None:
     """Draw the torques closest to their limits over time, as percentages of the limits."""
     share = shares(run)
-    order = np.argsort(-share.max(axis=0, initial=0.0))[:_SHOWN]
+    order = np.argsort(-_sustained(share))[:_SHOWN]
     every = thin(len(run))
     for rank, joint in enumerate(order):
         axes.plot(
-            run.time[every],
+            broken_time(run, every),
             share[every, joint],
             color=f"C{rank}",
             linewidth=0.8,
@@ -38,7 +38,7 @@ def draw_torques(axes: Any, run: LoggedRun) -> None:
 def draw_torque_peaks(axes: Any, run: LoggedRun) -> None:
     """Draw the median and peak torque of every joint, in percent of its limit."""
     share = shares(run)
-    order = np.argsort(-share.max(axis=0, initial=0.0))[:_LISTED][::-1]
+    order = np.argsort(-_sustained(share))[:_LISTED][::-1]
     peak, middle = share.max(axis=0), np.median(share, axis=0)
     places = np.arange(len(order))
     colours = [LIMIT if peak[j] >= 99.9 else "#2f6fb0" for j in order]
@@ -52,6 +52,12 @@ def draw_torque_peaks(axes: Any, run: LoggedRun) -> None:
     axes.set(xlabel="% of the limit")
     axes.set_title("Torque of every joint: median (full), peak (faint)")
     axes.tick_params(axis="y", colors=FAINT, labelcolor="black", length=0)
+
+
+def _sustained(share: np.ndarray) -> np.ndarray:
+    """Return what each joint reaches in one of 200 ticks, so that no single spike ranks it."""
+    found: np.ndarray = np.percentile(share, 99.5, axis=0)
+    return found
 
 
 def shares(run: LoggedRun) -> np.ndarray:
