@@ -27,9 +27,11 @@ from wbc.motions import MotionPlayer
 from wbc.ros import Network, QoSProfile
 from wbc.ros.actions import ActionClient, GoalStatus
 from wbc.ros.bridge import Bridge
+from wbc.ros.bridge.graph_monitor import GraphMonitor
 from wbc.ros.bridge.navigate_to_pose import TYPE
 from wbc.ros.qos import HIGH_RATE, LATCHED, ROSOUT
 from wbc.teleop import CommandHandler
+from wbc.topics.standard_frames import standard_frames
 
 pytest.importorskip("cyclonedds")
 pytest.importorskip("mujoco")
@@ -221,9 +223,10 @@ def test_tf_agrees_with_the_kinematics_of_the_joint_states(
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, q)
     links = [f.name for f in robot.model.frames if f.type == pin.BODY]
-    assert set(placed) == {"odom", *links, *(sole.name for sole in robot.soles)}
+    standard = {"base_footprint", *(frame.name for frame in standard_frames(robot))}
+    assert set(placed) == {"odom", *links, *(sole.name for sole in robot.soles), *standard}
     for name, pose in placed.items():
-        if name != "odom":
+        if name not in ("odom", *standard):
             expected = data.oMf[robot.frame_id(name)]
             assert np.allclose(pose.homogeneous, expected.homogeneous, atol=1e-9), name
 
@@ -389,6 +392,60 @@ def test_reset_aborts_the_goal_and_moves_the_robot_to_the_start(
     assert sent.wait_for_result(TIMEOUT)
     assert sent.status is GoalStatus.ABORTED
     assert position(odom.wait(lambda m: position(m)[0] < 0.05))[0] < 0.05
+
+
+def test_stamped_velocity_drives_the_robot_too(reset, client_node, odom):
+    publisher = client_node.create_publisher("geometry_msgs/msg/TwistStamped", "cmd_vel")
+    assert client_node.spin_until(publisher.get_subscription_count, TIMEOUT)
+    message = publisher.msg_type()
+    message.twist.linear.x = 0.2
+    timer = client_node.create_timer(0.1, lambda: publisher.publish(message))
+    odom.wait(lambda m: position(m)[0] > 0.1)
+    timer.cancel()
+
+
+def test_goal_pose_in_a_map_is_transformed_by_tf(reset, client_node, subscribe):
+    """The map's origin is 30 m behind that of odom."""
+    status = subscribe(
+        "action_msgs/msg/GoalStatusArray", "navigate_to_pose/_action/status", LATCHED
+    )
+    feedback = subscribe(
+        "nav2_msgs/action/NavigateToPose_FeedbackMessage", "navigate_to_pose/_action/feedback"
+    )
+    tf = client_node.create_publisher("tf2_msgs/msg/TFMessage", "/tf_static", LATCHED)
+    transform = message_type("geometry_msgs/msg/TransformStamped")(child_frame_id="odom")
+    transform.header.frame_id = "map"
+    transform.transform.translation.x = 30.0
+    tf.publish(tf.msg_type(transforms=[transform]))
+    assert client_node.spin_until(tf.get_subscription_count, TIMEOUT)
+    publisher = client_node.create_publisher("geometry_msgs/msg/PoseStamped", "goal_pose")
+    assert client_node.spin_until(publisher.get_subscription_count, TIMEOUT)
+    pose = publisher.msg_type()
+    pose.header.frame_id, pose.pose.position.x = "map", 30.7
+    publisher.publish(pose)
+    first = feedback.wait().feedback
+    assert first.distance_remaining == pytest.approx(0.7, abs=0.2)
+    left = seconds(first.estimated_time_remaining)
+    assert left > 3.0
+    succeeded = GoalStatus.SUCCEEDED
+    status.find(lambda m: any(s.status == succeeded for s in m.status_list[-1:]), 3.0 * TIMEOUT)
+    took = seconds(feedback.last.feedback.navigation_time)
+    assert 0.6 * took < left < 1.6 * took
+
+
+def test_gait_parameters_and_gains_are_parameters_of_the_node(try_parameter, set_parameter):
+    set_parameter("gait.swing_height", 0.05)
+    refused = try_parameter("gait.swing_height", 5.0)
+    assert not refused.successful
+    assert "out of its range" in refused.reason
+    set_parameter("com.weight", 2000.0)
+
+
+def test_another_node_of_the_same_name_is_reported(caplog):
+    domain = unused_domain()
+    with node("wbc", domain) as first, node("wbc", domain):
+        GraphMonitor(first)
+        assert first.spin_until(lambda: "another node of this domain" in caplog.text, TIMEOUT)
 
 
 def test_clock_is_plant_time_and_continuous_over_a_reset(subscribe, reset, call_trigger):

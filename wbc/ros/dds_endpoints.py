@@ -20,19 +20,22 @@ class EndpointConfig:
         sample_type: class of the samples, see `wbc.ros.dds_types`.
         qos_profile: quality of service.
         user_data: USER_DATA, visible to others at discovery.
+        ignore_local: whether a reader ignores the writers of its own participant.
     """
 
     topic: str
     sample_type: Any
     qos_profile: QoSProfile
     user_data: str = ""
+    ignore_local: bool = False
 
     def create(self, entity_type: Any, participant: Any) -> Any:
         """Create a writer or reader of Cyclone DDS."""
         from cyclonedds.topic import Topic
 
         topic = Topic(participant, self.topic, self.sample_type)
-        return entity_type(participant, topic, qos=self.qos_profile.to_dds(self.user_data))
+        qos = self.qos_profile.to_dds(self.user_data, self.ignore_local)
+        return entity_type(participant, topic, qos=qos)
 
 
 @dataclass(frozen=True, slots=True)

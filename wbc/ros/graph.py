@@ -59,10 +59,17 @@ class Graph:
             if participant != self._node.participant.guid:
                 self._nodes[participant] = nodes
 
+    def node_names(self) -> tuple[str, ...]:
+        """Return the names of the other nodes, sorted; quicker than a snapshot."""
+        return tuple(sorted(node.fully_qualified_name for node in self._alive_nodes()))
+
+    def _alive_nodes(self) -> list[NodeEntities]:
+        alive = {participant.key.bytes for participant in _alive(self._participants)}
+        return [n for key, entities in self._nodes.items() if key in alive for n in entities]
+
     def snapshot(self) -> GraphSnapshot:
         """Return the graph as discovered so far; discovery goes on while the node spins."""
-        alive = {participant.key.bytes for participant in _alive(self._participants)}
-        nodes = [n for key, entities in self._nodes.items() if key in alive for n in entities]
+        nodes = self._alive_nodes()
         owners = {
             gid: node.fully_qualified_name
             for node in nodes

@@ -95,6 +95,7 @@ class Node(Closeable):
         topic: str,
         callback: Callable[..., object],
         qos_profile: QoSProfile | int = DEFAULT,
+        ignore_local_publications: bool = False,
     ) -> Subscription:
         """Create a subscription.
 
@@ -104,12 +105,15 @@ class Node(Closeable):
             callback: called with each message, or with each message and its `MessageInfo` if it
                 takes two arguments.
             qos_profile: quality of service, or the history depth alone.
+            ignore_local_publications: whether messages of this node are not received.
 
         Raises:
             MessageError: there is no such type.
             InvalidName: the name of the topic is invalid.
         """
-        subscription = Subscription(self, msg_type, topic, callback, qos_profile)
+        subscription = Subscription(
+            self, msg_type, topic, callback, qos_profile, ignore_local_publications
+        )
         self.add_waitable(subscription)
         return subscription
 

@@ -78,11 +78,12 @@ class QoSProfile:
     def __repr__(self) -> str:
         return f"QoSProfile({self})"
 
-    def to_dds(self, user_data: str = "") -> DdsQos:
+    def to_dds(self, user_data: str = "", ignore_local: bool = False) -> DdsQos:
         """Return the profile for Cyclone DDS, equal to what `rmw_cyclonedds` makes of it.
 
         Args:
             user_data: USER_DATA of the endpoint, visible to others at discovery.
+            ignore_local: whether a reader ignores the writers of its own participant.
         """
         from cyclonedds.core import Policy
         from cyclonedds.core import Qos as DdsQos
@@ -112,6 +113,8 @@ class QoSProfile:
                     max_samples_per_instance=unlimited,
                 )
             )
+        if ignore_local:
+            policies.append(Policy.IgnoreLocal.Participant)
         if self.lifespan is not None:
             policies.append(Policy.Lifespan(round(1e9 * self.lifespan)))
         if user_data:

@@ -6,6 +6,7 @@ import inspect
 import logging
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from wbc.messages import Message, MessageError, message_type
@@ -113,11 +114,13 @@ class Subscription(RawSubscription):
         topic: str,
         callback: Callable[..., object],
         qos_profile: QoSProfile | int,
+        ignore_local_publications: bool = False,
     ) -> None:
         self.msg_type = _message_class(msg_type)
         self._next_warning = 0.0
         name = node.resolve_topic_name(topic)
         config = _endpoint_config(name, self.msg_type, QoSProfile.of(qos_profile))
+        config = replace(config, ignore_local=ignore_local_publications)
         super().__init__(node, config, name, callback)
 
     def _receive(self, data: bytes, info: MessageInfo) -> None:

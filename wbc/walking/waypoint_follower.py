@@ -2,26 +2,37 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 
+from wbc.gait import VelocityLimits
 from wbc.geometry.planar import Placement
+
+_UNLIMITED = VelocityLimits()
+_TURN_LENGTH = 0.2  # m of path that one radian of turning counts as
+_MAX_BEARING = 1.0  # rad beside which a far waypoint is turned to before walking
+_STEP = 0.1  # s, of the prediction
+_MAX_TIME = 600.0  # s
 
 
 class WaypointFollower:
     """Turns the way that is left to a waypoint into a velocity command.
 
-    The command is proportional to the error, in the robot's heading frame,
+    Near a waypoint the command is proportional to the error, in the robot's heading frame,
 
         (v_x, v_y) = k_p R(−yaw) (p* − p),    ω = k_yaw (yaw* − yaw),
 
     and zero once the error is below `reached`; it comes back only when the error is above `left`,
-    so that the sway of a walk on the spot starts no step. A command beyond the limits is scaled
-    down to them, so that its direction stays.
+    so that the sway of a walk on the spot starts no step. A robot that is farther than `near` turns
+    to the waypoint and walks forward. A command beyond the limits is scaled into them, so that its
+    direction stays.
 
     Args:
-        limits: largest forward and sideways velocity, m/s, and turn, rad/s.
-        position_gain: k_p, 1/s.
+        limits: velocities that may be commanded.
+        position_gain: k_p, 1/s. A velocity takes effect with the next step, so a gain above about
+            one over twice the duration of a step overshoots.
         yaw_gain: k_yaw, 1/s.
+        near: distance within which the robot steps in any direction, m.
         reached: distance, m, and angle, rad, below which place and heading are reached.
         left: distance, m, and angle, rad, above which they count as left again.
 
@@ -32,13 +43,14 @@ class WaypointFollower:
 
     def __init__(
         self,
-        limits: tuple[float, float, float] = (math.inf, math.inf, math.inf),
+        limits: VelocityLimits = _UNLIMITED,
         position_gain: float = 1.5,
         yaw_gain: float = 1.5,
+        near: float = math.inf,
         reached: tuple[float, float] = (0.1, 0.05),
         left: tuple[float, float] = (0.2, 0.12),
     ) -> None:
-        self._limits = limits
+        self._limits, self._near = limits, near
         self._gain, self._yaw_gain = position_gain, yaw_gain
         self._reached, self._left = reached, left
         self.position_reached = self.yaw_reached = False
@@ -55,9 +67,34 @@ class WaypointFollower:
         angle = (self._left if self.yaw_reached else self._reached)[1]
         self.position_reached = abs(error.point) < distance
         self.yaw_reached = abs(error.yaw) < angle
-        way = 0j if self.position_reached else self._gain * error.point
-        turn = 0.0 if self.yaw_reached else self._yaw_gain * error.yaw
-        wanted = (way.real, way.imag, turn)
-        beyond = max(abs(v) / limit for v, limit in zip(wanted, self._limits, strict=True))
-        forward, left, turn = (v / max(beyond, 1.0) for v in wanted)
-        return forward, left, turn
+        way = 0j if self.position_reached else error.point
+        turn = 0.0 if self.yaw_reached else error.yaw
+        if abs(way) > self._near:
+            turn = cmath.phase(way)
+            way = complex(math.cos(turn) ** 2 * abs(way) if abs(turn) < _MAX_BEARING else 0.0)
+        way *= self._gain
+        return self._limits.clamp(way.real, way.imag, self._yaw_gain * turn)
+
+    def remaining(self, waypoint: Placement, pose: Placement) -> float:
+        """Return the remaining path, m: the distance, and 0.2 m per radian of turning."""
+        error = waypoint.relative_to(pose)
+        distance = abs(error.point)
+        turn = cmath.phase(error.point) if distance > self._near else error.yaw
+        return distance + _TURN_LENGTH * abs(turn)
+
+    def time_left(self, waypoint: Placement, pose: Placement) -> float:
+        """Return the time in which a robot that obeys at once reaches the waypoint, s.
+
+        The command is followed until both are reached, at most ten minutes.
+        """
+        follower = WaypointFollower(
+            self._limits, self._gain, self._yaw_gain, self._near, self._reached, self._left
+        )
+        time = 0.0
+        while time < _MAX_TIME:
+            forward, left, turn = follower.velocity(waypoint, pose)
+            if follower.position_reached and follower.yaw_reached:
+                break
+            pose = pose.compose(Placement(_STEP * complex(forward, left), _STEP * turn))
+            time += _STEP
+        return time

@@ -44,6 +44,8 @@ def walk(
     view: bool = False,
     as_fast_as_possible: bool = False,
     sim_time: bool = False,
+    name: str = "wbc",
+    namespace: str = "/",
     duration: Seconds = teleoperated_run.DURATION,
 ) -> ExitCode:
     """Simulate a robot that a ROS 2 system drives.
@@ -56,6 +58,8 @@ def walk(
         as_fast_as_possible: run faster than real time.
         sim_time: stamp messages with the time of /clock, for nodes with use_sim_time; the node's
             parameter use_sim_time.
+        name: name of the node.
+        namespace: namespace of the node and its topics.
         duration: duration, s.
     """
     simulated = Simulation(simulation)
@@ -65,7 +69,14 @@ def walk(
         if view:
             viewer = Meshcat(robot, boxes=simulated.boxes)
             session.observers.append(session.stack.enter_context(viewer))
-        bridge = Bridge(handler, network=network.network(), update_rate=rate, use_sim_time=sim_time)
+        bridge = Bridge(
+            handler,
+            name=name,
+            namespace=namespace,
+            network=network.network(),
+            update_rate=rate,
+            use_sim_time=sim_time,
+        )
         session.stack.enter_context(bridge)
         where = f"DDS domain {bridge.network.domain_id}, {bridge.network.scope}"
         print(

@@ -106,19 +106,38 @@ class ActionClient:
         """
         if not self.wait_for_server(timeout_sec):
             raise ResponseTimeout(f"there is no server for the action {self.action_name}")
+        future = self.send_goal_async(goal, feedback_callback)
+        if not self.node.spin_until(future.done, timeout_sec):
+            raise ResponseTimeout(f"{self.action_name} did not respond in {timeout_sec:g} s")
+        return future.result()
+
+    def send_goal_async(
+        self, goal: Message, feedback_callback: Callable[[Any], None] = lambda _: None
+    ) -> Future[ClientGoalHandle]:
+        """Send a goal; see `send_goal`.
+
+        Returns:
+            The future handle of the goal, which arrives while the node spins.
+        """
+        answered: Future[ClientGoalHandle] = Future()
         handle = ClientGoalHandle(self, uuid.uuid4().bytes)
         request = self._send.request_type(goal=goal)
         request.goal_id.uuid = list(handle.goal_id)
         self._callbacks[handle.goal_id] = feedback_callback
-        handle.accepted = bool(self._send.call(request, timeout_sec).accepted)
-        if handle.accepted:
-            request = self._result.request_type()
-            request.goal_id.uuid = list(handle.goal_id)
-            future = self._result.call_async(request)
-            future.add_done_callback(lambda done: self._on_result(handle, done))
-        else:
-            del self._callbacks[handle.goal_id]
-        return handle
+
+        def on_answer(future: Future[Any]) -> None:
+            handle.accepted = bool(future.result().accepted)
+            if handle.accepted:
+                request = self._result.request_type()
+                request.goal_id.uuid = list(handle.goal_id)
+                result = self._result.call_async(request)
+                result.add_done_callback(lambda done: self._on_result(handle, done))
+            else:
+                del self._callbacks[handle.goal_id]
+            answered.set_result(handle)
+
+        self._send.call_async(request).add_done_callback(on_answer)
+        return answered
 
     def _on_feedback(self, message: Any) -> None:
         callback = self._callbacks.get(bytes(message.goal_id.uuid))

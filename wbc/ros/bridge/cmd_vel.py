@@ -1,4 +1,7 @@
-"""The topic `cmd_vel`: a velocity command that expires unless it is renewed."""
+"""The topic `cmd_vel`: a velocity command that expires unless it is renewed.
+
+It takes `Twist` and, as Nav2 and the teleoperation nodes of Jazzy may send, `TwistStamped`.
+"""
 
 from __future__ import annotations
 
@@ -22,17 +25,28 @@ class CmdVel:
 
     Attributes:
         max_velocity: the velocities that the robot walks at.
+        step_duration: usual duration of a step, s.
         on_override: called when a message on `cmd_vel` takes over from an action that walks.
     """
 
     def __init__(self, node: Node, client: CommandClient) -> None:
         self._client = client
-        self.max_velocity = client.capabilities.max_velocity
+        capabilities = client.capabilities
+        self.max_velocity = capabilities.max_velocity
+        self.step_duration = sum(
+            capabilities.parameter(f"gait.{name}").default
+            for name in ("single_support", "double_support")
+        )
         self._timeout = node.declare_parameter(
             "cmd_vel_timeout", 0.5, "validity of a message on cmd_vel, s", bounds=(0.05, 10.0)
         )
         self.on_override: Callable[[], None] = lambda: None
         node.create_subscription("geometry_msgs/msg/Twist", "cmd_vel", self._on_twist)
+        node.create_subscription(
+            "geometry_msgs/msg/TwistStamped",
+            "cmd_vel",
+            lambda message: self._on_twist(message.twist),
+        )
 
     def _on_twist(self, message: Any) -> None:
         velocity = (message.linear.x, message.linear.y, message.angular.z)

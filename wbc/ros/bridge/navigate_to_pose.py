@@ -3,6 +3,9 @@
 With Nav2's own type, RViz's goal tool, `ros2 action` and every client of Nav2 can send goals, and
 nothing needs to be built on the ROS side. The type is that of Jazzy; later releases of Nav2 have
 appended fields to the feedback. The field `behavior_tree` is ignored here.
+
+A goal may be given in `odom`, in the robot's base, or in a frame that `/tf` connects with `odom`,
+such as `map`. Unless it is connected, `map` is taken for `odom`.
 """
 
 from __future__ import annotations
@@ -18,14 +21,16 @@ from wbc.robot import Robot
 from wbc.robot.attitude import heading
 from wbc.ros.actions import GoalStatus, ServerGoalHandle
 from wbc.ros.bridge.cmd_vel import CmdVel
-from wbc.ros.bridge.pose_controller import PoseController
 from wbc.ros.bridge.robot_action import RobotAction
 from wbc.ros.bridge.stamped_tick import StampedTick
+from wbc.ros.bridge.transform_listener import TransformListener, yaw_of
 from wbc.ros.node import Node
 from wbc.ros.stamp import duration_from_seconds, stamp_from_seconds
 from wbc.runtime.schema import ODOM
 from wbc.state import State
+from wbc.walking import WaypointFollower
 
+NAME = "navigate_to_pose"
 TYPE = "nav2_msgs/action/NavigateToPose"
 _ODOM_FRAMES = ("", ODOM, "map", "world")
 _BASE_FRAMES = ("base_link", "base_footprint")  # besides the robot's own name of its base
@@ -49,8 +54,9 @@ class NavigateToPose(RobotAction):
     """
 
     def __init__(self, node: Node, cmd_vel: CmdVel, robot: Robot) -> None:
-        super().__init__(node, TYPE, "navigate_to_pose")
+        super().__init__(node, TYPE, NAME)
         self._cmd_vel, self._robot = cmd_vel, robot
+        self._transforms = TransformListener(node)
         self._speed_ratio = node.declare_parameter(
             "walk_speed", 0.6, "speed, as a fraction of the largest velocity", bounds=(0.1, 1.0)
         )
@@ -60,8 +66,22 @@ class NavigateToPose(RobotAction):
         self._heading_tolerance = node.declare_parameter(
             "heading_tolerance", 0.15, "heading tolerance of the goal, rad", bounds=(0.05, math.pi)
         )
+        for parameter in (self._speed_ratio, self._tolerance, self._heading_tolerance):
+            parameter.on_change = self._renew_follower
+        self._renew_follower()
         self._target = Placement(0j, 0.0)
         cmd_vel.on_override = lambda: self.abort("cmd_vel took over")
+
+    def _renew_follower(self, _: float = 0.0) -> None:
+        tolerance = (self._tolerance.value, self._heading_tolerance.value)
+        self._follower = WaypointFollower(
+            self._cmd_vel.max_velocity.scaled(self._speed_ratio.value),
+            position_gain=_GAIN,
+            yaw_gain=_GAIN,
+            near=max(_NEAR, 3.0 * self._tolerance.value),
+            reached=(0.5 * tolerance[0], 0.5 * tolerance[1]),
+            left=tolerance,
+        )
 
     def abort(self, reason: str) -> None:
         """Abort the goal in progress, if there is one, and stop the robot."""
@@ -76,6 +96,7 @@ class NavigateToPose(RobotAction):
         target = self._parse_pose(goal.pose)
         assert target is not None
         self._target = target
+        self._renew_follower()
         self._start_time = self._progress_time = tick.time
         self._min_remaining = math.inf
         self._standing_since: float | None = None
@@ -88,9 +109,11 @@ class NavigateToPose(RobotAction):
         numbers = np.array([p.x, p.y, p.z, o.x, o.y, o.z, o.w])
         if not np.isfinite(numbers).all() or abs(np.linalg.norm(numbers[3:]) - 1.0) > 0.05:
             return None
-        yaw = math.atan2(2.0 * (o.w * o.z + o.x * o.y), 1.0 - 2.0 * (o.y * o.y + o.z * o.z))
-        pose = Placement(complex(p.x, p.y), yaw)
+        pose = Placement(complex(p.x, p.y), yaw_of(o))
         frame = stamped.header.frame_id.lstrip("/")
+        transformed = self._transforms.transform(pose, frame or ODOM, ODOM)
+        if transformed is not None:
+            return transformed
         if frame in _ODOM_FRAMES:
             return pose
         if frame in (*_BASE_FRAMES, self._robot.base) and self._tick is not None:
@@ -103,31 +126,26 @@ class NavigateToPose(RobotAction):
 
     def _update(self, goal: ServerGoalHandle, tick: StampedTick) -> None:
         super()._update(goal, tick)
-        error = self._target.relative_to(self._robot_pose(tick))
+        pose = self._robot_pose(tick)
         if self._outcome is None:
-            self._walk(error, tick.time)
+            self._walk(pose, tick.time)
         if self._outcome is not None and self._is_standing(tick):
-            self._finish_standing(error, *self._outcome)
+            self._finish_standing(self._target.relative_to(pose), *self._outcome)
 
-    def _walk(self, error: Placement, time: float) -> None:
-        if self._is_within_tolerance(error, 0.5):
+    def _walk(self, pose: Placement, time: float) -> None:
+        follower = self._follower
+        velocity = follower.velocity(self._target, pose)
+        if follower.position_reached and follower.yaw_reached:
             self._stop(GoalStatus.SUCCEEDED, "")
             return
-        limits = self._cmd_vel.max_velocity.scaled(self._speed_ratio.value)
-        near = max(_NEAR, 3.0 * self._tolerance.value)
-        controller = PoseController(limits, near, _GAIN)
-        remaining = controller.remaining(error)
+        remaining = follower.remaining(self._target, pose)
         if remaining < self._min_remaining - _MIN_PROGRESS:
             self._min_remaining, self._progress_time = remaining, time
         elif time - self._progress_time > _PROGRESS_TIMEOUT:
             self._error_code = _TIMEOUT
             self._stop(GoalStatus.ABORTED, "the robot makes no progress towards the goal")
             return
-        self._cmd_vel.walk(controller.velocity(error), _VELOCITY_TIMEOUT)
-
-    def _is_within_tolerance(self, error: Placement, factor: float) -> bool:
-        distance, angle = self._tolerance.value, self._heading_tolerance.value
-        return bool(abs(error.point) < factor * distance and abs(error.yaw) < factor * angle)
+        self._cmd_vel.walk(velocity, _VELOCITY_TIMEOUT)
 
     def _stop_robot(self) -> None:
         self._standing_since = None
@@ -142,11 +160,14 @@ class NavigateToPose(RobotAction):
         return tick.time - self._standing_since > _STANDING_TIME
 
     def _finish_standing(self, error: Placement, status: GoalStatus, text: str) -> None:
-        if status is not GoalStatus.SUCCEEDED or self._is_within_tolerance(error, 1.0):
+        distance, angle = self._tolerance.value, self._heading_tolerance.value
+        reached = abs(error.point) < distance and abs(error.yaw) < angle
+        if status is not GoalStatus.SUCCEEDED or reached:
             self._finish(status, text)
         elif self._corrections < _MAX_CORRECTIONS:  # the last steps led away from the goal
             self._corrections += 1
             self._outcome = None
+            self._renew_follower()
         else:
             self._error_code = _TIMEOUT
             text = f"the robot stands {abs(error.point):.2f} m and {error.yaw:.2f} rad off"
@@ -156,14 +177,17 @@ class NavigateToPose(RobotAction):
         code = self._error_code if status is GoalStatus.ABORTED else 0
         return self._server.result_type(error_code=code, error_msg=text)
 
+    def _time_left(self, pose: Placement) -> float:
+        """Return the time until the goal ends, s: the way, two steps to stop, and standing."""
+        walking = 0.0 if self._outcome else self._follower.time_left(self._target, pose)
+        return walking + 2.0 * self._cmd_vel.step_duration + _STANDING_TIME
+
     def _feedback(self, tick: StampedTick) -> Message:
         here = self._robot_pose(tick)
         distance = abs(self._target.point - here.point)
         feedback = self._server.feedback_type(
             navigation_time=duration_from_seconds(tick.time - self._start_time),
-            estimated_time_remaining=duration_from_seconds(
-                distance / (self._speed_ratio.value * self._cmd_vel.max_velocity.forward)
-            ),
+            estimated_time_remaining=duration_from_seconds(self._time_left(here)),
             number_of_recoveries=self._corrections,
             distance_remaining=distance,
         )

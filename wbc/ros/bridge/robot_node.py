@@ -8,6 +8,8 @@ from wbc.ros.bridge.clock import PlantClock
 from wbc.ros.bridge.cmd_vel import CmdVel
 from wbc.ros.bridge.config import NodeConfig
 from wbc.ros.bridge.diagnostics import Diagnostics
+from wbc.ros.bridge.goal_pose import GoalPose
+from wbc.ros.bridge.graph_monitor import GraphMonitor
 from wbc.ros.bridge.joint_topics import JointTopics
 from wbc.ros.bridge.navigate_to_pose import NavigateToPose
 from wbc.ros.bridge.node_topics import TOPICS, NodeTopics
@@ -15,6 +17,7 @@ from wbc.ros.bridge.play_motion import PlayMotion
 from wbc.ros.bridge.simulation_services import SimulationServices
 from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.bridge.tick_topics import TickTopics
+from wbc.ros.bridge.tunable_parameters import TunableParameters
 from wbc.ros.node import Node
 from wbc.runtime.mode import Mode
 from wbc.runtime.stream import TickReader
@@ -53,6 +56,9 @@ class RobotNode:
         cmd_vel = CmdVel(node, client)
         self._navigate = NavigateToPose(node, cmd_vel, robot)
         self._play = PlayMotion(node, client, cmd_vel, self._navigate)
+        GoalPose(node)
+        TunableParameters(node, client)
+        GraphMonitor(node)
         NodeTopics(node, robot, (*TOPICS, *config.topics), lambda: self._latest)
         node.create_timer(_POLL_PERIOD, self._poll_commands)
         self._read_timer = node.create_timer(1.0 / _MIN_READ_RATE, self._read_ticks)

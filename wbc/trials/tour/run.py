@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from dataclasses import dataclass
 
 from wbc.estimation import Estimator, GroundTruthEstimator
+from wbc.gait import VelocityLimits
 from wbc.geometry.planar import Placement, ground_point
 from wbc.robot import Robot, load
 from wbc.robot.attitude import heading
@@ -21,7 +21,6 @@ from wbc.walking import VelocityClamped, Walker, WaypointFollower
 _DT = 0.002  # s, the control period
 _COMMAND_PERIOD = 0.02  # s
 _SPEED_SHARE = 0.6  # of a walker's largest velocity: what is left catches punches
-_Limits = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +57,7 @@ class _TourEvents:
     """
 
     def __init__(
-        self, tour: Tour, plant: Mujoco, controller: TourController, limits: _Limits
+        self, tour: Tour, plant: Mujoco, controller: TourController, limits: VelocityLimits
     ) -> None:
         self._tour, self._plant, self._controller = tour, plant, controller
         self._limits = limits
@@ -177,8 +176,7 @@ def simulate_tour(
     return run_tour(loaded, made, draw_tour(loaded, seed, parameters))
 
 
-def _limits(controller: VelocityController) -> _Limits:
+def _limits(controller: VelocityController) -> VelocityLimits:
     if not isinstance(controller, Walker):
-        return (math.inf, math.inf, math.inf)
-    forward, left, turn = controller.gait.max_velocity.largest
-    return _SPEED_SHARE * forward, _SPEED_SHARE * left, _SPEED_SHARE * turn
+        return VelocityLimits()
+    return controller.gait.max_velocity.scaled(_SPEED_SHARE)
