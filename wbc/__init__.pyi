@@ -4,6 +4,7 @@ from . import contacts as contacts
 from . import errors as errors
 from . import estimation as estimation
 from . import gait as gait
+from . import hardware as hardware
 from . import ik as ik
 from . import limits as limits
 from . import live as live

@@ -23,6 +23,7 @@ class Measurement:
         foot_wrenches: sole name -> (6,) force then moment that the ground exerts
             on the foot, at the sole's centre, in sole axes; N, N·m. Empty when
             the robot has no foot sensors.
+        joint_torque: (na,) torques that the motors exert, N·m; None if they are not measured.
         ground_truth: the exact state, only from a simulator that was made with
             `ground_truth=True`.
     """
@@ -34,6 +35,7 @@ class Measurement:
     accelerometer: np.ndarray
     foot_wrenches: dict[str, np.ndarray] = field(default_factory=dict)
     ground_truth: State | None = None
+    joint_torque: np.ndarray | None = None
 
     def __repr__(self) -> str:
         forces = ", ".join(f"{name} {w[2]:.0f} N" for name, w in self.foot_wrenches.items())

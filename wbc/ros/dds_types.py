@@ -53,7 +53,7 @@ def dds_type(name: str) -> Any:
     Raises:
         MessageError: there is no such type.
     """
-    return _carry_bytes(_structure(name, {}))
+    return struct_of_bytes(_structure(name, {}))
 
 
 @cache
@@ -70,7 +70,7 @@ def dds_service_type(name: str) -> Any:
 
     # What `rmw_cyclonedds` puts before a request or reply: the client and its sequence number.
     header = {"client_guid": uint64, "sequence_number": int64}
-    return _carry_bytes(_structure(name, header))
+    return struct_of_bytes(_structure(name, header))
 
 
 @cache
@@ -88,7 +88,7 @@ def raw_dds_type(dds_name: str) -> Any:
     full = dds_name.replace("::", ".")
     fields = {"first": uint8}
     structure = make_idl_struct(full.rpartition(".")[2], full, fields, dataclassify=False)
-    return _carry_bytes(structure)
+    return struct_of_bytes(structure)
 
 
 @cache
@@ -106,7 +106,7 @@ def _structure(name: str, header: dict[str, Any]) -> Any:
     )
 
 
-def _carry_bytes(structure: Any) -> Any:
+def struct_of_bytes(structure: Any) -> Any:
     """Make the samples of a structure carry only `data`, the serialized bytes; return it.
 
     The methods are not inherited, because DDS would take a base class for a part of the structure.

@@ -13,6 +13,7 @@ from wbc.errors import PhysicsDiverged, PlantError
 from wbc.measurement import Measurement
 from wbc.robot import Robot
 from wbc.robot.attitude import heading
+from wbc.servo import ServoCommand
 from wbc.sim.collision_pairs import RobotCollisions, robot_collisions, touching_bodies
 from wbc.sim.coordinates import CoordinateMap
 from wbc.sim.ground import Ground
@@ -222,8 +223,10 @@ class Mujoco(Closeable):
             )
         return self._measurement
 
-    def step(self, command: Command) -> None:
+    def step(self, command: Command | ServoCommand) -> None:
         """Hold a command over one control period.
+
+        A plant with servos also takes the command to these, as hardware does.
 
         Torques beyond the robot's limits are clipped to them; `torque` returns what the
         motors exert.
@@ -234,7 +237,12 @@ class Mujoco(Closeable):
         """
         mujoco, model, data, motors = self._mujoco, self.model, self.data, self._motors
         servos = self._servos
-        (motors if servos is None else servos).command(command, self._steps)
+        if servos is not None:
+            servos.command(command, self._steps)
+        elif isinstance(command, ServoCommand):
+            raise PlantError("a plant without servos takes a Command: make it with servos=…")
+        else:
+            motors.command(command, self._steps)
         self._ground.follow(data)
         for _ in range(self._substeps):
             if servos is not None:

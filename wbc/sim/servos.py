@@ -95,13 +95,13 @@ class Servos:
         self._reference.reset()
         self._play[:] = self._play_velocity[:] = 0.0
 
-    def command(self, command: Command, step: int) -> None:
+    def command(self, command: Command | ServoCommand, step: int) -> None:
         """Send a command at a physics step (since the reset); the first one acts at once.
 
         Raises:
             PlantError: the command is not finite.
         """
-        servo = self._reference.update(command)
+        servo = command if isinstance(command, ServoCommand) else self._reference.update(command)
         if not math.isfinite(
             servo.tau.dot(servo.tau) + servo.q.dot(servo.q) + servo.v.dot(servo.v)
         ):

@@ -1,0 +1,253 @@
+"""A simulated G1 behind the safety layer: it starts, walks, and is damped at every fault."""
+
+from __future__ import annotations
+
+import copy
+import re
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hardwaretools import HardwareRun, changed_state, flipped_bit
+
+from wbc.hardware import HardwareError, SafetyLimits, SafetyState, UnitreeG1
+from wbc.hardware.safety.command_filter import CommandFilter
+from wbc.hardware.unitree.messages import LOW_COMMAND, MessageBuffer
+from wbc.hardware.unitree.motors import G1_JOINTS
+from wbc.measurement import Measurement
+from wbc.robot import load
+from wbc.runtime.loop import StopRun
+from wbc.servo import ServoCommand
+
+
+@pytest.fixture(scope="module")
+def hanging() -> HardwareRun:
+    """A robot that hangs in its gantry; tests change copies of it."""
+    return HardwareRun.make()
+
+
+@pytest.fixture(scope="module")
+def standing(hanging) -> HardwareRun:
+    """A robot that stands under control; tests change copies of it."""
+    run = copy.deepcopy(hanging)
+    run.plant.start()
+    joints = run.stand_in.plant.ground_truth().q[7:]
+    np.testing.assert_allclose(joints, run.robot.q_nominal[7:], atol=0.2)
+    assert run.run(1.2).survived
+    return run
+
+
+def test_it_goes_from_damping_over_the_posture_to_control_and_ends_in_damping(standing) -> None:
+    run = copy.deepcopy(standing)
+    run.hold(0.01)
+    run.plant.close()
+    states = [transition.state for transition in run.plant.transitions]
+    assert states == [
+        SafetyState.DAMPING,
+        SafetyState.POSTURE,
+        SafetyState.STANDING,
+        SafetyState.CONTROL,
+        SafetyState.DAMPING,
+    ]
+    run.link.advance()
+    assert run.stand_in.damping
+
+
+def test_it_walks_with_10_ms_of_latency_and_5_percent_of_the_messages_lost(standing) -> None:
+    random = np.random.default_rng(0)
+
+    def lossy(now: float, data: bytes) -> list[bytes]:
+        return [] if random.random() < 0.05 else [data]
+
+    run = copy.deepcopy(standing)
+    run.link.on_state = run.link.on_command = lossy
+    run.stand_in.plant._servos._latency = 8
+    report = run.run(2.5, speed=0.35)
+    assert report.survived
+    assert report.displacement_m[0] > 0.3
+    assert run.plant.lost > 20
+    assert run.plant.latency.seconds == pytest.approx(0.010)
+
+
+def frozen() -> Callable[[bytes], list[bytes]]:
+    last: list[np.ndarray] = []
+
+    def freeze(fields: np.ndarray) -> None:
+        last[:] = last or [fields["imu_state"].copy()]
+        fields["imu_state"] = last[0]
+
+    return lambda data: [changed_state(data, freeze)]
+
+
+def replaced(**fields: float) -> Callable[[bytes], list[bytes]]:
+    def change(state: np.ndarray) -> None:
+        for name, value in fields.items():
+            state["motor_state"][name][0, 3] = value
+
+    return lambda data: [changed_state(data, change)]
+
+
+def tilted(data: bytes) -> list[bytes]:
+    def change(state: np.ndarray) -> None:
+        state["imu_state"]["quaternion"][0] = (np.cos(0.5), np.sin(0.5), 0.0, 0.0)
+
+    return [changed_state(data, change)]
+
+
+def key_pressed(data: bytes) -> list[bytes]:
+    def change(state: np.ndarray) -> None:
+        state["wireless_remote"][0, 3] = 0b10
+
+    return [changed_state(data, change)]
+
+
+FAULTS = {
+    "a frozen IMU": (frozen(), "have not changed for", 0.0101),
+    "NaN": (replaced(q=np.nan), "'left_knee_joint' is nan", 0.0),
+    "an encoder jump": (replaced(q=1.2), "'left_knee_joint' jumped by", 0.0),
+    "a joint that runs away": (replaced(dq=40.0), "'left_knee_joint' moves at", 0.0),
+    "a fall": (tilted, "the base is tilted by 1.00 rad", 0.0),
+    "the stop key": (key_pressed, "stop key", 0.0),
+    "a lost wire": (lambda data: [], "no valid state message for 20 ms", 0.0201),
+    "flipped bits": (lambda data: [flipped_bit(data)], "no valid state message", 0.0201),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_damps_the_joints_at_once_and_for_good(name: str, standing) -> None:
+    disturb, reason, detection = FAULTS[name]
+    run = copy.deepcopy(standing)
+    begin = run.link.now()
+    run.link.on_state = lambda _, data: disturb(data)
+    with pytest.raises(StopRun, match=re.escape(reason)):
+        run.hold(0.1)
+    assert reason in run.plant.fault
+    # Detected as soon as it can be, and damped in the same period.
+    assert run.link.now() - begin <= detection + 0.0021
+    run.link.advance()
+    assert run.stand_in.damping
+    with pytest.raises(StopRun):
+        run.measure()
+    with pytest.raises(StopRun):
+        run.step(run.command)
+    run.link.advance()
+    assert run.stand_in.damping
+
+
+def test_reordered_messages_and_single_flipped_bits_are_dropped_and_counted(standing) -> None:
+    held: list[bytes] = []
+    count = iter(range(1_000_000))
+
+    def reorder(now: float, data: bytes) -> list[bytes]:
+        kind = next(count) % 10
+        if kind == 0:
+            held.append(data)
+            return []
+        return {1: [data, *held[-1:]], 2: [flipped_bit(data)]}.get(kind, [data])
+
+    run = copy.deepcopy(standing)
+    run.link.on_state, run.link.on_command = reorder, lambda _, data: [flipped_bit(data), data]
+    run.hold(0.06)
+    assert not run.plant.fault
+    assert run.connection.reordered >= 2
+    assert run.connection.corrupt >= 2
+    assert run.stand_in.corrupt >= 20
+
+
+def test_a_pause_of_the_controller_ends_the_run_and_the_robot_damps_meanwhile(standing) -> None:
+    run = copy.deepcopy(standing)
+    run.hold(0.01)
+    for _ in range(12):
+        run.link.advance()
+    assert run.stand_in.damping
+    with pytest.raises(StopRun, match="ms behind the robot's clock"):
+        run.hold(0.01)
+
+
+def test_the_robot_damps_by_itself_when_its_controller_is_gone(standing) -> None:
+    run = copy.deepcopy(standing)
+    begin = run.link.now()
+    while not run.stand_in.damped:
+        run.link.advance()
+    assert run.link.now() - begin < 0.025
+
+
+def test_another_robot_is_refused(hanging) -> None:
+    def other(now: float, data: bytes) -> list[bytes]:
+        def change(state: np.ndarray) -> None:
+            state["mode_machine"] = 4
+
+        return [changed_state(data, change)]
+
+    run = copy.deepcopy(hanging)
+    run.link.on_state = other
+    with pytest.raises(HardwareError, match="mode_machine 4"):
+        run.plant.start()
+    with pytest.raises(HardwareError, match="not the joints of a G1"):
+        UnitreeG1(load("simple_humanoid"), run.link)
+
+
+def test_motors_in_another_order_are_found_before_the_robot_stands(hanging) -> None:
+    order = [*range(19, 29), *range(19)]
+
+    def swap(now: float, data: bytes) -> list[bytes]:
+        buffer = MessageBuffer(LOW_COMMAND)
+        assert buffer.decode(data)
+        buffer.fields["motor_cmd"][0, :29] = buffer.fields["motor_cmd"][0, order]
+        return [buffer.encode()]
+
+    run = copy.deepcopy(hanging)
+    run.link.on_command = swap
+    with pytest.raises(HardwareError, match=r"another order|moves at|jumped|outside"):
+        run.plant.start()
+    assert run.plant.state is SafetyState.DAMPING
+
+
+def test_it_does_not_start_from_a_posture_far_away_or_without_a_robot(hanging) -> None:
+    def bent(now: float, data: bytes) -> list[bytes]:
+        def change(state: np.ndarray) -> None:
+            state["motor_state"]["q"][0, 3] = 2.5
+
+        return [changed_state(data, change)]
+
+    for disturb, reason in (
+        (bent, "'left_knee_joint' is .* from the nominal posture"),
+        (lambda now, data: [], "check the cable"),
+    ):
+        run = copy.deepcopy(hanging)
+        run.link.on_state = disturb
+        with pytest.raises(HardwareError, match=reason):
+            run.plant.start()
+
+
+def test_a_command_before_the_start_and_one_that_is_not_finite_are_refused(
+    hanging, standing
+) -> None:
+    with pytest.raises(StopRun, match="before the robot was started"):
+        copy.deepcopy(hanging).step(standing.command)
+    run = copy.deepcopy(standing)
+    run.measure()
+    with pytest.raises(StopRun, match="not finite"):
+        run.step(replace(run.command, tau=np.full(run.robot.na, np.nan)))
+
+
+def test_commands_beyond_the_limits_are_brought_within_them() -> None:
+    robot = load("g1")
+    rise = CommandFilter(robot, SafetyLimits(), 0.002)
+    still = np.zeros(robot.na)
+    m = Measurement(0.0, robot.q_nominal[7:], still, still[:3], still[:3])
+    far = ServoCommand(still + 9.0, still + 900.0, still + 1e4, still + 100.0, still + 1.0)
+    for _ in range(10):
+        got = rise.apply(far, m)
+        assert (np.abs(got.tau) <= robot.tau_max).all()
+    np.testing.assert_array_equal(got.q, robot.q_max)
+    np.testing.assert_array_equal(got.v, robot.v_max)
+    rise.reset()
+    first = rise.apply(replace(far, kp=still, kd=still), m)
+    np.testing.assert_allclose(first.tau, 0.2 * robot.tau_max)  # 2 ms of 10
+
+
+def test_the_joints_of_the_motors_are_those_of_the_model() -> None:
+    assert len(set(G1_JOINTS)) == 29
+    assert set(G1_JOINTS) == set(load("g1").joint_names)

@@ -1,0 +1,1 @@
+"""The safety layer between any controller and any hardware."""

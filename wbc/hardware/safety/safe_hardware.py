@@ -1,0 +1,298 @@
+"""The safety layer: the only way from hardware to a plant that a loop can run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NoReturn
+
+import numpy as np
+
+from wbc.closeable import Closeable
+from wbc.command import Command
+from wbc.hardware.errors import HardwareError
+from wbc.hardware.hardware import Hardware, Reading
+from wbc.hardware.latency import LatencyEstimator
+from wbc.hardware.safety.command_filter import CommandFilter
+from wbc.hardware.safety.limits import SafetyLimits
+from wbc.hardware.safety.reading_monitor import ReadingMonitor
+from wbc.hardware.safety.transitions import (
+    OnTransition,
+    SafetyState,
+    Transition,
+    log_transition,
+)
+from wbc.measurement import Measurement
+from wbc.runtime.loop import StopRun
+from wbc.servo import ServoCommand, ServoGains
+from wbc.servo_reference import ServoReference
+
+_CONNECT_TIMEOUT = 5.0  # s
+_DAMPING_TIME, _REST_TIMEOUT = 0.3, 5.0  # s, least and longest damping before the robot moves
+_POSTURE_FREQUENCY = 20.0  # Hz, of the servos that hold the posture
+_POSTURE_SPEED = 0.4  # rad/s
+_LEAST_RAMP = 2.0  # s
+_BLEND_TIME = 0.5  # s from the posture to the controller
+_CLOCK_DRIFT = 1e-4  # s per s by which the clocks may differ
+
+
+class SafeHardware(Closeable):
+    """A robot as a plant, which damps its joints as soon as anything is wrong.
+
+    It starts by `start`: damping, then slowly to the nominal posture, which it holds. In a run the
+    controller takes over within half a second. Any fault, the end of the run and `close` lead back
+    to damping, in the same tick; after a fault nothing but damping is sent. A run with a fault ends
+    with its reason. No option switches any of this off.
+
+    The loop is locked to the robot's clock: `measure` waits for the next state message. A message
+    that was lost is replaced by an extrapolation, so that every period has one measurement; further
+    messages that came meanwhile are worked off at once.
+
+    Args:
+        hardware: the robot.
+        limits: the limits.
+        gains: gains of the servos while the controller commands; `ServoGains.for_robot` by default.
+        on_transition: called with every transition; logs it by default.
+
+    Attributes:
+        robot: its model.
+        dt: control period, s: the period of the robot's state messages.
+        state: what the robot is doing.
+        fault: why the joints were damped; empty without a fault.
+        transitions: all transitions so far.
+        lost: state messages that were replaced by extrapolations.
+        latency: measures the time from a reading to the torque that answers it.
+    """
+
+    def __init__(
+        self,
+        hardware: Hardware,
+        *,
+        limits: SafetyLimits | None = None,
+        gains: ServoGains | None = None,
+        on_transition: OnTransition = log_transition,
+    ) -> None:
+        self.robot = hardware.robot
+        self.dt = hardware.period
+        self.state = SafetyState.DAMPING
+        self.fault = ""
+        self.transitions: list[Transition] = []
+        self.lost = 0
+        self.latency = LatencyEstimator(self.robot.na, self.dt)
+        self._hardware = hardware
+        self._limits = limits or SafetyLimits()
+        self._monitor = ReadingMonitor(self.robot, self._limits)
+        self._filter = CommandFilter(self.robot, self._limits, self.dt)
+        self._reference = ServoReference(gains or ServoGains.for_robot(self.robot), self.dt)
+        self._on_transition = on_transition
+        self._posture_gains = ServoGains.for_robot(self.robot, _POSTURE_FREQUENCY)
+        self._pending: Reading | None = None
+        self._measurement: Measurement | None = None
+        self._robot_time = self._start_time = 0.0
+        self._periods = 0
+        self._clock_offset = math.inf
+        self._closed = False
+
+    @property
+    def time(self) -> float:
+        """Time of the robot's clock since the robot was ready, s."""
+        return self._robot_time - self._start_time
+
+    # The start.
+
+    def start(self, *, ready: Callable[[], bool] = lambda: True, hold: float = 2.0) -> None:
+        """Go from damping to the nominal posture.
+
+        Args:
+            ready: asked in every period, after `hold`, whether the robot's feet carry it now, so
+                that the controller may take over.
+            hold: least time to hold the posture, s.
+
+        Raises:
+            HardwareError: there is no robot, it is another one, it is not in a posture to start
+                from, or a fault was found; its joints are damped then.
+        """
+        first = self._hardware.receive(_CONNECT_TIMEOUT)
+        if first is None:
+            raise HardwareError(
+                f"no valid state message within {_CONNECT_TIMEOUT:g} s: check the cable, the "
+                "network interface, and that the robot is on"
+            )
+        self._robot_time = first.measurement.time - self.dt
+        self._pending = first
+        self._enter(SafetyState.DAMPING, "connected")
+        try:
+            self._come_to_rest()
+            self._go_to_posture(hold, ready)
+        except StopRun as stop:
+            raise HardwareError(str(stop)) from stop
+        self._start_time = self._robot_time
+
+    def _come_to_rest(self) -> None:
+        """Damp the joints until they are still, and check the posture that they come to rest in."""
+        names, limits, begin = self.robot.joint_names, self._limits, self._robot_time
+        while True:
+            m = self._next()
+            self._hardware.damp()
+            fastest = int(np.argmax(np.abs(m.joint_velocity)))
+            still = abs(m.joint_velocity[fastest]) < limits.start_velocity
+            if still and m.time - begin > _DAMPING_TIME:
+                break
+            if m.time - begin > _REST_TIMEOUT:
+                self._fail(
+                    f"joint '{names[fastest]}' moves at {m.joint_velocity[fastest]:.2f} rad/s "
+                    "although it is damped: hold the robot still"
+                )
+        distance = np.abs(m.joint_position - self.robot.q_nominal[7:])
+        worst = int(np.argmax(distance))
+        if distance[worst] > limits.start_distance:
+            self._fail(
+                f"joint '{names[worst]}' is {distance[worst]:.2f} rad from the nominal posture, "
+                f"more than {limits.start_distance} rad: bring the robot near that posture"
+            )
+
+    def _go_to_posture(self, hold: float, ready: Callable[[], bool]) -> None:
+        assert self._measurement is not None
+        start, goal = self._measurement.joint_position, self.robot.q_nominal[7:]
+        duration = max(_LEAST_RAMP, float(np.abs(goal - start).max()) / _POSTURE_SPEED)
+        self._enter(SafetyState.POSTURE, f"to the nominal posture in {duration:.1f} s")
+        begin, still, gains = self._robot_time, np.zeros(self.robot.na), self._posture_gains
+        while True:
+            elapsed = self._robot_time - begin
+            if elapsed > duration + hold and ready():
+                return
+            m = self._next()
+            share = 0.5 - 0.5 * math.cos(math.pi * min(elapsed / duration, 1.0))
+            target = start + share * (goal - start)
+            error = np.abs(m.joint_position - target)
+            worst = int(np.argmax(error))
+            if error[worst] > self._limits.tracking:
+                self._fail(
+                    f"joint '{self.robot.joint_names[worst]}' is {error[worst]:.2f} rad from its "
+                    "reference on the way to the posture: it is blocked or weak, or the motors "
+                    "have another order than the model's joints"
+                )
+            self._send(ServoCommand(target, still, still, min(1.0, elapsed) * gains.kp, gains.kd))
+
+    # The run.
+
+    def measure(self) -> Measurement:
+        """Wait for the next reading and return it, its time counted from the start.
+
+        Raises:
+            StopRun: a fault was found; the joints are damped.
+        """
+        m = self._next()
+        return replace(m, time=self.time)
+
+    def step(self, command: Command) -> None:
+        """Send a command, within the limits.
+
+        Raises:
+            StopRun: a fault was found; the joints are damped.
+        """
+        if self.fault:
+            raise StopRun(self.fault)
+        if self.state is SafetyState.DAMPING:
+            self._fail("a command came before the robot was started")
+        if self.state is SafetyState.POSTURE:
+            self._enter(SafetyState.STANDING, "the controller takes over")
+            self._periods = 0
+        servo = self._reference.update(command)
+        finite = servo.q.dot(servo.q) + servo.v.dot(servo.v) + servo.tau.dot(servo.tau)
+        if not math.isfinite(finite):
+            self._fail("the controller's command is not finite")
+        if self.state is SafetyState.STANDING:
+            servo = self._blended(servo, self._periods * self.dt / _BLEND_TIME)
+            if self._periods * self.dt >= _BLEND_TIME:
+                self._enter(SafetyState.CONTROL, "the controller has taken over")
+        self._periods += 1
+        self._send(servo)
+
+    def _blended(self, servo: ServoCommand, share: float) -> ServoCommand:
+        """Return a command between the posture (share 0) and the controller's (1)."""
+        share, gains, goal = min(share, 1.0), self._posture_gains, self.robot.q_nominal[7:]
+        kp = (1.0 - share) * gains.kp + share * servo.kp
+        kd = (1.0 - share) * gains.kd + share * servo.kd
+        q = goal + share * (servo.q - goal)
+        return ServoCommand(q, share * servo.v, share * servo.tau, kp, kd)
+
+    def _next(self) -> Measurement:
+        """Return the measurement of the next period of the robot's clock."""
+        if self.fault:
+            raise StopRun(self.fault)
+        while True:
+            reading, self._pending = self._pending, None
+            reading = reading or self._hardware.receive(self._limits.silence)
+            if reading is None:
+                self._fail(f"no valid state message for {1e3 * self._limits.silence:.0f} ms")
+            periods = round((reading.measurement.time - self._robot_time) / self.dt)
+            if periods > 0:
+                break
+        if periods > 1:
+            if periods * self.dt > self._limits.silence:
+                self._fail(f"{periods - 1} state messages in a row were lost")
+            self._pending = reading
+            self.lost += 1
+            self._robot_time += self.dt
+            self._measurement = self._extrapolated()
+            return self._measurement
+        self._robot_time = reading.measurement.time
+        fault = self._monitor.fault(reading)
+        if fault:
+            self._fail(fault)
+        self._measurement = reading.measurement
+        self.latency.measured(self._measurement)
+        return self._measurement
+
+    def _extrapolated(self) -> Measurement:
+        m = self._measurement
+        assert m is not None
+        return replace(
+            m, time=self._robot_time, joint_position=m.joint_position + self.dt * m.joint_velocity
+        )
+
+    def _send(self, servo: ServoCommand) -> None:
+        assert self._measurement is not None
+        late = self._lateness()
+        if late > self._limits.lateness:
+            self._fail(f"the controller is {1e3 * late:.0f} ms behind the robot's clock")
+        servo = self._filter.apply(servo, self._measurement)
+        self.latency.commanded(servo)
+        self._hardware.send(servo)
+
+    def _lateness(self) -> float:
+        """Return how far this tick is behind the robot's clock, s."""
+        offset = self._hardware.now() - self._robot_time
+        # The smallest offset is that of the fastest message; it follows the clocks' drift.
+        self._clock_offset = min(offset, self._clock_offset + _CLOCK_DRIFT * self.dt)
+        return offset - self._clock_offset
+
+    # The end.
+
+    def _enter(self, state: SafetyState, reason: str) -> None:
+        self.state = state
+        self.transitions.append(Transition(self._robot_time, state, reason))
+        self._on_transition(self.transitions[-1])
+
+    def _fail(self, reason: str) -> NoReturn:
+        """Damp the joints for good.
+
+        Raises:
+            StopRun: always.
+        """
+        self._hardware.damp()
+        self.fault = reason
+        self._enter(SafetyState.DAMPING, reason)
+        raise StopRun(reason)
+
+    def close(self) -> None:
+        """Damp the joints and end the connection."""
+        if self._closed:
+            return
+        self._closed = True
+        self._hardware.damp()
+        if self.state is not SafetyState.DAMPING:
+            self._enter(SafetyState.DAMPING, "the run is over")
+        self._hardware.close()

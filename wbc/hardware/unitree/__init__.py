@@ -1,0 +1,1 @@
+"""Unitree's low-level interface for humanoids, and a simulated robot that speaks it."""

@@ -1,0 +1,130 @@
+"""A Unitree G1 over its low-level interface."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from wbc.hardware.errors import HardwareError
+from wbc.hardware.hardware import ConnectionState, Reading
+from wbc.hardware.unitree.link import Link
+from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
+from wbc.hardware.unitree.motors import G1_MACHINES, SERIES_MODE, motor_of_joint
+from wbc.measurement import Measurement
+from wbc.robot import Robot
+from wbc.servo import ServoCommand
+
+_TICK = 1e-3  # s per count of the robot's clock
+_B_KEY = 0b10  # of the third byte of the remote control's keys
+_DAMPING = 3.0  # N·m·s/rad in damping mode, for every joint
+_WRAP = 1 << 32
+
+
+class UnitreeG1:
+    """A G1 with 29 joints, which is in its development mode (its own controller is off).
+
+    Args:
+        robot: its model.
+        link: the wire.
+        period: period of the state messages, s.
+
+    Attributes:
+        robot: its model.
+        period: period of the state messages, s.
+        connection: counters of the connection.
+
+    Raises:
+        HardwareError: the model is not that of a G1 with 29 joints.
+    """
+
+    def __init__(self, robot: Robot, link: Link, period: float = 0.002) -> None:
+        self.robot = robot
+        self.period = period
+        self.connection = ConnectionState()
+        self._link = link
+        self._motors = motor_of_joint(robot)
+        self._state, self._command = MessageBuffer(LOW_STATE), MessageBuffer(LOW_COMMAND)
+        self._command.fields["motor_cmd"]["mode"][0, self._motors] = 1  # servo on
+        self._command.fields["mode_pr"] = SERIES_MODE
+        self._tick: int | None = None
+        self._ticks = 0
+
+    def now(self) -> float:
+        """Return the time of the clock of this computer, s."""
+        return self._link.now()
+
+    def receive(self, timeout: float) -> Reading | None:
+        """Return the oldest reading that was not returned yet; None after `timeout` s.
+
+        Raises:
+            HardwareError: the robot is no G1 with 29 joints.
+        """
+        end = self.now() + timeout
+        while True:
+            data = self._link.receive(max(end - self.now(), 0.0))
+            if data is None:
+                return None
+            if not self._state.decode(data):
+                self.connection.corrupt += 1
+            elif self._advance_clock():
+                self.connection.received += 1
+                return self._reading()
+
+    def _advance_clock(self) -> bool:
+        """Take in the robot's clock; return whether the message is newer than all before it."""
+        state = self._state.fields
+        machine = int(state["mode_machine"][0])
+        if machine not in G1_MACHINES:
+            raise HardwareError(
+                f"the robot reports mode_machine {machine}, a G1 with 29 joints "
+                f"{' or '.join(map(str, G1_MACHINES))}: this is another robot, and its motors have "
+                "another order; disconnect it"
+            )
+        self._command.fields["mode_machine"] = machine
+        tick = int(state["tick"][0])
+        if self._tick is not None:
+            later = (tick - self._tick) % _WRAP
+            if later == 0 or later > _WRAP // 2:
+                self.connection.reordered += 1
+                return False
+            self._ticks += later
+        self._tick = tick
+        return True
+
+    def _reading(self) -> Reading:
+        imu = self._state.fields["imu_state"][0]
+        w, x, y, z = imu["quaternion"].tolist()
+        norm = w * w + x * x + y * y + z * z
+        up = 1.0 - 2.0 * (x * x + y * y) / norm if norm > 0.0 else -1.0
+        states = self._state.fields["motor_state"][0]
+        measurement = Measurement(
+            time=_TICK * self._ticks,
+            joint_position=states["q"][self._motors].astype(float),
+            joint_velocity=states["dq"][self._motors].astype(float),
+            gyro=imu["gyroscope"].astype(float),
+            accelerometer=imu["accelerometer"].astype(float),
+            joint_torque=states["tau_est"][self._motors].astype(float),
+        )
+        pressed = bool(self._state.fields["wireless_remote"][0, 3] & _B_KEY)
+        return Reading(measurement, math.acos(min(max(up, -1.0), 1.0)), pressed)
+
+    def send(self, command: ServoCommand) -> None:
+        """Send a command to the servos, without waiting."""
+        commands, motors = self._command.fields["motor_cmd"][0], self._motors
+        commands["q"][motors] = command.q
+        commands["dq"][motors] = command.v
+        commands["tau"][motors] = command.tau
+        commands["kp"][motors] = command.kp
+        commands["kd"][motors] = command.kd
+        self._link.send(self._command.encode())
+        self.connection.sent += 1
+
+    def damp(self) -> None:
+        """Emergency stop: have all joints damped, at once."""
+        zero = np.zeros(self.robot.na)
+        self.send(ServoCommand(zero, zero, zero, zero, np.full(self.robot.na, _DAMPING)))
+
+    def close(self) -> None:
+        """End the connection."""
+        self._link.close()
