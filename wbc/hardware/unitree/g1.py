@@ -111,19 +111,27 @@ class UnitreeG1:
 
     def send(self, command: ServoCommand) -> None:
         """Send a command to the servos, without waiting."""
+        self._link.send(self._encoded(command))
+        self.connection.sent += 1
+
+    def damp(self) -> None:
+        """Emergency stop: have all joints damped, at once."""
+        self._link.send(self.damping_message())
+        self.connection.sent += 1
+
+    def damping_message(self) -> bytes:
+        """Return the bytes of the command that damps all joints of this robot."""
+        zero = np.zeros(self.robot.na)
+        return self._encoded(ServoCommand(zero, zero, zero, zero, zero + _DAMPING))
+
+    def _encoded(self, command: ServoCommand) -> bytes:
         commands, motors = self._command.fields["motor_cmd"][0], self._motors
         commands["q"][motors] = command.q
         commands["dq"][motors] = command.v
         commands["tau"][motors] = command.tau
         commands["kp"][motors] = command.kp
         commands["kd"][motors] = command.kd
-        self._link.send(self._command.encode())
-        self.connection.sent += 1
-
-    def damp(self) -> None:
-        """Emergency stop: have all joints damped, at once."""
-        zero = np.zeros(self.robot.na)
-        self.send(ServoCommand(zero, zero, zero, zero, np.full(self.robot.na, _DAMPING)))
+        return self._command.encode()
 
     def close(self) -> None:
         """End the connection."""

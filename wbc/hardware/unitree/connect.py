@@ -1,0 +1,61 @@
+"""Connects to a Unitree G1 over the network."""
+
+from __future__ import annotations
+
+from wbc.hardware.hardware import Reading
+from wbc.hardware.unitree.g1 import UnitreeG1
+from wbc.hardware.unitree.guard import DampingMessage, GuardConfig
+from wbc.hardware.unitree.link import DdsLink
+from wbc.process import ChildProcess
+from wbc.robot import Robot, load
+from wbc.ros.network import Network
+
+
+class GuardedG1(UnitreeG1):
+    """A G1 over DDS, whose joints a second process damps when this one has gone.
+
+    Args:
+        robot: its model.
+        network: DDS domain and network interface.
+
+    Raises:
+        MissingExtra: `cyclonedds` is not installed.
+        RosError: the domain cannot be joined.
+        ProcessStartError: the second process did not start.
+    """
+
+    def __init__(self, robot: Robot, network: Network) -> None:
+        super().__init__(robot, DdsLink(network))
+        self._guard = ChildProcess("wbc.hardware.unitree.guard", title="the guard")
+        self._guard.configure(GuardConfig(network))
+        self._knows_damping = False
+
+    def receive(self, timeout: float) -> Reading | None:
+        """See `UnitreeG1.receive`; the first reading makes the guard ready."""
+        reading = super().receive(timeout)
+        if reading is not None and not self._knows_damping:
+            self._knows_damping = True
+            self._guard.send(DampingMessage(self.damping_message()))
+        return reading
+
+    def close(self) -> None:
+        """End the connection; the guard goes on damping for a second."""
+        self._guard.close()
+        super().close()
+
+
+def connect(interface: str = "lo", robot: Robot | None = None) -> GuardedG1:
+    """Connect to a G1 with 29 joints in its development mode.
+
+    Args:
+        interface: name or address of the network interface that leads to the robot; `lo` for a
+            stand-in robot on this computer.
+        robot: its model; that of `wbc.load("g1")` by default.
+
+    Raises:
+        MissingExtra: `cyclonedds` is not installed.
+        RosError: the DDS domain cannot be joined over the interface.
+        HardwareError: the model is not that of a G1 with 29 joints.
+    """
+    network = Network.from_environment(0, interface, {})
+    return GuardedG1(robot or load("g1"), network)
