@@ -150,8 +150,8 @@ def test_reordered_messages_and_single_flipped_bits_are_dropped_and_counted(stan
     run.link.on_state, run.link.on_command = reorder, lambda _, data: [flipped_bit(data), data]
     run.hold(0.06)
     assert not run.plant.fault
-    assert run.connection.reordered >= 2
-    assert run.connection.corrupt >= 2
+    assert run.plant.connection.reordered >= 2
+    assert run.plant.connection.corrupt >= 2
     assert run.stand_in.corrupt >= 20
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 import wbc
 from wbc.command import Command
-from wbc.hardware import ConnectionState, SafeHardware, UnitreeG1
+from wbc.hardware import SafeHardware, UnitreeG1
 from wbc.hardware.unitree.lockstep import Disturbance, LockstepLink, undisturbed
 from wbc.hardware.unitree.messages import LOW_STATE, MessageBuffer
 from wbc.hardware.unitree.stand_in import G1StandIn
@@ -47,10 +47,6 @@ class HardwareRun:
         link = LockstepLink(stand_in, on_state=on_state, on_command=on_command)
         plant = SafeHardware(UnitreeG1(stand_in.robot, link), on_transition=_ignore)
         return cls(stand_in, link, plant)
-
-    @property
-    def connection(self) -> ConnectionState:
-        return self.plant._hardware.connection
 
     def run(self, duration: float, speed: float = 0.0) -> Report:
         walker = wbc.Walker(self.stand_in.robot)

@@ -21,6 +21,7 @@ _SUBCOMMANDS = {
     "stand": "stand in MuJoCo, with pushes if you like",
     "motion": "sway, squat, wave, reach and more in MuJoCo",
     "live": "drive a robot in MuJoCo from the browser",
+    "robot": "simulate a robot behind the low-level interface of a real one",
     "view": "show a robot in the browser",
     "replay": "replay a log in the browser, or write a video of it",
     "plot": "draw the standard plots of a log",
@@ -46,6 +47,8 @@ examples:
   wbc walk --robot g1 --velocity 0.2 0 0.1     G1 walks along a curve
   wbc walk --push "3 0 20 0" --no-view         a push of 20 N·s to the left at 3 s
   wbc walk --robot my.urdf --left-foot l_foot --right-foot r_foot
+  wbc robot unitree-g1                         simulate a G1 in another terminal, then
+  wbc walk --hardware unitree                  walk it over its low-level interface
   wbc live --robot g1                          walk, push and tune from the browser
   wbc motion --list                            list the other motions
   wbc motion squat --depth 15 --robot g1       squat by 15 % of the leg length

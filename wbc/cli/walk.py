@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from wbc.cli.argument_types import Argument, Seconds, number
 from wbc.cli.exit_code import ExitCode
@@ -33,6 +33,8 @@ def walk(
     velocity: Annotated[Velocity | None, Argument(("VX", "VY", "WZ"), number)] = None,
     tour: bool = False,
     duration: Seconds | None = None,
+    hardware: Literal["unitree"] | None = None,
+    interface: Annotated[str, Argument("IFACE")] = "lo",
 ) -> ExitCode:
     """Simulate a walking robot in MuJoCo under torque control and print a report.
 
@@ -44,16 +46,26 @@ def walk(
             a moderate speed).
         tour: walk forward, in a curve, sideways, turn in place, and walk backward.
         duration: duration, s (default: 10; tour: 30).
+        hardware: walk a robot outside of this process: a Unitree G1 in its development mode, or
+            the stand-in of wbc robot unitree-g1.
+        interface: network interface that leads to that robot.
     """
     if tour and velocity is not None:
         raise WbcError("--tour and --velocity exclude each other; give one of them")
     duration = duration or (TOUR_DURATION if tour else _DURATION)
+
+    def schedule(max_velocity: VelocityLimits) -> Schedule:
+        if tour:
+            return tour_schedule(max_velocity)
+        default = (min(_DEFAULT_SPEED, _SPEED_FRACTION * max_velocity.forward), 0.0, 0.0)
+        return walk_schedule(velocity or default, duration)
+
+    if hardware is not None:
+        from wbc.cli.hardware_run import walk_on_hardware
+
+        return walk_on_hardware(run, interface, duration, schedule)
     scripted = ScriptedRun(run, duration)
-    max_velocity = scripted.walker.gait.max_velocity
-    if tour:
-        return scripted.walk(tour_schedule(max_velocity))
-    default = (min(_DEFAULT_SPEED, _SPEED_FRACTION * max_velocity.forward), 0.0, 0.0)
-    return scripted.walk(walk_schedule(velocity or default, duration))
+    return scripted.walk(schedule(scripted.walker.gait.max_velocity))
 
 
 def walk_schedule(velocity: Velocity, duration: float) -> Schedule:

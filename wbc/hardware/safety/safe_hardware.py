@@ -12,7 +12,7 @@ import numpy as np
 from wbc.closeable import Closeable
 from wbc.command import Command
 from wbc.hardware.errors import HardwareError
-from wbc.hardware.hardware import Hardware, Reading
+from wbc.hardware.hardware import ConnectionState, Hardware, Reading
 from wbc.hardware.latency import LatencyEstimator
 from wbc.hardware.safety.command_filter import CommandFilter
 from wbc.hardware.safety.limits import SafetyLimits
@@ -33,17 +33,22 @@ _DAMPING_TIME, _REST_TIMEOUT = 0.3, 5.0  # s, least and longest damping before t
 _POSTURE_FREQUENCY = 20.0  # Hz, of the servos that hold the posture
 _POSTURE_SPEED = 0.4  # rad/s
 _LEAST_RAMP = 2.0  # s
+_HOLD_TIME = 2.0  # s, least time to hold the posture
 _BLEND_TIME = 0.5  # s from the posture to the controller
 _CLOCK_DRIFT = 1e-4  # s per s by which the clocks may differ
+
+
+def _always() -> bool:
+    return True
 
 
 class SafeHardware(Closeable):
     """A robot as a plant, which damps its joints as soon as anything is wrong.
 
-    It starts by `start`: damping, then slowly to the nominal posture, which it holds. In a run the
-    controller takes over within half a second. Any fault, the end of the run and `close` lead back
-    to damping, in the same tick; after a fault nothing but damping is sent. A run with a fault ends
-    with its reason. No option switches any of this off.
+    It starts by `start`, which the first `measure` calls: damping, then slowly to the nominal
+    posture, which it holds. The controller then takes over within half a second. Any fault, the end
+    of the run and `close` lead back to damping, in the same tick; after a fault nothing but damping
+    is sent. A run with a fault ends with its reason. No option switches any of this off.
 
     The loop is locked to the robot's clock: `measure` waits for the next state message. A message
     that was lost is replaced by an extrapolation, so that every period has one measurement; further
@@ -53,6 +58,8 @@ class SafeHardware(Closeable):
         hardware: the robot.
         limits: the limits.
         gains: gains of the servos while the controller commands; `ServoGains.for_robot` by default.
+        ready: asked in every period while the posture is held whether the robot's feet carry it
+            now, so that the controller may take over.
         on_transition: called with every transition; logs it by default.
 
     Attributes:
@@ -62,6 +69,7 @@ class SafeHardware(Closeable):
         fault: why the joints were damped; empty without a fault.
         transitions: all transitions so far.
         lost: state messages that were replaced by extrapolations.
+        max_lateness: largest delay of a command behind the robot's clock, s.
         latency: measures the time from a reading to the torque that answers it.
     """
 
@@ -71,6 +79,7 @@ class SafeHardware(Closeable):
         *,
         limits: SafetyLimits | None = None,
         gains: ServoGains | None = None,
+        ready: Callable[[], bool] = _always,
         on_transition: OnTransition = log_transition,
     ) -> None:
         self.robot = hardware.robot
@@ -79,13 +88,14 @@ class SafeHardware(Closeable):
         self.fault = ""
         self.transitions: list[Transition] = []
         self.lost = 0
+        self.max_lateness = 0.0
         self.latency = LatencyEstimator(self.robot.na, self.dt)
         self._hardware = hardware
         self._limits = limits or SafetyLimits()
         self._monitor = ReadingMonitor(self.robot, self._limits)
         self._filter = CommandFilter(self.robot, self._limits, self.dt)
         self._reference = ServoReference(gains or ServoGains.for_robot(self.robot), self.dt)
-        self._on_transition = on_transition
+        self._ready, self._on_transition = ready, on_transition
         self._posture_gains = ServoGains.for_robot(self.robot, _POSTURE_FREQUENCY)
         self._pending: Reading | None = None
         self._measurement: Measurement | None = None
@@ -95,19 +105,19 @@ class SafeHardware(Closeable):
         self._closed = False
 
     @property
+    def connection(self) -> ConnectionState:
+        """Counters of the connection."""
+        return self._hardware.connection
+
+    @property
     def time(self) -> float:
         """Time of the robot's clock since the robot was ready, s."""
         return self._robot_time - self._start_time
 
     # The start.
 
-    def start(self, *, ready: Callable[[], bool] = lambda: True, hold: float = 2.0) -> None:
-        """Go from damping to the nominal posture.
-
-        Args:
-            ready: asked in every period, after `hold`, whether the robot's feet carry it now, so
-                that the controller may take over.
-            hold: least time to hold the posture, s.
+    def start(self) -> None:
+        """Go from damping to the nominal posture, and hold it until the operator is ready.
 
         Raises:
             HardwareError: there is no robot, it is another one, it is not in a posture to start
@@ -124,7 +134,7 @@ class SafeHardware(Closeable):
         self._enter(SafetyState.DAMPING, "connected")
         try:
             self._come_to_rest()
-            self._go_to_posture(hold, ready)
+            self._go_to_posture()
         except StopRun as stop:
             raise HardwareError(str(stop)) from stop
         self._start_time = self._robot_time
@@ -152,7 +162,7 @@ class SafeHardware(Closeable):
                 f"more than {limits.start_distance} rad: bring the robot near that posture"
             )
 
-    def _go_to_posture(self, hold: float, ready: Callable[[], bool]) -> None:
+    def _go_to_posture(self) -> None:
         assert self._measurement is not None
         start, goal = self._measurement.joint_position, self.robot.q_nominal[7:]
         duration = max(_LEAST_RAMP, float(np.abs(goal - start).max()) / _POSTURE_SPEED)
@@ -160,7 +170,7 @@ class SafeHardware(Closeable):
         begin, still, gains = self._robot_time, np.zeros(self.robot.na), self._posture_gains
         while True:
             elapsed = self._robot_time - begin
-            if elapsed > duration + hold and ready():
+            if elapsed > duration + _HOLD_TIME and self._ready():
                 return
             m = self._next()
             share = 0.5 - 0.5 * math.cos(math.pi * min(elapsed / duration, 1.0))
@@ -181,8 +191,11 @@ class SafeHardware(Closeable):
         """Wait for the next reading and return it, its time counted from the start.
 
         Raises:
+            HardwareError: see `start`, which the first call calls.
             StopRun: a fault was found; the joints are damped.
         """
+        if not self.transitions:
+            self.start()
         m = self._next()
         return replace(m, time=self.time)
 
@@ -256,6 +269,7 @@ class SafeHardware(Closeable):
     def _send(self, servo: ServoCommand) -> None:
         assert self._measurement is not None
         late = self._lateness()
+        self.max_lateness = max(self.max_lateness, late)
         if late > self._limits.lateness:
             self._fail(f"the controller is {1e3 * late:.0f} ms behind the robot's clock")
         servo = self._filter.apply(servo, self._measurement)

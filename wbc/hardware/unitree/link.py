@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import resource
 import time
 from collections import deque
+from dataclasses import replace
 from typing import Any, Protocol
 
 from wbc.hardware.unitree.messages import COMMAND_TOPIC, STATE_TOPIC, dds_type
@@ -14,6 +17,22 @@ from wbc.ros.qos import QoSProfile, ReliabilityPolicy
 #: As the maker's SDK: a lost message is not sent again, because the next one is newer.
 _READER = QoSProfile(depth=64, reliability=ReliabilityPolicy.BEST_EFFORT)
 _WRITER = QoSProfile(depth=1)
+
+
+_THREADS = ("recv", "recvUC", "recvMC", "tev")  # of Cyclone DDS, which carry the messages
+_PRIORITY = 45  # above the loop, which waits for them
+
+
+def _thread_configuration() -> str:
+    """Return the configuration that gives the threads of DDS a real-time priority, if allowed."""
+    if os.geteuid() != 0 and resource.getrlimit(resource.RLIMIT_RTPRIO)[0] < _PRIORITY:
+        return ""
+    threads = "".join(
+        f'<Thread Name="{name}"><Scheduling><Class>realtime</Class><Priority>{_PRIORITY}</Priority>'
+        "</Scheduling></Thread>"
+        for name in _THREADS
+    )
+    return f"<CycloneDDS><Domain><Threads>{threads}</Threads></Domain></CycloneDDS>"
 
 
 class Link(Protocol):
@@ -49,7 +68,8 @@ class DdsLink:
         from cyclonedds.core import WaitSet
         from cyclonedds.domain import DomainParticipant
 
-        self._domain = network.join()
+        configuration = ",".join(filter(None, (network.configuration, _thread_configuration())))
+        self._domain = replace(network, configuration=configuration).join()
         self._participant: Any = DomainParticipant(network.domain_id)
         received, sent = (COMMAND_TOPIC, command), (STATE_TOPIC, state)
         if not robot_side:

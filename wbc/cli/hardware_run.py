@@ -1,0 +1,123 @@
+"""A run of the walker on a robot outside this process, which `wbc walk --hardware` starts."""
+
+from __future__ import annotations
+
+import contextlib
+import select
+import sys
+from collections.abc import Callable
+
+import numpy as np
+
+import wbc
+from wbc.cli.exit_code import ExitCode
+from wbc.cli.interrupt import exit_on_interrupt, graceful_interrupt
+from wbc.cli.outputs import RunOutputs
+from wbc.cli.progress import ProgressLine
+from wbc.cli.scripted_run import RunOptions, Schedule
+from wbc.errors import WbcError
+from wbc.gait import VelocityLimits
+from wbc.runtime.loop import StopRun
+from wbc.runtime.real_time import RealTime, garbage_collection_paused, real_time_thread
+from wbc.runtime.statistics import Progress
+from wbc.view import Meshcat
+
+
+def walk_on_hardware(
+    options: RunOptions,
+    interface: str,
+    duration: float,
+    make_schedule: Callable[[VelocityLimits], Schedule],
+) -> ExitCode:
+    """Start a Unitree G1, walk according to a schedule, and damp its joints.
+
+    Args:
+        options: parsed options; those of the simulation do not matter.
+        interface: network interface that leads to the robot.
+        duration: duration of the run after the start, s.
+        make_schedule: returns the schedule for the velocities that the gait can walk at.
+
+    Raises:
+        WbcError: bad input, or a robot that cannot be started.
+    """
+    if options.push or options.ground_truth:
+        raise WbcError("--push and --ground-truth are for the simulator; leave them out")
+    with exit_on_interrupt():
+        from wbc.hardware import SafeHardware
+        from wbc.hardware.unitree.connect import connect
+
+        robot = options.simulation.model.load("g1")
+        walker = wbc.Walker(
+            robot, planner=options.simulation.planner, solver=options.simulation.solver
+        )
+        outputs = RunOutputs(options.simulation.outputs, robot, np.zeros((0, 6)))
+        _warm_up(walker)
+    schedule = list(make_schedule(walker.gait.max_velocity))
+    with contextlib.ExitStack() as stack:
+        line = stack.enter_context(ProgressLine())
+        observers = outputs.open_observers(stack)
+        if options.view:
+            observers.append(stack.enter_context(Meshcat(robot)))
+        interrupted = stack.enter_context(graceful_interrupt())
+        plant = SafeHardware(
+            connect(interface, robot),
+            ready=_asked_operator() if interface != "lo" else lambda: True,
+            on_transition=lambda change: line.print(str(change)),
+        )
+        stack.enter_context(plant)
+        stack.enter_context(garbage_collection_paused())
+        line.print(stack.enter_context(real_time_thread(RealTime())).describe())
+
+        def command(time: float) -> None:
+            if interrupted:
+                raise StopRun("interrupted")
+            while schedule and time >= schedule[0][0]:
+                walker.velocity = schedule.pop(0)[1]
+
+        def progress(now: Progress) -> None:
+            line.show_run(now)
+
+        report = wbc.run(
+            walker, plant, duration, observers=observers, before_tick=command, progress=progress,
+            on_falling=lambda text: line.print(f"the robot is {text}"),
+        )  # fmt: skip
+        latency = plant.latency.seconds
+    print(report.table())
+    connection = plant.connection
+    print(
+        f"connection: {connection.received} state messages, {plant.lost} lost, "
+        f"{connection.corrupt} corrupt, {connection.reordered} out of order; latency "
+        + ("unknown" if latency is None else f"{1e3 * latency:.0f} ms")
+        + f"; up to {1e3 * plant.max_lateness:.1f} ms behind the robot's clock"
+    )
+    outputs.write(report)
+    if interrupted:
+        return ExitCode.INTERRUPTED
+    return ExitCode.SUCCESS if report.survived else ExitCode.FAILED
+
+
+def _warm_up(walker: wbc.Walker) -> None:
+    """Load and compile what the first ticks of every kind need."""
+    state, estimator = walker.robot.standing(), wbc.Estimator(walker.robot, walker.dt)
+    still = np.zeros(walker.robot.na)
+    gravity = -np.array(walker.robot.model.gravity.linear)
+    m = wbc.Measurement(0.0, state.q[7:], still, np.zeros(3), gravity)
+    walker.velocity = (0.1, 0.0, 0.0)
+    walker.reset(state)
+    for _ in range(round(2.0 * walker.gait_cycle / walker.dt)):
+        walker.step(estimator.update(m))
+    walker.velocity = (0.0, 0.0, 0.0)
+
+
+def _asked_operator() -> Callable[[], bool]:
+    """Return a question to the operator that does not wait for the answer."""
+    asked = False
+
+    def ready() -> bool:
+        nonlocal asked
+        if not asked:
+            asked = True
+            print("Lower the robot until its feet carry it, then press Enter.", file=sys.stderr)
+        return bool(select.select([sys.stdin], [], [], 0.0)[0])
+
+    return ready
