@@ -16,7 +16,7 @@ from wbc.estimation.kernels.prediction import predict
 
 def period(
     f: InvariantFilter,
-    slip: np.ndarray,
+    slip: tuple[float, ...],
     joints: tuple[np.ndarray, ...],
     imu: tuple[np.ndarray, ...],
 ) -> None:
@@ -29,7 +29,7 @@ def period(
 
 
 def propagate(
-    f: InvariantFilter, gyro: np.ndarray, accelerometer: np.ndarray, slip: np.ndarray
+    f: InvariantFilter, gyro: np.ndarray, accelerometer: np.ndarray, slip: tuple[float, ...]
 ) -> None:
     none = np.zeros(0)
     joints = (np.zeros((2, 5)), np.zeros((2, 0)), none, none, none)
@@ -42,7 +42,7 @@ def read(f: JointFilter, reading: np.ndarray, acceleration: np.ndarray | None = 
     foreseen = np.zeros(1) if acceleration is None else acceleration
     update = f.update_matrix(acceleration is not None)
     joints = (update, f.state, foreseen, reading[:1], reading[1:])
-    period(imu, np.zeros(2), joints, (np.zeros(3), np.zeros(3)))
+    period(imu, (0.0, 0.0), joints, (np.zeros(3), np.zeros(3)))
     f.fresh = False
 
 
@@ -58,7 +58,7 @@ def filled(seed: int = 0) -> tuple[InvariantFilter, np.ndarray, np.ndarray]:
     for foot in range(2):
         f.land(foot, h[foot], F[foot])
     for _ in range(200):
-        propagate(f, random.normal(0.1, 0.3, 3), random.normal(0.0, 1.0, 3), np.ones(2))
+        propagate(f, random.normal(0.1, 0.3, 3), random.normal(0.0, 1.0, 3), (1.0, 1.0))
     return f, h, F
 
 
@@ -144,7 +144,7 @@ def test_errors_propagate_as_the_linear_model_says():
     before = error(a, b)
     np.testing.assert_allclose(before, xi, atol=1e-10)
     for f in (a, b):
-        propagate(f, gyro, force, np.ones(2))
+        propagate(f, gyro, force, (1.0, 1.0))
     after = error(a, b)
     transition = b.record["transition"][0]
     # First order in the period: what is left is of the size of dt².
@@ -155,7 +155,7 @@ def test_errors_propagate_as_the_linear_model_says():
 def test_foot_in_the_air_keeps_the_covariance_of_the_other_foot():
     f, _, _ = filled()
     noise = f.P[9:12, 9:12].copy()
-    propagate(f, np.zeros(3), np.array([0.0, 0.0, 9.81]), np.array([0.0, 5.0]))
+    propagate(f, np.zeros(3), np.array([0.0, 0.0, 9.81]), (0.0, 5.0))
     grown = f.P[12:15, 12:15].trace()
     assert f.P[9:12, 9:12].trace() < noise.trace() + 1e-6
     assert grown > 0.0

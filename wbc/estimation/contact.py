@@ -63,13 +63,13 @@ class ContactDetector:
     def __init__(self, robot: Robot, trigger: ContactTrigger | None = None) -> None:
         self.names = tuple(sole.name for sole in robot.soles)
         self.trigger = ContactTrigger() if trigger is None else trigger
-        self.slip = np.zeros(len(self.names))
         self._weight = robot.weight
         self.reset()
 
     def reset(self) -> None:
         """Start with all soles in the air."""
         self.stands = [False] * len(self.names)
+        self.slip: tuple[float, ...] = (0.0,) * len(self.names)
         self.contacts: tuple[str, ...] = ()
 
     def update(
@@ -87,28 +87,33 @@ class ContactDetector:
             ContactError: an unknown sole in `contacts`.
         """
         given = None if contacts is None else self._validated(contacts)
-        names, before, slip, trigger = self.names, self.stands, self.slip, self.trigger
+        names, before, trigger = self.names, self.stands, self.trigger
         loads: dict[str, float] | None = None
         if wrenches:
-            stands, loads = [], {}
+            stands: list[bool] = []
+            slip: list[float] = []
+            loads = {}
             for i, name in enumerate(names):
-                wrench = wrenches.get(name)
-                components = None
-                if wrench is not None and wrench.shape == (6,):
-                    components = wrench.tolist()
-                if components is None or not math.isfinite(sum(components)):
+                try:
+                    f_x, f_y, f_z, m_x, m_y, m_z = wrenches[name].tolist()
+                    finite = math.isfinite(f_x + f_y + f_z + m_x + m_y + m_z)
+                except (KeyError, AttributeError, TypeError, ValueError):
+                    finite = False
+                if not finite:
                     raise MeasurementError(
-                        f"measurement.foot_wrenches['{name}'] is {wrench!r}: it needs six finite "
-                        "numbers for every sole, or no entries at all without foot sensors"
+                        f"measurement.foot_wrenches['{name}'] is {wrenches.get(name)!r}: it needs "
+                        "six finite numbers for every sole, or no entries at all without foot "
+                        "sensors"
                     )
-                load = loads[name] = components[2] / self._weight
+                load = loads[name] = f_z / self._weight
                 stood = before[i]
-                slip[i] = trigger.slip_factor(load) if stood else 0.0
+                slip.append(trigger.slip_factor(load) if stood else 0.0)
                 stands.append(load > (trigger.off if stood else trigger.on))
+            self.slip = tuple(slip)
             self.decide(stands if given is None else given)
         else:
             equal = trigger.slip_factor(1.0 / len(names))
-            slip[:] = [equal if stood else 0.0 for stood in before]
+            self.slip = tuple([equal if stood else 0.0 for stood in before])
             if given is not None:
                 self.decide(given)
         return loads

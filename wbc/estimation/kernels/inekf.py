@@ -190,7 +190,9 @@ def _remove_rounding(f: np.ndarray) -> None:
 
 
 @subkernel
-def propagate(f: np.ndarray, gyro: np.ndarray, accelerometer: np.ndarray, slip: np.ndarray) -> bool:
+def propagate(
+    f: np.ndarray, gyro: np.ndarray, accelerometer: np.ndarray, slip: tuple[float, ...]
+) -> bool:
     """Advance by one period; return whether a correction is due.
 
     Args:

@@ -34,7 +34,7 @@ def _fits(x: np.ndarray, size: int) -> bool:
 @kernel(
     argument_types(
         np.zeros(1, FILTER),
-        np.zeros(FEET),
+        (0.0,) * FEET,
         np.zeros((2, 5)),
         np.zeros((2, 1)),
         np.zeros(1, LINK),
@@ -45,7 +45,7 @@ def _fits(x: np.ndarray, size: int) -> bool:
 )
 def predict(
     filter_: np.ndarray,
-    slip: np.ndarray,
+    slip: tuple[float, ...],
     joint_update: np.ndarray,
     joints: np.ndarray,
     links: np.ndarray,
@@ -63,7 +63,7 @@ def predict(
 
     Args:
         filter_: (1,) the invariant filter.
-        slip: (FEET,) a factor on the drift of each sole; 0 for one in the air.
+        slip: a factor on the drift of each sole; 0 for one in the air.
         joint_update: (2, 5), see `update_joints`.
         joints: (2, na) positions and velocities, rad and rad/s.
         links: see `find_poses`.
