@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 from wbc.gait import Feet
-from wbc.geometry.polygon import clamp_to_polygon, convex_hull, sole_corners
+from wbc.geometry.polygon import clamp_to_polygon
 from wbc.robot import Robot
+from wbc.walking.stabilizer import SupportPolygon
 
 #: Sum of the four measures from which on no run recovered, and for how long, s. It was chosen on
 #: pushes of 0.3 to 1.2 N·s/kg from eight directions, standing and walking: the largest sum from
@@ -37,8 +38,7 @@ class FallDetector:
     """
 
     def __init__(self, robot: Robot, dt: float) -> None:
-        left, right = robot.soles
-        self._sizes = (left.half_length, left.half_width), (right.half_length, right.half_width)
+        self._support = SupportPolygon(robot)
         self._height = robot.com_height
         self._least_ticks = max(1, round(_LEAST_TIME / dt))
         self._ticks = 0
@@ -69,7 +69,7 @@ class FallDetector:
         if index + nearest / self._height <= _MAX_INDEX:
             self._ticks = 0
             return ""
-        distance = self._distance(dcm, feet)
+        distance = abs(dcm - clamp_to_polygon(dcm, self._support.hull(feet), 0.0))
         if index + distance / self._height <= _MAX_INDEX:
             self._ticks = 0
             return ""
@@ -81,9 +81,3 @@ class FallDetector:
             f"{math.degrees(angle):.0f}° at {math.degrees(rate):+.0f}°/s, and the centre of mass "
             f"is at {100.0 * (1.0 - lost):.0f} % of its height"
         )
-
-    def _distance(self, dcm: complex, feet: Feet) -> float:
-        """Return the distance of the DCM from the hull of both soles, m."""
-        left, right = self._sizes
-        corners = sole_corners(feet.left, *left) + sole_corners(feet.right, *right)
-        return abs(dcm - clamp_to_polygon(dcm, convex_hull(corners), 0.0))

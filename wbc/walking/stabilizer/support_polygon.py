@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wbc.gait import GaitState, Phase
+from wbc.gait import Feet, GaitState, Phase
 from wbc.geometry.polygon import clamp_to_polygon, convex_hull, is_near_segment, sole_corners
 from wbc.robot import Robot, Sole
 
@@ -21,12 +21,16 @@ class SupportPolygon:
     def corners(self, state: GaitState) -> list[complex]:
         """Corners of the support polygon, counter-clockwise, ground points, m."""
         if state.phase is Phase.SWING:
-            return self._sole_corners(state, state.support)
-        return convex_hull(self._sole_corners(state, "left") + self._sole_corners(state, "right"))
+            return self._sole_corners(state.feet, state.support)
+        return self.hull(state.feet)
 
-    def _sole_corners(self, state: GaitState, side: str) -> list[complex]:
+    def hull(self, feet: Feet) -> list[complex]:
+        """Corners of the convex hull of both soles, counter-clockwise, ground points, m."""
+        return convex_hull(self._sole_corners(feet, "left") + self._sole_corners(feet, "right"))
+
+    def _sole_corners(self, feet: Feet, side: str) -> list[complex]:
         sole = self._soles[side]
-        return sole_corners(state.feet.of(side), sole.half_length, sole.half_width)
+        return sole_corners(feet.of(side), sole.half_length, sole.half_width)
 
     def clamp(self, zmp: complex, state: GaitState, margin: float) -> complex:
         """The ground point nearest to a ZMP that is off the polygon by `margin` (m) at most."""
