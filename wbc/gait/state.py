@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple
 
-from wbc.gait.footsteps import Velocity, other_side
+from wbc.gait.footsteps import Velocity
 from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.swing_foot import SwingFoot
@@ -136,7 +136,7 @@ class GaitState:
     @property
     def swing_side(self) -> str:
         """Side of the foot that does not support."""
-        return other_side(self.support)
+        return "right" if self.support == "left" else "left"
 
     @property
     def stance(self) -> Placement:

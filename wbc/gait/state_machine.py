@@ -80,7 +80,7 @@ class GaitStateMachine:
         lifted = state.lifted
         state.feet = feet
         state.time += dt
-        state.on_stairs = _leads_over_stairs(state, command.footsteps)
+        state.on_stairs = _leads_over_stairs(state, lifted, command.footsteps)
         if state.phase is Phase.STAND or (state.stopping and state.requested_swing):
             side = planner.next_swing(state, command) or state.requested_swing
             if side is not None:
@@ -242,11 +242,13 @@ class GaitStateMachine:
         state.hold = max(spare, 0.0)
 
 
-def _leads_over_stairs(state: GaitState, given: list[PlannedFootstep]) -> bool:
+def _leads_over_stairs(
+    state: GaitState, lifted: LiftedFoot | None, given: list[PlannedFootstep]
+) -> bool:
     """Whether the footholds of now and those given differ much in height."""
     present = state.stance.height
     if state.phase is Phase.SWING:
-        other = state.landing.height if state.lifted is None else present
+        other = state.landing.height if lifted is None else present
     else:
         other = state.other_foot.height
     if abs(other - present) > _STAIR:

@@ -87,9 +87,9 @@ class ContactManager:
             self._tracking = wanted
         if wanted is None:
             return
-        if state.lifted is not None:
-            wanted.weight = self._held_weight(float(state.lifted.offset[2]))
-        elif isinstance(wanted.foot, LiftedFoot) and wanted.foot is not swing:
+        if isinstance(swing, LiftedFoot):
+            wanted.weight = self._held_weight(float(swing.offset[2]))
+        elif isinstance(wanted.foot, LiftedFoot):
             wanted.weight = self._gains.swing_weight
         wanted.foot = swing
 

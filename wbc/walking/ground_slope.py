@@ -58,6 +58,8 @@ class GroundSlope:
     def _with_present(self) -> complex:
         """Return what the present sole has in common with the two before."""
         along, across = self._ranges
+        if along[0] <= 0.0 <= along[1] and across[0] <= 0.0 <= across[1]:  # as on level ground
+            return 0j
         present = self._present
         return complex(_smallest(*along, present.real), _smallest(*across, present.imag))
 

@@ -265,7 +265,8 @@ class Walker:
 
     def _reference(self, landing: Placement | None) -> DcmReference:
         """The planner's reference for a landing place, with what swing leg and motion add."""
-        state, planner, offset = self.gait_state, self.planner, self.reference_offset
+        state, planner = self.state_machine.state, self.planner
+        offset = self.reference_offset
         planned = planner.reference(state, landing)
         reference = self._swing_momentum.apply(planned, state, planner)
         if offset is not None:

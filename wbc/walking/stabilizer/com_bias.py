@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from wbc.geometry.planar import planar_rotation
+import cmath
+
 from wbc.walking.feet import GroundReaction
 from wbc.walking.ground_kinematics import CentroidalMotion
 
@@ -61,10 +62,10 @@ class ComBiasEstimator:
                 nothing is measured.
             heading: axes in which the bias is constant, rad.
         """
-        to_world = planar_rotation(heading)
         if reaction is None:
             self._momentum = None
-            return self._bias * to_world
+            return self._bias * cmath.rect(1.0, heading)
+        to_world = cmath.rect(1.0, heading)
         offset = (com.point - reaction.cop) * reaction.load
         offset += com.velocity * (com.vertical_velocity / self._gravity)
         if self._momentum is None:

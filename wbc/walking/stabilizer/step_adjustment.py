@@ -48,5 +48,10 @@ def uncaught_dcm_error(
         planned: DCM without any adjustment.
         reach: how far the ZMP may move from its plan along the support sole and across it, m.
     """
-    error = (state.dcm - planned.dcm) * planar_rotation(-state.stance.yaw)
-    return footstep_adjustment(error, state.gait.omega, state.remaining, reach)
+    error, omega, remaining = state.dcm - planned.dcm, state.gait.omega, state.remaining
+    # Most errors are small. Since E ≥ 1 + ω t, the ankles take at least m ω t / (1 + ω t).
+    growth = omega * remaining
+    if abs(error) * (1.0 + growth) <= min(reach) * growth:
+        return 0j
+    local = error * planar_rotation(-state.stance.yaw)
+    return footstep_adjustment(local, omega, remaining, reach)
