@@ -58,9 +58,11 @@ class WholeBodyController:
         s.t. M v̇ + h = Sᵀ τ + Jᵀ f,   contacts' motion,   f in the contacts' cones,
              limits on τ and q̈,   exact tasks A v̇ = b,
 
-    in fewer unknowns (see `wbc.qp.elimination`). When there is no solution, the command
-    holds the last good torques, fading within 0.1 s, plus joint damping of 5 % of the
-    torque limit per rad/s, clipped to the limits; `status` tells it and `explanation`
+    level by level when tasks or limits have different priorities (see `wbc.Task`); the small
+    costs then belong to the last level, and soft contacts to the first. It does so in fewer
+    unknowns (see `wbc.qp.elimination`). When there is no solution, the command holds the last
+    good torques, fading within 0.1 s, plus joint damping of 5 % of the torque limit per rad/s,
+    clipped to the limits; `status` tells it and `explanation`
     names the rows in conflict.
 
     Args:
@@ -68,7 +70,8 @@ class WholeBodyController:
         dt: control period, s.
         solver: "wbc", "daqp", "osqp" or any solver of `qpsolvers` by its name, or an
             object of your own (see `wbc.qp.Solver`); the fastest that this machine can run when
-            left out.
+            left out. Problems with several levels are always solved by the library's own
+            solver, `wbc.qp.solvers.hierarchical`.
         limits: inequalities that hold exactly; torque, position and velocity limits of the
             robot when left out. See `set_limits`.
         formulation: which unknowns, and who assembles; the same optimum. The fastest that
@@ -117,6 +120,7 @@ class WholeBodyController:
         self._assemblies: dict[tuple[object, ...], Assembly | CompiledAssembly] = {}
         self._last_tau = np.zeros(robot.na)
         self._tick = 0
+        self._level_solver: Solver | None = None
         self._explanation: tuple[Outcome, int, Status, str] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
@@ -148,6 +152,8 @@ class WholeBodyController:
                 f"there is a task named '{task.name}' already; give this one another name"
             )
         task.bind(self.robot)
+        if task.priority > 1:
+            self._priority_solver()  # compiles now, not in a tick
         self.tasks.append(task)
         return task
 
@@ -240,7 +246,9 @@ class WholeBodyController:
         if not problem.finite:
             reason = non_finite_rows(kin, self.tasks, self._contacts, self._limit_set)
             return self._safe_command(kin, Status.FAILED, reason or "the QP is not finite")
-        solution = self.solver.solve(problem)
+        levels = problem.levels
+        solver = self.solver if levels is None else self._priority_solver()
+        solution = solver.solve(problem)
         if solution.outcome is Outcome.SOLVED:
             x = np.asarray(solution.x)
             command = assembly.recover(x, kin, self.dt) if x.shape == problem.g.shape else None
@@ -251,6 +259,16 @@ class WholeBodyController:
             detail = f"x of shape {x.shape}, {x.size - np.isfinite(x).sum()} entries not finite"
             solution = Solution(x, Outcome.FAILED, detail=detail)
         return self._safe_command(kin, *self._explain(problem, solution))
+
+    def _priority_solver(self) -> Solver:
+        """Return the solver of strict priorities, made when it is first needed."""
+        if self._level_solver is None:
+            if not load_qp_kernels():
+                raise WbcError("strict priorities need Numba; run  pip install numba")
+            from wbc.qp.solvers.hierarchical import HierarchicalSolver
+
+            self._level_solver = HierarchicalSolver()
+        return self._level_solver
 
     def _explain(self, problem: Problem, solution: Solution) -> tuple[Status, str]:
         """Return status and reason of a failure; a search takes long, so at most one per 0.1 s."""

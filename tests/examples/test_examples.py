@@ -34,6 +34,7 @@ SAYS = {
     "20_trials": "upright against walker: ",
     "21_stairs": "survived",
     "22_inverse_kinematics": "held back by joint position limit",
+    "24_priorities": "three levels: CoM moved 0.",
 }
 
 

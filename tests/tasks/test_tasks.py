@@ -169,7 +169,7 @@ def test_posture_weights_can_be_given_by_joint_name():
         (lambda b: wbc.ComTask(weight=np.ones(2)), r"weight has shape \(2,\).*number or \(3,\)"),
         (lambda b: wbc.ComTask(kp=np.nan), "kp = nan must be finite"),
         (lambda b: wbc.ComTask(kd=-2.0), "kd = -2.0 must be finite and not negative"),
-        (lambda b: wbc.ComTask(priority=2), r"priority 2 is neither 0 \(exact\) nor 1"),
+        (lambda b: wbc.ComTask(priority=-2), r"priority -2 must be a whole number: 0 \(exact\)"),
         (lambda b: wbc.ComTask(np.zeros(2)), r"task 'com': target has shape \(2,\), expected"),
         (lambda b: wbc.ComTask((0.0, np.nan, 0.0)), r"target\[1\] \(y\) is nan, it must be finite"),
         (lambda b: wbc.FrameTask("torso", np.eye(4)), "target is a ndarray, not a pin.SE3"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -47,7 +48,11 @@ class LimitRows:
 
 
 class Limit(ABC):
-    """An inequality that holds exactly: `lower ≤ A v̇ + Σ F_c f_c ≤ upper`.
+    """An inequality `lower ≤ A v̇ + Σ F_c f_c ≤ upper`, exact or of some priority.
+
+    With priority 0 it holds exactly. With priority k it may be violated by w, at the cost
+    `½ weight Σ w²` on the level of the tasks of that priority (see `wbc.Task`): it holds as far as
+    exact rows and higher levels let it, and lower levels do not count against it.
 
     A limit of your own derives from this and writes its rows in `write`, anew each tick. Limits
     on single joints derive from `AccelerationBound` instead, which costs no rows.
@@ -58,24 +63,46 @@ class Limit(ABC):
             collision barrier, takes the largest and leaves the other rows as they are.
         unit: unit of the rows' values; explanations quote it.
         labels: one text per row, for explanations.
+        priority: 0 exact; 1, 2, … the level that pays for a violation.
+        weight: of a violation among the costs of its level, above 0.
 
     Raises:
-        LimitError: the size is not positive, or the labels are not as many as the rows.
+        LimitError: the size is not positive, the labels are not as many as the rows, or the
+            priority or weight is out of range.
     """
 
-    def __init__(self, name: str, size: int, *, unit: str, labels: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        name: str,
+        size: int,
+        *,
+        unit: str,
+        labels: Sequence[str] = (),
+        priority: int = 0,
+        weight: float = 1.0,
+    ) -> None:
         if size < 1:
             raise LimitError(f"limit '{name}': size {size} must be at least one row")
         if labels and len(labels) != size:
             raise LimitError(f"limit '{name}': {len(labels)} labels for {size} rows")
+        if isinstance(priority, bool) or not isinstance(priority, int) or priority < 0:
+            raise LimitError(
+                f"limit '{name}': priority {priority!r} must be a whole number: 0 (exact) or the "
+                "level that pays for a violation, 1 for the highest"
+            )
+        if not 0.0 < weight < math.inf:
+            raise LimitError(f"limit '{name}': weight {weight!r} must be positive and finite")
         self.name = name
+        self.priority = priority
+        self.weight = float(weight)
         self.size = size
         self.unit = unit
         self.labels = tuple(labels)
 
     def __repr__(self) -> str:
         rows = f"{self.size} row" + "s" * (self.size > 1)
-        return f"{type(self).__name__}('{self.name}', {rows}, {self.unit})"
+        level = f", priority {self.priority}" if self.priority else ""
+        return f"{type(self).__name__}('{self.name}', {rows}, {self.unit}{level})"
 
     def bind(self, robot: RobotModel) -> None:  # noqa: B027 - most limits need nothing here
         """Look up names in the robot, once, when given to a controller.

@@ -14,13 +14,14 @@ from wbc.kinematics import Kinematics
 from wbc.limits import LimitSet
 from wbc.qp.constraints import Constraints
 from wbc.qp.contact_rows import ContactRows
-from wbc.qp.cost import Cost, Regularisation
+from wbc.qp.cost import Cost, Regularisation, ResidualRows
 from wbc.qp.elimination import (
     BaseElimination,
     Elimination,
     NoElimination,
     StanceElimination,
 )
+from wbc.qp.priorities import PriorityOrder, rows_of
 from wbc.qp.problem import Problem
 from wbc.robot import Robot
 from wbc.tasks import Task
@@ -42,7 +43,7 @@ class Assembly:
 
     Args:
         robot: the robot.
-        tasks: weighted and exact ones.
+        tasks: exact and weighted ones, of any levels.
         contacts: contacts with distinct names.
         limits: limits, by kind.
         formulation: reduced or full.
@@ -53,6 +54,7 @@ class Assembly:
         elimination: the formulation's maps.
         n: number of unknowns.
         regularisation: as given.
+        order: which task is of which level.
         blocks, equality: see `Problem`.
     """
 
@@ -82,11 +84,14 @@ class Assembly:
         self.regularisation = regularisation
         self._x1 = np.ones(m.n + 1)
         self._torque_limit = limits.torque
-        weighted = [t for t in tasks if t.priority == 1]
-        exact = [t for t in tasks if t.priority == 0]
-        self._cost = Cost(weighted, rows, m, regularisation)
-        self._constraints = Constraints(robot, exact, rows, limits, m)
+        self.order = order = PriorityOrder.sort(tasks, contacts, limits)
+        upper = [member for members in order.upper for member in members]
+        self._G = np.zeros((sum(map(rows_of, upper)), m.n + 1))
+        self._upper = ResidualRows(upper, rows, m, self._G)
+        self._cost = Cost(order.last, rows, m, regularisation)
+        self._constraints = Constraints(robot, order.exact, rows, limits, m)
         self.blocks, self.equality = self._constraints.blocks, self._constraints.equality
+        self._levels = order.levels(self._G, self.blocks, limits.inequalities)
 
     def build(self, kin: Kinematics) -> Problem:
         """Return the QP of the tick; its arrays are valid until the next call.
@@ -99,11 +104,14 @@ class Assembly:
         rows, constraints = self.contacts, self._constraints
         rows.write(kin)
         self.elimination.update(kin.mass_matrix, kin.bias_forces, rows.J, rows.a)
+        self._upper.write(kin)
         H, g = self._cost.build(kin)
         C, lb, ub = constraints.build(kin)
         # A cost that is not finite shows in g: it is Gᵀ r with H = Gᵀ G, see `Cost`.
         finite = math.isfinite(g.dot(g)) and not math.isnan((ub - lb).min())
-        return Problem(H, g, C, lb, ub, constraints.bounded, self.equality, self.blocks, finite)
+        finite = finite and bool(np.isfinite(self._G).all())
+        bounded, levels = constraints.bounded, self._levels
+        return Problem(H, g, C, lb, ub, bounded, self.equality, self.blocks, finite, levels)
 
     def recover(self, x: np.ndarray, kin: Kinematics, dt: float) -> Command | None:
         """Return the command of a solution; None when it is not finite.

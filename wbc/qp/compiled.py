@@ -33,6 +33,7 @@ from wbc.qp.parameter_update import (
     motion_task_update,
     torque_update,
 )
+from wbc.qp.priorities import rows_of
 from wbc.qp.problem import Problem
 from wbc.qp.row_errors import raise_row_error
 from wbc.robot import Robot
@@ -55,13 +56,15 @@ class CompiledAssembly:
         m = layout.elimination
         stance = isinstance(m, StanceElimination)
         self._contacts = list(layout.contacts)
-        soft = [c for c, _ in self._contacts if c.motion_weight is not None]
+        order = layout.order
         rigid = [c for c, _ in self._contacts[1 if stance else 0 :] if c.motion_weight is None]
-        weighted = [t for t in tasks if t.priority == 1 and not isinstance(t, JointTask)]
-        exact = [t for t in tasks if t.priority == 0]
-        stack = _Stack([*weighted, *soft], [*rigid, *exact])
+        upper = [member for members in order.upper for member in members]
+        last = [member for member in order.last if not isinstance(member, JointTask)]
+        joint_tasks = [member for member in order.last if isinstance(member, JointTask)]
+        stack = _Stack([*upper, *last], [*rigid, *order.exact])
+        first = sum(map(rows_of, upper))
+        dense_tasks = [t for t in tasks if t in stack.first]
         motion_tasks = [t for t in tasks if isinstance(t, MotionTask) and has_motion_kernel(t)]
-        joint_tasks = [t for t in tasks if t.priority == 1 and isinstance(t, JointTask)]
         frames = _FrameTable(robot, motion_tasks, [c for c in contacts if has_contact_kernel(c)])
         joints = _joints_behind(robot, self._contacts[0][0].frame_id) if stance else []
         na, eliminated = robot.na, m.eliminated
@@ -77,7 +80,7 @@ class CompiledAssembly:
                 cone_rows=sum(c.cone.shape[0] for c in contacts),
                 dense_rows=stack.size,
                 cost_rows=stack.cost,
-                residual_rows=-3 * (-(stack.cost + eliminated) // 3),
+                residual_rows=first - 3 * (-(stack.cost - first + eliminated) // 3),
                 bounds=len(limits.bounds),
                 limited_torques=0 if limits.torque is None else na,
                 limit_rows=sum(limit.size for limit in limits.inequalities),
@@ -99,7 +102,7 @@ class CompiledAssembly:
         program.regularisation[m.free] = regularisation.force * m.unit**2
         program.lb[:], program.ub[:] = -np.inf, np.inf
         self._updates = [
-            *_task_updates(motion_tasks, joint_tasks, [*weighted, *exact], buffers, stack, frames),
+            *_task_updates(motion_tasks, joint_tasks, dense_tasks, buffers, stack, frames),
             *_contact_updates(self._contacts, buffers, stack, frames),
             *_limit_updates(limits, dict(self._contacts), buffers),
         ]
@@ -112,9 +115,10 @@ class CompiledAssembly:
             na,
             layout.equality,
             layout.blocks,
+            levels=order.levels(program.G, layout.blocks, limits.inequalities),
         )
         root = float(np.sqrt(regularisation.force))
-        self._arguments = (*buffers.arrays, robot.mass, float(m.unit), root)
+        self._arguments = (*buffers.arrays, first, robot.mass, float(m.unit), root)
         self._nv, self._na, self._nf = robot.nv, na, m.W.shape[0]
 
     def build(self, kin: Kinematics) -> Problem:

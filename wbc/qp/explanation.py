@@ -36,8 +36,9 @@ class ElasticRows:
         norm = np.linalg.norm(A, axis=1)
         self.norm = np.where(norm > 1e-9, norm, 1.0)  # rows of rounding errors stay small
         self.A = A / self.norm[:, None]
-        self._lb = np.maximum(problem.lb / self.norm, -_NO_BOUND)
-        self._ub = np.minimum(problem.ub / self.norm, _NO_BOUND)
+        lb, ub = problem.exact_bounds()
+        self._lb = np.maximum(lb / self.norm, -_NO_BOUND)
+        self._ub = np.minimum(ub / self.norm, _NO_BOUND)
         self._model = daqp.Model()
         self._model.settings = {"rho_soft": _SOFTNESS, "primal_tol": 1e-9, "iter_limit": 2000}
         sense = np.full(self._lb.size, _SOFT, dtype=np.int32)
@@ -74,7 +75,8 @@ def explain(problem: Problem) -> str:
     jump [z] off by 3 m/s²". A block is left out when the others are in conflict without it.
     The line is empty when all rows can hold together.
     """
-    crossed = np.flatnonzero(problem.lb > problem.ub)
+    lb, ub = problem.exact_bounds()
+    crossed = np.flatnonzero(lb > ub)
     if crossed.size:
         row = int(crossed[0])
         block = next(b for b in problem.blocks if row < b.stop)

@@ -7,6 +7,7 @@ from enum import Enum
 
 import numpy as np
 
+from wbc.qp.levels import Levels
 from wbc.qp.rows import RowBlock
 
 
@@ -28,6 +29,7 @@ class Problem:
         equality: (bounded + m,) True where the row is an equality.
         blocks: names of the rows of `lb` and `ub`.
         finite: no entry is NaN, nor infinite but for bounds.
+        levels: strict priorities, see `Levels`; None when there is one cost only.
     """
 
     H: np.ndarray
@@ -39,10 +41,18 @@ class Problem:
     equality: np.ndarray
     blocks: tuple[RowBlock, ...]
     finite: bool = True
+    levels: Levels | None = None
 
     def values(self, x: np.ndarray) -> np.ndarray:
         """Return what the bounds are compared with at x, (bounded + m,)."""
         return np.concatenate((x[: self.bounded], self.C @ x))
+
+    def exact_bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return lb and ub, infinite for the rows that a level may violate."""
+        if self.levels is None:
+            return self.lb, self.ub
+        soft = self.levels.level > 0
+        return np.where(soft, -np.inf, self.lb), np.where(soft, np.inf, self.ub)
 
     def violation(self, x: np.ndarray) -> np.ndarray:
         """Return by how much each row is violated at x, (bounded + m,), 0 where it is not."""

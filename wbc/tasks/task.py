@@ -14,10 +14,12 @@ from wbc.robot import RobotModel
 
 
 class Task(ABC):
-    """A desired acceleration: rows `A v̇ = b`, weighted or exact.
+    """A desired acceleration: rows `A v̇ = b`, exact or weighted on a level of strict priority.
 
-    A weighted task (priority 1) adds `½ Σ wᵢ (Aᵢ v̇ − bᵢ)²` to the cost; an exact
-    one (priority 0) becomes equality rows. The second-order form is
+    A task of priority 0 becomes equality rows, which hold exactly. One of priority k ≥ 1 adds
+    `½ Σ wᵢ (Aᵢ v̇ − bᵢ)²` to the cost of level k. Tasks of one level are weighted against each
+    other; a level is minimised among the optima of all higher ones, those of smaller numbers, and
+    never makes one of them worse. The second-order form is
     `b = a_ref + kd (v_ref − v) + kp (x_ref ⊖ x) − J̇ v`.
 
     A task of your own derives from this and writes its rows in `write`.
@@ -28,7 +30,7 @@ class Task(ABC):
         weight: scalar or (m,), ≥ 0. A row of weight 0 is left out of the cost.
         kp: position gain, 1/s², scalar or (m,).
         kd: velocity gain, 1/s; critically damped (2 √kp) when left out.
-        priority: 0 exact, 1 weighted.
+        priority: 0 exact; 1, 2, … the level, 1 for the highest. Numbers may be left out.
 
     Attributes:
         labels: one text per row, for explanations; may be empty.
@@ -36,7 +38,7 @@ class Task(ABC):
 
     Raises:
         TaskError: a weight or gain is negative, not finite or of a wrong shape,
-            or the priority is neither 0 nor 1.
+            or the priority is no whole number from 0 on.
     """
 
     unit: ClassVar[str]
@@ -50,13 +52,10 @@ class Task(ABC):
         kd: float | np.ndarray | None,
         priority: int,
     ) -> None:
-        if priority not in (0, 1):
-            raise TaskError(
-                f"task '{name}': priority {priority!r} is neither 0 (exact) nor 1 (weighted)"
-            )
         self.name = name
         self.size = size
         self.priority = priority
+        self.check_priority()
         self.labels: tuple[str, ...] = ()
         self.weight = weight
         self.kp = kp
@@ -70,6 +69,7 @@ class Task(ABC):
 
     def __repr__(self) -> str:
         role = "exact" if self.priority == 0 else f"weight {format_range(self.weight)}"
+        role += f", priority {self.priority}" if self.priority > 1 else ""
         gains = f"kp {format_range(self.kp)} 1/s², kd {format_range(self.kd)} 1/s"
         target = self._format_target()
         texts = [f"'{self.name}'", role, gains, *([f"target {target}"] if target else [])]
@@ -146,6 +146,19 @@ class Task(ABC):
                 f"task '{self.name}': {what}[{first}]{entry} is {array[first]}, it must be finite"
             )
         return array
+
+    def check_priority(self) -> None:
+        """Check the priority, which may be set at any time.
+
+        Raises:
+            TaskError: it is no whole number from 0 on.
+        """
+        priority = self.priority
+        if isinstance(priority, bool) or not isinstance(priority, int) or priority < 0:
+            raise TaskError(
+                f"task '{self.name}': priority {priority!r} must be a whole number: 0 (exact), or "
+                "the level, 1 for the highest"
+            )
 
     def bind(self, robot: RobotModel) -> None:  # noqa: B027 - most tasks need nothing here
         """Look up names in the robot, once, when added to a controller.

@@ -25,6 +25,7 @@ from wbc.qp.kernels.factors import cholesky, solve_factored, solve_lower, solve_
 from wbc.qp.kernels.schema import reader
 from wbc.qp.kernels.working_set import (
     Inequality,
+    RowMemory,
     WorkingSet,
     Workspace,
     append,
@@ -57,7 +58,7 @@ def point_of(active: WorkingSet, work: Workspace, size: int) -> None:
 
 
 @subkernel
-def most_violated(rows: Inequality, work: Workspace, tolerance: float) -> tuple[int, int]:
+def most_violated(rows: Inequality, work: RowMemory, tolerance: float) -> tuple[int, int]:
     """Return the row that is violated most for its scale, and the side; (−1, 0) when none is."""
     worst, at, side = tolerance, -1, 0
     for row in range(rows.lb.size):

@@ -41,9 +41,12 @@ def write_cost(
     program: QuadraticProgram,
     q: np.ndarray,
     v: np.ndarray,
+    first: int,
     root_force: float,
 ) -> None:
-    """Write H and g of `½ |G x̂|²`, the regularisation and the tasks on single joints."""
+    """Write G, and H and g of `½ |G x̂|²` of the last level, of its tasks on single joints and of
+    the regularisation.
+    """
     G, H, g = program.G, program.H, program.g
     n, eliminated = g.size, 6 if maps.stance_joints.size > 0 else 0
     count = rows.root_weight.size
@@ -60,7 +63,7 @@ def write_cost(
         for c in range(i + 1):
             H[i, c] = 0.0
         # By threes: most tasks have as many rows, and leave the columns of some limbs empty.
-        for r in range(0, G.shape[0], 3):
+        for r in range(first, G.shape[0], 3):
             s0, s1, s2 = G[r, i], G[r + 1, i], G[r + 2, i]
             if s0 != 0.0 or s1 != 0.0 or s2 != 0.0:
                 for c in range(i + 1):
@@ -175,7 +178,7 @@ def write_constraints(
 
 @kernel(
     "boolean(float64[:,::1], float64[::1], float64[:,::1], float64[:,::1], float64[::1], "
-    "float64[::1], float64[::1], int64[::1], int64[:,::1], float64, float64, float64)"
+    "float64[::1], float64[::1], int64[::1], int64[:,::1], int64, float64, float64, float64)"
 )
 def assemble(
     M: np.ndarray,
@@ -187,6 +190,7 @@ def assemble(
     reals: np.ndarray,
     integers: np.ndarray,
     table: np.ndarray,
+    first: int,
     mass: float,
     unit: float,
     root_force: float,
@@ -200,12 +204,13 @@ def assemble(
         joint_placements: (njoints, 12), see `wbc.kinematics.Kinematics`.
         q, v: state.
         reals, integers, table: the arrays of a `Buffers`.
+        first: first row of the last level among those of the cost.
         mass: kg.
         unit: unit of forces in x, N.
         root_force: root of the cost of an eliminated force, 1/N.
 
     Returns:
-        Whether g and all bounds are numbers.
+        Whether the rows of the upper levels, g and all bounds are numbers.
     """
     tree = read_tree(reals, integers, table)
     frames = read_frames(reals, integers, table)
@@ -221,11 +226,14 @@ def assemble(
     write_contacts(contacts, frames, rows)
     eliminate(maps, M, h, contacts.jacobian, contacts.acceleration, unit)
     joint_tasks = read_joint_tasks(reals, integers, table)
-    write_cost(rows, maps, joint_tasks, program, q, v, root_force)
+    write_cost(rows, maps, joint_tasks, program, q, v, first, root_force)
     bounds = read_bounds(reals, integers, table)
     inequalities = read_inequalities(reals, integers, table)
     write_constraints(rows, maps, contacts, bounds, inequalities, program, q, v, unit)
     total = 0.0
+    for r in range(first):
+        for x in program.G[r]:
+            total += x
     for x in program.g:
         total += x
     if not math.isfinite(total):

@@ -6,7 +6,7 @@ The symbols are those of `wbc.qp.kernels.dual_active_set`.
 from __future__ import annotations
 
 import math
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, Protocol
 
 import numpy as np
 
@@ -69,6 +69,19 @@ class Workspace(NamedTuple):
     old_row: Annotated[np.ndarray, integers("capacity")]
     old_side: Annotated[np.ndarray, integers("capacity")]
     old_multiplier: Annotated[np.ndarray, reals("capacity")]
+
+
+class RowMemory(Protocol):
+    """What the steps on a working set need of a solver's memory; see `Workspace`."""
+
+    @property
+    def x(self) -> np.ndarray: ...
+    @property
+    def scale(self) -> np.ndarray: ...
+    @property
+    def used(self) -> np.ndarray: ...
+    @property
+    def target(self) -> np.ndarray: ...
 
 
 class Inequality(NamedTuple):
@@ -160,7 +173,7 @@ def remove(active: WorkingSet, at: int, size: int) -> None:
 
 
 @subkernel
-def refactor(active: WorkingSet, work: Workspace, at: int, size: int, pending: int) -> int:
+def refactor(active: WorkingSet, work: RowMemory, at: int, size: int, pending: int) -> int:
     """Factor the rows from `at` on again, leaving out what rounding made dependent.
 
     Args:
@@ -223,7 +236,7 @@ def start_from_last(rows: Inequality, active: WorkingSet, work: Workspace) -> in
 
 
 @subkernel
-def exchange(rows: Inequality, active: WorkingSet, work: Workspace, size: int) -> int:
+def exchange(rows: Inequality, active: WorkingSet, work: RowMemory, size: int) -> int:
     """Make the row behind the working set independent of it, trading it for others if needed.
 
     While the new row is a combination z of the others, one of those leaves: the one whose
@@ -232,8 +245,8 @@ def exchange(rows: Inequality, active: WorkingSet, work: Workspace, size: int) -
     Returns:
         The size without the new row; −1 when no row can leave, so that no point holds them all.
     """
-    n, target = work.x.size, work.target
-    while size >= n or not factor_row(active.K, active.F, size):
+    full, target = active.row.size - 1, work.target
+    while size >= full or not factor_row(active.K, active.F, size):
         for k in range(size):
             target[k] = active.K[size, k]
         solve_factored(active.F, target, size)
