@@ -48,7 +48,7 @@ class SimulationOptions:
     model: ModelOptions
     robot: RobotName = "talos"
     solver: Annotated[str | None, Argument("NAME")] = None
-    planner: Literal["dcm", "preview", "mpc"] = "dcm"
+    planner: Literal["dcm", "preview", "mpc", "placo"] = "dcm"
     terrain: Literal["flat", "tiles", "ramp"] = "flat"
     seed: int = 0
     actuation: Literal["torque", "servo"] = "torque"

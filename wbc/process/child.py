@@ -106,13 +106,18 @@ class ChildProcess:
             ProcessStartError: the process did not start, or its reply is an error.
         """
         self.send(config)
-        reply: dict[str, Any] = {}
-        with contextlib.suppress(EOFError, OSError):
-            reply = self._connection.recv() if self._connection.poll(_START_TIMEOUT) else {}
+        reply = self.receive(_START_TIMEOUT)
         if "error" in reply:
             raise ProcessStartError(reply["error"])
         if not reply:
             raise ProcessStartError("the process did not start; its own message is above")
+        return reply
+
+    def receive(self, timeout: float) -> dict[str, Any]:
+        """Return the child's next reply; empty if it has died or does not reply in `timeout` s."""
+        reply: dict[str, Any] = {}
+        with contextlib.suppress(EOFError, OSError):
+            reply = self._connection.recv() if self._connection.poll(timeout) else {}
         return reply
 
     def send(self, message: object, descriptor: int | None = None) -> None:

@@ -229,6 +229,18 @@ class DcmPlanner:
         later = zmp_over(point, [step.placement.point for step in steps], gait)
         return [ZmpSegment(support, point, gait.double_support), *later]
 
+    def _planned_steps(self, state: GaitState) -> list[PlannedFootstep]:
+        """Return the footsteps ahead as they are planned, that of the present swing first."""
+        preview, stance = self._preview, state.stance
+        if state.phase is Phase.TRANSFER:
+            return preview.steps(stance, state.support, self.velocity, PREVIEW_STEPS)
+        side = state.swing_side
+        landing = stance.compose(self._relative_landing)
+        first = PlannedFootstep(side, landing)
+        if not state.shortened and preview.ends(stance, side, landing, self.velocity):
+            return [first]
+        return [first, *preview.steps(landing, side, self.velocity, PREVIEW_STEPS - 1)]
+
     def _plan_key(self, state: GaitState) -> tuple[object, ...]:
         """Return objects that are replaced when the plan after the present phase changes."""
         return (

@@ -12,9 +12,9 @@ from wbc.gait.footsteps import lateral_sign, other_side
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.planners.dcm import DcmReference
 from wbc.gait.planners.dcm_planner import PREVIEW_STEPS, DcmPlanner
-from wbc.gait.planners.planner import StepPlan
+from wbc.gait.planners.planner import PlanFailed, StepPlan
 from wbc.gait.planners.zmp_step_mpc import NODES, ZmpStepMpc, ZmpStepPlan
-from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
+from wbc.gait.state import GaitCommand, GaitState, Phase
 from wbc.gait.swing_foot import SwingFoot
 from wbc.geometry.planar import Placement, planar_rotation, wrap_angle
 from wbc.robot import Robot
@@ -22,10 +22,6 @@ from wbc.robot import Robot
 _PERIOD = 0.02  # s between two solutions
 _SOLE_SHARE = 1.0  # of the sole that the plan uses; the rest is the feedback's
 _FIXED = np.zeros((2, 2 * PREVIEW_STEPS))
-
-
-class PlanFailed(UserWarning):
-    """A planner found no plan of its own; the text says what it does instead."""
 
 
 class MpcPlanner(DcmPlanner):
@@ -179,18 +175,6 @@ class MpcPlanner(DcmPlanner):
             # The analytic plan for the displaced landing place differs by this already.
             self._displacement = complex(solution.footsteps[0])
             self._dcm -= float(shares[0]) * self._displacement
-
-    def _planned_steps(self, state: GaitState) -> list[PlannedFootstep]:
-        """Return the footsteps ahead as they are planned, that of the present swing first."""
-        preview, stance = self._preview, state.stance
-        if state.phase is Phase.TRANSFER:
-            return preview.steps(stance, state.support, self.velocity, PREVIEW_STEPS)
-        side = state.swing_side
-        landing = stance.compose(self._relative_landing)
-        first = PlannedFootstep(side, landing)
-        if not state.shortened and preview.ends(stance, side, landing, self.velocity):
-            return [first]
-        return [first, *preview.steps(landing, side, self.velocity, PREVIEW_STEPS - 1)]
 
     def _transfers(self, state: GaitState, steps: int) -> tuple[list[float], list[float]]:
         """When the weight begins to move on to each footstep from now on, and how long it does."""

@@ -10,6 +10,10 @@ from wbc.gait.state import GaitCommand, GaitState, PlannedFootstep
 from wbc.geometry.planar import Placement
 
 
+class PlanFailed(UserWarning):
+    """A planner found no plan of its own; the text says what it does instead."""
+
+
 @dataclass(slots=True)
 class StepPlan:
     """The present step, as planned at this tick.

@@ -5,12 +5,13 @@ from __future__ import annotations
 from wbc.errors import PlannerNotFound, did_you_mean, short_repr
 from wbc.gait.planners.dcm_planner import DcmPlanner
 from wbc.gait.planners.mpc_planner import MpcPlanner
+from wbc.gait.planners.placo_planner import PlacoPlanner
 from wbc.gait.planners.planner import Planner
 from wbc.gait.planners.preview_control_planner import PreviewControlPlanner
 from wbc.robot import Robot
 
 #: Names of the library's planners.
-PLANNER_NAMES = ("dcm", "preview", "mpc")
+PLANNER_NAMES = ("dcm", "preview", "mpc", "placo")
 
 
 def make_planner(name: str, robot: Robot) -> Planner:
@@ -18,7 +19,7 @@ def make_planner(name: str, robot: Robot) -> Planner:
 
     Args:
         name: "dcm" (analytic), "preview" (preview control of the ZMP) or "mpc" (model-predictive
-            control of ZMP and footsteps).
+            control of ZMP and footsteps) or "placo" (placo's walk pattern in a process of its own).
         robot: the robot that it plans for.
 
     Raises:
@@ -30,6 +31,8 @@ def make_planner(name: str, robot: Robot) -> Planner:
         return PreviewControlPlanner()
     if name == "mpc":
         return MpcPlanner(robot)
+    if name == "placo":
+        return PlacoPlanner(robot)
     raise PlannerNotFound(f"there is no planner '{name}'{did_you_mean(name, PLANNER_NAMES)}")
 
 
