@@ -41,11 +41,11 @@ from wbc.runtime.report import Report
 from wbc.runtime.tick import Tick
 from wbc.trials import RunEvaluator
 
-#: The bipeds of example-robot-data, with the feet of those whose names do not tell.
+#: The bipeds of example-robot-data.
 BIPEDS = (
     "talos_reduced", "talos_full_v2", "g1_29dof_rev_1_0", "g1_29dof_with_hand_rev_1_0",
     "romeo_small", "icub_reduced", "icub", "simple_humanoid", "human",
-    "alexander_v1.lowerBodyOnly", "bolt=FL_FOOT,FR_FOOT",
+    "alexander_v1.lowerBodyOnly", "bolt",
 )  # fmt: skip
 DESCRIPTIONS = (".urdf", ".xacro", ".mjcf", ".toml")
 SHARE = 0.6  # of the greatest velocity

@@ -22,6 +22,10 @@ _NO_LIMITS = VelocityLimits()
 _DCM_GAIN = 4.0  # 1/s
 _LARGE = 0.45  # m: with the centre of mass below this, the feedback is as much quicker as the robot
 _CLEARANCE = 0.02  # m between the soles at the narrowest step
+# Durations of swing, transfer and first transfer times ω. Points have no area on which the weight
+# could be moved slowly, so that their steps are quick.
+_DURATIONS = 2.0, 0.8, 2.0
+_POINT_DURATIONS = 1.15, 0.17, 0.17
 # Durations of the recovery gait times ω.
 _RECOVERY_SWING = 0.77
 _RECOVERY_TRANSFER = 0.155
@@ -125,10 +129,12 @@ class GaitParameters:
         leg = robot.leg_length
         reach = reach or LegWorkspace(robot)
         check_knees(robot, reach)
+        durations = _DURATIONS if has_soles(robot.soles) else _POINT_DURATIONS
+        swing, transfer, first = (natural * duration for duration in durations)
         gait = cls(
-            single_support=2.0 * natural,
-            double_support=0.8 * natural,
-            first_transfer=2.0 * natural,
+            single_support=swing,
+            double_support=transfer,
+            first_transfer=first,
             swing_height=0.07 * leg,
             touchdown_speed=0.05,
             step_width=max(width, foot_width + _CLEARANCE),

@@ -9,7 +9,10 @@ from wbc.robot.urdf import Urdf
 
 # In order of preference: a sole link, a foot link, the last link of the ankle.
 PARTS = ("sole", "foot", "ankle roll", "ankle")
-_SIDES = (("left", "right"), ("l", "r"))
+_SIDES = (
+    ("left", "right"), ("l", "r"),
+    ("fl", "fr"), ("hl", "hr"), ("rl", "rr"), ("lf", "rf"), ("lh", "rh"),
+)  # fmt: skip
 
 
 def find_feet(urdf: Urdf) -> tuple[str, str] | None:
@@ -20,19 +23,7 @@ def find_feet(urdf: Urdf) -> tuple[str, str] | None:
     for a foot if only one of the feet is named.
     """
     for part in PARTS:
-        pairs, single = [], False
-        for name in urdf.links:
-            if part not in " ".join(_words(name)):
-                continue
-            mirrored = mirror(name)
-            if mirrored is None:
-                continue
-            if mirrored not in urdf.links:
-                single = True
-            elif side_of(name) == "left":
-                pairs.append((name, mirrored))
-        # `l_foot` beside `l_foot_dh_frame`: the plainer name is the link itself.
-        pairs.sort(key=lambda pair: len(pair[0]))
+        pairs, single = _pairs(urdf, part)
         if pairs and (len(pairs) == 1 or len(pairs[0][0]) < len(pairs[1][0])):
             left, right = pairs[0]
             # The ankle's axes come in either order, and the foot is what the last one moves.
@@ -40,6 +31,29 @@ def find_feet(urdf: Urdf) -> tuple[str, str] | None:
         if pairs or single:
             return None
     return None
+
+
+def foot_pairs(urdf: Urdf) -> list[tuple[str, str]]:
+    """Return all (left, right) pairs of links with the names of feet, those of the best part."""
+    return next((pairs for part in PARTS if (pairs := _pairs(urdf, part)[0])), [])
+
+
+def _pairs(urdf: Urdf, part: str) -> tuple[list[tuple[str, str]], bool]:
+    """Return the pairs of links of a part, the plainest names first, and whether one is single."""
+    pairs, single = [], False
+    for name in urdf.links:
+        if part not in " ".join(_words(name)):
+            continue
+        mirrored = mirror(name)
+        if mirrored is None:
+            continue
+        if mirrored not in urdf.links:
+            single = True
+        elif side_of(name) == "left":
+            pairs.append((name, mirrored))
+    # `l_foot` beside `l_foot_dh_frame`: the plainer name is the link itself.
+    pairs.sort(key=lambda pair: len(pair[0]))
+    return pairs, single
 
 
 def _leg_end(urdf: Urdf, link: str) -> str:

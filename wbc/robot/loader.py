@@ -12,7 +12,7 @@ import pinocchio as pin
 from wbc.errors import RobotDescriptionError, did_you_mean
 from wbc.robot.data_file import RobotData
 from wbc.robot.description import read_description
-from wbc.robot.feet import checked_foot_link, find_feet
+from wbc.robot.feet import checked_foot_link, find_feet, foot_pairs
 from wbc.robot.finding import Fact, Finding, Origin
 from wbc.robot.inertia import add_placeholder_masses, check_mass_matrix, repair_model
 from wbc.robot.limits import set_armature, set_limits
@@ -222,6 +222,13 @@ def feet_links(data: RobotData, urdf: Urdf) -> tuple[str, str]:
             f"left_foot=… and right_foot=…{did_you_mean('foot', urdf.links, 6)}"
         )
     guess = find_feet(urdf)
+    several = foot_pairs(urdf)
+    if guess is None and len(several) > 1:
+        names = ", ".join(f"'{name}'" for pair in several for name in pair)
+        raise RobotDescriptionError(
+            f"{urdf.path}: the links {names} may all be feet, and the library stands and walks on "
+            "two; state the two to stand on, left_foot=… and right_foot=…"
+        )
     if guess is None:
         raise RobotDescriptionError(
             f"{urdf.path}: the names of the links do not tell which are the left and the right "

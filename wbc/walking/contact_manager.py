@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 
-from wbc.contacts import SurfaceContact
+from wbc.contacts import Contact, PointContact, SurfaceContact
 from wbc.controller import WholeBodyController
 from wbc.gait import GaitState, LiftedFoot, Phase
-from wbc.robot import Robot
+from wbc.robot import Robot, Sole
+from wbc.robot.posture import has_soles
 from wbc.walking.gains import WalkerGains
 from wbc.walking.swing_task import SwingTask
 
@@ -34,17 +35,16 @@ class ContactManager:
         self._controller = controller
         self._gains = gains
         self._weight = robot.weight
-        self._contacts: dict[str, SurfaceContact] = {}
+        self._contacts: dict[str, Contact] = {}
         self._swing_tasks: dict[str, SwingTask] = {}
+        self._soles: dict[str, Sole] = {sole.side: sole for sole in robot.soles}
         self._tracking: SwingTask | None = None
         for sole in robot.soles:
-            contact = SurfaceContact.from_sole(
-                sole, margin=gains.sole_margin, friction=gains.friction
-            )
+            contact = _contact(sole, gains)
             contact.bind(robot)
             self._contacts[sole.side] = contact
             self._swing_tasks[sole.side] = SwingTask(
-                sole.name, weight=gains.swing_weight, kp=gains.swing_kp
+                sole.name, weight=_swing_weight(sole, gains), kp=gains.swing_kp
             )
 
     @property
@@ -72,7 +72,7 @@ class ContactManager:
                 other.max_force = max(left_over * 0.5 * self._weight, 1.0)
         self._hold((support, other))
 
-    def _hold(self, contacts: tuple[SurfaceContact, ...]) -> None:
+    def _hold(self, contacts: tuple[Contact, ...]) -> None:
         if contacts != self._controller.contacts:  # which checks what it is given
             self._controller.contacts = contacts
 
@@ -90,7 +90,7 @@ class ContactManager:
         if isinstance(swing, LiftedFoot):
             wanted.weight = self._held_weight(float(swing.offset[2]))
         elif isinstance(wanted.foot, LiftedFoot):
-            wanted.weight = self._gains.swing_weight
+            wanted.weight = _swing_weight(self._soles[state.swing_side], self._gains)
         wanted.foot = swing
 
     def _held_weight(self, height: float) -> np.ndarray:
@@ -102,3 +102,17 @@ class ContactManager:
         weight = np.full(6, self._gains.swing_weight)
         weight[3:5] *= flat * flat
         return weight
+
+
+def _contact(sole: Sole, gains: WalkerGains) -> Contact:
+    """Return the contact of a sole: a surface, or a point without any area to press on."""
+    if has_soles((sole, sole)):
+        return SurfaceContact.from_sole(sole, margin=gains.sole_margin, friction=gains.friction)
+    return PointContact(sole.name, friction=gains.friction)
+
+
+def _swing_weight(sole: Sole, gains: WalkerGains) -> float | np.ndarray:
+    """Return the weight of a foot in the air; a point need not be turned."""
+    if has_soles((sole, sole)):
+        return gains.swing_weight
+    return np.array([gains.swing_weight] * 3 + [0.0] * 3)

@@ -30,6 +30,7 @@ from wbc.geometry.planar import rotation_about_z
 from wbc.kinematics import Kinematics
 from wbc.qp import Solver
 from wbc.robot import Robot
+from wbc.robot.posture import has_soles
 from wbc.state import State
 from wbc.tasks import Task
 from wbc.telemetry import ContactPlan, Footstep, Telemetry
@@ -45,6 +46,8 @@ from wbc.walking.reference_offset import ReferenceOffset
 from wbc.walking.stabilizer import Stabilizer, StabilizerOutput
 from wbc.walking.swing_momentum import SwingMomentum
 
+_IN_PLACE = Velocity(forward=1e-9)  # m/s, of a robot that has to step to stay
+
 
 class VelocityClamped(UserWarning):
     """The velocity command was beyond what the gait can do; the text says what it became."""
@@ -52,6 +55,8 @@ class VelocityClamped(UserWarning):
 
 class Walker:
     """Walks: a velocity in, joint torques out, balance in between.
+
+    A robot with point feet cannot stand still: without a velocity it steps in place.
 
     Args:
         robot: the robot.
@@ -110,7 +115,8 @@ class Walker:
         self._fall_detector = FallDetector(robot, dt)
         self._fall_controller = FallController(robot, dt, workspace.knees)
         self._falling_why = ""
-        self._command = GaitCommand()
+        self._rest = Velocity() if has_soles(robot.soles) else _IN_PLACE
+        self._command = GaitCommand(self._rest)
         self.reset(robot.standing())
 
     def __repr__(self) -> str:
@@ -134,11 +140,18 @@ class Walker:
             GaitError: it is not three finite numbers.
         """
         velocity = self._command.velocity
+        if velocity is _IN_PLACE:
+            return (0.0, 0.0, 0.0)
         return (velocity.forward, velocity.left, velocity.turn)
 
     @velocity.setter
     def velocity(self, value: Sequence[float]) -> None:
         wanted = parse_velocity(value)
+        if wanted.is_zero:
+            wanted = self._rest
+        if wanted is _IN_PLACE:
+            self._command.velocity = wanted
+            return
         self._command.velocity = wanted.clamped(self.gait)
         if self._command.velocity != wanted:
             got = self.velocity
@@ -185,7 +198,7 @@ class Walker:
 
     def halt(self) -> None:
         """Stop walking soon: the steps that the present plan counts on are still made."""
-        self._command.velocity = Velocity()
+        self._command.velocity = self._rest
         del self._command.footsteps[PREVIEW_STEPS - 1 :]
 
     def reset(self, state: State) -> None:

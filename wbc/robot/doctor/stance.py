@@ -67,8 +67,8 @@ def _soles(robot: Robot) -> list[Finding]:
                     "warning",
                     sole.link,
                     f"its sole is {sole.size_text}, almost a point",
-                    "it cannot carry a moment, and standing still needs an area",
-                    "use point contacts, or give the foot a flat collision shape",
+                    "it carries no moment, so that the robot steps in place instead of standing",
+                    "give the foot a flat collision shape, if it has one",
                     "point-foot",
                 )
             )
