@@ -10,7 +10,7 @@ from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer,
 @pytest.mark.parametrize(("dtype", "size"), [(LOW_COMMAND, 1004), (LOW_STATE, 2092)])
 def test_messages_have_the_size_of_the_maker_s(dtype: np.dtype, size: int) -> None:
     assert dtype.itemsize == size
-    assert len(MessageBuffer(dtype).encode()) == 4 + size
+    assert len(MessageBuffer(dtype).encode()) == size
 
 
 def test_the_checksum_is_that_of_its_definition() -> None:
@@ -29,3 +29,11 @@ def test_a_message_is_decoded_as_it_was_encoded_unless_a_bit_is_flipped() -> Non
     assert received.decode(data)
     assert received.fields["tick"][0] == 123456
     np.testing.assert_array_equal(received.fields["motor_state"]["q"][0], np.arange(35))
+
+
+def test_padding_may_hold_anything_on_the_wire() -> None:
+    sent, received = MessageBuffer(LOW_COMMAND), MessageBuffer(LOW_COMMAND)
+    sent.fields["mode_machine"] = 5
+    data = sent.encode()
+    assert received.decode(data[:7] + b"\x07" + data[8:])
+    assert received.encode() == data

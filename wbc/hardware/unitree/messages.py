@@ -1,8 +1,10 @@
 """The messages of Unitree's low-level interface for humanoids (`unitree_hg`), and their checksum.
 
-`LowCmd` and `LowState` have a fixed layout in CDR (XCDR1, little-endian), that of the C structures.
-A message is a record of numpy over a buffer of bytes, so that neither is ever copied field by
-field. Layout and checksum follow the maker's SDK (`unitree_sdk2`, BSD-3).
+In memory a message has the layout of the maker's C structure, over which its checksum goes. On the
+wire it is CDR (XCDR1, little-endian), which aligns numbers but not structures: the first motor
+comes two bytes earlier there, and all that follows its mode four bytes. Padding is zero in the
+structure and may hold anything on the wire. Layout and checksum follow the maker's SDK
+(`unitree_sdk2`, BSD-3).
 """
 
 from __future__ import annotations
@@ -76,6 +78,21 @@ def checksum(body: bytes | bytearray | memoryview) -> int:
     return int(f"{reflected:032b}"[::-1], 2)
 
 
+@cache
+def _meaning(dtype: np.dtype[Any]) -> np.ndarray:
+    """Return 1 for each byte of a record that belongs to a field, and 0 for padding."""
+    mask = np.zeros(dtype.itemsize, np.uint8)
+    if dtype.fields is None:
+        if dtype.subdtype is not None:
+            element, shape = dtype.subdtype
+            return np.tile(_meaning(element), int(np.prod(shape)))
+        mask[:] = 1
+        return mask
+    for field, offset in ((entry[0], entry[1]) for entry in dtype.fields.values()):
+        mask[offset : offset + field.itemsize] = _meaning(field)
+    return mask
+
+
 class MessageBuffer:
     """One message in preallocated memory.
 
@@ -85,28 +102,33 @@ class MessageBuffer:
 
     def __init__(self, dtype: np.dtype[Any]) -> None:
         self._dtype = dtype
-        self._data = np.zeros(len(_HEADER) + dtype.itemsize, np.uint8)
-        self._data[: len(_HEADER)] = np.frombuffer(_HEADER, np.uint8)
+        self._body = np.zeros(dtype.itemsize, np.uint8)
+        assert dtype.fields is not None
+        motors = "motor_cmd" if dtype is LOW_COMMAND else "motor_state"
+        self._first_motor = int(dtype.fields[motors][1])
 
     @property
     def fields(self) -> np.ndarray:
         """The fields of the message, a view of its memory, (1,) of the type."""
-        fields: np.ndarray = self._data[len(_HEADER) :].view(self._dtype)
+        fields: np.ndarray = self._body.view(self._dtype)
         return fields
 
     def encode(self) -> bytes:
-        """Write the checksum and return the message, CDR header included."""
-        self.fields["crc"] = checksum(self._data[len(_HEADER) :].data)
-        return self._data.tobytes()
+        """Write the checksum and return the message on the wire, CDR header included."""
+        self.fields["crc"] = checksum(self._body.data)
+        body, at = self._body.tobytes(), self._first_motor
+        return b"".join((_HEADER, body[: at - 2], body[at : at + 2], body[at + 4 :]))
 
     def decode(self, data: bytes) -> bool:
         """Take in a received message; return whether its size and checksum are right."""
-        if len(data) != self._data.size or data[1] not in (1, 7):  # little-endian
+        if len(data) != self._body.size or data[1] not in (1, 7):  # little-endian
             return False
-        body = data[len(_HEADER) :]
-        if checksum(body) != int.from_bytes(body[-4:], "little"):
+        at = self._first_motor + 2  # on the wire, where the CDR header takes 4 bytes
+        structure = b"".join((data[4:at], b"\0\0", data[at : at + 2], b"\0\0", data[at + 2 :]))
+        body = np.frombuffer(structure, np.uint8) * _meaning(self._dtype)
+        if checksum(body.data) != int.from_bytes(data[-4:], "little"):
             return False
-        self._data[len(_HEADER) :] = np.frombuffer(body, np.uint8)
+        self._body[:] = body
         return True
 
 
