@@ -19,6 +19,7 @@ from processtools import gone, wait_until
 
 import wbc
 from wbc.errors import StateError
+from wbc.runtime.event import COMMAND, FALL, RESET, RunEvent
 from wbc.runtime.stream import TickStream
 from wbc.view import Meshcat, Recording, Snapshot, ViewerError
 from wbc.view.web import listen
@@ -199,11 +200,49 @@ def test_a_recording_keeps_its_own_rate_and_copies(robot):
     assert [s.q[0] for s in recording.frames] == pytest.approx(0.04 * np.arange(51))
 
 
-def test_a_recording_restarts_with_a_new_run(robot):
-    recording = Recording(robot)
-    for k in (*range(10), *range(5)):
+def test_a_recording_keeps_the_runs_of_a_session_with_its_falls_and_resets(robot):
+    recording = Recording(robot, rate=10.0)
+    for k in range(10):
         recording.show(Snapshot(0.1 * k, robot.q_nominal))
-    assert len(recording) == 5
+    recording.on_event(RunEvent(0.9, FALL, reason="the base is low"))
+    recording.on_event(RunEvent(0.0, COMMAND, name="reset", outcome="accepted"))
+    recording.on_event(RunEvent(0.0, RESET))
+    for k in range(5):
+        recording.show(Snapshot(0.1 * k, robot.q_nominal))
+    assert len(recording) == 15
+    assert recording.times == pytest.approx(0.1 * np.arange(15))
+    assert [(one.kind, one.text) for one in recording.markers] == [
+        ("fall", "the base is low"),
+        ("reset", ""),
+    ]
+    assert [one.time for one in recording.markers] == pytest.approx([0.9, 1.0])
+
+
+def test_a_long_recording_is_kept_whole_at_a_lower_rate(robot, monkeypatch):
+    monkeypatch.setattr("wbc.view.recording._MOST_FRAMES", 20)
+    recording = Recording(robot, rate=10.0)
+    for k in range(50):
+        recording.show(Snapshot(0.1 * k, robot.q_nominal))
+    assert len(recording) < 20
+    assert recording.times[0] == 0.0
+    assert recording.times[-1] > 4.5
+    assert recording.rate < 10.0
+
+
+def test_a_recording_that_fails_leaves_the_former_file(robot, tmp_path, monkeypatch):
+    path = tmp_path / "run.html"
+    path.write_text("former")
+    recording = Recording(robot)
+    recording.show(Snapshot(0.0, robot.q_nominal))
+
+    def fail(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", fail)
+    with pytest.raises(ViewerError, match="No space left"):
+        recording.save(path)
+    assert path.read_text() == "former"
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_an_empty_recording_is_refused(robot, tmp_path):
@@ -226,7 +265,7 @@ def test_leaving_a_recording_writes_its_file(robot, tmp_path):
             recording.show(Snapshot(0.1 * k, robot.q_nominal, text="</script>"))
     html = path.read_text("utf-8")
     recording = json.loads(html.split('id="recording">')[1].split("</script>")[0])
-    times = [caption["time"] for caption in recording["captions"]]
-    assert times == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
+    assert [caption["time"] for caption in recording["captions"]] == recording["times"]
+    assert recording["times"] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
     assert recording["captions"][0]["text"] == "</script>"
     assert "http://" not in html.split('id="recording">')[0]

@@ -19,6 +19,7 @@ import pytest
 from needs import need_browser
 
 import wbc
+from wbc.atomic_file import replacing
 from wbc.telemetry import Telemetry
 from wbc.view import Recording, Replay, Snapshot, TimeSeries, Video, ViewerError
 from wbc.view.browser import new_page
@@ -246,7 +247,7 @@ def test_a_video_that_fails_leaves_no_file(tmp_path):
     video = Video(tmp_path / "timeline.mp4", 320, 240)
 
     def fill(interrupt):
-        with video._encoding(5.0) as frames_in:
+        with replacing(video.path) as file, video._encoding(5.0, file) as frames_in:
             frames_in.write(b"no picture")
             if interrupt:
                 raise KeyboardInterrupt

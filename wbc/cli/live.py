@@ -23,8 +23,8 @@ def live(
 ) -> ExitCode:
     """Simulate a robot in MuJoCo under torque control and serve a page that shows and drives it.
 
-    The page commands velocity, motions, pushes, gait, gains and slow motion, until Ctrl-C. --log
-    records everything, --html and --video the time since the last reset.
+    The page commands velocity, motions, pushes, gait, gains and slow motion, until Ctrl-C. --log,
+    --html and --video record the session, falls and resets included.
 
     Args:
         simulation: robot and ground.

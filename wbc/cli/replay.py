@@ -9,7 +9,9 @@ from wbc.cli.argument_types import OutputFile, Port, RobotName, VideoFile
 from wbc.cli.outputs import write_recording
 from wbc.log.logged_robot import logged_robot
 from wbc.log.run import LoggedRun
+from wbc.runtime.event import FALL, RESET
 from wbc.view import Recording, Replay, TimeSeries
+from wbc.view.recording import Marker
 from wbc.view.timeline import record
 from wbc.view.video import Video
 
@@ -39,9 +41,15 @@ def replay(
     run = LoggedRun.read(log)
     loaded = logged_robot(run.robot_info, robot)
     boxes = run.log.boxes()
+    markers = [
+        Marker(event.time, event.kind, event.reason)
+        for event in run.events
+        if event.kind in (FALL, RESET)
+    ]
     if html is not None or renderer is not None:
         recording = Recording(loaded, boxes=boxes)
         record(run, recording)
+        recording.markers = markers
         write_recording(recording, html, renderer)
         return
 
@@ -54,4 +62,4 @@ def replay(
         TimeSeries("DCM error, mm", run.time, 1e3 * run["dcm_error"]),
         TimeSeries("controller, µs", run.time, 1e6 * run["controller_time"]),
     ]
-    Replay(loaded, run, port=port, boxes=boxes, series=series).serve(ready)
+    Replay(loaded, run, port=port, boxes=boxes, series=series, markers=markers).serve(ready)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wbc.atomic_file import replacing
 from wbc.log.errors import LogError, require_packages
 
 if TYPE_CHECKING:
@@ -49,19 +50,15 @@ def repair(path: Path, target: Path) -> RepairedLog:
     require_packages()
     from wbc.log.section_copy import copy_section
 
-    partial = target.with_name(f".{target.name}.partial")
     try:
         if target.exists() and path.samefile(target):
             raise LogError(f"the repaired log must be another file than {path}")
-        with path.open("rb") as source, partial.open("wb") as copy:
+        with path.open("rb") as source, replacing(target) as partial, partial.open("wb") as copy:
             section, summary = copy_section(source, copy)
             copy.flush()
             os.fsync(copy.fileno())
-        partial.replace(target)
     except OSError as error:
         raise LogError(f"cannot repair {path} as {target}: {error.strerror}") from error
-    finally:
-        partial.unlink(missing_ok=True)
     return RepairedLog(target, summary.end_time, section.finished, tuple(section.gaps))
 
 

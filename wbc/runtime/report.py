@@ -7,6 +7,8 @@ import textwrap
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from wbc.atomic_file import replacing
+
 _WIDTH = 100  # characters of a line of the table
 
 
@@ -135,8 +137,9 @@ class Report:
         return json.dumps(asdict(self), indent=2)
 
     def save(self, path: str | Path) -> None:
-        """Write `to_json` to a file."""
-        Path(path).write_text(self.to_json() + "\n", encoding="utf-8")
+        """Write `to_json` to a file, which stays what it was if that fails."""
+        with replacing(Path(path)) as file:
+            file.write_text(self.to_json() + "\n", encoding="utf-8")
 
     def _result(self) -> str:
         if self.survived:

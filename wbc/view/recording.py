@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wbc.atomic_file import replacing
 from wbc.closeable import Closeable
 from wbc.errors import StateError
+from wbc.runtime.event import FALL, RESET, RunEvent
 from wbc.runtime.rate_limiter import RateLimiter
 from wbc.runtime.snapshot import Snapshot
 from wbc.telemetry import ContactPlan
@@ -22,7 +25,23 @@ if TYPE_CHECKING:
     from wbc.runtime.report import Report
     from wbc.runtime.tick import Tick
 
+_MOST_FRAMES = 20_000  # 11 minutes at 30 Hz, some 100 MB
 _TOLERANCE = 1e-9  # s, for the rounding of times
+
+
+@dataclass(frozen=True, slots=True)
+class Marker:
+    """A fall or a reset.
+
+    Attributes:
+        time: Time in the recording, s.
+        kind: "fall" or "reset".
+        text: Why the robot fell.
+    """
+
+    time: float
+    kind: str
+    text: str
 
 
 class Recording(Closeable):
@@ -34,11 +53,14 @@ class Recording(Closeable):
     Args:
         robot: Robot to show.
         path: Path that `close` (or leaving the `with` block) saves to.
-        rate: Frame rate in plant time, Hz.
+        rate: Frame rate in plant time, Hz. It is halved whenever there are 20,000 frames.
         boxes: Terrain as boxes: see `wbc.sim.Terrain`.
 
     Attributes:
-        frames: Copies of the snapshots so far.
+        boxes: Terrain as boxes.
+        frames: Copies of the snapshots so far, those of all runs.
+        times: Their times, s, which go on over resets.
+        markers: Falls and resets.
 
     Raises:
         ViewerError: The rate is not positive, or the boxes are invalid.
@@ -57,11 +79,14 @@ class Recording(Closeable):
         self.robot = robot
         self.rate = float(rate)
         self._path = Path(path) if path is not None else None
-        self._boxes = checked_boxes(boxes)
+        self.boxes = checked_boxes(boxes)
         self.frames: list[Snapshot] = []
+        self.times: list[float] = []
+        self.markers: list[Marker] = []
         self._contact_plan = ContactPlan()
         self._limiter = RateLimiter(self.rate, _TOLERANCE)
-        self._last = -np.inf
+        self._last = -np.inf  # plant time, s
+        self._offset = 0.0  # s, of the present run
 
     def __len__(self) -> int:
         """Return the number of frames."""
@@ -74,8 +99,14 @@ class Recording(Closeable):
         """Copy the tick if the next frame is due."""
         if tick.contact_plan is not None:
             self._contact_plan = tick.contact_plan
-        if self._is_due(tick.time):
-            self._add(Snapshot.of_tick(tick, self._contact_plan))
+        now = self._session_time(tick.time)
+        if self._limiter.is_due(now):
+            self._add(Snapshot.of_tick(tick, self._contact_plan), now)
+
+    def on_event(self, event: RunEvent) -> None:
+        """Note a fall or a reset; see `wbc.runtime.event.EventObserver`."""
+        if event.kind in (FALL, RESET):
+            self.markers.append(Marker(self._session_time(event.time), event.kind, event.reason))
 
     def end(self, report: Report) -> None:
         """Do nothing; see `wbc.runtime.protocols.Observer`."""
@@ -83,27 +114,33 @@ class Recording(Closeable):
     def show(self, snapshot: Snapshot) -> None:
         """Copy the snapshot if the next frame is due.
 
-        A time before the previous one begins a new run and restarts the recording.
+        A time before the previous one begins a new run, which follows in the recording.
 
         Raises:
             StateError: `snapshot.q` has the wrong size.
         """
-        if self._is_due(float(snapshot.time)):
-            self._add(snapshot)
+        now = self._session_time(float(snapshot.time))
+        if self._limiter.is_due(now):
+            self._add(snapshot, now)
 
-    def _is_due(self, now: float) -> bool:
+    def _session_time(self, now: float) -> float:
+        """Return a time of the plant, s, continued over resets."""
         if now < self._last:
-            self.frames.clear()
-            self._limiter.restart(self.rate)
+            self._offset += self._last + 1.0 / self.rate - now
         self._last = now
-        return self._limiter.is_due(now)
+        return now + self._offset
 
-    def _add(self, snapshot: Snapshot) -> None:
+    def _add(self, snapshot: Snapshot, now: float) -> None:
         if np.shape(snapshot.q) != (self.robot.nq,):
             raise StateError(
                 f"snapshot.q has shape {np.shape(snapshot.q)}, the model needs ({self.robot.nq},)"
             )
         self.frames.append(deepcopy(snapshot))
+        self.times.append(now)
+        if len(self.frames) >= _MOST_FRAMES:  # long sessions are kept whole, at a lower rate
+            del self.frames[1::2], self.times[1::2]
+            self.rate *= 0.5
+            self._limiter.restart(self.rate)
 
     def save(self, path: str | Path) -> Path:
         """Write the file.
@@ -118,10 +155,10 @@ class Recording(Closeable):
         # Imported here so that a recorded run does not wait for the drawing modules.
         from wbc.view.recorded_page import recorded_page
 
-        page = recorded_page(self.robot, self._boxes, self.frames)
+        page = recorded_page(self)
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(page, "utf-8")
+            with replacing(path) as file:
+                file.write_text(page, "utf-8")
         except OSError as error:
             raise ViewerError(
                 f"cannot write the recording to {path}: {error.strerror}; give another path"

@@ -6,7 +6,8 @@ import asyncio
 import contextlib
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from wbc.runtime.snapshot import Snapshot
 from wbc.view.errors import ViewerError
 from wbc.view.page_text import caption, viewer_scripts
+from wbc.view.recording import Marker
 from wbc.view.scene import Scene
 from wbc.view.timeline import Timeline, TimeSeries, thinned, up_to
 from wbc.view.web import HOST, ScenePage, listen, page_handlers
@@ -37,6 +39,7 @@ class Replay:
             any.
         boxes: Terrain as boxes: see `wbc.sim.Terrain`.
         series: Quantities drawn over time above the slider.
+        markers: Falls and resets, marked above the slider.
     """
 
     def __init__(
@@ -47,12 +50,14 @@ class Replay:
         port: int | None = None,
         boxes: np.ndarray | None = None,
         series: Sequence[TimeSeries] = (),
+        markers: Sequence[Marker] = (),
     ) -> None:
         self._robot = robot
         self._timeline = timeline
         self._port = port
         self._boxes = boxes
-        self._series = [_series_json(one) for one in thinned(series, _POINTS)]
+        series_json = [_series_json(one) for one in thinned(series, _POINTS)]
+        self._described = {"series": series_json, "markers": [asdict(one) for one in markers]}
 
     def serve(self, ready: Callable[[str], None]) -> None:
         """Serve until interrupted.
@@ -68,7 +73,11 @@ class Replay:
 
     async def _serve(self, ready: Callable[[str], None]) -> None:
         files = viewer_scripts("socket.js", "player.js", "replay.js")
-        page = (r"/socket", _ReplayPage, {"new_scene": self.new_scene, "series": self._series})
+        page = (
+            r"/socket",
+            _ReplayPage,
+            {"new_scene": self.new_scene, "described": self._described},
+        )
         port = listen([page, *page_handlers(self._robot.name, files)], self._port)
         ready(f"http://{HOST}:{port}/static/")
         await asyncio.Event().wait()
@@ -107,13 +116,15 @@ class ReplayScene:
 class _ReplayPage(ScenePage):
     """The web socket of one page, which sends a frame for each request."""
 
-    def initialize(self, new_scene: Callable[[], ReplayScene], series: list[Any]) -> None:
-        self._replay_scene, self._series = new_scene(), series
+    def initialize(
+        self, new_scene: Callable[[], ReplayScene], described: Mapping[str, Any]
+    ) -> None:
+        self._replay_scene, self._described = new_scene(), described
 
     async def open(self, *_: str, **__: str) -> None:
         scene, timeline = self._replay_scene.scene, self._replay_scene.timeline
         times = {"start": timeline.start, "end": timeline.end}
-        await self.send_objects(scene, list(scene.commands()), series=self._series, **times)
+        await self.send_objects(scene, list(scene.commands()), **self._described, **times)
 
     def on_message(self, message: str | bytes) -> None:
         try:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import IO, TYPE_CHECKING
 
+from wbc.atomic_file import replacing
 from wbc.errors import MissingExtra
 from wbc.view.browser import find_browser, new_page
 from wbc.view.errors import ViewerError
@@ -62,7 +63,11 @@ class Video:
         """
         with tempfile.TemporaryDirectory(prefix="wbc-video") as folder:
             page_path = recording.save(Path(folder) / "recording.html")
-            with new_page(*self._size) as page, self._encoding(recording.rate) as frames_in:
+            with (
+                new_page(*self._size) as page,
+                replacing(self.path) as file,
+                self._encoding(recording.rate, file) as frames_in,
+            ):
                 page.set_default_timeout(_PAGE_TIMEOUT)
                 page.goto(page_path.as_uri())
                 page.wait_for_function("wbc.ready")
@@ -76,18 +81,17 @@ class Video:
         return self.path
 
     @contextlib.contextmanager
-    def _encoding(self, rate: float) -> Iterator[IO[bytes]]:
-        """Yield the encoder's input; the file exists afterwards only if all succeeded.
+    def _encoding(self, rate: float, file: Path) -> Iterator[IO[bytes]]:
+        """Yield the encoder's input.
 
         `imageio_ffmpeg.write_frames` does not report that the encoder has failed.
         """
-        self.path.parent.mkdir(parents=True, exist_ok=True)
         command = [
             self._encoder,
             *("-y", "-loglevel", "error", "-f", "image2pipe", "-c:v", "mjpeg"),
             *("-framerate", f"{rate:g}", "-i", "-"),
             *("-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", str(_RATE_FACTOR)),
-            *("-movflags", "+faststart", "-f", "mp4", str(self.path)),
+            *("-movflags", "+faststart", "-f", "mp4", str(file)),
         ]
         encoder = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
         assert encoder.stdin is not None
@@ -100,11 +104,9 @@ class Video:
         except BaseException:
             encoder.kill()
             encoder.wait()
-            self.path.unlink(missing_ok=True)
             raise
         said = encoder.stderr.read().decode("utf-8", "replace").strip()
         if encoder.wait() != 0:
-            self.path.unlink(missing_ok=True)
             raise ViewerError(f"the video {self.path} cannot be encoded: {said.splitlines()[-1:]}")
 
 

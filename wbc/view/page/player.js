@@ -28,6 +28,19 @@ class Player {
     requestAnimationFrame((stamp) => this.tick(stamp));
   }
 
+  // Marks falls and resets above the slider; a click on a mark goes to shortly before it.
+  mark(markers) {
+    const span = this.end - this.start || 1;
+    element("marks").replaceChildren(...markers.map(({time, kind, text}) => {
+      const mark = document.createElement("button");
+      mark.className = `mark ${kind}`;
+      mark.title = `${kind} at ${time.toFixed(2)} s${text && `: ${text}`}`;
+      mark.style.left = `${100 * (time - this.start) / span}%`;
+      mark.onclick = () => this.jump(time - 1);
+      return mark;
+    }));
+  }
+
   go(time) {
     this.time = Math.min(Math.max(time, this.start), this.end);
     this.slider.value = this.time;

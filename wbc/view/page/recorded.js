@@ -18,7 +18,7 @@ function addObjects(buffer) {
 }
 
 async function startRecording() {
-  const {scale, paths, smooth, captions} = JSON.parse(element("recording").textContent);
+  const {scale, paths, smooth, times, captions, markers} = JSON.parse(element("recording").textContent);
   makeSurroundings(scale);
   addObjects(await unpack("objects"));
   finishScene();
@@ -31,9 +31,11 @@ async function startRecording() {
   }
 
   function show(time) {
-    const frame = lastBefore(captions, time + 1e-6), next = Math.min(frame + 1, captions.length - 1);
-    const span = captions[next].time - captions[frame].time;
-    const share = span > 0 ? Math.max(time - captions[frame].time, 0) / span : 0;
+    const frame = lastBefore(times, time + 1e-6), next = Math.min(frame + 1, captions.length - 1);
+    const span = times[next] - times[frame];
+    // Between two runs the robot does not move from one place to the other.
+    const sameRun = captions[next].time >= captions[frame].time;
+    const share = span > 0 && sameRun ? Math.max(time - times[frame], 0) / span : 0;
     nodes.forEach((node, i) => {
       readPose(first, i, frame);
       readPose(second, i, next);
@@ -45,7 +47,8 @@ async function startRecording() {
     wbc.frames += 1;
   }
 
-  wbc.player = new Player(captions[0].time, captions.at(-1).time, {show, repeats: true});
+  wbc.player = new Player(times[0], times.at(-1), {show, repeats: true});
+  wbc.player.mark(markers);
   wbc.ready = true;
 }
 
@@ -55,12 +58,12 @@ function interpolate(pose, other, share) {
   THREE.Quaternion.slerpFlat(pose, 3, pose, 3, other, 3, share);
 }
 
-// Returns the index of the last caption at or before a time, in s.
-function lastBefore(captions, time) {
-  let low = 0, high = captions.length - 1;
+// Returns the index of the last of ascending times at or before a time, in s.
+function lastBefore(times, time) {
+  let low = 0, high = times.length - 1;
   while (low < high) {
     const middle = (low + high + 1) >> 1;
-    if (captions[middle].time <= time) low = middle; else high = middle - 1;
+    if (times[middle] <= time) low = middle; else high = middle - 1;
   }
   return low;
 }

@@ -19,6 +19,7 @@ function start(run) {
     request(time);
   };
   wbc.player = new Player(run.start, run.end, {show, waiting: () => waiting});
+  wbc.player.mark(run.markers);
 }
 
 // Adds the plot of a time series; returns the mark of the current time.
