@@ -28,7 +28,9 @@ from wbc.qp import (
     Regularisation,
     Solution,
     Solver,
+    TickExplanation,
     explain,
+    explain_solution,
     load_qp_kernels,
     non_finite_rows,
     resolve_solver,
@@ -121,11 +123,13 @@ class WholeBodyController:
         self._last_tau = np.zeros(robot.na)
         self._tick = 0
         self._level_solver: Solver | None = None
+        self._solved: tuple[np.ndarray, Assembly | CompiledAssembly, Kinematics] | None = None
+        self._conflict = ""
         self._explanation: tuple[Outcome, int, Status, str] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """Return everything but the assemblies, which refer to memory and are made again."""
-        return {**self.__dict__, "_assemblies": {}}
+        return {**self.__dict__, "_assemblies": {}, "_solved": None}
 
     def __repr__(self) -> str:
         tasks = ", ".join(task.name for task in self.tasks) or "none"
@@ -255,10 +259,32 @@ class WholeBodyController:
             if command is not None:
                 self._last_tau = command.tau
                 self._explanation = None
+                self._solved, self._conflict = (x, assembly, kin), ""
                 return command
             detail = f"x of shape {x.shape}, {x.size - np.isfinite(x).sum()} entries not finite"
             solution = Solution(x, Outcome.FAILED, detail=detail)
         return self._safe_command(kin, *self._explain(problem, solution))
+
+    def explain(self) -> TickExplanation:
+        """Explain the last tick: what tasks asked for and got, and which rows stood in their way.
+
+        It takes some milliseconds, outside of the tick. After a tick without a solution it names
+        the rows in conflict and by how much each would have to give.
+
+        Raises:
+            WbcError: there was no tick, or the controller was copied since.
+        """
+        if self._conflict:
+            return TickExplanation(self._conflict, (), ())
+        if self._solved is None or self.problem is None:
+            raise WbcError("there is no tick to explain: call step(state) first")
+        x, assembly, kin = self._solved
+
+        def acceleration_of(x: np.ndarray) -> np.ndarray:
+            command = assembly.recover(x, kin, self.dt)
+            return np.full(self.robot.nv, np.nan) if command is None else command.acceleration
+
+        return explain_solution(self.problem, x, self.tasks, kin, acceleration_of)
 
     def _priority_solver(self) -> Solver:
         """Return the solver of strict priorities, made when it is first needed."""
@@ -314,6 +340,7 @@ class WholeBodyController:
         return Assembly(*parts, self.formulation, self.regularisation)
 
     def _safe_command(self, kin: Kinematics, status: Status, reason: str) -> Command:
+        self._solved, self._conflict = None, reason
         self._last_tau = self._last_tau * (1.0 - min(self.dt / _FADE_TIME, 1.0))
         limit = self.robot.tau_max
         tau = self._last_tau - _SAFE_DAMPING * limit * kin.state.v[6:]

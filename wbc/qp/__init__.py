@@ -7,8 +7,16 @@ from wbc.qp.kernel_loading import load_qp_kernels
 from wbc.qp.problem import Outcome, Problem, Solution
 from wbc.qp.row_errors import non_finite_rows
 from wbc.qp.solvers import Solver, make_solver, resolve_solver
+from wbc.qp.tick_explanation import (
+    ActiveRow,
+    TaskGain,
+    TaskResult,
+    TickExplanation,
+    explain_solution,
+)
 
 __all__ = [
+    "ActiveRow",
     "Assembly",
     "Formulation",
     "Outcome",
@@ -16,7 +24,11 @@ __all__ = [
     "Regularisation",
     "Solution",
     "Solver",
+    "TaskGain",
+    "TaskResult",
+    "TickExplanation",
     "explain",
+    "explain_solution",
     "load_qp_kernels",
     "make_solver",
     "non_finite_rows",
