@@ -318,6 +318,29 @@ def test_joint_trajectory_is_followed(subscribe, reset, client_node, robot):
     joints.wait(lambda m: abs(m.position[pitch] - (start - 0.5)) < 0.05)
 
 
+def test_trajectory_goal_is_followed_at_its_own_velocities(reset, client_node, robot):
+    client = ActionClient(
+        client_node, "control_msgs/action/FollowJointTrajectory", "follow_joint_trajectory"
+    )
+    assert client.wait_for_server(TIMEOUT)
+    index = robot.joint_names.index("left_shoulder_pitch")
+    start = float(robot.q_nominal[7 + index])
+    point = message_type("trajectory_msgs/msg/JointTrajectoryPoint")
+    request = client.goal_type()
+    request.trajectory.joint_names = ["left_shoulder_pitch"]
+    request.trajectory.points = [
+        point(positions=[start], velocities=[0.0]),
+        point(positions=[start + 0.3], velocities=[0.0]),
+    ]
+    request.trajectory.points[1].time_from_start.sec = 1
+    sent = client.send_goal(request)
+    assert sent.accepted
+    assert sent.wait_for_result(TIMEOUT)
+    assert (sent.status, sent.result.error_code) == (GoalStatus.SUCCEEDED, 0), sent.result
+    request.trajectory.points[1].positions = [start + 30.0]
+    assert not client.send_goal(request).accepted
+
+
 def test_push_shifts_the_dcm(subscribe, reset, call_trigger, plant_time):
     dcm = subscribe("geometry_msgs/msg/PointStamped", "balance/dcm", QoSProfile(depth=1000))
     before = dcm.wait().point.y

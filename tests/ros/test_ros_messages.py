@@ -28,6 +28,12 @@ pytest.importorskip("cyclonedds")
 
 #: Printed by `ros2 topic info --verbose` in Jazzy.
 KNOWN_HASHES = {
+    "control_msgs/action/FollowJointTrajectory_SendGoal_Request": (
+        "179c93691f1f6d1d115881ff88c3917b7cc6eac2ba4bf56766cc7c4389e19ef1"
+    ),
+    "control_msgs/action/FollowJointTrajectory_Feedback": (
+        "3fd0aaecf71725121ae1ff7f01098a5e0da581e672be18a6b2c286cb43d96b49"
+    ),
     "nav2_msgs/action/NavigateToPose_SendGoal_Request": (
         "e9381f2acfe9fa8c4838a277d0cde28a93c483564827b9f13496b9c2092e4f09"
     ),

@@ -231,7 +231,14 @@ def random_message(name: str, seed: int) -> Any:
 def used_types() -> list[str]:
     """Return all types of the packages whose messages the library uses."""
     packages = {
-        *("action_msgs", "builtin_interfaces", "diagnostic_msgs", "geometry_msgs", "nav2_msgs"),
+        *(
+            "action_msgs",
+            "builtin_interfaces",
+            "control_msgs",
+            "diagnostic_msgs",
+            "geometry_msgs",
+            "nav2_msgs",
+        ),
         *("nav_msgs", "play_motion2_msgs", "rcl_interfaces", "rmw_dds_common", "rosgraph_msgs"),
         *("sensor_msgs", "std_msgs", "std_srvs", "tf2_msgs", "trajectory_msgs", "wbc_msgs"),
     }

@@ -21,11 +21,13 @@ class Argument(NamedTuple):
         metavar: name of the value in the help; a tuple for as many values.
         parse: converts the text of a value.
         flag: flag of an option; by default the name of the parameter with hyphens.
+        nargs: number of values of the option, as for `argparse`.
     """
 
     metavar: str | tuple[str, ...]
     parse: Callable[[str], Any] = str
     flag: str = ""
+    nargs: str = ""
 
 
 def number(text: str) -> float:

@@ -168,6 +168,8 @@ def _settings(parameter: _Parameter) -> dict[str, Any]:
     elif get_origin(kind) is Literal:
         del settings["metavar"]
         settings["choices"] = get_args(kind)
+    elif argument.nargs:
+        settings["nargs"] = argument.nargs
     elif default == ():
         settings["action"] = "append"
         text += "; repeatable"

@@ -94,6 +94,23 @@ def resolve(address: str, urdf: Path, folders: Iterable[Path]) -> Path | None:
     return next((path for path in candidates if path.is_file()), None)
 
 
+def with_file_addresses(text: str, urdf: Path, folders: Iterable[Path]) -> str:
+    """Return a URDF in which `file://` addresses replace those of meshes that exist.
+
+    Args:
+        text: the description.
+        urdf: its path, to which relative addresses refer.
+        folders: folders that may hold packages.
+    """
+    found = tuple(folders)
+
+    def replaced(match: re.Match[str]) -> str:
+        path = resolve(match[2], urdf, found)
+        return match[0] if path is None else f"{match[1]}file://{path.resolve()}{match[3]}"
+
+    return re.sub(r"""(<mesh\b[^>]*?\bfilename\s*=\s*["'])([^"']+)(["'])""", replaced, text)
+
+
 def up_axis_rotation(mesh: Path) -> np.ndarray:
     """Return the (3, 3) rotation from a Collada file's own axes to axes with z up.
 

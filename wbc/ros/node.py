@@ -246,6 +246,14 @@ class Node(Closeable):
         """
         return self._parameter_server.get(name)
 
+    def set_parameter(self, name: str, value: Any) -> None:
+        """Set a declared parameter, as another node would by its service.
+
+        Raises:
+            RosError: the parameter is not declared, or the value is refused; the text states why.
+        """
+        self._parameter_server.set(name, value)
+
     @cached_property
     def graph(self) -> Graph:
         """The other nodes, with their topics and services; they are discovered from now on."""

@@ -195,6 +195,12 @@ class ParameterServer:
             raise RosError(f"there is no parameter '{name}'{near}")
         return self._parameters[name]
 
+    def set(self, name: str, value: Any) -> None:
+        """Set a parameter; see `Node.set_parameter`."""
+        result: Any = self._set([parameter_message(name, value)])
+        if not result.successful:
+            raise RosError(f"parameter {result.reason}")
+
     def _requested(self, request: Any) -> list[NodeParameter]:
         """Return the parameters that a request names; those not declared have no value."""
         return [self._parameters.get(name, NodeParameter(name, None)) for name in request.names]

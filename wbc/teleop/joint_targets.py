@@ -7,7 +7,7 @@ import numpy as np
 from wbc.motions import MotionPlayer
 from wbc.teleop.commands import JointCommand
 
-_SPEED_SHARE = 0.5  # of a joint's speed limit
+SPEED_SHARE = 0.5  #: of a joint's speed limit, at which commands may move it
 _ARRIVED = 1e-9  # rad
 
 
@@ -24,7 +24,7 @@ class JointTargets:
         self._player = player
         robot = player.robot
         self._index = {name: i for i, name in enumerate(robot.joint_names)}
-        self._speed_limit = _SPEED_SHARE * np.minimum(robot.v_max, 1e3)
+        self._speed_limit = SPEED_SHARE * np.minimum(robot.v_max, 1e3)
         self._targets = np.full(robot.na, np.nan)  # rad; NaN: none
         self._arrival = 0.0
         self._max_speed = 0.0

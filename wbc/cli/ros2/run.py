@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import argparse
 import math
+from typing import Annotated
 
 from wbc.cli import teleoperated_run
-from wbc.cli.argument_types import Seconds
+from wbc.cli.argument_types import Argument, Seconds
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.interrupt import graceful_interrupt
 from wbc.cli.ros2.network import NetworkOptions, Rate
 from wbc.cli.simulation import Session, Simulation, SimulationOptions
 from wbc.robot.registry import data_file_folder
 from wbc.ros import Node
+from wbc.ros.arguments import RosArguments
 from wbc.ros.bridge import Bridge
 from wbc.ros.joint_publisher import JointPublisher
 from wbc.ros.rosout import log_to_rosout
 from wbc.teleop import CommandHandler
 from wbc.view import Meshcat
+
+_ROS_ARGUMENTS = Argument("...", nargs=argparse.REMAINDER)
 
 
 def joint_publisher(
@@ -46,6 +51,8 @@ def walk(
     sim_time: bool = False,
     name: str = "wbc",
     namespace: str = "/",
+    mesh_files: bool = False,
+    ros_args: Annotated[tuple[str, ...], _ROS_ARGUMENTS] = (),
     duration: Seconds = teleoperated_run.DURATION,
 ) -> ExitCode:
     """Simulate a robot that a ROS 2 system drives.
@@ -60,8 +67,13 @@ def walk(
             parameter use_sim_time.
         name: name of the node.
         namespace: namespace of the node and its topics.
+        mesh_files: name the files of meshes in robot_description, which RViz on this machine finds
+            without the packages of the robot.
+        ros_args: the rest of the line is as for nodes of ROS 2, e.g. -r __node:=legs
+            -p state_rate:=100.0.
         duration: duration, s.
     """
+    given = RosArguments.parse(ros_args)
     simulated = Simulation(simulation)
     robot = simulated.robot
 
@@ -71,8 +83,10 @@ def walk(
             session.observers.append(session.stack.enter_context(viewer))
         bridge = Bridge(
             handler,
-            name=name,
-            namespace=namespace,
+            name=given.name or name,
+            namespace=given.namespace or namespace,
+            parameters=given.parameters,
+            mesh_files=mesh_files,
             network=network.network(),
             update_rate=rate,
             use_sim_time=sim_time,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from wbc.process import ChildProcess
 from wbc.ros.bridge.config import NodeConfig
@@ -35,6 +35,9 @@ class Bridge(ProcessObserver):
         update_rate: Rate of the joint states, Hz; initial value of the node's parameter.
         use_sim_time: Whether messages carry plant time instead of system time; initial value of
             the node's parameter.
+        parameters: Initial values of the node's parameters by their names, as `-p` gives them.
+        mesh_files: Whether `robot_description` names meshes by `file://` addresses, which RViz on
+            this machine finds without the packages of the robot's description.
         topics: Additional topics beside those of `wbc.ros.bridge.node_topics`.
 
     Attributes:
@@ -59,6 +62,8 @@ class Bridge(ProcessObserver):
         network: Network | None = None,
         update_rate: float = 50.0,
         use_sim_time: bool = False,
+        parameters: Mapping[str, Any] | None = None,
+        mesh_files: bool = False,
         topics: Sequence[NodeTopic] = (),
     ) -> None:
         import_cyclonedds()
@@ -77,6 +82,8 @@ class Bridge(ProcessObserver):
             use_sim_time=use_sim_time,
             dt=dt,
             topics=tuple(topics),
+            parameters=dict(parameters or {}),
+            mesh_files=mesh_files,
         )
         super().__init__(
             ChildProcess("wbc.ros.bridge.server", channel.descriptors, title="the ROS 2 node")

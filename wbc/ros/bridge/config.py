@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from wbc.ros.network import Network
 from wbc.teleop import ChannelConfig
@@ -27,6 +28,8 @@ class NodeConfig:
         use_sim_time: whether messages are initially stamped with the plant's time.
         dt: control period, s.
         topics: additional topics of the node.
+        parameters: initial values of parameters by their names, which replace the defaults.
+        mesh_files: whether `robot_description` names the files of meshes instead of packages.
     """
 
     robot: Robot
@@ -38,3 +41,5 @@ class NodeConfig:
     use_sim_time: bool
     dt: float
     topics: tuple[NodeTopic, ...] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    mesh_files: bool = False

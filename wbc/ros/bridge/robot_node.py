@@ -8,6 +8,7 @@ from wbc.ros.bridge.clock import PlantClock
 from wbc.ros.bridge.cmd_vel import CmdVel
 from wbc.ros.bridge.config import NodeConfig
 from wbc.ros.bridge.diagnostics import Diagnostics
+from wbc.ros.bridge.follow_joint_trajectory import FollowJointTrajectory
 from wbc.ros.bridge.goal_pose import GoalPose
 from wbc.ros.bridge.graph_monitor import GraphMonitor
 from wbc.ros.bridge.joint_topics import JointTopics
@@ -51,15 +52,18 @@ class RobotNode:
         )
         self._topics = TickTopics(node, config)
         self._diagnostics = Diagnostics(node, config)
-        self._joint_topics = JointTopics(node, client)
+        self._joint_topics = JointTopics(node, client, robot)
         self._simulation = SimulationServices(node, client, robot)
         cmd_vel = CmdVel(node, client)
         self._navigate = NavigateToPose(node, cmd_vel, robot)
         self._play = PlayMotion(node, client, cmd_vel, self._navigate)
         GoalPose(node)
+        self._follow = FollowJointTrajectory(node, self._joint_topics, robot)
         TunableParameters(node, client)
         GraphMonitor(node)
         NodeTopics(node, robot, (*TOPICS, *config.topics), lambda: self._latest)
+        for name, value in config.parameters.items():
+            node.set_parameter(name, value)
         node.create_timer(_POLL_PERIOD, self._poll_commands)
         self._read_timer = node.create_timer(1.0 / _MIN_READ_RATE, self._read_ticks)
 
@@ -88,6 +92,7 @@ class RobotNode:
         self._play.on_tick(tick)
         self._topics.publish(tick)
         self._navigate.on_tick(tick)
+        self._follow.on_tick(tick)
 
     def _log_changes(self, previous: StampedTick, tick: StampedTick) -> None:
         if tick.run != previous.run:
@@ -98,5 +103,5 @@ class RobotNode:
 
     def stop(self) -> None:
         """Abort the goals in progress, because the loop ends."""
-        for action in (self._navigate, self._play):
+        for action in (self._navigate, self._play, self._follow):
             action.abort("the robot's loop has ended")

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from wbc.messages import message_type
+from wbc.robot import Robot
+from wbc.robot.packages import with_file_addresses
 from wbc.ros.bridge.config import NodeConfig
 from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.joint_publisher import RATE_BOUNDS
@@ -14,7 +17,7 @@ from wbc.runtime.rate_limiter import RateLimiter
 from wbc.runtime.schema import Schema
 from wbc.topics import BatchMaker, LatchedTopic, MessageTopic, StreamTopics
 
-_JOINT_STATES = "joint_states"
+_JOINT_STATES, _DESCRIPTION = "joint_states", "robot_description"
 _COUNT_RATE = 10.0  # Hz at which subscriptions are counted
 
 
@@ -47,7 +50,10 @@ class TickTopics:
         for topic in self._topics.topics:
             publisher = self._publisher(topic)
             if isinstance(topic, LatchedTopic):
-                publisher.publish(topic.data)
+                data = topic.data
+                if config.mesh_files and topic.name == _DESCRIPTION:
+                    data = _with_mesh_files(config.robot, data)
+                publisher.publish(data)
 
     @property
     def max_rate(self) -> float:
@@ -98,3 +104,10 @@ class TickTopics:
             publisher = self._node.create_publisher(topic.type_name, topic.name, qos)
             self._publishers[topic.name] = publisher
         return self._publishers[topic.name]
+
+
+def _with_mesh_files(robot: Robot, data: bytes) -> bytes:
+    """Return a serialized description with the files of its meshes instead of packages."""
+    message = message_type("std_msgs/msg/String").decode(data)
+    message.data = with_file_addresses(message.data, robot.urdf_path, robot.package_dirs)
+    return message.encode()
