@@ -63,14 +63,7 @@ class GroundKinematics:
     def read(self) -> tuple[Feet, CentroidalMotion]:
         """Return both soles and the motion of the centre of mass, world axes."""
         kin = self._kin
-        left, right, com, self.tilt = read_ground(
+        left, right, com, self.slopes, self.tilt = read_ground(
             kin.joint_placements, kin.mass_matrix, kin.state.v, self._body
         )
-        left_point, left_yaw, left_height, left_slope = left
-        right_point, right_yaw, right_height, right_slope = right
-        self.slopes = (left_slope, right_slope)
-        feet = Feet(
-            Placement(left_point, left_yaw, left_height),
-            Placement(right_point, right_yaw, right_height),
-        )
-        return feet, CentroidalMotion(*com)
+        return Feet(Placement(*left), Placement(*right)), CentroidalMotion(*com)

@@ -12,6 +12,8 @@ _STEPS = 3  # soles, one after the other, that have to agree
 _LEVEL = 0.02  # slope that counts as none: noise
 _STEEPEST = 0.4
 
+_Range = tuple[float, float]
+
 
 class GroundSlope:
     """What the slopes of the last soles that carried the robot have in common.
@@ -58,24 +60,26 @@ class GroundSlope:
     def _with_present(self) -> complex:
         """Return what the present sole has in common with the two before."""
         along, across = self._ranges
-        if along[0] <= 0.0 <= along[1] and across[0] <= 0.0 <= across[1]:  # as on level ground
-            return 0j
         present = self._present
-        return complex(_smallest(*along, present.real), _smallest(*across, present.imag))
+        return complex(_smallest(along, present.real), _smallest(across, present.imag))
 
 
-def _ranges(slopes: list[complex]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return least and largest component of some slopes, along x and along y."""
-    along, across = [s.real for s in slopes], [s.imag for s in slopes]
-    return (min(along), max(along)), (min(across), max(across))
+def _ranges(slopes: list[complex]) -> tuple[_Range | None, _Range | None]:
+    """Return the ranges of the components of some slopes, along x and along y."""
+    return _range([s.real for s in slopes]), _range([s.imag for s in slopes])
 
 
-def _smallest(least: float, most: float, present: float) -> float:
+def _range(components: list[float]) -> _Range | None:
+    """Return the smallest and the largest component; None if their signs differ."""
+    least, most = min(components), max(components)
+    return None if least <= 0.0 <= most else (least, most)
+
+
+def _smallest(before: _Range | None, present: float) -> float:
     """Return the smallest of some components, from the range of all but the present one."""
-    if present < least:
-        least = present
-    elif present > most:
-        most = present
+    if before is None:
+        return 0.0
+    least, most = min(before[0], present), max(before[1], present)
     if least <= 0.0 <= most:
         return 0.0
     size = min(least if least > 0.0 else -most, _STEEPEST)

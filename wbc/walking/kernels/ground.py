@@ -44,14 +44,13 @@ def base_momentum(M: np.ndarray, v: np.ndarray, out: np.ndarray) -> None:
 
 @subkernel
 def _read_sole(
-    T: np.ndarray, axis: np.ndarray, normal: np.ndarray, position: np.ndarray
-) -> tuple[complex, float, float, complex]:
-    """Ground point (m), heading (rad), height (m) and slope of a sole.
+    T: np.ndarray, axis: np.ndarray, position: np.ndarray
+) -> tuple[complex, float, float]:
+    """Ground point (m), heading (rad) and height (m) of a sole.
 
     Args:
         T: (12,) placement of the joint, see `wbc.kinematics.Kinematics`.
         axis: (3,) x axis of the sole, joint axes.
-        normal: (3,) z axis of the sole, joint axes.
         position: (3,) centre of the sole, joint axes, m.
     """
     x = T[0] * position[0] + T[3] * position[1] + T[6] * position[2] + T[9]
@@ -59,21 +58,27 @@ def _read_sole(
     z = T[2] * position[0] + T[5] * position[1] + T[8] * position[2] + T[11]
     ahead = T[0] * axis[0] + T[3] * axis[1] + T[6] * axis[2]
     aside = T[1] * axis[0] + T[4] * axis[1] + T[7] * axis[2]
-    n_x = T[0] * normal[0] + T[3] * normal[1] + T[6] * normal[2]
-    n_y = T[1] * normal[0] + T[4] * normal[1] + T[7] * normal[2]
-    n_z = T[2] * normal[0] + T[5] * normal[1] + T[8] * normal[2]
+    return complex(x, y), math.atan2(aside, ahead), z
+
+
+@subkernel
+def _read_slope(T: np.ndarray, normal: np.ndarray) -> complex:
+    """Slope of a sole, from its z axis (3,) in joint axes; see `_read_sole`."""
+    x = T[0] * normal[0] + T[3] * normal[1] + T[6] * normal[2]
+    y = T[1] * normal[0] + T[4] * normal[1] + T[7] * normal[2]
+    z = T[2] * normal[0] + T[5] * normal[1] + T[8] * normal[2]
     # A sole on edge has no slope.
-    slope = complex(-n_x / n_z, -n_y / n_z) if n_z > 0.5 else 0j
-    return complex(x, y), math.atan2(aside, ahead), z, slope
+    return complex(-x / z, -y / z) if z > 0.5 else 0j
 
 
 @kernel(argument_types(np.zeros((1, 12)), np.zeros((1, 1)), np.zeros(1), np.zeros(1, BODY)))
 def read_ground(
     joint_placements: np.ndarray, M: np.ndarray, v: np.ndarray, body: np.ndarray
 ) -> tuple[
-    tuple[complex, float, float, complex],
-    tuple[complex, float, float, complex],
+    tuple[complex, float, float],
+    tuple[complex, float, float],
     tuple[complex, complex, float, float, complex],
+    tuple[complex, complex],
     tuple[float, float],
 ]:
     """Return placements of both soles, motion of the centre of mass, and tilt of the body.
@@ -90,16 +95,18 @@ def read_ground(
         body: (1,) of the type `BODY`.
 
     Returns:
-        Per sole its ground point (m), heading (rad), height (m) and slope, the rise per metre
-        along x, and along y as the imaginary part; of the centre of mass its ground point (m),
-        horizontal velocity (m/s), height (m), vertical velocity (m/s) and angular momentum about
-        the ground below it, see `wbc.walking.ground_kinematics.CentroidalMotion` (m·s); angle of
-        the body from the vertical (rad) and its rate (rad/s). World axes.
+        Per sole its ground point (m), heading (rad) and height (m); of the centre of mass its
+        ground point (m), horizontal velocity (m/s), height (m), vertical velocity (m/s) and angular
+        momentum about the ground below it, see `wbc.walking.ground_kinematics.CentroidalMotion`
+        (m·s); of both soles the slope, the rise per metre along x, and along y as the imaginary
+        part; angle of the body from the vertical (rad) and its rate (rad/s). World axes.
     """
     b = body[0]
     mass, axes, normals, positions = b["mass"], b["axis"], b["normal"], b["position"]
-    left = _read_sole(joint_placements[b["joint"][0]], axes[0], normals[0], positions[0])
-    right = _read_sole(joint_placements[b["joint"][1]], axes[1], normals[1], positions[1])
+    left_joint, right_joint = joint_placements[b["joint"][0]], joint_placements[b["joint"][1]]
+    left = _read_sole(left_joint, axes[0], positions[0])
+    right = _read_sole(right_joint, axes[1], positions[1])
+    slopes = (_read_slope(left_joint, normals[0]), _read_slope(right_joint, normals[1]))
     base, p = joint_placements[1], b["momentum"]
     base_momentum(M, v, p)
     c0, c1, c2 = M[1, 5] / mass, M[2, 3] / mass, M[0, 4] / mass
@@ -129,4 +136,4 @@ def read_ground(
     # Upright, the tilt has no direction yet: its rate is zero there and grows with it.
     rate = -derivative / max(math.sqrt(1.0 - cosine * cosine), 1e-3)
     com = (complex(x, y), velocity, z, rising, momentum)
-    return left, right, com, (math.acos(cosine), rate)
+    return left, right, com, slopes, (math.acos(cosine), rate)
