@@ -18,7 +18,6 @@ from wbc.gait import (
     GaitParameters,
     GaitState,
     GaitStateMachine,
-    Phase,
     Placement,
     Planner,
     Velocity,
@@ -45,6 +44,11 @@ from wbc.walking.ground_slope import GroundSlope
 from wbc.walking.reference_offset import ReferenceOffset
 from wbc.walking.stabilizer import Stabilizer, StabilizerOutput
 from wbc.walking.swing_momentum import SwingMomentum
+from wbc.walking.walker_telemetry import (
+    falling_telemetry,
+    planned_contacts,
+    walking_telemetry,
+)
 
 _IN_PLACE = Velocity(forward=1e-9)  # m/s, of a robot that has to step to stay
 
@@ -290,52 +294,19 @@ class Walker:
     @property
     def telemetry(self) -> Telemetry:
         """The telemetry of the last tick, for observers."""
-        state, balance, z = self.gait_state, self._balance, self._tasks.height.ground
+        com, state, velocity = self._kin.p_com.copy(), self.gait_state, self.velocity
         if self._falling_why:
-            return Telemetry(
-                self._kin.p_com.copy(),
-                velocity=np.array(self.velocity),
-                heading=self._heading,
-                phase="falling",
-                steps=state.steps,
-                status_text=f"falling: {self._falling_why}",
-            )
-        dcm, reference, zmp = balance.dcm, balance.reference.dcm, balance.zmp
-        rows = np.array(
-            (
-                (dcm.real, dcm.imag, z),
-                (reference.real, reference.imag, z),
-                (zmp.real, zmp.imag, z),
-                self.velocity,
-            )
-        )
-        return Telemetry(
-            self._kin.p_com.copy(),
-            rows[0],
-            rows[1],
-            rows[2],
-            rows[3],
-            self._heading,
-            abs(dcm - reference),
-            state.support if state.phase is Phase.SWING else state.phase.value,
-            state.steps,
-        )
+            return falling_telemetry(com, state, velocity, self._heading, self._falling_why)
+        ground = self._tasks.height.ground
+        return walking_telemetry(com, state, self._balance, ground, velocity, self._heading)
 
     @property
     def contact_plan(self) -> ContactPlan:
         """The present support and the planned footsteps; computed anew at each call."""
         if self._falling_why:
             return ContactPlan()
-        state, ground = self.gait_state, self._tasks.height.ground
-        swing, corners = state.swing, self.stabilizer.support.corners(state)
-        return ContactPlan(
-            support=np.array([[p.real, p.imag, ground] for p in corners]),
-            footsteps=tuple(
-                Footstep(side, np.array([p.point.real, p.point.imag, p.height]), p.yaw)
-                for side, p in self.planner.footsteps(state)
-            ),
-            swing_path=np.array(swing.path()) if swing is not None else np.empty((0, 3)),
-        )
+        support, ground = self.stabilizer.support, self._tasks.height.ground
+        return planned_contacts(self.gait_state, self.planner, support, ground)
 
     @property
     def falling_why(self) -> str:
