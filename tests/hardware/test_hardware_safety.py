@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,8 +14,9 @@ from hardwaretools import HardwareRun, changed_state, flipped_bit
 
 from wbc.hardware import HardwareError, SafetyLimits, SafetyState, UnitreeG1
 from wbc.hardware.safety.command_filter import CommandFilter
-from wbc.hardware.unitree.messages import LOW_COMMAND, MessageBuffer
+from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
 from wbc.hardware.unitree.motors import G1_JOINTS
+from wbc.hardware.unitree.stand_in_server import serve
 from wbc.measurement import Measurement
 from wbc.robot import load
 from wbc.runtime.loop import StopRun
@@ -251,3 +253,31 @@ def test_commands_beyond_the_limits_are_brought_within_them() -> None:
 def test_the_joints_of_the_motors_are_those_of_the_model() -> None:
     assert len(set(G1_JOINTS)) == 29
     assert set(G1_JOINTS) == set(load("g1").joint_names)
+
+
+class NobodyConnected:
+    """A wire at whose other end nobody is."""
+
+    def __init__(self) -> None:
+        self.sent: list[bytes] = []
+
+    def now(self) -> float:
+        return 0.0
+
+    def receive(self, timeout: float) -> None:
+        return None
+
+    def send(self, data: bytes) -> None:
+        self.sent.append(data)
+
+    def close(self) -> None:
+        pass
+
+
+def test_the_stand_in_sends_states_until_it_is_stopped_and_is_damped_meanwhile(hanging) -> None:
+    run, link = copy.deepcopy(hanging), NobodyConnected()
+    serve(run.stand_in, link, math.inf, stop=lambda: len(link.sent) == 5)
+    buffer = MessageBuffer(LOW_STATE)
+    assert all(buffer.decode(data) for data in link.sent)
+    assert buffer.fields["tick"][0] == 10
+    assert run.stand_in.damping

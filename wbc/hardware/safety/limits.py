@@ -39,7 +39,7 @@ class SafetyLimits:
     tilt: float = 0.8
     silence: float = 0.02
     frozen: float = 0.01
-    lateness: float = 0.02
+    lateness: float = 0.015
     start_distance: float = 1.0
     start_velocity: float = 0.5
     tracking: float = 0.5

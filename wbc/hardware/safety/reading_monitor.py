@@ -91,8 +91,9 @@ class ReadingMonitor:
             if not np.array_equal(now, before):
                 self._changed_at[name] = m.time
             elif m.time - self._changed_at[name] > self._limits.frozen - 1e-9:
+                frozen = 1e3 * (m.time - self._changed_at[name])
                 return (
-                    f"the {name} have not changed for {1e3 * (m.time - self._changed_at[name]):.0f}"
-                    " ms: the sensor is frozen"
+                    f"the readings of the {name} have not changed for {frozen:.0f} ms: "
+                    "the sensor is frozen"
                 )
         return ""

@@ -34,7 +34,7 @@ def serve(
     """
     plant, damping, fell = stand_in.plant, True, False
     with garbage_collection_paused(), real_time_thread(RealTime(priority=41)):
-        clock = Clock(PERIOD, min(round(duration / PERIOD), 1_000_000))
+        clock = Clock(PERIOD, round(min(duration / PERIOD, 1e6)))
         while plant.time < duration and not stop():
             clock.wait()
             while (data := link.receive(0.0)) is not None:

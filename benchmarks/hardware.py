@@ -1,0 +1,337 @@
+"""Robots with servos, and a G1 over its low-level interface: walks, faults, and real time on DDS.
+
+python benchmarks/hardware.py servos      Talos and simple_humanoid as position-controlled robots
+python benchmarks/hardware.py feet        walks without foot sensors
+python benchmarks/hardware.py latency     a G1 with latency and lost messages, in lockstep
+python benchmarks/hardware.py faults      time from each fault to damping, in lockstep
+python benchmarks/hardware.py real-time   a G1 in another process over DDS on the loopback
+"""
+
+from __future__ import annotations
+
+import os
+
+for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+import argparse
+import copy
+import json
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import wbc
+from wbc.hardware import SafeHardware, UnitreeG1
+from wbc.hardware.unitree.lockstep import Disturbance, LockstepLink, undisturbed
+from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
+from wbc.hardware.unitree.stand_in import PERIOD, G1StandIn
+from wbc.runtime.loop import StopRun
+from wbc.runtime.report import Report
+from wbc.sim import JointServos, Mujoco
+
+Row = dict[str, Any]
+_STAND, _STOP = 2.0, 3.0  # s at the beginning and the end of a walk
+
+
+def _walk(plant: Any, speed: float, distance: float, dt: float, **options: Any) -> Report:
+    """Walk a distance (m) and stop."""
+    walker = wbc.Walker(plant.robot, dt)
+    end = _STAND + distance / speed
+
+    def command(time: float) -> None:
+        walker.velocity = (speed if _STAND <= time < end else 0.0, 0.0, 0.0)
+
+    return wbc.run(walker, plant, end + _STOP, before_tick=command, **options)
+
+
+def _row(what: str, seed: int, report: Report) -> Row:
+    return {
+        "what": what,
+        "seed": seed,
+        "survived": report.survived,
+        "forward_m": round(report.displacement_m[0], 2),
+        "steps": report.steps,
+        "dcm_error_mm": round(report.dcm_error_rms_mm or 0.0, 1),
+        "end": report.fell_why,
+    }
+
+
+def servos(options: argparse.Namespace) -> list[Row]:
+    """Walk as position-controlled robots: 2 and 4 ms of delay, friction, backlash of 0.5°."""
+    rows = []
+    for name in ("talos", "simple_humanoid"):
+        robot = wbc.load(name)
+        for dt, latency, friction in ((0.002, 0.002, 0.03), (0.004, 0.004, 0.05)):
+            for seed in range(options.seeds):
+                plant = Mujoco(
+                    robot, dt=dt, latency=latency, seed=seed, servos=JointServos(friction=friction)
+                )
+                what = (
+                    f"{name}, {1.0 / dt:.0f} Hz, delay {1e3 * latency:g} ms, "
+                    f"friction {100.0 * friction:g} %"
+                )
+                rows.append(_row(what, seed, _walk(plant, 0.3, options.distance, dt)))
+    return rows
+
+
+class _NoFootSensors:
+    """An estimator that is not given the foot wrenches."""
+
+    def __init__(self, robot: wbc.Robot) -> None:
+        self._estimator = wbc.Estimator(robot)
+
+    def reset(self, state: wbc.State) -> None:
+        self._estimator.reset(state)
+
+    def update(
+        self, measurement: wbc.Measurement, *, acceleration: np.ndarray | None = None
+    ) -> wbc.Estimate:
+        blind = replace(measurement, foot_wrenches={})
+        return self._estimator.update(blind, acceleration=acceleration)
+
+
+def feet(options: argparse.Namespace) -> list[Row]:
+    """Walk without foot sensors: contact by time."""
+    rows = []
+    for name, speed in (("talos", 0.3), ("g1", 0.35), ("simple_humanoid", 0.3), ("icub", 0.1)):
+        robot = wbc.load(name)
+        for seed in range(options.seeds):
+            report = _walk(
+                Mujoco(robot, seed=seed), speed, options.distance * speed / 0.35, 0.002,
+                estimator=_NoFootSensors(robot),
+            )  # fmt: skip
+            rows.append(_row(f"{name} at {speed} m/s without foot sensors", seed, report))
+    return rows
+
+
+def _started(
+    seed: int = 0, latency: float = 0.0, disturb: Disturbance = undisturbed
+) -> tuple[G1StandIn, LockstepLink, SafeHardware]:
+    stand_in = G1StandIn(seed=seed, latency=latency)
+    link = LockstepLink(stand_in)
+    plant = SafeHardware(UnitreeG1(stand_in.robot, link), on_transition=lambda change: None)
+    plant.start()
+    link.on_state = link.on_command = disturb
+    return stand_in, link, plant
+
+
+def latency(options: argparse.Namespace) -> list[Row]:
+    """Walk with latency from reading to torque, and messages lost in both directions."""
+    rows = []
+    for delay, loss in ((0.0, 0.0), (0.008, 0.05), (0.013, 0.1)):
+        for seed in range(options.seeds):
+            random = np.random.default_rng(seed)
+
+            def lossy(
+                time: float, data: bytes, random: Any = random, loss: float = loss
+            ) -> list[bytes]:
+                return [] if random.random() < loss else [data]
+
+            _, _, plant = _started(seed, delay, lossy)
+            report = _walk(plant, 0.35, options.distance, PERIOD)
+            measured = plant.latency.seconds or 0.0
+            what = f"g1, {1e3 * delay + 2.0:.0f} ms, {100.0 * loss:g} % lost in each direction"
+            lost = {"measured_latency_ms": round(1e3 * measured, 1), "states_lost": plant.lost}
+            rows.append(_row(what, seed, report) | lost)
+    return rows
+
+
+def _changed(change: Callable[[np.ndarray], None], dtype: Any = LOW_STATE) -> Disturbance:
+    def disturb(time: float, data: bytes) -> list[bytes]:
+        buffer = MessageBuffer(dtype)
+        assert buffer.decode(data)
+        change(buffer.fields)
+        return [buffer.encode()]
+
+    return disturb
+
+
+def _set_motor(name: str, value: float) -> Disturbance:
+    def change(fields: np.ndarray) -> None:
+        fields["motor_state"][name][0, 3] = value
+
+    return _changed(change)
+
+
+def _freeze() -> Disturbance:
+    kept: list[np.ndarray] = []
+
+    def change(fields: np.ndarray) -> None:
+        kept.extend([] if kept else [fields["imu_state"].copy()])
+        fields["imu_state"] = kept[0]
+
+    return _changed(change)
+
+
+def _flip(time: float, data: bytes) -> list[bytes]:
+    damaged = bytearray(data)
+    damaged[500] ^= 1
+    return [bytes(damaged)]
+
+
+def _set_tilt(fields: np.ndarray) -> None:
+    fields["imu_state"]["quaternion"][0] = (np.cos(0.5), np.sin(0.5), 0.0, 0.0)
+
+
+def _set_machine(fields: np.ndarray) -> None:
+    fields["mode_machine"] = 4
+
+
+def _shuffle(fields: np.ndarray) -> None:
+    order = [*range(19, 29), *range(19)]
+    fields["motor_cmd"][0, :29] = fields["motor_cmd"][0, order]
+
+
+def faults(options: argparse.Namespace) -> list[Row]:
+    """Inject faults into a standing robot: time to detection and from there to damping."""
+    stand_in, link, plant = _started()
+    report = wbc.run(wbc.Walker(stand_in.robot), plant, 1.2)
+    assert report.survived
+    zero = np.zeros(stand_in.robot.na)
+    command = wbc.Command(zero, np.zeros(zero.size + 6), {}, stand_in.robot.q_nominal[7:], zero)
+    rows = []
+    cases: dict[str, Disturbance] = {
+        "frozen IMU": _freeze(),
+        "NaN of an encoder": _set_motor("q", float("nan")),
+        "encoder jump": _set_motor("q", 1.2),
+        "joint beyond its velocity": _set_motor("dq", 40.0),
+        "tilt": _changed(_set_tilt),
+        "state messages lost": lambda time, data: [],
+        "bits flipped": _flip,
+    }
+    for name, disturb in cases.items():
+        robot, wire, safe = copy.deepcopy((stand_in, link, plant))
+        wire.on_state = disturb
+        begin = wire.now()
+        try:
+            while True:
+                safe.measure()
+                safe.step(command)
+        except StopRun:
+            detected = wire.now()
+        rows.append(_fault_row(name, begin, detected, robot, wire, safe.fault))
+    robot, wire, safe = copy.deepcopy((stand_in, link, plant))
+    begin = wire.now()
+    for _ in range(10):
+        wire.advance()
+    try:
+        while True:
+            safe.measure()
+            safe.step(command)
+    except StopRun:
+        detected = wire.now()
+    rows.append(_fault_row("pause of 20 ms", begin, detected, robot, wire, safe.fault))
+    robot, wire, _ = copy.deepcopy((stand_in, link, plant))
+    begin = wire.now()
+    rows.append(
+        _fault_row("controller killed", begin, begin + 0.02, robot, wire, "no command for 20 ms")
+    )
+    for name, on_state, on_command in (
+        ("another robot", _changed(_set_machine), undisturbed),
+        ("commands to other motors", undisturbed, _changed(_shuffle, LOW_COMMAND)),
+    ):
+        robot = G1StandIn()
+        wire = LockstepLink(robot)
+        wire.on_state, wire.on_command = on_state, on_command
+        safe = SafeHardware(UnitreeG1(robot.robot, wire), on_transition=lambda change: None)
+        try:
+            safe.start()
+            reason = "not found"
+        except wbc.WbcError as error:
+            reason = str(error)
+        rows.append(_fault_row(f"{name} (start)", 0.0, wire.now(), robot, wire, reason))
+    return rows
+
+
+def _fault_row(
+    name: str, begin: float, detected: float, robot: G1StandIn, wire: LockstepLink, reason: str
+) -> Row:
+    while not robot.damping or wire.now() < detected:
+        wire.advance()
+    return {
+        "what": name,
+        "detected_ms": round(1e3 * (detected - begin), 1),
+        "damping_after_ms": round(1e3 * max(wire.now() - detected, 0.0), 1),
+        "final": "damping" if robot.damping else "commanded",
+        "reason": reason,
+    }
+
+
+def real_time(options: argparse.Namespace) -> list[Row]:
+    """Walk a G1 of another process over DDS, in real time, and kill the controller at the end."""
+    rows = []
+    duration = _STAND + options.distance / 0.35 + _STOP
+    for seed in range(options.seeds):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder)
+            robot = subprocess.Popen(
+                [sys.executable, "-m", "wbc", "robot", "unitree-g1", "--seed", str(seed),
+                 "--json", str(path / "robot.json")],
+                stdout=subprocess.PIPE, text=True,
+            )  # fmt: skip
+            assert robot.stdout is not None
+            robot.stdout.readline()
+            walk = subprocess.run(
+                [sys.executable, "-m", "wbc", "walk", "--hardware", "unitree", "--no-view",
+                 "--velocity", "0.35", "0", "0", "--duration", f"{duration:.1f}",
+                 "--json", str(path / "walk.json")],
+                capture_output=True, text=True, timeout=4.0 * duration + 120.0,
+            )  # fmt: skip
+            robot.send_signal(signal.SIGINT)
+            robot.communicate(timeout=30.0)
+            simulated = json.loads((path / "robot.json").read_text())
+            report = json.loads((path / "walk.json").read_text())
+            connection = re.search(r"^connection: (.*)$", walk.stdout, re.MULTILINE)
+            rows.append(
+                {
+                    "what": "g1 over DDS in real time",
+                    "seed": seed,
+                    "survived": report["survived"],
+                    "forward_m": round(report["displacement_m"][0], 2),
+                    "tick_us": [round(report[f"tick_{q}_us"]) for q in ("p50", "p99", "max")],
+                    "connection": connection[1] if connection else walk.stderr[-300:],
+                    "robot_lateness_p99_us": round(simulated["lateness_p99_us"], 1),
+                    "end": report["fell_why"],
+                }
+            )
+    return rows
+
+
+_PARTS = {
+    "servos": servos,
+    "feet": feet,
+    "latency": latency,
+    "faults": faults,
+    "real-time": real_time,
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("part", choices=_PARTS, help="what to measure")
+    parser.add_argument("--seeds", type=int, default=5, help="seeds of sensor noise")
+    parser.add_argument("--distance", type=float, default=10.0, help="m to walk")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows as JSON")
+    options = parser.parse_args()
+    warnings.simplefilter("ignore", wbc.VelocityClamped)
+    rows = _PARTS[options.part](options)
+    for row in rows:
+        print("  ".join(f"{key} {value}" for key, value in row.items() if value != ""))
+    if options.json is not None:
+        options.json.write_text(json.dumps(rows, indent=2) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    main()
