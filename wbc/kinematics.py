@@ -104,6 +104,7 @@ class Kinematics:
         self._gravity = np.concatenate((robot.model.gravity.linear, np.zeros(3)))
         self._world: dict[int, FrameKinematics] = {}
         self._local: dict[int, FrameKinematics] = {}
+        self._joint_frames: dict[int, int] = {}
         self._centroid: Centroid | None = None
         self._p_com: np.ndarray | None = None
         self._velocities_propagated = False
@@ -213,6 +214,14 @@ class Kinematics:
                 )
                 self._velocities_propagated = True
             found = cache[frame_id] = FrameKinematics(self.model, self.data, frame_id, axes)
+        return found
+
+    def joint_frame(self, joint_id: int) -> int:
+        """Return the index of the frame of a joint, which moves with the body behind it."""
+        found = self._joint_frames.get(joint_id)
+        if found is None:
+            name = self.model.names[joint_id]
+            found = self._joint_frames[joint_id] = self.model.getFrameId(name, pin.FrameType.JOINT)
         return found
 
     def jacobian(self, frame: str | int) -> np.ndarray:

@@ -18,6 +18,7 @@ SAYS = {
     "05_own_controller": "survived",
     "06_own_plant": "survived",
     "07_infeasible": "pulled down: infeasible",
+    "26_self_collision": "with torques: ok, never less than ",
     "08_footsteps": "survived",
     "09_own_robot": "survived",
     "10_motions": "stands as before: True",

@@ -9,8 +9,8 @@ from simtools import command, robot
 
 from wbc.errors import PlantError
 from wbc.robot import load
+from wbc.robot.collision_shapes import SOLE_THICKNESS, collision_shapes
 from wbc.sim import Mujoco, SensorNoise
-from wbc.sim.collision_shapes import SOLE_THICKNESS, collision_shapes
 from wbc.state import State
 
 pytest.importorskip("mujoco")

@@ -28,7 +28,6 @@ class ConfigurationKinematics(Kinematics):
 
     def __init__(self, robot: RobotModel, q: np.ndarray) -> None:
         self._rest = np.zeros(robot.nv)
-        self._rest.setflags(write=False)
         self._mass_matrix_used = False
         self._mass_matrix: np.ndarray | None = None
         super().__init__(robot, State(np.array(q, dtype=float), self._rest))

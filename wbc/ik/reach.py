@@ -26,6 +26,7 @@ _PATIENCE, _PROGRESS = 6, 0.7  # an attempt ends unless the error falls by that 
 _TURN = np.pi  # rad: range of a joint without limits, for random starts
 _ACTIVE = 1e-9  # m, rad: a bound this near is met
 _MAX_NAMES = 3
+_PENALTY = 10.0  # of a squared violation of a general limit, against the largest weight
 _EXPLANATION_DAMPING = 1e-6
 _IMPROVEMENTS = 30
 _LARGEST_STEP, _SMALLEST_STEP, _SMALLEST_SHARE = 0.3, 1e-4, 0.05  # rad, rad, of a step
@@ -64,6 +65,7 @@ class _Best:
     q: np.ndarray
     cost: float
     errors: np.ndarray
+    violation: float  # of a general limit, m or rad
 
 
 class ReachSearch:
@@ -134,7 +136,8 @@ class ReachSearch:
         return self._solution(kin, best, attempts)
 
     def _reached(self, best: _Best) -> bool:
-        return float(np.abs(best.errors).max(initial=0.0)) <= self._tolerance
+        largest = float(np.abs(best.errors).max(initial=0.0))
+        return max(largest, best.violation) <= self._tolerance
 
     def _random_start(self, q: np.ndarray, random: np.random.Generator) -> np.ndarray:
         start = q.copy()
@@ -151,12 +154,13 @@ class ReachSearch:
         kin.set_configuration(q)
         problem = self._program.build(kin, self._rest, 1.0)
         errors = self._program.errors.copy()
-        cost = self._cost(errors)
+        violation = self._violation(problem)
+        cost = self._cost(errors, violation)
         damping = _FIRST_DAMPING
         history = [cost]
         displacement = np.zeros(self._robot.nv)
         for _ in range(_ITERATIONS):
-            if float(np.abs(errors).max(initial=0.0)) <= self._tolerance:
+            if max(float(np.abs(errors).max(initial=0.0)), violation) <= self._tolerance:
                 break
             self.iterations += 1
             x = self._step(problem, damping * max(cost, _MIN_DAMPING))
@@ -168,8 +172,10 @@ class ReachSearch:
             kin.set_configuration(trial)
             trial_problem = self._program.build(kin, self._rest, 1.0)
             trial_errors = self._program.errors
-            trial_cost = self._cost(trial_errors)
+            trial_violation = self._violation(trial_problem)
+            trial_cost = self._cost(trial_errors, trial_violation)
             if trial_cost < cost:
+                violation = trial_violation
                 q, cost, errors, problem = trial, trial_cost, trial_errors.copy(), trial_problem
                 damping = max(0.2 * damping, _MIN_DAMPING)
             else:
@@ -182,10 +188,19 @@ class ReachSearch:
             stuck = len(history) > _PATIENCE
             if stuck and history[-1] > _PROGRESS * history[-1 - _PATIENCE]:
                 break
-        return _Best(q, cost, errors)
+        return _Best(q, cost, errors, violation)
 
-    def _cost(self, errors: np.ndarray) -> float:
-        return float(errors.dot(self._weights * errors))
+    def _cost(self, errors: np.ndarray, violation: float) -> float:
+        penalty = _PENALTY * self._weights.max() * violation * violation
+        return float(errors.dot(self._weights * errors) + penalty)
+
+    @staticmethod
+    def _violation(problem: Problem) -> float:
+        """Return by how much a posture violates a general limit: what a step must make good."""
+        lower, upper = problem.lb[problem.bounded :], problem.ub[problem.bounded :]
+        if not lower.size:
+            return 0.0
+        return max(float(lower.max()), float(-upper.min()), 0.0)
 
     def _step(self, problem: Problem, damping: float) -> np.ndarray | None:
         problem.H.flat[:: problem.g.size + 1] += damping

@@ -13,8 +13,8 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.robot import Robot
+from wbc.robot.collision_shapes import CollisionShape, collision_shapes
 from wbc.robot.srdf import read_disabled_collisions
-from wbc.sim.collision_shapes import CollisionShape, collision_shapes
 from wbc.sim.coordinates import CoordinateMap
 from wbc.sim.model import build_model, import_mujoco
 from wbc.state import State

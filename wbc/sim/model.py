@@ -17,8 +17,8 @@ import pinocchio as pin
 
 from wbc.errors import MissingExtra, PlantError
 from wbc.robot import Robot
+from wbc.robot.collision_shapes import SOLE_THICKNESS, CollisionShape
 from wbc.robot.joint_axes import joint_axes
-from wbc.sim.collision_shapes import SOLE_THICKNESS, CollisionShape
 from wbc.sim.ground import Ground
 from wbc.sim.terrain import Flat
 

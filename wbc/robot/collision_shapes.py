@@ -12,7 +12,8 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError
-from wbc.robot import Robot, Sole
+from wbc.robot.robot_model import RobotModel
+from wbc.robot.soles import Sole
 
 _log = logging.getLogger(__name__)
 
@@ -60,7 +61,7 @@ class CollisionShape:
     vertices: np.ndarray
 
 
-def collision_shapes(robot: Robot) -> tuple[CollisionShape, ...]:
+def collision_shapes(robot: RobotModel) -> tuple[CollisionShape, ...]:
     """Return the shapes of all bodies, without the soles.
 
     They are the description's collision shapes, meshes replaced by their convex hulls. A body
@@ -73,7 +74,7 @@ def collision_shapes(robot: Robot) -> tuple[CollisionShape, ...]:
         visuals = [shape for shape in _shapes_of(robot, "visual") if shape.joint_id in bare]
         found += visuals
         found += [_inertia_box(robot, joint) for joint in _bare_bodies(robot, found)]
-    feet = {sole.joint_id: sole for sole in robot.soles}
+    feet = {sole.joint_id: sole for sole in soles_of(robot)}
     kept = []
     for shape in found:
         sole = feet.get(shape.joint_id)
@@ -83,9 +84,9 @@ def collision_shapes(robot: Robot) -> tuple[CollisionShape, ...]:
     return tuple(kept)
 
 
-def _bare_bodies(robot: Robot, shapes: list[CollisionShape]) -> list[int]:
+def _bare_bodies(robot: RobotModel, shapes: list[CollisionShape]) -> list[int]:
     """Return the heavy bodies without shapes; a foot has at least its sole."""
-    with_shapes = {shape.joint_id for shape in shapes} | {sole.joint_id for sole in robot.soles}
+    with_shapes = {shape.joint_id for shape in shapes} | {sole.joint_id for sole in soles_of(robot)}
     least = _LEAST_MASS_SHARE * robot.mass
     inertias = robot.model.inertias
     return [
@@ -95,7 +96,7 @@ def _bare_bodies(robot: Robot, shapes: list[CollisionShape]) -> list[int]:
     ]
 
 
-def _shapes_of(robot: Robot, source: Literal["collision", "visual"]) -> list[CollisionShape]:
+def _shapes_of(robot: RobotModel, source: Literal["collision", "visual"]) -> list[CollisionShape]:
     try:
         geometry = robot.collision_model if source == "collision" else robot.visual_model
     except RobotDescriptionError as error:
@@ -171,7 +172,7 @@ def _convex_hull(points: np.ndarray) -> Any:
         return None
 
 
-def _inertia_box(robot: Robot, joint: int) -> CollisionShape:
+def _inertia_box(robot: RobotModel, joint: int) -> CollisionShape:
     """Return the box of uniform density with a body's mass and inertia.
 
     Its half sizes obey `a² = 3 (I_yy + I_zz − I_xx) / (2 m)` along each principal axis.
@@ -191,7 +192,7 @@ def _inertia_box(robot: Robot, joint: int) -> CollisionShape:
 def _above_sole(shape: CollisionShape, sole: Sole) -> CollisionShape | None:
     """Return the part of a foot's shape above its sole's box; None if there is none."""
     to_sole = sole.placement.inverse() * shape.placement
-    points = _points(shape) @ to_sole.rotation.T + to_sole.translation
+    points = shape_points(shape) @ to_sole.rotation.T + to_sole.translation
     if points[:, 2].min() >= SOLE_THICKNESS:
         return shape
     hull = _convex_hull(points)
@@ -212,7 +213,7 @@ def _above_sole(shape: CollisionShape, sole: Sole) -> CollisionShape | None:
     )
 
 
-def _points(shape: CollisionShape) -> np.ndarray:
+def shape_points(shape: CollisionShape) -> np.ndarray:
     """Return points (n, 3) whose hull is the shape, round ones as polyhedra, in its axes, m."""
     if shape.kind == "hull":
         return shape.vertices
@@ -229,3 +230,8 @@ def _points(shape: CollisionShape) -> np.ndarray:
         rings = [radius * (np.cos(e) * rim + [0.0, 0.0, np.sin(e)]) for e in elevations]
     ends = ([0.0, 0.0, -half_length], [0.0, 0.0, half_length])
     return np.vstack([ring + end for ring in rings for end in ends])
+
+
+def soles_of(robot: RobotModel) -> tuple[Sole, ...]:
+    """Return the soles of a robot that walks, none of an arm."""
+    return tuple(getattr(robot, "soles", ()))

@@ -1,0 +1,126 @@
+"""Bodies of a robot are kept apart."""
+
+from __future__ import annotations
+
+import copy
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from coretools import random_state, robot, seeds
+from hypothesis import given, settings
+
+import wbc
+from wbc.errors import LimitError
+from wbc.limits import BarrierRows, SelfCollisionLimit
+from wbc.robot.self_collision import SelfCollision
+from wbc.robot.upper_body import UpperBody
+
+
+def barrier_of(limit: SelfCollisionLimit, one: wbc.Robot, state: wbc.State) -> BarrierRows:
+    m = limit.size
+    rows = BarrierRows(np.full(m, np.inf), np.zeros((m, one.nv)), np.zeros(m))
+    limit.write_barrier(wbc.Kinematics(one, state), rows)
+    return rows
+
+
+@given(seed=seeds)
+@settings(max_examples=4)
+def test_rates_of_the_distances_equal_their_finite_differences(seed):
+    one, limit = robot("g1"), SelfCollisionLimit(robot("g1"), margin=0.0, detection=0.2)
+    state = random_state(one, seed)
+    rows = barrier_of(limit, one, state)
+    near = np.array([k for _, k, *_ in limit._near.update(wbc.Kinematics(one, state), 0.2)])
+    near = near[np.argsort(SelfCollision.of(one).distances(state.q)[near])]
+    step, pairs = 1e-6, SelfCollision.of(one)
+    ahead, behind = (
+        pairs.distances(pin.integrate(one.model, state.q, sign * step * state.v))[near]
+        for sign in (1.0, -1.0)
+    )
+    near = near[: limit.size]
+    error = np.abs(((ahead - behind) / (2.0 * step))[: near.size] - (rows.J @ state.v)[: near.size])
+    # Nearest points jump from one edge to another where faces are parallel.
+    assert np.median(error) < 1e-4
+    assert np.quantile(error, 0.8) < 1e-3
+
+
+def test_pairs_are_told_and_leave_out_what_always_touches():
+    pairs = SelfCollision.of(robot("g1"))
+    assert "pairs of bodies watched" in pairs.report()
+    assert {pair.reason for pair in pairs.excluded} == {"adjacent", "joint range"}
+    assert pairs.least_distance(robot("g1").q_nominal)[0] > 0.0
+    assert copy.deepcopy(pairs) is pairs
+    assert {pair.reason for pair in SelfCollision.of(robot("talos")).excluded} >= {"SRDF"}
+
+
+@given(seed=seeds)
+@settings(max_examples=4)
+def test_hands_told_to_go_through_the_body_do_not_penetrate_it(seed):
+    one, random = robot("g1"), np.random.default_rng(seed)
+    arms = UpperBody.of(one).both_arms()
+    collision = SelfCollisionLimit(one)
+    ik = wbc.InverseKinematics(
+        one,
+        joints=[one.joint_names[j] for arm in arms for j in arm.joints],
+        limits=[wbc.JointPositionLimit(one), wbc.JointVelocityLimit(one), collision],
+    )
+    for arm in arms:
+        ik.add(wbc.PositionTask(arm.hand, random.uniform([-0.1, -0.2, 0.7], [0.3, 0.2, 1.2])))
+    q = one.q_nominal.copy()
+    for _ in range(100):
+        q = pin.integrate(one.model, q, 0.01 * ik.step(q, 0.01))
+        # The least distance that the limit saw; pairs that are not near are not in it.
+        assert min(collision.distances.values(), default=1.0) > 0.005
+    assert collision.pairs.least_distance(q)[0] > 0.005
+
+
+def test_the_controller_keeps_bodies_apart_too_and_its_copies_go_on_alike():
+    one = robot("g1")
+    arms = UpperBody.of(one).both_arms()
+    collision = SelfCollisionLimit(one)
+    controller = wbc.WholeBodyController(one)
+    controller.set_limits([*controller.limits, collision])
+    controller.set_contacts([wbc.SurfaceContact.from_sole(sole) for sole in one.soles])
+    controller.add(wbc.ComTask())
+    controller.add(wbc.PostureTask(one))
+    for arm in arms:
+        controller.add(wbc.PositionTask(arm.hand, (0.2, 0.0, 0.9), weight=30.0, kp=30.0))
+    state, least = one.standing(), np.inf
+    for _ in range(300):
+        command = controller.step(state)
+        v = state.v + controller.dt * command.acceleration
+        state = wbc.State(pin.integrate(one.model, state.q, controller.dt * v), v)
+        least = min(least, min(collision.distances.values()))
+    assert command.status is wbc.command.Status.OK
+    assert 0.0 < least < 0.015
+    tau = copy.deepcopy(controller).step(state).tau
+    assert (tau == controller.step(state).tau).all()
+
+
+def test_a_search_finds_postures_without_collisions_or_tells_which_bodies_are_in_the_way():
+    one = robot("g1")
+    arms = UpperBody.of(one).both_arms()
+    collision = SelfCollisionLimit(one)
+    ik = wbc.InverseKinematics(
+        one,
+        joints=[one.joint_names[j] for arm in arms for j in arm.joints],
+        limits=[wbc.JointPositionLimit(one), collision],
+    )
+    left, right = (ik.add(wbc.PositionTask(arm.hand, (0.3, 0.0, 0.9))) for arm in arms)
+    found = ik.reach(one.q_nominal, restarts=1)
+    assert not found.reached
+    assert "self-collision limit [" in found.explanation
+    left.target, right.target = np.array([0.3, 0.15, 0.9]), np.array([0.3, -0.15, 1.0])
+    found = ik.reach(one.q_nominal)
+    assert found.reached
+    assert collision.pairs.least_distance(found.q)[0] > 0.004
+
+
+def test_arguments_are_checked():
+    one = robot("g1")
+    with pytest.raises(LimitError, match="margin"):
+        SelfCollisionLimit(one, margin=0.2)
+    with pytest.raises(LimitError, match="gain"):
+        SelfCollisionLimit(one, gain=0.0)
+    with pytest.raises(LimitError, match="recovery"):
+        SelfCollisionLimit(one, recovery=-1.0)
