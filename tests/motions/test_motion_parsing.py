@@ -20,7 +20,7 @@ from wbc.motions.engine import parse_motion
         ("  squat depth=15   times=2", Squat(depth=15.0, times=2)),
         ("one-leg leg=left hold=0.5", OneLeg(leg="left", hold=0.5)),
         ("reach left=0.3,0.2,1 random=2", Reach(left=(0.3, 0.2, 1.0), random=2)),
-        ("sine balanced=true", Sine(balanced=True)),
+        ("sine open_loop=true", Sine(open_loop=True)),
         ("keyframes 'file=my wave.csv'", Keyframes(file="my wave.csv")),
     ],
 )
@@ -44,7 +44,7 @@ def test_text_is_parsed_into_the_motion_it_describes(text, motion):
         ("one-leg leg=middle", "left or right or both"),
         ("reach left=0.3,0.2", "3 numbers"),
         ("reach left=here", "3 numbers"),
-        ("sine balanced=yes", "true or false"),
+        ("sine open_loop=yes", "true or false"),
         ("keyframes 'file=a", "cannot be read"),
     ],
 )

@@ -53,7 +53,7 @@ def assert_clean(report: wbc.Report) -> None:
         ("g1", Squat(times=1), 5.0),
         ("simple_humanoid", Bow(hold=0.2), 6.0),
         ("simple_humanoid", Look(seconds=3.0), 6.0),
-        ("simple_humanoid", Sine(balanced=True, seconds=2.0), 6.0),
+        ("simple_humanoid", Sine(seconds=2.0), 6.0),
     ],
     ids=lambda x: x.name if isinstance(x, Motion) else str(x),
 )
@@ -177,7 +177,7 @@ def test_steps_in_place_stay_in_place():
 
 
 def test_fall_of_the_open_loop_pattern_is_reported_with_its_time():
-    report = run_motions(robot("simple_humanoid"), [Sine()])
+    report = run_motions(robot("simple_humanoid"), [Sine(open_loop=True)])
     assert not report.survived
     assert 1.0 < report.fell_at_s < 10.0
     assert report.fell_why in report.table()
@@ -211,11 +211,11 @@ PROGRAMME = (
     OneLeg(leg="left", hold=0.6),
     Bow(hold=0.1),
     StepInPlace(steps=2),
-    Sine(balanced=True, seconds=1.5),
+    Sine(seconds=1.5),
     Jump(),
-    Sine(seconds=0.5),
+    Sine(open_loop=True, seconds=0.5),
 )
-OTHERS = (Squat(), Bow(), Look(), Wave(), Reach(random=1), Sway(), Sine(balanced=True))
+OTHERS = (Squat(), Bow(), Look(), Wave(), Reach(random=1), Sway(), Sine())
 
 
 def answer(player: MotionPlayer, order: Callable[[], None], estimate: wbc.Estimate) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 from wbc.errors import MotionError, did_you_mean, short_repr
@@ -141,6 +142,11 @@ class Controls:
         name, parameters = value, {}
         if isinstance(value, dict) and value.keys() == {"name", "parameters"}:
             name, parameters = value["name"], value["parameters"]
+        file = parameters.get("file") if isinstance(parameters, dict) else None
+        if isinstance(file, str) and Path(file).name != file:
+            raise CommandRefused(
+                f"file is {short_repr(file)}; name a file in the folder where wbc was started"
+            )
         for motion in self._capabilities.motions:
             if motion.name == name:
                 try:

@@ -77,19 +77,17 @@ def pattern(time: float, rounding: float = 0.0) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Sine(Motion):
-    """Track the pattern as joint positions: open loop, or as a posture with balance.
+    """Track the pattern as joint positions: as a posture with balance, or open loop.
 
-    Open loop, a PD controller at the joints tracks it, and nothing balances: a robot may fall,
-    and the report says when. Balanced, the walker's controller keeps CoM, trunk and feet, and
-    the joints follow as far as that allows.
+    The walker's controller keeps CoM, trunk and feet, and the joints follow as far as that allows.
+    Open loop, a PD controller at the joints tracks the pattern, and nothing balances: most robots
+    fall, and the report says when.
     """
 
     name: ClassVar[str] = "sine"
-    summary: ClassVar[str] = "move fifteen joints along sines of time, open loop or balanced"
+    summary: ClassVar[str] = "move fifteen joints along sines of time, balanced or open loop"
 
-    balanced: bool = parameter(
-        False, "whether the walker's controller keeps the balance; if not, the robot may fall"
-    )
+    open_loop: bool = parameter(False, "whether nothing keeps the balance: most robots fall")
     seconds: float = parameter(4.0 * math.pi, "duration of the pattern, s; its period is 6.28 s")
 
     def check(self, robot: Robot) -> None:
@@ -104,7 +102,7 @@ class Sine(Motion):
     @classmethod
     def for_demo(cls) -> Motion:
         """See `Motion.for_demo`."""
-        return cls(balanced=True, seconds=2.0 * math.pi)
+        return cls(seconds=2.0 * math.pi)
 
     def play(self, context: MotionContext) -> Script:
         """See `Motion.play`."""
@@ -115,25 +113,25 @@ class Sine(Motion):
 
         def posture(time: float) -> np.ndarray:
             q = home.copy()
-            for name, value in pattern(time, _ROUNDING if self.balanced else 0.0).items():
+            for name, value in pattern(time, 0.0 if self.open_loop else _ROUNDING).items():
                 if name in joints:
                     index, sign = joints[name]
                     q[index] = sign * value
             return q
 
-        if self.balanced:
-            yield from self._balanced(context, posture)
+        if self.open_loop:
+            yield from self._track(context, posture)
         else:
-            yield from self._open_loop(context, posture)
+            yield from self._balance(context, posture)
 
-    def _balanced(self, context: MotionContext, posture: Path) -> Script:
+    def _balance(self, context: MotionContext, posture: Path) -> Script:
         context.posture.move_to(posture(0.0), _LEAD_IN)
         yield from context.until_arrived(context.posture)
         context.posture.follow(posture)
         yield from context.wait(self.seconds)
         yield from context.go_home(1.0)
 
-    def _open_loop(self, context: MotionContext, posture: Path) -> Script:
+    def _track(self, context: MotionContext, posture: Path) -> Script:
         context.start_override(JointPdController(context, posture))
         yield from context.wait(_LEAD_IN + self.seconds)
         yield from context.release_override()

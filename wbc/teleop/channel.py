@@ -28,6 +28,7 @@ from wbc.teleop.commands import (
 _COMMANDS = (32, 1 << 19)  # slots and their size, bytes: it takes 2 ms to unpickle so much
 _ACKNOWLEDGEMENTS = (256, 1 << 12)
 _MAX_REASON = 800  # characters
+_PLANNING_TIMEOUT = 30.0  # s
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +133,7 @@ class CommandClient:
         self._numbers = itertools.count(1)
         self._own: list[Acknowledgement] = []  # of motions that never reached the loop
         self._planning: tuple[int, Motion, str] | None = None
+        self._planning_end = 0.0  # s by `time.monotonic`
         self._plans: queue.SimpleQueue[PlannedMotion] = queue.SimpleQueue()
         self._planner = MotionPlanner(robot, planned_ahead, self._plans.put)
 
@@ -163,6 +165,7 @@ class CommandClient:
         if isinstance(command, MotionCommand):
             self._supersede("another motion took its place")
             self._planning = (number, command.motion, source)
+            self._planning_end = time.monotonic() + _PLANNING_TIMEOUT
             plan = self._planner.cached(command.motion)
             if plan is not None:
                 self._send_planned(plan)
@@ -191,6 +194,12 @@ class CommandClient:
                 self._send_planned(self._plans.get_nowait())
             except queue.Empty:
                 break
+        if self._planning is not None and time.monotonic() > self._planning_end:
+            number, motion, _ = self._planning
+            self._planning = None
+            self._planner.abandon()
+            reason = f"{motion.name}: planning takes more than {_PLANNING_TIMEOUT:g} s"
+            self._own.append(Acknowledgement(number, CommandOutcome.REFUSED, reason))
         while (data := self._received.get()) is not None:
             self._own.append(pickle.loads(data))
         found, self._own = self._own, []
@@ -218,7 +227,7 @@ class CommandClient:
         if self._planning is not None:
             self._own.append(Acknowledgement(self._planning[0], CommandOutcome.SUPERSEDED, reason))
             self._planning = None
-            self._planner.request(None)
+            self._planner.abandon()
 
     def cancel_planning(self) -> None:
         """Forget the motion that is being planned; it is acknowledged as superseded."""

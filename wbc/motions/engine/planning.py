@@ -49,11 +49,13 @@ class MotionPlanner:
         self._cache: dict[type[Motion], PlannedMotion] = {}
         self._left = [kind() for kind in reversed(motions)]
         self._requested: Motion | None = None
+        self._on_request = False  # whether a requested motion is being planned
+        self._thread = 0  # number of the thread that plans; those before it are abandoned
         self._changed = threading.Condition()
 
     def start(self) -> None:
         """Start the thread."""
-        threading.Thread(target=self._work, daemon=True).start()
+        threading.Thread(target=self._work, args=(self._thread,), daemon=True).start()
 
     def cached(self, motion: Motion) -> PlannedMotion | None:
         """Return the plan of a motion if it is cached."""
@@ -67,22 +69,44 @@ class MotionPlanner:
             self._requested = motion
             self._changed.notify()
 
-    def _work(self) -> None:
-        while True:
-            motion, standard = self._take()
-            plan = self.cached(motion) or self._plan(motion)
-            if standard:
-                with self._changed:
-                    self._cache[type(motion)] = plan
-            self._done(plan)
+    def abandon(self) -> None:
+        """Forget what was requested; if it is being planned, go on in another thread.
 
-    def _take(self) -> tuple[Motion, bool]:
+        A plan that takes long, or for ever, then delays no other.
+        """
         with self._changed:
+            self._requested = None
+            if not self._on_request:
+                return
+            self._on_request = False
+            self._thread += 1
+        self.start()
+
+    def _work(self, thread: int) -> None:
+        while (taken := self._take(thread)) is not None:
+            motion, standard = taken
+            plan = self.cached(motion) or self._plan(motion)
+            with self._changed:
+                if standard:
+                    self._cache[type(motion)] = plan
+                abandoned = thread != self._thread
+            if not abandoned:
+                self._done(plan)
+
+    def _take(self, thread: int) -> tuple[Motion, bool] | None:
+        """Return the next motion, and whether nobody requested it; None in an abandoned thread."""
+        with self._changed:
+            if thread != self._thread:
+                return None
+            self._on_request = False
             while self._requested is None and not self._left:
                 self._changed.wait()
+                if thread != self._thread:
+                    return None
             if self._requested is None:
                 return self._left.pop(), True
             requested, self._requested = self._requested, None
+            self._on_request = True
             return requested, False
 
     def _plan(self, motion: Motion) -> PlannedMotion:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import stat
 from pathlib import Path
 
 from wbc.errors import MotionError
@@ -10,6 +11,7 @@ from wbc.motions.keyframing.keyframe import FilePosition, Keyframe, KeyframeErro
 from wbc.motions.keyframing.yaml_file import from_yaml
 
 _MAX_DURATION = 600.0  # s
+_MAX_SIZE = 4 << 20  # bytes of a file
 _READERS = {".csv": from_csv, ".yaml": from_yaml, ".yml": from_yaml}
 
 
@@ -21,7 +23,6 @@ def read_keyframes(path: Path) -> list[Keyframe]:
         MotionError: the file cannot be read.
         MissingExtra: the file is YAML and PyYAML is not installed.
     """
-    # Checked before reading: a user of the live page may name any file, even an endless device.
     read = _READERS.get(path.suffix.lower())
     if read is None:
         raise MotionError(f"keyframes: {path.name} must end in {' or '.join(_READERS)}")
@@ -47,6 +48,11 @@ def read_keyframes(path: Path) -> list[Keyframe]:
 
 def _text(path: Path) -> str:
     try:
+        # A pipe would block for good, and a device may be endless.
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise MotionError(f"keyframes: {path} is not a regular file")
+        if path.stat().st_size > _MAX_SIZE:
+            raise MotionError(f"keyframes: {path} is larger than {_MAX_SIZE >> 20} MiB")
         return path.read_bytes().decode("utf-8-sig")
     except OSError as error:
         raise MotionError(f"keyframes: cannot read {path}: {error.strerror}") from None
