@@ -15,11 +15,13 @@ from wbc.ik.reach import ReachSearch, ReachSolution
 from wbc.ik.velocity_program import Unknown, VelocityProblemLayout, VelocityProgram
 from wbc.limits import AnyLimit, JointPositionLimit, JointVelocityLimit, LimitSet
 from wbc.qp import Outcome, Problem, Solver, explain, load_qp_kernels, resolve_solver
+from wbc.qp.priorities import PriorityOrder
 from wbc.robot import FixedBaseRobot, RobotModel
 from wbc.tasks import JointTask, Task
 
 if TYPE_CHECKING:
     from wbc.ik.compiled_program import CompiledVelocityProgram
+    from wbc.ik.prioritized_program import PrioritizedVelocityProgram
 
 TaskT = TypeVar("TaskT", bound=Task)
 BASE = "root_joint"  #: name of the floating base among the joints
@@ -33,8 +35,10 @@ class InverseKinematics:
         min  ½ Σ_tasks ‖J v − v_ref − (kp/kd) e‖²_w + ½ damping ‖v‖²
         s.t. J v = v_ref + (kp/kd) e for exact tasks (priority 0), limits on v,
 
-    with the same tasks and limits as `wbc.WholeBodyController`: e is the task's error and v_ref
-    its reference velocity. A task with kp = 1/dt and kd = 1 asks for its target within one step.
+    level by level when tasks or limits have different priorities (see `wbc.Task`; the damping
+    belongs to the last level), with the same tasks and limits as `wbc.WholeBodyController`: e is
+    the task's error and v_ref its reference velocity. A task with kp = 1/dt and kd = 1 asks for
+    its target within one step.
     Position limits keep every joint able to stop before its range ends, at the limit's `braking`
     (see `wbc.limits.JointPositionLimit.velocity_bounds`); limits on torques have no meaning here
     and are left aside.
@@ -84,10 +88,12 @@ class InverseKinematics:
         self.problem: Problem | None = None
         self._at_rest = np.zeros(robot.na)
         self._programs: dict[tuple[object, ...], VelocityProgram | CompiledVelocityProgram] = {}
+        self._prioritized: dict[tuple[object, ...], PrioritizedVelocityProgram] = {}
+        self._level_solver: Solver | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """Return everything but the programs, which refer to memory and are made again."""
-        return {**self.__dict__, "_programs": {}, "problem": None}
+        return {**self.__dict__, "_programs": {}, "_prioritized": {}, "problem": None}
 
     def __repr__(self) -> str:
         tasks = ", ".join(task.name for task in self.tasks) or "none"
@@ -164,10 +170,15 @@ class InverseKinematics:
         else:
             self.kinematics.set_configuration(q)
         before = self._at_rest if v is None else self._joint_velocities(v)
-        weighted = tuple([task for task in self.tasks if task.priority != 0])
-        exact = tuple([task for task in self.tasks if task.priority == 0])
-        program = self._program(Unknown.VELOCITY, weighted, exact, self._limit_set)
-        problem = self.problem = program.build(self.kinematics, before, dt)
+        soft = any(limit.priority for limit in self._limit_set.inequalities)
+        if soft or any(task.priority > 1 for task in self.tasks):
+            problem = self._prioritized_program().build(self.kinematics, before, dt)
+        else:
+            weighted = tuple([task for task in self.tasks if task.priority != 0])
+            exact = tuple([task for task in self.tasks if task.priority == 0])
+            program = self._program(Unknown.VELOCITY, weighted, exact, self._limit_set)
+            problem = program.build(self.kinematics, before, dt)
+        self.problem = problem
         velocity = np.zeros(self.robot.nv)
         velocity[self._columns] = self._solve(problem)
         return velocity
@@ -263,13 +274,49 @@ class InverseKinematics:
             self._programs[key] = found
         return found
 
+    def _prioritized_program(self) -> PrioritizedVelocityProgram:
+        """Return the program of the present levels, from a cache."""
+        if not load_qp_kernels():
+            raise InverseKinematicsError("strict priorities need Numba; run  pip install numba")
+        from wbc.ik.prioritized_program import PrioritizedVelocityProgram
+
+        priorities = tuple([task.priority for task in self.tasks])
+        key = (tuple(self.tasks), priorities, self._limit_set, self.damping)
+        found = self._prioritized.get(key)
+        if found is None:
+            if len(self._prioritized) >= 8:
+                self._prioritized.clear()
+            order = PriorityOrder.sort(self.tasks, (), self._limit_set)
+            last = tuple([task for task in order.last if isinstance(task, Task)])
+            layout = VelocityProblemLayout(
+                self.robot,
+                last,
+                order.exact,
+                self._limit_set,
+                self._columns,
+                Unknown.VELOCITY,
+                self.damping,
+            )
+            found = self._prioritized[key] = PrioritizedVelocityProgram(layout, order)
+        return found
+
+    def _solver_of(self, problem: Problem) -> Solver:
+        """Return the solver of a problem, which for levels is the library's own."""
+        if problem.levels is None:
+            return self.solver
+        if self._level_solver is None:
+            from wbc.qp.solvers.hierarchical import HierarchicalSolver
+
+            self._level_solver = HierarchicalSolver()
+        return self._level_solver
+
     def _solve(self, problem: Problem) -> np.ndarray:
         if not problem.finite:
             raise NoSolutionFound(
                 "the QP is not finite: the target, weight or gain of a task or a limit is NaN or "
                 "infinite"
             )
-        solution = self.solver.solve(problem)
+        solution = self._solver_of(problem).solve(problem)
         x = np.asarray(solution.x)
         solved = solution.outcome is Outcome.SOLVED and x.shape == problem.g.shape
         if solved and math.isfinite(x.dot(x)):

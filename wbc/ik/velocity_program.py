@@ -88,8 +88,8 @@ class VelocityProgram:
     def __init__(self, layout: VelocityProblemLayout) -> None:
         self._layout = layout
         nv = layout.robot.nv
-        self._weighted = [_TaskRows(t, nv) for t in postures_last(layout.weighted)]
-        self._exact = [_TaskRows(t, nv) for t in layout.exact]
+        self._weighted = [VelocityTaskRows(t, nv) for t in postures_last(layout.weighted)]
+        self._exact = [VelocityTaskRows(t, nv) for t in layout.exact]
         self._inequalities = [
             limit_update(limit, np.zeros((limit.size, nv)), *np.zeros((2, limit.size)))
             for limit in layout.limits.inequalities
@@ -156,7 +156,7 @@ def weighted_squares(tasks: Sequence[Task], errors: np.ndarray) -> float:
     return float(errors.dot(weights * errors))
 
 
-class _TaskRows:
+class VelocityTaskRows:
     """The rows of a task at velocity level."""
 
     def __init__(self, task: Task, nv: int) -> None:
