@@ -19,6 +19,7 @@ from wbc.robot.posture_solver import (
     PostureTerm,
     RotationTerm,
 )
+from wbc.robot.self_collision import SelfCollision
 from wbc.robot.upper_body import UpperBody
 
 # Weights of squared errors, 1/m² and 1/rad².
@@ -33,6 +34,7 @@ _SUPPORT = 0.35  # share of the soles over which the CoM may move for a hand's s
 _NEGLIGIBLE = 1e-3  # m: a hand error that is not worth another try
 _REFINABLE = 0.02  # m: a hand error that may come from the other targets
 _SAMPLES, _STARTS = 300, 4
+_CLEARANCE = 5e-3  # m between the robot's own bodies
 
 
 class PostureIK:
@@ -122,6 +124,13 @@ class PostureIK:
         carrying = legs | set(self.upper_body.waist)
         names = [f"'{self.robot.joint_names[k]}'" for k in posture.at_limit if k in carrying]
         return f"{' and '.join(names) or 'the legs'} at the limit"
+
+    def self_contact(self, q: np.ndarray) -> str:
+        """Return the names of two bodies of the robot that touch in a posture (nq,), or nearly.
+
+        Empty when all are at least 5 mm apart.
+        """
+        return SelfCollision.of(self.robot).first_contact(q, _CLEARANCE)
 
     @cached_property
     def standing(self) -> PostureSolution:

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
+from weakref import WeakKeyDictionary
 
 import coal
 import numpy as np
@@ -62,12 +63,22 @@ class CollisionShape:
 
 
 def collision_shapes(robot: RobotModel) -> tuple[CollisionShape, ...]:
-    """Return the shapes of all bodies, without the soles.
+    """Return the shapes of all bodies, without the soles; computed once per robot.
 
     They are the description's collision shapes, meshes replaced by their convex hulls. A body
     of at least 2 % of the mass that has none gets the hulls of its visual shapes or, without
     these, the box of uniform density that has its inertia.
     """
+    known = _known.get(robot)
+    if known is None:
+        known = _known[robot] = _collision_shapes(robot)
+    return known
+
+
+_known: WeakKeyDictionary[RobotModel, tuple[CollisionShape, ...]] = WeakKeyDictionary()
+
+
+def _collision_shapes(robot: RobotModel) -> tuple[CollisionShape, ...]:
     found = _shapes_of(robot, "collision")
     bare = _bare_bodies(robot, found)
     if bare:

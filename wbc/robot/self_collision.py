@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import Any, Literal
 from weakref import WeakKeyDictionary
@@ -78,6 +79,28 @@ class SelfCollision:
         """Return the names of the two links of a pair."""
         first, second = (self.shapes[i].link for i in self.pairs[k])
         return f"{first} – {second}"
+
+    @cached_property
+    def _workspace(self) -> tuple[pin.Data, pin.GeometryData]:
+        return self.robot.model.createData(), self.geometry.createData()
+
+    def first_contact(self, q: np.ndarray, margin: float = 0.0) -> str:
+        """Return the names of two bodies that are nearer than a margin; empty if none are.
+
+        Pairs that are nearer than that in the nominal posture count where they overlap.
+
+        Args:
+            q: (nq,) posture.
+            margin: m.
+        """
+        data, geometry_data = self._workspace
+        for k, nominal in enumerate(self.nominal_distance):
+            geometry_data.collisionRequests[k].security_margin = min(margin, 0.5 * float(nominal))
+        model = self.robot.model
+        if not pin.computeCollisions(model, data, self.geometry, geometry_data, q, True):
+            return ""
+        hits = (k for k, r in enumerate(geometry_data.collisionResults) if r.isCollision())
+        return self.pair_name(next(hits))
 
     def _joint(self, shape: int) -> int:
         return self.shapes[shape].joint_id

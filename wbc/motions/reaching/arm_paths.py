@@ -1,11 +1,13 @@
-"""Paths between postures that the joints are strong enough for."""
+"""Paths between postures that the joints are strong enough for, and on which no bodies touch."""
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+import pinocchio as pin
 
 from wbc.errors import MotionError
 from wbc.ik.objective import PostureObjective, PostureSolution
@@ -14,10 +16,11 @@ from wbc.ik.posture_ik import PostureIK
 from wbc.motions.reaching.place_sampler import PlaceSampler
 
 _WAYPOINTS = 40  # candidates for the posture that a path leads over
+_CHECKED_SHARES = np.linspace(0.1, 0.9, 9)  # of a path, at which bodies must not touch
 
 
 class ArmPaths:
-    """Finds paths of one or two straight segments in joint space that keep the torque limits.
+    """Finds paths of one or two straight segments in joint space within torque limits, and clear.
 
     A stretched arm is heaviest when it is level: what cannot be lifted straight can be lifted
     with the elbow bent first. Candidates for waypoints are sampled, always the same ones.
@@ -68,6 +71,11 @@ class ArmPaths:
         return path
 
     def _max_effort(self, start: PostureSolution, end: PostureSolution) -> float:
+        """Return the largest share of a torque on a straight path, ∞ if bodies touch on it."""
+        model = self._ik.robot.model
+        for share in _CHECKED_SHARES:
+            if self._ik.self_contact(pin.interpolate(model, start.q, end.q, share)):
+                return math.inf
         return max_effort_along(self._ik.robot, start.q, end.q).ratio
 
     @cached_property

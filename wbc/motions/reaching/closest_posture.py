@@ -120,12 +120,17 @@ def _candidates(ik: PostureIK, desired: HandPlaces) -> list[_Candidate]:
                 "out"
             )
         else:
-            obstacle = pelvis_violation(ik.robot, posture.q)
+            obstacle = pelvis_violation(ik.robot, posture.q) or _touching(ik, posture)
         excess = max(effort.ratio - MAX_TORQUE_SHARE, 0.0)
         tried.append(_Candidate(posture, obstacle, excess))
         if tried[-1].acceptable:
             break
     return tried
+
+
+def _touching(ik: PostureIK, posture: PostureSolution) -> str:
+    bodies = ik.self_contact(posture.q)
+    return f"{bodies} would touch" if bodies else ""
 
 
 def _partial_reach(ik: PostureIK, places: Places) -> PostureSolution:

@@ -42,14 +42,15 @@ class PlaceSampler:
     """Samples postures of the arms from the middle of their joints' ranges.
 
     A posture is rejected if a hand is behind the robot, across its middle, in the trunk or at
-    the other hand, or if it takes more than 75 % of any joint's torque at rest. No other
-    criterion applies.
+    the other hand, if bodies of the robot touch each other, or if it takes more than 75 % of any
+    joint's torque at rest. No other criterion applies.
 
     Attributes:
         ik: inverse kinematics of the robot.
         seed: seed of the samples.
         tried: number of postures sampled.
-        colliding: number of these with a hand where the body or the other hand is.
+        colliding: number of these in which bodies touch, or with a hand where the body or the
+            other hand is.
         too_heavy: number of the rest that the joints are too weak to hold.
     """
 
@@ -72,16 +73,16 @@ class PlaceSampler:
                 return found
         raise MotionError(
             f"reach: {self.ik.robot.name}'s hands reach hardly anything in front of it: of "
-            f"{self.tried} postures {self.colliding} have a hand at the body, {self.too_heavy} "
-            "are too heavy"
+            f"{self.tried} postures {self.colliding} have touching bodies or a hand at the body, "
+            f"{self.too_heavy} are too heavy"
         )
 
     def __str__(self) -> str:
         accepted = self.tried - self.colliding - self.too_heavy
         return (
             f"{accepted} random positions for both hands, of {self.tried} sampled postures of the "
-            f"arms; in {self.colliding} a hand is at the body or on the wrong side, "
-            f"{self.too_heavy} take more than {100.0 * _MAX_TORQUE_SHARE:.0f} % of a joint's "
+            f"arms; in {self.colliding} bodies touch or a hand is at the body or on the wrong "
+            f"side, {self.too_heavy} take more than {100.0 * _MAX_TORQUE_SHARE:.0f} % of a joint's "
             "torque at rest"
         )
 
@@ -99,7 +100,7 @@ class PlaceSampler:
                 share = random.uniform(_LOW, _HIGH, joints.size)
                 q[7 + joints] = low + share * (high - low)
             places = {arm.hand: ik.frame_position(arm.hand, q) for arm in arms}
-            if not _is_clear(ik, arms, places):
+            if not _is_clear(ik, arms, places) or ik.self_contact(q):
                 self.colliding += 1
             elif holding_effort(robot, q).ratio >= _MAX_TORQUE_SHARE:
                 self.too_heavy += 1
