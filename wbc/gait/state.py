@@ -61,12 +61,14 @@ class GaitState:
         dcm: estimated divergent component of motion without the bias of the CoM, m.
         dcm_offset: by how much the wanted DCM differed from the planner's at the last tick, because
             of the swing leg's angular momentum or a motion, m.
+        disturbance: rate at which an unknown force moves the DCM, m/s.
         phase: part of the gait cycle.
         support: side of the foot that carries, or that the weight moves to.
         time: since the phase began, s; 0 in the tick in which it begins.
         duration: duration of the phase, s.
         hold: time at the beginning of a transfer in which the weight does not move yet, s.
         shortened: the phase ends before its usual time, to catch a push.
+        pushed_at_rest: the present steps began out of standing, because of a push.
         starting: the transfer begins from standing on both feet.
         stopping: the transfer ends in standing on both feet.
         weight_shift: where the weight is while standing or on one leg: 0 over the right
@@ -91,12 +93,14 @@ class GaitState:
     com: complex = 0j
     dcm: complex = 0j
     dcm_offset: complex = 0j
+    disturbance: complex = 0j
     phase: Phase = Phase.STAND
     support: str = "left"
     time: float = 0.0
     duration: float = 0.0
     hold: float = 0.0
     shortened: bool = False
+    pushed_at_rest: bool = False
     starting: bool = True
     stopping: bool = False
     weight_shift: float = 0.5
@@ -122,6 +126,11 @@ class GaitState:
     def recovering(self) -> bool:
         """Whether the present steps are the quick ones after a push."""
         return self.gait is not self.normal_gait
+
+    @property
+    def steps_out(self) -> bool:
+        """Whether the present step is one that catches a push on a robot that stood."""
+        return self.pushed_at_rest and (self.shortened or self.recovering)
 
     def on_slope(self, placement: Placement) -> Placement:
         """The same placement at the height that the ground has there, from the support foot on."""

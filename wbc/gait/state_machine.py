@@ -18,6 +18,7 @@ _STAIR = 0.05  # m; footholds whose heights differ by more are on stairs
 _SHORTENING = 0.5  # share of the double support that a late touchdown may take off it
 _MOVED = 0.03  # m from its planned place at which the last step is followed by another one
 _FROM_THE_AIR = 0.7  # share of the single support after which a foot that was held up lands
+_FIRST_TRANSFER = 0.2  # share of the transfer out of standing before a step that catches a push
 _EARLIEST_TOUCHDOWN = 0.6  # share of the swing before which contact is lift-off noise
 
 
@@ -87,7 +88,9 @@ class GaitStateMachine:
                 self._adapt_to_speed(command)
                 state.support = other_side(side)
                 state.starting, state.stopping = True, False
-                self._enter(Phase.TRANSFER, state.gait.first_transfer)
+                state.pushed_at_rest = state.requested_swing is not None
+                share = _FIRST_TRANSFER if state.pushed_at_rest else 1.0
+                self._enter(Phase.TRANSFER, share * state.gait.first_transfer)
         elif state.phase is Phase.TRANSFER:
             if state.time >= state.duration:
                 if state.stopping:
@@ -224,6 +227,7 @@ class GaitStateMachine:
     def _touch_down(self, command: GaitCommand) -> None:
         state = self.state
         state.steps += 1
+        state.pushed_at_rest = state.steps_out
         side = self._planner.next_swing(state, command)
         self._adapt_to_speed(command)
         if side is None and (state.shortened or self._was_moved()):

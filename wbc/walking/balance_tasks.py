@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.controller import WholeBodyController
-from wbc.gait import GaitState
+from wbc.gait import GaitState, Phase
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.geometry.planar import wrap_angle
 from wbc.kinematics import Kinematics
@@ -94,6 +94,8 @@ class BalanceTasks:
         self._com_target[2] = height
         com.target = self._com_target
         swing = state.swing
+        catches = state.phase is Phase.SWING and state.steps_out
+        self._trunk.set_yielding(catches)
         self._trunk.update(heading, 0.0 if swing is None else 0.5 * swing.yaw_rate, offset)
 
 

@@ -22,6 +22,8 @@ class WalkerGains:
         swing_kp: stiffness of the swing foot, 1/s².
         trunk_weight: weight of torso and base orientation.
         trunk_kp: 1/s².
+        trunk_recovery_share: share of the trunk's weight in a swing that catches a push: the trunk
+            takes up momentum that would move the ZMP away from the DCM.
         posture_weight: weight of the posture of arms, trunk and head.
         leg_posture_weight: weight of the legs' posture without the knees: too little to pull on
             the CoM.
@@ -45,6 +47,7 @@ class WalkerGains:
     swing_kp: float = 400.0
     trunk_weight: float = 20.0
     trunk_kp: float = 80.0
+    trunk_recovery_share: float = 0.3
     posture_weight: float = 1.0
     leg_posture_weight: float = 0.02
     knee_posture_weight: float = 0.5

@@ -12,6 +12,8 @@ from wbc.gait.leg_momentum import swing_momentum
 from wbc.robot import Robot
 from wbc.walking.kernels.swing_momentum import swing_acceleration
 
+_GROUND_SHARE = 0.5  # of the momentum of a step that catches a push; the trunk takes the rest
+
 
 class SwingMomentum:
     """Adds the angular momentum of the swing leg to a planner's DCM.
@@ -98,8 +100,9 @@ class SwingMomentum:
         left = math.exp(-omega * remaining)
         way = swing.target.point - complex(x, y)
         mean = 0.5 * way + 0.1 * remaining * velocity
-        offset = self.ratio * omega * (velocity - omega * (way * left + mean * (1.0 - left)))
-        return _moved(reference, offset, -self.ratio * complex(a_x, a_y), omega)
+        ratio = (_GROUND_SHARE if state.steps_out else 1.0) * self.ratio
+        offset = ratio * omega * (velocity - omega * (way * left + mean * (1.0 - left)))
+        return _moved(reference, offset, -ratio * complex(a_x, a_y), omega)
 
 
 def _moved(reference: DcmReference, offset: complex, pivot: complex, omega: float) -> DcmReference:

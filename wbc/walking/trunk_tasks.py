@@ -33,8 +33,30 @@ class TrunkTasks:
             controller.add(OrientationTask(name, weight=gains.trunk_weight, kp=gains.trunk_kp))
             for name in frames
         )
+        self._recovery_share = gains.trunk_recovery_share
+        # Tasks of a trunk that yields, with their usual weights and those of now.
+        self._yielding: list[tuple[OrientationTask, np.ndarray, np.ndarray]] = []
         self._upright = np.array([kin.frame(name).rotation for name in frames])
         self._targets = self._upright.copy()
+
+    def set_yielding(self, yields: bool) -> None:
+        """Choose whether the trunk yields to a step that catches a push, or is held upright.
+
+        Held upright, it passes the momentum of push and swing leg on to the support foot, whose
+        ZMP is at its edge already. A weight that is set meanwhile stays as it is set.
+        """
+        if yields is bool(self._yielding):
+            return
+        if yields:
+            for task in self.tasks:
+                usual = task.weight
+                task.weight = self._recovery_share * usual
+                self._yielding.append((task, usual, task.weight))
+            return
+        for task, usual, lowered in self._yielding:
+            if task.weight is lowered:
+                task.weight = usual
+        self._yielding.clear()
 
     def update(self, yaw: float, yaw_rate: float, offset: ReferenceOffset | None) -> None:
         """Set the references: upright along a heading, turned by an offset.

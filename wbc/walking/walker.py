@@ -226,6 +226,7 @@ class Walker:
             StateError: see `State.validated`.
         """
         self._kin.update(state)
+        self.stabilizer.resume()
         feet, com = self._ground.read()
         adaptation = SpeedAdaptation(self.gait, self._workspace)
         self.state_machine = GaitStateMachine(

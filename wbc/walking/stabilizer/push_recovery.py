@@ -16,7 +16,9 @@ _SWING_ACCELERATION = 7.0  # times gravity: what the hips accelerate a foot by w
 _OUT_OF_REACH = 0.05  # share of the CoM height by which a landing place has to be out of reach
 _WITHIN_REACH = 0.01, 0.03  # m, the same of a step of the normal gait: to return to it, to stay
 _LEAST_ERROR = 0.05  # m of DCM error that shorten a transfer or make a robot step, at least
-_USED_SUPPORT = 0.6  # share of the way to the support's edge that the DCM may go while standing
+_USED_SUPPORT = 0.5  # share of the way to the support's edge that the DCM may go while standing
+_LOOKAHEAD = 0.07  # s for which a push is taken to last on, of a robot on both feet
+_NO_PUSH = 0.5  # m/s by which noise and settling seem to move the DCM
 _USED_SOLE = 0.9  # the same on one leg
 _PREVIEW = 3  # steps looked ahead to choose the foot that steps out of standing
 
@@ -118,9 +120,10 @@ class PushRecovery:
         # A motion may bring the planned ZMP itself to the edge: small errors are the ankles'. On
         # one leg, where the sole's edge is as near, those that the ankle can still catch are.
         least, share = (0.0, _USED_SOLE) if lifted else (_LEAST_ERROR, _USED_SUPPORT)
-        if abs(state.dcm - planned.dcm) <= least:
+        dcm = state.dcm if lifted else _dcm_ahead(state)
+        if abs(dcm - planned.dcm) <= least:
             return
-        error = (state.dcm - planned.dcm) * planar_rotation(-state.stance.yaw)
+        error = (dcm - planned.dcm) * planar_rotation(-state.stance.yaw)
         along, across = self._zmp_range(state, planned, 1.0)
         if abs(error.real) < share * along and abs(error.imag) < share * across:
             return
@@ -184,7 +187,7 @@ class PushRecovery:
         swing, transfer = (
             math.exp(quick.omega * t) for t in (quick.single_support, quick.double_support)
         )
-        dcm = stance.to_local(state.dcm).imag
+        dcm = stance.to_local(_dcm_ahead(state)).imag
         foot = stance.to_local(state.feet.of(other_side(side)).point).imag
         other = stance.to_local(state.feet.of(side).point).imag
         zmp = max(min(foot, other) - half_width, min(max(foot, other) + half_width, dcm))
@@ -198,3 +201,11 @@ class PushRecovery:
             foot += sign * max(quick.least_width, min(widest, sign * (dcm - foot)))
             side = other_side(side)
         return abs(dcm - foot)
+
+
+def _dcm_ahead(state: GaitState) -> complex:
+    """Where a push that lasts on will have moved the DCM, a ground point, m."""
+    rate = state.disturbance
+    if abs(rate) <= _NO_PUSH:
+        return state.dcm
+    return state.dcm + _LOOKAHEAD * (1.0 - _NO_PUSH / abs(rate)) * rate

@@ -13,6 +13,7 @@ from wbc.walking.gains import WalkerGains
 from wbc.walking.ground_kinematics import CentroidalMotion
 from wbc.walking.stabilizer.com_bias import ComBiasEstimator
 from wbc.walking.stabilizer.dcm_feedback import zmp_from_dcm_error
+from wbc.walking.stabilizer.disturbance import DisturbanceObserver
 from wbc.walking.stabilizer.push_recovery import PushRecovery, Reference
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
@@ -63,10 +64,16 @@ class Stabilizer:
         self.com_bias = ComBiasEstimator(robot.gravity)
         self.support = SupportPolygon(robot)
         self.push_recovery = PushRecovery(self.support)
+        self._disturbance = DisturbanceObserver()
 
     def reset(self) -> None:
         """Start anew, at rest and without a known bias."""
         self.com_bias.reset()
+        self.resume()
+
+    def resume(self) -> None:
+        """Go on after another controller, with the bias known so far."""
+        self._disturbance.reset()
 
     def observe(
         self,
@@ -76,7 +83,7 @@ class Stabilizer:
         heading: float,
         dt: float,
     ) -> None:
-        """Write CoM and DCM of this tick into the gait's state, the DCM without bias.
+        """Write CoM, DCM and disturbance of this tick into the gait's state.
 
         Args:
             state: state of the gait.
@@ -88,6 +95,7 @@ class Stabilizer:
         dcm = com.point + com.velocity / state.gait.omega
         state.com = com.point
         state.dcm = dcm - self.com_bias.update(dt, com, reaction, heading)
+        state.disturbance = self._disturbance.update(state.dcm, dt)
 
     def update(self, state: GaitState, reference: Reference) -> StabilizerOutput:
         """Decide on ZMP, CoM acceleration and landing place of this tick.
@@ -104,6 +112,7 @@ class Stabilizer:
         zmp = self.support.clamp(zmp, state, self._gains.zmp_margin)
         # The CoM as estimated, with its bias: the QP uses the same, so the ZMP is as commanded.
         acceleration = omega * omega * (state.com - zmp - wanted.cmp_offset)
+        self._disturbance.expect(omega * (dcm - zmp - wanted.cmp_offset))
         return StabilizerOutput(dcm, wanted, zmp, acceleration, landing)
 
     def _adjust_steps(

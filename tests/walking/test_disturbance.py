@@ -1,0 +1,56 @@
+"""The disturbance observer sees a force in the DCM; a trunk that yields gets its weight back."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import wbc
+from wbc.walking.stabilizer.disturbance import DisturbanceObserver
+
+DT, OMEGA, ZMP = 0.002, 3.5, 0.02 - 0.01j
+
+
+def observe(force: complex, ticks: int) -> DisturbanceObserver:
+    """Observe the DCM of a pendulum that a force moves by `force` m/s."""
+    observer, dcm = DisturbanceObserver(), 0.03 + 0.02j
+    growth = math.exp(OMEGA * DT)
+    for _ in range(ticks):
+        observer.update(dcm, DT)
+        observer.expect(OMEGA * (dcm - ZMP))
+        fixed_point = ZMP - force / OMEGA
+        dcm = fixed_point + (dcm - fixed_point) * growth
+    return observer
+
+
+def test_a_pendulum_on_its_zmp_has_no_disturbance():
+    assert abs(observe(0j, 50).rate) < 0.01
+
+
+def test_the_rate_of_a_lasting_force_is_found_within_20_ms():
+    assert observe(0.5 - 1.5j, 11).rate == pytest.approx(0.5 - 1.5j, rel=0.12)
+    assert observe(0.5 - 1.5j, 50).rate == pytest.approx(0.5 - 1.5j, rel=0.03)
+
+
+def test_where_the_dcm_is_after_a_reset_is_no_disturbance():
+    observer = observe(0.5 - 1.5j, 50)
+    observer.reset()
+    assert observer.update(7.0 + 3.0j, DT) == 0j
+
+
+def test_a_trunk_yields_to_a_step_that_catches_a_push_and_is_held_again_after_it():
+    walker = wbc.Walker(wbc.load("g1"))
+    usual = walker.gains.trunk_weight
+    share = walker.gains.trunk_recovery_share
+    trunk = walker._tasks._trunk
+    tasks = trunk.tasks
+    trunk.set_yielding(True)
+    trunk.set_yielding(True)
+    for task in tasks:
+        np.testing.assert_allclose(task.weight, share * usual)
+    tasks[0].weight = 7.0
+    trunk.set_yielding(False)
+    np.testing.assert_array_equal(tasks[0].weight, np.full(3, 7.0))
+    np.testing.assert_allclose(tasks[1].weight, usual)

@@ -1,0 +1,46 @@
+"""Disturbance observer: the force of a push, seen in the DCM before the DCM has moved far."""
+
+from __future__ import annotations
+
+_TIME_CONSTANT = 0.01  # s, of the low-pass filter
+
+
+class DisturbanceObserver:
+    """Estimates how fast an unknown force moves the DCM.
+
+    A force F on the robot adds F / (m ω) to what ZMP p and pivot offset δ do to the DCM,
+
+        d = ξ̇ − ω (ξ − p − δ),
+
+    low-pass filtered because ξ̇ is a difference of estimates (a disturbance observer after
+    K. Ohnishi, M. Shibata, T. Murakami, Motion control for advanced mechatronics, 1996).
+
+    Attributes:
+        rate: d, ground vector, m/s.
+    """
+
+    def __init__(self) -> None:
+        self.rate = 0j
+        self._before: complex | None = None
+        self._expected = 0j
+
+    def reset(self) -> None:
+        """Start anew, without a disturbance."""
+        self.rate, self._expected, self._before = 0j, 0j, None
+
+    def update(self, dcm: complex, dt: float) -> complex:
+        """Return the rate of the disturbance, m/s.
+
+        Args:
+            dcm: estimated ξ of this tick, m.
+            dt: time since the last tick, s.
+        """
+        before, self._before = self._before, dcm
+        if before is not None:
+            rate = (dcm - before) / dt - self._expected
+            self.rate += min(dt / _TIME_CONSTANT, 1.0) * (rate - self.rate)
+        return self.rate
+
+    def expect(self, rate: complex) -> None:
+        """Set the `ω (ξ − p − δ)` that the command of this tick leads to, m/s."""
+        self._expected = rate
