@@ -189,7 +189,7 @@ class InverseKinematics:
         *,
         targets: Sequence[Task] | None = None,
         tolerance: float = 1e-5,
-        restarts: int = 50,
+        restarts: int = 100,
         seed: int = 0,
     ) -> ReachSolution:
         """Search for a posture at which the errors of tasks vanish.
