@@ -32,7 +32,7 @@ import numpy as np
 
 import wbc
 from wbc.hardware import SafeHardware, UnitreeG1
-from wbc.hardware.unitree.lockstep import Disturbance, LockstepLink, undisturbed
+from wbc.hardware.unitree.lockstep import Disturbance, LockstepTransport, undisturbed
 from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
 from wbc.hardware.unitree.stand_in import PERIOD, G1StandIn
 from wbc.runtime.loop import StopRun
@@ -116,13 +116,13 @@ def feet(options: argparse.Namespace) -> list[Row]:
 
 def _started(
     seed: int = 0, latency: float = 0.0, disturb: Disturbance = undisturbed
-) -> tuple[G1StandIn, LockstepLink, SafeHardware]:
+) -> tuple[G1StandIn, LockstepTransport, SafeHardware]:
     stand_in = G1StandIn(seed=seed, latency=latency)
-    link = LockstepLink(stand_in)
-    plant = SafeHardware(UnitreeG1(stand_in.robot, link), on_transition=lambda change: None)
+    transport = LockstepTransport(stand_in)
+    plant = SafeHardware(UnitreeG1(stand_in.robot, transport), on_transition=lambda change: None)
     plant.start()
-    link.on_state = link.on_command = disturb
-    return stand_in, link, plant
+    transport.on_state = transport.on_command = disturb
+    return stand_in, transport, plant
 
 
 def latency(options: argparse.Namespace) -> list[Row]:
@@ -194,7 +194,7 @@ def _shuffle(fields: np.ndarray) -> None:
 
 def faults(options: argparse.Namespace) -> list[Row]:
     """Inject faults into a standing robot: time to detection and from there to damping."""
-    stand_in, link, plant = _started()
+    stand_in, transport, plant = _started()
     report = wbc.run(wbc.Walker(stand_in.robot), plant, 1.2)
     assert report.survived
     zero = np.zeros(stand_in.robot.na)
@@ -210,7 +210,7 @@ def faults(options: argparse.Namespace) -> list[Row]:
         "bits flipped": _flip,
     }
     for name, disturb in cases.items():
-        robot, wire, safe = copy.deepcopy((stand_in, link, plant))
+        robot, wire, safe = copy.deepcopy((stand_in, transport, plant))
         wire.on_state = disturb
         begin = wire.now()
         try:
@@ -220,7 +220,7 @@ def faults(options: argparse.Namespace) -> list[Row]:
         except StopRun:
             detected = wire.now()
         rows.append(_fault_row(name, begin, detected, robot, wire, safe.fault))
-    robot, wire, safe = copy.deepcopy((stand_in, link, plant))
+    robot, wire, safe = copy.deepcopy((stand_in, transport, plant))
     begin = wire.now()
     for _ in range(10):
         wire.advance()
@@ -231,7 +231,7 @@ def faults(options: argparse.Namespace) -> list[Row]:
     except StopRun:
         detected = wire.now()
     rows.append(_fault_row("pause of 20 ms", begin, detected, robot, wire, safe.fault))
-    robot, wire, _ = copy.deepcopy((stand_in, link, plant))
+    robot, wire, _ = copy.deepcopy((stand_in, transport, plant))
     begin = wire.now()
     rows.append(
         _fault_row("controller killed", begin, begin + 0.02, robot, wire, "no command for 20 ms")
@@ -241,7 +241,7 @@ def faults(options: argparse.Namespace) -> list[Row]:
         ("commands to other motors", undisturbed, _changed(_shuffle, LOW_COMMAND)),
     ):
         robot = G1StandIn()
-        wire = LockstepLink(robot)
+        wire = LockstepTransport(robot)
         wire.on_state, wire.on_command = on_state, on_command
         safe = SafeHardware(UnitreeG1(robot.robot, wire), on_transition=lambda change: None)
         try:
@@ -254,7 +254,7 @@ def faults(options: argparse.Namespace) -> list[Row]:
 
 
 def _fault_row(
-    name: str, begin: float, detected: float, robot: G1StandIn, wire: LockstepLink, reason: str
+    name: str, begin: float, detected: float, robot: G1StandIn, wire: LockstepTransport, reason: str
 ) -> Row:
     while not robot.damping or wire.now() < detected:
         wire.advance()

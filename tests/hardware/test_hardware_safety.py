@@ -52,7 +52,7 @@ def test_it_goes_from_damping_over_the_posture_to_control_and_ends_in_damping(st
         SafetyState.CONTROL,
         SafetyState.DAMPING,
     ]
-    run.link.advance()
+    run.transport.advance()
     assert run.stand_in.damping
 
 
@@ -63,7 +63,7 @@ def test_it_walks_with_10_ms_of_latency_and_5_percent_of_the_messages_lost(stand
         return [] if random.random() < 0.05 else [data]
 
     run = copy.deepcopy(standing)
-    run.link.on_state = run.link.on_command = lossy
+    run.transport.on_state = run.transport.on_command = lossy
     run.stand_in.plant._servos._latency = 8
     report = run.run(2.5, speed=0.35)
     assert report.survived
@@ -120,20 +120,20 @@ FAULTS = {
 def test_a_fault_damps_the_joints_at_once_and_for_good(name: str, standing) -> None:
     disturb, reason, detection = FAULTS[name]
     run = copy.deepcopy(standing)
-    begin = run.link.now()
-    run.link.on_state = lambda _, data: disturb(data)
+    begin = run.transport.now()
+    run.transport.on_state = lambda _, data: disturb(data)
     with pytest.raises(StopRun, match=re.escape(reason)):
         run.hold(0.1)
     assert reason in run.plant.fault
     # Detected as soon as it can be, and damped in the same period.
-    assert run.link.now() - begin <= detection + 0.0021
-    run.link.advance()
+    assert run.transport.now() - begin <= detection + 0.0021
+    run.transport.advance()
     assert run.stand_in.damping
     with pytest.raises(StopRun):
         run.measure()
     with pytest.raises(StopRun):
         run.step(run.command)
-    run.link.advance()
+    run.transport.advance()
     assert run.stand_in.damping
 
 
@@ -149,7 +149,10 @@ def test_reordered_messages_and_single_flipped_bits_are_dropped_and_counted(stan
         return {1: [data, *held[-1:]], 2: [flipped_bit(data)]}.get(kind, [data])
 
     run = copy.deepcopy(standing)
-    run.link.on_state, run.link.on_command = reorder, lambda _, data: [flipped_bit(data), data]
+    run.transport.on_state, run.transport.on_command = (
+        reorder,
+        lambda _, data: [flipped_bit(data), data],
+    )
     run.hold(0.06)
     assert not run.plant.fault
     assert run.plant.connection.reordered >= 2
@@ -161,7 +164,7 @@ def test_a_pause_of_the_controller_ends_the_run_and_the_robot_damps_meanwhile(st
     run = copy.deepcopy(standing)
     run.hold(0.01)
     for _ in range(12):
-        run.link.advance()
+        run.transport.advance()
     assert run.stand_in.damping
     with pytest.raises(StopRun, match="ms behind the robot's clock"):
         run.hold(0.01)
@@ -169,10 +172,10 @@ def test_a_pause_of_the_controller_ends_the_run_and_the_robot_damps_meanwhile(st
 
 def test_the_robot_damps_by_itself_when_its_controller_is_gone(standing) -> None:
     run = copy.deepcopy(standing)
-    begin = run.link.now()
+    begin = run.transport.now()
     while not run.stand_in.damped:
-        run.link.advance()
-    assert run.link.now() - begin < 0.025
+        run.transport.advance()
+    assert run.transport.now() - begin < 0.025
 
 
 def test_another_robot_is_refused(hanging) -> None:
@@ -183,11 +186,11 @@ def test_another_robot_is_refused(hanging) -> None:
         return [changed_state(data, change)]
 
     run = copy.deepcopy(hanging)
-    run.link.on_state = other
+    run.transport.on_state = other
     with pytest.raises(HardwareError, match="mode_machine 4"):
         run.plant.start()
     with pytest.raises(HardwareError, match="not the joints of a G1"):
-        UnitreeG1(load("simple_humanoid"), run.link)
+        UnitreeG1(load("simple_humanoid"), run.transport)
 
 
 def test_motors_in_another_order_are_found_before_the_robot_stands(hanging) -> None:
@@ -200,7 +203,7 @@ def test_motors_in_another_order_are_found_before_the_robot_stands(hanging) -> N
         return [buffer.encode()]
 
     run = copy.deepcopy(hanging)
-    run.link.on_command = swap
+    run.transport.on_command = swap
     with pytest.raises(HardwareError, match=r"another order|moves at|jumped|outside"):
         run.plant.start()
     assert run.plant.state is SafetyState.DAMPING
@@ -218,7 +221,7 @@ def test_it_does_not_start_from_a_posture_far_away_or_without_a_robot(hanging) -
         (lambda now, data: [], "check the cable"),
     ):
         run = copy.deepcopy(hanging)
-        run.link.on_state = disturb
+        run.transport.on_state = disturb
         with pytest.raises(HardwareError, match=reason):
             run.plant.start()
 
@@ -275,9 +278,9 @@ class NobodyConnected:
 
 
 def test_the_stand_in_sends_states_until_it_is_stopped_and_is_damped_meanwhile(hanging) -> None:
-    run, link = copy.deepcopy(hanging), NobodyConnected()
-    serve(run.stand_in, link, math.inf, stop=lambda: len(link.sent) == 5)
+    run, transport = copy.deepcopy(hanging), NobodyConnected()
+    serve(run.stand_in, transport, math.inf, stop=lambda: len(transport.sent) == 5)
     buffer = MessageBuffer(LOW_STATE)
-    assert all(buffer.decode(data) for data in link.sent)
+    assert all(buffer.decode(data) for data in transport.sent)
     assert buffer.fields["tick"][0] == 10
     assert run.stand_in.damping

@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wbc.hardware.unitree.link import DdsLink
 from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
+from wbc.hardware.unitree.transport import DdsTransport
 from wbc.ros.network import Network
 
 PYTHON = os.environ.get("WBC_UNITREE_PYTHON", "")
@@ -56,7 +56,7 @@ def test_a_command_has_the_same_bytes_and_checksum_as_the_sdk_s() -> None:
 
 def test_the_sdk_receives_states_and_its_commands_are_received() -> None:
     network = Network(111)
-    link = DdsLink(network, robot_side=True)
+    transport = DdsTransport(network, robot_side=True)
     state = MessageBuffer(LOW_STATE)
     fields = state.fields
     fields["mode_machine"], fields["tick"] = 5, 4321
@@ -71,11 +71,11 @@ def test_the_sdk_receives_states_and_its_commands_are_received() -> None:
     )
     received, end = [], time.monotonic() + 30.0
     while peer.poll() is None and time.monotonic() < end:
-        link.send(sent)
-        if (data := link.receive(0.02)) is not None:
+        transport.send(sent)
+        if (data := transport.receive(0.02)) is not None:
             received.append(data)
     output = peer.communicate(timeout=10.0)[0]
-    link.close()
+    transport.close()
     theirs = json.loads(output)
     again = MessageBuffer(LOW_STATE)
     assert again.decode(bytes.fromhex(theirs["bytes"]))

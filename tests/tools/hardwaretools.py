@@ -11,7 +11,7 @@ import numpy as np
 import wbc
 from wbc.command import Command
 from wbc.hardware import SafeHardware, UnitreeG1
-from wbc.hardware.unitree.lockstep import Disturbance, LockstepLink, undisturbed
+from wbc.hardware.unitree.lockstep import Disturbance, LockstepTransport, undisturbed
 from wbc.hardware.unitree.messages import LOW_STATE, MessageBuffer
 from wbc.hardware.unitree.stand_in import G1StandIn
 from wbc.measurement import Measurement
@@ -25,13 +25,13 @@ class HardwareRun:
 
     Attributes:
         stand_in: the robot.
-        link: the wire.
+        transport: the wire.
         plant: the safety layer.
         command: the last command.
     """
 
     stand_in: G1StandIn
-    link: LockstepLink
+    transport: LockstepTransport
     plant: SafeHardware
     command: Command | None = None
 
@@ -44,9 +44,9 @@ class HardwareRun:
         machine: int = 5,
     ) -> HardwareRun:
         stand_in = G1StandIn(machine=machine)
-        link = LockstepLink(stand_in, on_state=on_state, on_command=on_command)
-        plant = SafeHardware(UnitreeG1(stand_in.robot, link), on_transition=_ignore)
-        return cls(stand_in, link, plant)
+        transport = LockstepTransport(stand_in, on_state=on_state, on_command=on_command)
+        plant = SafeHardware(UnitreeG1(stand_in.robot, transport), on_transition=_ignore)
+        return cls(stand_in, transport, plant)
 
     def run(self, duration: float, speed: float = 0.0) -> Report:
         walker = wbc.Walker(self.stand_in.robot)

@@ -41,12 +41,12 @@ def robot(
         json: write the changes, the final pose and the timing as JSON.
     """
     with exit_on_interrupt():  # it imports and compiles
-        from wbc.hardware.unitree.link import DdsLink
         from wbc.hardware.unitree.stand_in import G1StandIn
         from wbc.hardware.unitree.stand_in_server import serve
+        from wbc.hardware.unitree.transport import DdsTransport
 
         stand_in = G1StandIn(seed=seed, latency=latency)
-        link = DdsLink(Network.from_environment(0, interface, {}), robot_side=True)
+        transport = DdsTransport(Network.from_environment(0, interface, {}), robot_side=True)
     for at, impulse in push:
         stand_in.plant.schedule_push(at, impulse)
     changes: list[tuple[float, str]] = []
@@ -57,8 +57,8 @@ def robot(
 
     print(f"{model} is on '{interface}'; press Ctrl-C to stop", flush=True)
     with graceful_interrupt() as interrupted:
-        clock = serve(stand_in, link, duration, stop=lambda: interrupted, on_change=show)
-    link.close()
+        clock = serve(stand_in, transport, duration, stop=lambda: interrupted, on_change=show)
+    transport.close()
     if json is not None:
         q = stand_in.plant.ground_truth().q
         result = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from wbc.hardware.hardware import Reading
 from wbc.hardware.unitree.g1 import UnitreeG1
 from wbc.hardware.unitree.guard import DampingMessage, GuardConfig
-from wbc.hardware.unitree.link import DdsLink
+from wbc.hardware.unitree.transport import DdsTransport
 from wbc.process import ChildProcess
 from wbc.robot import Robot, load
 from wbc.ros.network import Network
@@ -25,7 +25,7 @@ class GuardedG1(UnitreeG1):
     """
 
     def __init__(self, robot: Robot, network: Network) -> None:
-        super().__init__(robot, DdsLink(network))
+        super().__init__(robot, DdsTransport(network))
         self._guard = ChildProcess("wbc.hardware.unitree.guard", title="the guard")
         self._guard.configure(GuardConfig(network))
         self._knows_damping = False

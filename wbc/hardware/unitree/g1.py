@@ -8,9 +8,9 @@ import numpy as np
 
 from wbc.hardware.errors import HardwareError
 from wbc.hardware.hardware import ConnectionState, Reading
-from wbc.hardware.unitree.link import Link
 from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
 from wbc.hardware.unitree.motors import G1_MACHINES, SERIES_MODE, motor_of_joint
+from wbc.hardware.unitree.transport import Transport
 from wbc.measurement import Measurement
 from wbc.robot import Robot
 from wbc.servo import ServoCommand
@@ -26,7 +26,7 @@ class UnitreeG1:
 
     Args:
         robot: its model.
-        link: the wire.
+        transport: the wire.
         period: period of the state messages, s.
 
     Attributes:
@@ -38,11 +38,11 @@ class UnitreeG1:
         HardwareError: the model is not that of a G1 with 29 joints.
     """
 
-    def __init__(self, robot: Robot, link: Link, period: float = 0.002) -> None:
+    def __init__(self, robot: Robot, transport: Transport, period: float = 0.002) -> None:
         self.robot = robot
         self.period = period
         self.connection = ConnectionState()
-        self._link = link
+        self._transport = transport
         self._motors = motor_of_joint(robot)
         self._state, self._command = MessageBuffer(LOW_STATE), MessageBuffer(LOW_COMMAND)
         self._command.fields["motor_cmd"]["mode"][0, self._motors] = 1  # servo on
@@ -52,7 +52,7 @@ class UnitreeG1:
 
     def now(self) -> float:
         """Return the time of the clock of this computer, s."""
-        return self._link.now()
+        return self._transport.now()
 
     def receive(self, timeout: float) -> Reading | None:
         """Return the oldest reading that was not returned yet; None after `timeout` s.
@@ -62,7 +62,7 @@ class UnitreeG1:
         """
         end = self.now() + timeout
         while True:
-            data = self._link.receive(max(end - self.now(), 0.0))
+            data = self._transport.receive(max(end - self.now(), 0.0))
             if data is None:
                 return None
             if not self._state.decode(data):
@@ -111,12 +111,12 @@ class UnitreeG1:
 
     def send(self, command: ServoCommand) -> None:
         """Send a command to the servos, without waiting."""
-        self._link.send(self._encoded(command))
+        self._transport.send(self._encoded(command))
         self.connection.sent += 1
 
     def damp(self) -> None:
         """Emergency stop: have all joints damped, at once."""
-        self._link.send(self.damping_message())
+        self._transport.send(self.damping_message())
         self.connection.sent += 1
 
     def damping_message(self) -> bytes:
@@ -135,4 +135,4 @@ class UnitreeG1:
 
     def close(self) -> None:
         """End the connection."""
-        self._link.close()
+        self._transport.close()

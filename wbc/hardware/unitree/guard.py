@@ -10,7 +10,7 @@ import time
 from dataclasses import dataclass
 
 from wbc.errors import WbcError
-from wbc.hardware.unitree.link import DdsLink
+from wbc.hardware.unitree.transport import DdsTransport
 from wbc.process import ParentConnection
 from wbc.ros.network import Network
 
@@ -45,7 +45,7 @@ def main() -> None:
     """Wait until the parent has gone, and send the last damping message for a second."""
     parent = ParentConnection()
     try:
-        link = DdsLink(parent.config.network)
+        transport = DdsTransport(parent.config.network)
     except WbcError as error:
         parent.reply({"error": str(error)})
         return
@@ -56,9 +56,9 @@ def main() -> None:
         parent.wait(_WAIT)
     end = time.monotonic() + _DAMPING_TIME
     while messages and time.monotonic() < end:
-        link.send(messages[-1].data)
+        transport.send(messages[-1].data)
         time.sleep(_PERIOD)
-    link.close()
+    transport.close()
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ def undisturbed(time: float, data: bytes) -> list[bytes]:
     return [data]
 
 
-class LockstepLink:
+class LockstepTransport:
     """The controller's side of a wire that loses no time: deterministic, as fast as possible.
 
     Args:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from wbc.hardware.unitree.link import Link
 from wbc.hardware.unitree.stand_in import PERIOD, G1StandIn
+from wbc.hardware.unitree.transport import Transport
 from wbc.runtime.clock import Clock
 from wbc.runtime.fall import fall_reason
 from wbc.runtime.real_time import RealTime, garbage_collection_paused, real_time_thread
@@ -13,7 +13,7 @@ from wbc.runtime.real_time import RealTime, garbage_collection_paused, real_time
 
 def serve(
     stand_in: G1StandIn,
-    link: Link,
+    transport: Transport,
     duration: float,
     *,
     stop: Callable[[], object] = lambda: False,
@@ -23,7 +23,7 @@ def serve(
 
     Args:
         stand_in: the robot.
-        link: the wire.
+        transport: the wire.
         duration: s.
         stop: asked in every period whether to end.
         on_change: called with the time, s, when the joints are damped, or commanded again, and
@@ -37,10 +37,10 @@ def serve(
         clock = Clock(PERIOD, round(min(duration / PERIOD, 1e6)))
         while plant.time < duration and not stop():
             clock.wait()
-            while (data := link.receive(0.0)) is not None:
+            while (data := transport.receive(0.0)) is not None:
                 stand_in.take(data)
             stand_in.step()
-            link.send(stand_in.state_message())
+            transport.send(stand_in.state_message())
             if stand_in.damping != damping:
                 damping = stand_in.damping
                 why = "no command came" if stand_in.damped else "by command"

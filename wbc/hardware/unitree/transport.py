@@ -35,7 +35,7 @@ def _thread_configuration() -> str:
     return f"<CycloneDDS><Domain><Threads>{threads}</Threads></Domain></CycloneDDS>"
 
 
-class Link(Protocol):
+class Transport(Protocol):
     """Carries the bytes of messages, of the controller's or of the robot's side."""
 
     def now(self) -> float:
@@ -51,7 +51,7 @@ class Link(Protocol):
         """Leave the wire."""
 
 
-class DdsLink:
+class DdsTransport:
     """A DDS participant that writes one of the topics and reads the other.
 
     Args:
