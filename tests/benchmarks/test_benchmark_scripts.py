@@ -42,6 +42,7 @@ def test_too_few_joints_for_a_humanoid_are_refused():
         synthetic.urdf(14)
 
 
+@pytest.mark.slow
 def test_the_scaling_benchmark_prints_exponents_and_writes_json(tmp_path):
     out = tmp_path / "scaling.json"
     assert "exponent" in run("scaling.py", "--ticks", "2", "--repeat", "1", "--json", str(out))
@@ -50,6 +51,7 @@ def test_the_scaling_benchmark_prints_exponents_and_writes_json(tmp_path):
     assert all(p["p50_us"] > 0.0 for what in found.values() for p in what["points"])
 
 
+@pytest.mark.slow
 def test_the_solver_benchmark_says_what_the_default_is_and_why(tmp_path):
     out = tmp_path / "solvers.json"
     flags = ["--ticks", "3", "--passes", "1", "--solver", "default", "--solver", "daqp"]
@@ -59,6 +61,7 @@ def test_the_solver_benchmark_says_what_the_default_is_and_why(tmp_path):
     assert all(f["failed"] == 0 and f["x_off"] < 1e-6 for f in found)
 
 
+@pytest.mark.slow
 def test_the_correctness_benchmark_counts_every_problem(tmp_path):
     out = tmp_path / "correctness.json"
     kind = "smooth sequence"
@@ -68,6 +71,7 @@ def test_the_correctness_benchmark_counts_every_problem(tmp_path):
     assert tally["ticks"] == 12 == tally["solvable"] + tally["ill_conditioned"]
 
 
+@pytest.mark.slow
 def test_the_observers_benchmark_measures_ticks_calls_and_rates(tmp_path):
     for package in ("mujoco", "cyclonedds", "mcap"):
         pytest.importorskip(package)

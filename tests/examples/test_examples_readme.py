@@ -51,7 +51,7 @@ def test_the_table_of_robots_equals_the_loaded_robots(name):
 
 
 def test_command_lines_of_the_readme_parse(capsys):
-    lines = [line for block in blocks("sh") for line in block.splitlines()]
+    lines = [line for block in blocks("sh") for line in block.replace("\\\n", "").splitlines()]
     commands = [shlex.split(line, comments=True)[1:] for line in lines if line.startswith("wbc ")]
     assert len(commands) >= 8
     for command in commands:
