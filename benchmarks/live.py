@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from shared.clients import socket_address
 
 import wbc
 from wbc.live import Live
@@ -46,7 +47,7 @@ class Page(threading.Thread):
 
     def __init__(self, url: str) -> None:
         super().__init__(daemon=True)
-        self._address = url.replace("http", "ws").replace("static/", "")
+        self._url = url
         self.frames: list[tuple[float, float]] = []  # wall time, plant time
         self.ready = threading.Event()
         self.start()
@@ -59,9 +60,10 @@ class Page(threading.Thread):
         from tornado.websocket import websocket_connect
 
         self._loop = asyncio.get_running_loop()
-        self._controls = await websocket_connect(self._address + "controls")
+        self._controls = await websocket_connect(socket_address(self._url, "controls"))
         self._controls_reader = asyncio.ensure_future(self._drain())
-        scene = await websocket_connect(self._address + "socket", max_message_size=1 << 28)
+        address = socket_address(self._url, "socket")
+        scene = await websocket_connect(address, max_message_size=1 << 28)
         while (message := await scene.read_message()) is not None:
             if not isinstance(message, str):
                 continue

@@ -18,6 +18,7 @@ import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from urllib.parse import urlsplit, urlunsplit
 
 
 @dataclass
@@ -65,8 +66,8 @@ def connected_client(*arguments: str) -> Iterator[Client]:
     assert process.stdin is not None
     assert process.stdout is not None
     try:
-        if process.stdout.readline() != "ready\n":
-            raise SystemExit(f"no client could connect: {' '.join(arguments)}")
+        if (answer := process.stdout.readline()) != "ready\n":
+            raise SystemExit(f"no client could connect: {' '.join(arguments)}: {answer.strip()}")
         client = Client(process.pid)
         yield client
         process.stdin.close()
@@ -76,15 +77,20 @@ def connected_client(*arguments: str) -> Iterator[Client]:
         process.wait()
 
 
+def socket_address(page: str, name: str) -> str:
+    """Return the address of a page's socket, with the token that the page's address contains."""
+    parts = urlsplit(page)
+    return urlunsplit(parts._replace(scheme="ws", path=f"/{name}"))
+
+
 async def receive_frames(address: str, arrivals: Arrivals, controls: bool) -> None:
     """Receive and acknowledge every frame, as the page does."""
     from tornado.websocket import websocket_connect
 
-    base = address.replace("http", "ws").replace("static/", "")
     if controls:
-        controls_socket = await websocket_connect(base + "controls")
+        controls_socket = await websocket_connect(socket_address(address, "controls"))
         drain = asyncio.ensure_future(_drain(controls_socket, arrivals))
-    scene = await websocket_connect(base + "socket", max_message_size=1 << 28)
+    scene = await websocket_connect(socket_address(address, "socket"), max_message_size=1 << 28)
     while (message := await scene.read_message()) is not None:
         if isinstance(message, str) and ("paths" in message or "caption" in message):
             if "caption" in message:
@@ -105,8 +111,10 @@ async def _drain(controls_socket: object, arrivals: Arrivals) -> None:
 async def page(address: str, arrivals: Arrivals, controls: bool) -> None:
     """Receive frames until standard input ends."""
     receiving = asyncio.ensure_future(receive_frames(address, arrivals, controls))
-    await asyncio.get_running_loop().run_in_executor(None, sys.stdin.read)
-    receiving.cancel()
+    end = asyncio.get_running_loop().run_in_executor(None, sys.stdin.read)
+    await asyncio.wait((receiving, end), return_when=asyncio.FIRST_COMPLETED)
+    if not receiving.cancel() and (error := receiving.exception()):
+        print(f"no connection: {error}", flush=True)  # to the process that waits for "ready"
 
 
 def ros(domain: int, arrivals: Arrivals) -> None:
