@@ -122,11 +122,11 @@ def test_no_bodies_touch_in_the_nominal_posture_and_the_soles_carry_it(name):
         touching = {int(g) for pair in plant.data.contact.geom for g in pair}
         assert touching - {plant.model.geom("floor").id} <= soles
         names = set(r.model.names)
-        for pair in plant.disabled_pairs:
+        for pair in plant.excluded_pairs:
             assert {pair.first, pair.second} <= names
         # Bodies of different limbs keep colliding.
         legs = [{r.joint_names[i - 6] for i in leg} for leg in r.legs]
-        for pair in plant.disabled_pairs:
+        for pair in plant.excluded_pairs:
             if pair.reason != "SRDF":
                 assert not (pair.first in legs[0] and pair.second in legs[1])
 
@@ -171,7 +171,7 @@ def _without(text: str, tag: str) -> str:
 
 def test_srdf_disables_pairs():
     with Mujoco(robot("talos")) as plant:
-        disabled = {(p.first, p.second): p.reason for p in plant.disabled_pairs}
+        disabled = {(p.first, p.second): p.reason for p in plant.excluded_pairs}
     assert disabled["arm_left_1_joint", "arm_left_2_joint"] == "adjacent"
     assert disabled["arm_left_1_joint", "arm_left_3_joint"] == "SRDF"
 

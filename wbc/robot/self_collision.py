@@ -7,39 +7,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
-from typing import Any, Literal
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 import pinocchio as pin
 
+from wbc.robot.collision_pairs import ExcludedPair, excluded_pairs, known_pairs
 from wbc.robot.collision_shapes import CollisionShape, collision_shapes
 from wbc.robot.robot_model import RobotModel
-from wbc.robot.srdf import read_disabled_collisions
-
-_SAMPLES = 300  # random postures
-_SEED = 0
-_TURN = np.pi  # rad: range of a joint without limits
-_OFTEN = 0.5  # share of postures in which neighbours three joints apart may overlap
-
-PairReason = Literal["same body", "adjacent", "SRDF", "nominal posture", "joint range"]
-
-
-@dataclass(frozen=True, slots=True)
-class ExcludedPair:
-    """Two bodies whose distance is not watched.
-
-    Attributes:
-        first: name of the joint that moves the one body.
-        second: likewise the other.
-        reason: "adjacent": only joints lie between them; "SRDF": the semantic description
-            says so; "nominal posture": their shapes overlap there; "joint range": the shapes of
-            neighbours overlap in many postures, see `SelfCollision.of`.
-    """
-
-    first: str
-    second: str
-    reason: PairReason
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,12 +91,7 @@ class SelfCollision:
     def of(robot: RobotModel) -> SelfCollision:
         """Return the shapes and pairs of a robot, computed once per robot.
 
-        All pairs of bodies are watched except those joined to each other, those that the robot's
-        SRDF disables, and those whose shapes overlap in the nominal posture (Coleman, Sucan,
-        Chitta and Correll, Reducing the barrier to entry of complex robotic software: a MoveIt!
-        case study, JOSER 2014). Further those that overlap in 300 postures drawn uniformly from
-        the joints' ranges: bodies two joints apart that do so in any, and bodies three joints
-        apart that do so in more than half: convex shapes are larger than bodies.
+        All pairs of bodies are watched but `wbc.robot.collision_pairs.excluded_pairs`.
         """
         found = _found.get(robot)
         if found is None:
@@ -183,16 +154,11 @@ def _choose(robot: RobotModel) -> SelfCollision:
             f"{shape.link}_{k}", shape.joint_id, shape.placement, coal_shape(shape)
         )
         geometry.addGeometryObject(item)
-    joints = sorted({shape.joint_id for shape in shapes})
-    reasons: dict[tuple[int, int], PairReason] = dict.fromkeys(
-        _adjacent(robot.model, joints), "adjacent"
-    )
-    for pair in _disabled_by_srdf(robot, shapes):
-        reasons.setdefault(pair, "SRDF")
+    known = known_pairs(robot, shapes, sorted({shape.joint_id for shape in shapes}))
     candidates = [
         (i, j)
         for i, j in combinations(range(len(shapes)), 2)
-        if shapes[i].joint_id != shapes[j].joint_id and _bodies(shapes, (i, j)) not in reasons
+        if shapes[i].joint_id != shapes[j].joint_id and _bodies(shapes, (i, j)) not in known
     ]
     for i, j in candidates:
         geometry.addCollisionPair(pin.CollisionPair(i, j))
@@ -203,16 +169,14 @@ def _choose(robot: RobotModel) -> SelfCollision:
         hit = [k for k, r in enumerate(geometry_data.collisionResults) if r.isCollision()]
         return {_bodies(shapes, candidates[k]) for k in hit}
 
-    for pair in overlaps(robot.q_nominal):
-        reasons.setdefault(pair, "nominal posture")
-    for pair in _frequent(robot, overlaps):
-        reasons.setdefault(pair, "joint range")
-    kept = [pair for pair in candidates if _bodies(shapes, pair) not in reasons]
+    excluded = excluded_pairs(robot, known, overlaps)
+    left_out = {
+        tuple(sorted(map(robot.model.getJointId, (pair.first, pair.second)))) for pair in excluded
+    }
+    kept = [pair for pair in candidates if _bodies(shapes, pair) not in left_out]
     geometry.removeAllCollisionPairs()
     for i, j in kept:
         geometry.addCollisionPair(pin.CollisionPair(i, j))
-    names = robot.model.names
-    excluded = tuple(ExcludedPair(names[a], names[b], r) for (a, b), r in sorted(reasons.items()))
     pairs = np.array(kept, dtype=int).reshape(-1, 2)
     found = SelfCollision(robot, shapes, geometry, pairs, excluded, np.zeros(len(kept)))
     object.__setattr__(found, "nominal_distance", found.distances(robot.q_nominal))
@@ -223,52 +187,3 @@ def _bodies(shapes: Sequence[CollisionShape], pair: tuple[int, int]) -> tuple[in
     """Return the joint ids of a pair of shapes, the smaller first."""
     a, b = shapes[pair[0]].joint_id, shapes[pair[1]].joint_id
     return (a, b) if a < b else (b, a)
-
-
-def _adjacent(model: pin.Model, joints: Sequence[int]) -> list[tuple[int, int]]:
-    """Return each body with shapes and the next one with shapes on its way to the base."""
-    found = []
-    for joint in joints:
-        parent = model.parents[joint]
-        while parent > 0 and parent not in joints:
-            parent = model.parents[parent]
-        if parent > 0:
-            found.append((int(parent), joint))
-    return found
-
-
-def _disabled_by_srdf(robot: RobotModel, shapes: Sequence[CollisionShape]) -> list[tuple[int, int]]:
-    """Return the pairs of bodies all of whose links the SRDF disables."""
-    if robot.srdf is None:
-        return []
-    disabled = read_disabled_collisions(robot.srdf)
-    links: dict[int, set[str]] = {}
-    for shape in shapes:
-        links.setdefault(shape.joint_id, set()).add(shape.link)
-    return [
-        (a, b)
-        for a, b in combinations(sorted(links), 2)
-        if all(frozenset((one, other)) in disabled for one in links[a] for other in links[b])
-    ]
-
-
-def _frequent(robot: RobotModel, overlaps: Any) -> list[tuple[int, int]]:
-    """Return pairs of near bodies that overlap in too many of the random postures."""
-    random = np.random.default_rng(_SEED)
-    low, high = np.maximum(robot.q_min, -_TURN), np.minimum(robot.q_max, _TURN)
-    counts: Counter[tuple[int, int]] = Counter()
-    q = robot.q_nominal.copy()
-    for _ in range(_SAMPLES):
-        q[7:] = random.uniform(low, high)
-        counts.update(overlaps(q))
-    most = {1: 0.0, 2: 0.0, 3: _OFTEN * _SAMPLES}
-    return [
-        pair
-        for pair, count in counts.items()
-        if count > most.get(_joints_between(robot.model, *pair), _SAMPLES)
-    ]
-
-
-def _joints_between(model: pin.Model, first: int, second: int) -> int:
-    one, other = set(model.supports[first]), set(model.supports[second])
-    return len(one ^ other)

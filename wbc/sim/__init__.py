@@ -3,8 +3,8 @@
 Importing this room does not import MuJoCo; making a plant does.
 """
 
+from wbc.robot.collision_pairs import ExcludedPair
 from wbc.robot.collision_shapes import CollisionShape
-from wbc.sim.collision_pairs import DisabledPair
 from wbc.sim.noise import SensorNoise
 from wbc.sim.plant import Mujoco
 from wbc.sim.ramp import Ramp
@@ -15,7 +15,7 @@ from wbc.sim.terrain import Flat, Terrain, Tiles
 
 __all__ = [
     "CollisionShape",
-    "DisabledPair",
+    "ExcludedPair",
     "Flat",
     "JointServos",
     "Mujoco",

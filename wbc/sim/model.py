@@ -59,7 +59,7 @@ def build_model(
     friction: float = 0.8,
     ground: Ground | None = None,
     shapes: Sequence[CollisionShape] = (),
-    disabled_pairs: Sequence[tuple[str, str]] = (),
+    excluded_pairs: Sequence[tuple[str, str]] = (),
 ) -> Any:
     """Compile a `mujoco.MjModel` with the robot's dynamics, shapes, motors and stops.
 
@@ -77,7 +77,7 @@ def build_model(
         ground: floor and terrain; the bare floor by default.
         shapes: the shapes of the robot beside its soles. They and the soles collide with the
             ground and with each other.
-        disabled_pairs: pairs of joint names whose bodies do not collide with each other, beside
+        excluded_pairs: pairs of joint names whose bodies do not collide with each other, beside
             those that are joined.
 
     Raises:
@@ -111,7 +111,7 @@ def build_model(
         _add_site(bodies[sole.joint_id], sole.name, sole.placement)
     for index, shape in enumerate(shapes):
         _add_shape(mujoco, spec, bodies[shape.joint_id], shape, index, friction)
-    for first, second in disabled_pairs:
+    for first, second in excluded_pairs:
         spec.add_exclude(bodyname1=first, bodyname2=second)
     imu = robot.model.frames[robot.frame_id(robot.imu)]
     _add_site(bodies[imu.parentJoint], "imu", imu.placement)

@@ -14,13 +14,13 @@ from wbc.measurement import Measurement
 from wbc.robot import Robot
 from wbc.robot.attitude import heading
 from wbc.servo import ServoCommand
-from wbc.sim.collision_pairs import RobotCollisions, robot_collisions, touching_bodies
 from wbc.sim.coordinates import CoordinateMap
 from wbc.sim.ground import Ground
 from wbc.sim.model import build_model, import_mujoco
 from wbc.sim.motors import Motors
 from wbc.sim.noise import NoiseGenerator, SensorNoise
 from wbc.sim.pushes import Push, PushSchedule
+from wbc.sim.robot_collisions import RobotCollisions, robot_collisions, touching_bodies
 from wbc.sim.sensor_delay import SensorDelay
 from wbc.sim.sensors import Sensors
 from wbc.sim.servos import JointServos, Servos, set_friction
@@ -58,12 +58,12 @@ class Mujoco(Closeable):
         servos: the joints are driven by such servos, which take positions, velocities and
             feed-forward torques; by default they are ideal sources of the commanded torque.
         collisions: "all": every body collides with the ground and with the others, but for
-            those of `disabled_pairs`. "soles": only the soles do; limbs pass through each
+            those of `excluded_pairs`. "soles": only the soles do; limbs pass through each
             other, and a fallen robot through the floor.
 
     Attributes:
         collision_shapes: shapes of the robot's bodies beside its soles, which are boxes of 2 cm.
-        disabled_pairs: bodies that pass through each other, and why.
+        excluded_pairs: bodies that pass through each other, and why.
 
     Raises:
         PlantError: a model that MuJoCo cannot represent, times that do not fit, negative
@@ -111,7 +111,7 @@ class Mujoco(Closeable):
         self._measures_truth = ground_truth
         found = robot_collisions(robot) if collisions == "all" else RobotCollisions()
         self.collision_shapes = found.shapes
-        self.disabled_pairs = found.disabled_pairs
+        self.excluded_pairs = found.excluded_pairs
         self._ground = Ground(self.terrain)
         self.model = build_model(
             robot,
@@ -119,7 +119,7 @@ class Mujoco(Closeable):
             friction=friction,
             ground=self._ground,
             shapes=found.shapes,
-            disabled_pairs=[(pair.first, pair.second) for pair in found.disabled_pairs],
+            excluded_pairs=[(pair.first, pair.second) for pair in found.excluded_pairs],
         )
         dofs = [self.model.joint(name).dofadr[0] - 6 for name in robot.joint_names]
         self.coordinates = CoordinateMap(np.array(dofs, dtype=int))
