@@ -52,6 +52,14 @@ def test_a_robot_may_have_sizes_of_its_own():
     assert sizes == [{0.9}, {0.3, 0.5}]
 
 
+def test_each_velocity_and_direction_of_a_robot_may_have_sizes_of_its_own():
+    standing = RobotCases("g1", sizes={"left": (0.7,), "back": (0.8, 0.9)})
+    declared = grid(robots=(standing, RobotCases("g1", (0.3,))), phases=1)
+    tried = [{(t.direction, t.size) for t in declared.trials(run)} for run in declared.runs()]
+    assert tried[0] == {(90.0, 0.7), (180.0, 0.8), (180.0, 0.9)}
+    assert tried[1] == {(d, size) for d in (0.0, 90.0, 180.0, 270.0) for size in (0.3, 0.5)}
+
+
 def test_a_key_depends_on_all_that_decides_the_result_and_on_no_name():
     def keys(declared: Grid) -> set[str]:
         return {trial.key for run in declared.runs() for trial in declared.trials(run)}
@@ -87,6 +95,7 @@ def test_shipped_grids_can_be_read(path):
         grid(),
         grid(disturbance=KickDisturbance(), phases=2, directions=("left", 45.0), seeds=(3, 4)),
         grid(disturbance=PushDisturbance(duration=0.2, frame="torso_link")),
+        grid(robots=(RobotCases("g1", sizes={"left": (0.2,)}), RobotCases("g1", (0.2,)))),
         grid(
             controllers=(ControllerSpec("a", "my.module:make", {"path": "x", "gain": 2.0}),),
             conditions=(Condition("c", com_offset=(0.02, 0.0, 0.0), payload_on="hands"),),
@@ -115,7 +124,8 @@ def test_a_grid_is_read_back_as_it_was_written(declared, tmp_path):
         ({"robots": [{"robot": "g1", "velocity": [0.1]}]}, r"robots\[0\].velocity'; did you mean"),
         ({"robots": [{"velocities": [0.1]}]}, r"'robots\[0\].robot' is missing"),
         ({"robots": [{"robot": "g1", "velocities": [[0.1, 0.2]]}]}, "three of forward, left"),
-        ({"robots": [{"robot": "g1"}, {"robot": "g1"}]}, "'g1' more than once"),
+        ({"robots": [{"robot": "g1"}, {"robot": "g1"}]}, "'g1 at .* more than once"),
+        ({"robots": [{"robot": "g1", "sizes": {"up": [0.3]}}]}, "direction 'up' must be one of"),
         ({"conditions": [{"latncy": 0.1}]}, r"conditions\[0\].latncy'; did you mean 'latency'"),
         ({"conditions": [{"name": "x", "mass": 0.0}]}, "'x': mass = 0.0 must be positive"),
         ({"conditions": [{}, {}]}, "'nominal' more than once"),

@@ -23,12 +23,13 @@ class RobotCases:
     Attributes:
         robot: name of a robot, or path of a URDF or robot data file.
         velocities: forward (m/s), or forward, left (m/s) and turn (rad/s); 0 is standing.
-        sizes: sizes of the disturbance in place of the grid's.
+        sizes: sizes of the disturbance in place of the grid's; or name of a direction -> sizes, in
+            place of the grid's directions too.
     """
 
     robot: str
     velocities: tuple[float | Velocity, ...] = (0.0,)
-    sizes: tuple[float, ...] | None = None
+    sizes: tuple[float, ...] | dict[str, tuple[float, ...]] | None = None
 
     def __post_init__(self) -> None:
         if not self.velocities:
@@ -39,8 +40,14 @@ class RobotCases:
         if not all(math.isfinite(x) for v in velocities for x in v):
             raise TrialError(f"robot '{self.robot}': velocities must be finite")
         object.__setattr__(self, "velocities", velocities)
-        if self.sizes is not None:
-            object.__setattr__(self, "sizes", _checked_sizes(self.sizes))
+        sizes = self.sizes
+        if isinstance(sizes, dict):
+            for direction in sizes:
+                parse_direction(direction)
+            by_direction = {name: _checked_sizes(given) for name, given in sizes.items()}
+            object.__setattr__(self, "sizes", by_direction)
+        elif sizes is not None:
+            object.__setattr__(self, "sizes", _checked_sizes(sizes))
 
 
 @dataclass(frozen=True)
@@ -86,7 +93,7 @@ class Grid:
         entries: tuple[tuple[str, list[Any]], ...] = (
             ("controllers", [c.name for c in self.controllers]),
             ("conditions", [c.name for c in self.conditions]),
-            ("robots", [r.robot for r in self.robots]),
+            ("robots", [f"{r.robot} at {v}" for r in self.robots for v in r.velocities]),
             ("seeds", list(self.seeds)),
             ("directions", [parse_direction(d) for d in self.directions]),
         )
@@ -119,12 +126,19 @@ class Grid:
 
     def trials(self, run: UndisturbedRun) -> Iterator[Trial]:
         """Return the trials that are forked from a run."""
-        cases = next(cases for cases in self.robots if cases.robot == run.robot)
-        for phase, direction, size in itertools.product(
-            self.fractions(), self.directions, cases.sizes or self.sizes
-        ):
-            degrees = parse_direction(direction)
-            yield Trial(run, phase, self.disturbance, degrees, size, self.duration)
+        cases = next(
+            cases
+            for cases in self.robots
+            if cases.robot == run.robot and run.velocity in cases.velocities
+        )
+        own = cases.sizes
+        if not isinstance(own, dict):
+            by_direction = dict.fromkeys(map(parse_direction, self.directions), own or self.sizes)
+        else:
+            by_direction = {parse_direction(name): sizes for name, sizes in own.items()}
+        for phase, (degrees, sizes) in itertools.product(self.fractions(), by_direction.items()):
+            for size in sizes:
+                yield Trial(run, phase, self.disturbance, degrees, size, self.duration)
 
 
 def _checked_sizes(sizes: tuple[float, ...]) -> tuple[float, ...]:
