@@ -11,6 +11,7 @@ Tick times go to the progress lines and the JSON file.
     python benchmarks/robots.py                         # the bipeds of example-robot-data
     python benchmarks/robots.py ~/urdfs                 # all descriptions below a folder
     python benchmarks/robots.py atlas.urdf=l_foot,r_foot --json out/robots.json
+    python benchmarks/robots.py --list benchmarks/public_robots.toml --folder ~/robots
 """
 
 from __future__ import annotations
@@ -32,6 +33,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 import wbc
 from wbc.errors import WbcError
@@ -229,18 +235,40 @@ ACTIVITIES: dict[str, Callable[[wbc.Robot], Outcome]] = {
 }
 
 
-def measure(spec: str, only: tuple[str, ...]) -> Row:
-    """Load a robot and let it do everything, or say why it cannot."""
-    path, _, feet = spec.partition("=")
-    row = Row(Path(path).stem if Path(path).suffix in DESCRIPTIONS else path, stated=feet)
-    arguments = dict(zip(("left_foot", "right_foot"), feet.split(","), strict=False))
+@dataclass(frozen=True)
+class Entry:
+    """A robot to measure.
+
+    Attributes:
+        name: name in the table.
+        file: what `wbc.load` takes: a name or a path.
+        arguments: what else it takes.
+    """
+
+    name: str
+    file: str
+    arguments: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def stated(self) -> str:
+        """What is stated about the robot, for the table."""
+        return ", ".join(
+            f"{key} {value}" if isinstance(value, str) else key.replace("_", " ")
+            for key, value in self.arguments.items()
+        )
+
+
+def measure(entry: Entry, only: tuple[str, ...], known: dict[str, Outcome]) -> Row:
+    """Load a robot and let it do everything but what is known, or say why it cannot."""
+    row = Row(entry.name, stated=entry.stated)
+    row.outcomes.update(known)
     try:
-        robot = wbc.load(path, **(arguments if feet else {}))
+        robot = wbc.load(entry.file, **entry.arguments)
         findings = [f for f in check_robot(robot) if f.severity != "note"]
         row.defects = [str(f) for f in findings]
         stated = [f.name for f in robot.facts if f.origin == "stated" and not f.name.endswith("t")]
         stated += ["up axis of the meshes"] if robot.respect_up_axis else []
-        row.stated = ", ".join([*filter(None, [feet]), *stated])
+        row.stated = ", ".join(filter(None, [entry.stated, *stated]))
         sole = robot.soles[0]
         row.size = f"{robot.na} joints, {robot.mass:.3g} kg, soles {sole.size_text}"
         errors = [f for f in findings if f.severity == "error"]
@@ -248,10 +276,10 @@ def measure(spec: str, only: tuple[str, ...]) -> Row:
             row.refused = f"{errors[0].subject}: {errors[0].what}"
             return row
     except WbcError as error:
-        row.refused = str(error)
+        row.refused = str(error).removeprefix(f"{entry.file}: ")
         return row
     for name, activity in ACTIVITIES.items():
-        if only and name not in only:
+        if name in known or (only and name not in only):
             continue
         try:
             row.outcomes[name] = activity(robot)
@@ -289,12 +317,53 @@ def table(rows: list[Row]) -> str:
     return "\n".join(lines)
 
 
-def descriptions(where: str) -> list[str]:
+def entries_of(where: str) -> list[Entry]:
     """Return the robots that an argument means: itself, or all descriptions below a folder."""
     folder = Path(where).expanduser()
-    if not folder.is_dir():
-        return [where]
-    return sorted(str(path) for path in folder.rglob("*") if path.suffix in DESCRIPTIONS)
+    if folder.is_dir():
+        paths = sorted(path for path in folder.rglob("*") if path.suffix in DESCRIPTIONS)
+        return [Entry(path.stem, str(path)) for path in paths]
+    file, _, feet = where.partition("=")
+    arguments = dict(zip(("left_foot", "right_foot"), feet.split(","), strict=True)) if feet else {}
+    return [Entry(Path(file).stem if Path(file).suffix in DESCRIPTIONS else file, file, arguments)]
+
+
+def entries_of_list(path: Path, folder: Path) -> list[Entry]:
+    """Return the robots of a list whose repositories are below a folder; report what is missing.
+
+    Args:
+        path: TOML file with a table per repository (`owner/name`): names of robots with their
+            files, or tables with `file` and what `wbc.load` takes besides.
+        folder: folder with the repositories, each in a folder of its name.
+    """
+    entries = []
+    for repository, robots in tomllib.loads(path.read_text(encoding="utf-8")).items():
+        root = folder.expanduser() / repository.rpartition("/")[2]
+        for name, value in robots.items():
+            stated = dict(value) if isinstance(value, dict) else {"file": value}
+            file = root / stated.pop("file")
+            if file.is_file():
+                entries.append(Entry(name, str(file), stated))
+            else:
+                print(f"{name}: there is no {file} (clone {repository})", file=sys.stderr)
+    return entries
+
+
+def write(path: Path, rows: list[Row]) -> None:
+    """Write all figures to a JSON file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n", encoding="utf-8")
+
+
+def read_outcomes(path: Path | None) -> dict[str, dict[str, Outcome]]:
+    """Return the outcomes that a JSON file holds, by robot and activity."""
+    if path is None or not path.is_file():
+        return {}
+    rows = json.loads(path.read_text(encoding="utf-8"))
+    return {
+        row["name"]: {name: Outcome(**value) for name, value in row["outcomes"].items()}
+        for row in rows
+    }
 
 
 def main() -> int:
@@ -309,14 +378,29 @@ def main() -> int:
         help="name, description or folder, with the links of the feet where names do not tell "
         "(default: the bipeds of example-robot-data)",
     )
+    parser.add_argument("--list", type=Path, help="file that lists robots by repository")
+    parser.add_argument(
+        "--folder", type=Path, default=Path(), help="folder with the repositories of the list"
+    )
     parser.add_argument("--only", action="append", choices=tuple(ACTIVITIES), default=[])
     parser.add_argument("--json", type=Path, help="write all figures to this file")
+    parser.add_argument(
+        "--resume", action="store_true", help="take what the JSON file holds already from there"
+    )
     parser.add_argument("--readme", type=Path, help="update the table in this file")
     args = parser.parse_args()
     warnings.simplefilter("ignore")
     begun = time.perf_counter()
-    robots = [spec for where in (args.robots or BIPEDS) for spec in descriptions(where)]
-    rows = [measure(spec, tuple(args.only)) for spec in robots]
+    named = args.robots or ([] if args.list else BIPEDS)
+    robots = [entry for where in named for entry in entries_of(where)]
+    if args.list:
+        robots += entries_of_list(args.list, args.folder)
+    done_before = read_outcomes(args.json) if args.resume else {}
+    rows: list[Row] = []
+    for entry in robots:
+        rows.append(measure(entry, tuple(args.only), done_before.get(entry.name, {})))
+        if args.json:
+            write(args.json, rows)
     text = table(rows)
     print(text)
     done = sum(all(o.ok for o in row.outcomes.values()) and not row.refused for row in rows)
@@ -325,9 +409,6 @@ def main() -> int:
         head, rest = args.readme.read_text(encoding="utf-8").split(MARKS[0])
         tail = rest.split(MARKS[1])[1]
         args.readme.write_text(f"{head}{MARKS[0]}\n{text}\n{MARKS[1]}{tail}", encoding="utf-8")
-    if args.json:
-        args.json.parent.mkdir(parents=True, exist_ok=True)
-        args.json.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n")
     return 0
 
 

@@ -35,7 +35,7 @@ def test_a_joint_too_weak_for_one_leg_is_named_with_its_bound(joint: str, effort
     bound = float(re.findall(r"takes ([\d.]+) N·m", finding.what)[0])
     GaitParameters.for_robot(weak(joint, 1.05 * bound))  # enough
     with pytest.raises(GaitError):
-        GaitParameters.for_robot(weak(joint, 0.95 * bound))
+        GaitParameters.for_robot(weak(joint, 0.85 * bound))
 
 
 def test_a_leg_at_its_limit_is_a_finding_that_leaves_it_walking() -> None:

@@ -112,7 +112,13 @@ DEFECTS = [  # code, subject, severity, replacements
     ("unresolved-package", "head", "warning", [mesh("package://lost/skull.stl")]),
     (
         *("feet-not-found", "changed.urdf", "error"),
-        [(f'{end}="left_foot"', f'{end}="left_boot"') for end in ("link name", "child link")],
+        [
+            *((f'{end}="left_foot"', f'{end}="left_boot"') for end in ("link name", "child link")),
+            (
+                'child link="left_shin"/><origin xyz="0 0 -0.38"',
+                'child link="left_shin"/><origin xyz="0 0 -0.2"',
+            ),
+        ],
     ),
     ("too-weak", "right_knee", "warning", [(KNEE, KNEE.replace("200", "3"))]),
 ]

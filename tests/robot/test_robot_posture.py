@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from robottools import FEET, changed
+from robottools import FEET, SIMPLE, changed
 
+import wbc
 import wbc.robot
 
 
@@ -90,3 +91,14 @@ def test_feet_that_would_overlap_are_put_side_by_side():
     left, right = (data.oMf[sole.frame_id].translation for sole in robot.soles)
     assert left[1] - right[1] > 0.24
     assert "overlapping-soles" not in {finding.code for finding in robot.check()}
+
+
+def test_a_knee_is_bent_from_where_the_leg_is_straight(tmp_path):
+    origin = '<child link="{}_shin"/><origin xyz="0 0 -0.38"'
+    turned = [
+        (origin.format(side), f'{origin.format(side)} rpy="0 -0.3 0"') for side in ("left", "right")
+    ]
+    straight, bent = wbc.load(SIMPLE), wbc.load(changed(tmp_path, *turned))
+    # The shank's own frame is turned by 0.3 rad, so that the ankle must turn by as much the less.
+    for robot, knee in ((straight, 0.4), (bent, 0.7)):
+        assert robot.q_nominal[7 + robot.joint_index("left_knee")] == pytest.approx(knee, abs=0.06)

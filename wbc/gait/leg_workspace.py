@@ -9,12 +9,13 @@ import pinocchio as pin
 
 from wbc.errors import GaitError
 from wbc.robot import Robot
-from wbc.robot.posture import find_knee
+from wbc.robot.posture import ankle_center, find_knee, knee_companions
 
 _BEND = 0.6  # rad: a knee straighter than this has little grip on height and swing
 _SHORTENING = 0.02  # m by which a knee, at least, brings the ankle nearer to the hip
 _STRENGTH = 0.84  # share of the knee's torque limit that may go into carrying the robot
 _ROLL_MARGIN = 0.08  # rad of the ankle's roll that is left to balance
+_ROLLS = 0.5  # cosine of an axis to forward, from which on its joint rolls the foot
 _TILT = 0.7  # share of the feet's extra distance by which the farther foot is off its hip
 _TRAIL = 0.7  # share of a step that the rear foot is behind the hip when it leaves the ground
 
@@ -84,20 +85,24 @@ class _Leg:
         if knee is None:
             raise _no_knee(robot, side)
         self.knee = knee - 6
+        companions = knee_companions(model, q, knee, leg)
         ankle = joints[-1]
         # A leg that ends with its knee has no ankle: its sole is as good.
-        below = pin.SE3.Identity() if model.joints[ankle].idx_v != knee else sole.placement
+        ends_with_knee = model.joints[ankle].idx_v == knee
+        below = sole.placement.translation if ends_with_knee else ankle_center(model, ankle)
 
         def span(configuration: np.ndarray) -> np.ndarray:
             """From the last ankle joint to the first hip joint, world axes."""
             pin.forwardKinematics(model, data, configuration)
-            foot = data.oMi[ankle].act(below.translation)
+            foot = data.oMi[ankle].act(below)
             return np.array(data.oMi[joints[0]].translation - foot)
 
         def length(angle: float) -> float:
             """From hip to ankle with the knee at an angle, m."""
             trial = q.copy()
             trial[knee + 1] = angle
+            for other in companions:  # they share the bend of the knee
+                trial[other + 1] = q[other + 1] + angle - q[knee + 1]
             return float(np.linalg.norm(span(trial)))
 
         self.roll = self._roll_range(robot, data, joints)
@@ -109,24 +114,37 @@ class _Leg:
         if longest - min(lengths) < _SHORTENING:
             raise _no_knee(robot, side)
         straight = float(angles[int(np.argmax(lengths))])
-        self.reach = length(straight + math.copysign(_BEND, q[knee + 1] - straight))
+        bend = _BEND / (1 + len(companions))
+        self.reach = length(straight + math.copysign(bend, q[knee + 1] - straight))
         self.hip_height = float(span(q)[2])
         self.drop = self._bearable_drop(robot, data, longest)
 
     def _roll_range(self, robot: Robot, data: pin.Data, joints: list[int]) -> float:
-        """Play of the ankle's roll joint on its tighter side, less a margin, rad."""
+        """Play of the ankle's roll joint on its tighter side, less a margin, rad.
+
+        Infinite without such a joint: the foot then rolls with the leg.
+        """
         model, q = robot.model, robot.q_nominal
         pin.computeJointJacobians(model, data, q)
         along = []
         for joint in joints[-2:]:  # the ankle: the one of its joints whose axis points forward
             axis = pin.getJointJacobian(model, data, joint, pin.WORLD)[3:, model.idx_vs[joint]]
             along.append(abs(float(axis[0])))
-        index = model.idx_vs[joints[-2 + int(np.argmax(along))]]
+        if max(along) < _ROLLS:
+            return math.inf
+        index = model.idx_vs[joints[-2:][int(np.argmax(along))]]
         angle = q[index + 1]
         play = min(
             model.upperPositionLimit[index + 1] - angle, angle - model.lowerPositionLimit[index + 1]
         )
-        return max(float(play) - _ROLL_MARGIN, 0.0)
+        if play <= _ROLL_MARGIN:
+            name = robot.joint_names[index - 6]
+            raise GaitError(
+                f"'{robot.name}' cannot walk: its ankle '{name}' is {play:.3f} rad from its limit "
+                f"in the nominal posture, and to balance takes {_ROLL_MARGIN} rad to both sides; "
+                "correct the joint's limits, or state a posture with this joint farther from them"
+            )
+        return float(play) - _ROLL_MARGIN
 
     def _bearable_drop(self, robot: Robot, data: pin.Data, longest: float) -> float:
         """By how much the hip may sink until the knee, alone, is at its strength's end, m.

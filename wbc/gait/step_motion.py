@@ -18,7 +18,9 @@ from wbc.gait.swing_foot import SwingFoot
 from wbc.gait.velocity_limits import VelocityLimits
 from wbc.geometry.planar import Placement, planar_rotation, rotation_about_z
 from wbc.robot import Robot
+from wbc.robot.posture import has_soles
 from wbc.robot.statics import smallest_wrenches
+from wbc.robot.topology import reduced_model
 
 if TYPE_CHECKING:  # which has the limits that are found here
     from wbc.gait.parameters import GaitParameters
@@ -33,6 +35,8 @@ _FREE_ROTATION = 1e-3  # weight of the orientation of a foot whose leg has too f
 _MARGIN = 0.03  # rad that hips and knees keep from their limits; balance takes the rest
 _TILT = 0.15  # rad by which an ankle may be beyond them: a foot that leaves the ground may tilt
 _SPEED = 1.4  # share of a joint's speed limit: at the peak the foot may lag behind
+# By how much a walk may take a joint farther beyond its limit than steps in place do.
+_POSITION_SLACK, _SPEED_SLACK = 0.02, 0.1  # rad, share of the speed limit
 _BISECTIONS = 6
 _BACKWARD = 0.75  # share of what the joints allow: the supporting knee bears more than forward
 _CENTRING = 3  # times that the base moves until the CoM is where it should be
@@ -58,7 +62,7 @@ class StepMotion:
         model, q = robot.model, robot.standing().q
         moving = [int(i) for leg in robot.legs for i in leg]
         locked = [j for j in range(2, model.njoints) if model.idx_vs[j] not in moving]
-        self._model = pin.buildReducedModel(model, locked, q)
+        self._model = reduced_model(model, locked, q)
         self._data = self._model.createData()
         joints = {model.idx_vs[j]: model.names[j] for j in range(2, model.njoints)}
         # Of each leg, the columns of its joints in the reduced model.
@@ -91,6 +95,10 @@ class StepMotion:
         # for each m/s², and what the sole transmits without slipping.
         self._yaw_ratio = abs(float(swing_momentum(robot)[2, 0])) / robot.weight
         self._grip = _GRIP * _FRICTION * min(s.half_length + s.half_width for s in robot.soles)
+        if not has_soles(
+            robot.soles
+        ):  # a point turns whatever the step, and the next turns it back
+            self._grip = math.inf
 
     def excess(self, gait: GaitParameters, velocity: Velocity) -> np.ndarray:
         """By how much each joint is beyond its range (rad) or its speed (share); ≤ 0: within.
@@ -249,7 +257,8 @@ def find_velocity_limits(
 ) -> VelocityLimits:
     """The velocities at which the leg joints stay within their ranges and speeds.
 
-    What a joint is beyond already when the robot steps in place counts as its limit.
+    What a joint is beyond already when the robot steps in place counts as its limit, and so does
+    a little more, which the trunk gives by leaning.
 
     Args:
         motion: what walking asks of the leg joints.
@@ -257,7 +266,10 @@ def find_velocity_limits(
         workspace: workspace of the legs.
     """
     adaptation = SpeedAdaptation(gait, workspace)
-    allowed = np.maximum(motion.excess(gait, Velocity()), 0.0)
+    in_place = motion.excess(gait, Velocity())
+    joints = len(in_place) // 2
+    slack = np.repeat([_POSITION_SLACK, _SPEED_SLACK, 0.0], [joints, joints, 1])
+    allowed = np.maximum(in_place + slack, 0.0)
     reach = gait.max_velocity
 
     def largest(direction: Velocity) -> float:

@@ -11,10 +11,13 @@ from wbc.gait.footsteps import SIDES
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.step_motion import StepMotion
 from wbc.robot import Robot
+from wbc.robot.statics import holding_torques
 
 if TYPE_CHECKING:  # which refuses what is too weak
     from wbc.gait.parameters import GaitParameters
 
+# Share of a joint's limit that a posture may take: leaning the trunk saves a tenth.
+_BEARABLE = 1.1
 _CURE = "correct the effort limit or the masses, or state a posture with straighter knees"
 
 
@@ -61,13 +64,24 @@ def check_knees(robot: Robot, workspace: LegWorkspace) -> None:
 
 
 def check_support(robot: Robot, motion: StepMotion, gait: GaitParameters) -> None:
-    """Check that each leg can carry the robot alone.
+    """Check that the legs can hold the nominal posture, and each leg the robot alone.
 
     Raises:
         GaitError: it cannot; the text names the joint, its torque and the bound.
     """
+    torques = np.abs(
+        holding_torques(robot.model, robot.q_nominal, [s.frame_id for s in robot.soles])
+    )
+    legs = [int(index) - 6 for leg in robot.legs for index in leg]
+    worst = max(legs, key=lambda joint: float(torques[joint] / robot.tau_max[joint]))
+    if torques[worst] > _BEARABLE * robot.tau_max[worst]:
+        raise GaitError(
+            f"'{robot.name}' cannot stand: its joint '{robot.joint_names[worst]}' has "
+            f"{robot.tau_max[worst]:.3g} N·m, and to hold the nominal posture takes "
+            f"{torques[worst]:.3g} N·m; {_CURE}"
+        )
     effort = support_effort(robot, motion, gait)
-    if effort.share > 1.0:
+    if effort.share > _BEARABLE:
         raise GaitError(
             f"'{robot.name}' cannot walk: its joint '{effort.joint}' has "
             f"{effort.torque / effort.share:.3g} N·m, and to carry {robot.mass:.3g} kg on one leg "

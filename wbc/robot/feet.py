@@ -13,6 +13,9 @@ _SIDES = (
     ("left", "right"), ("l", "r"),
     ("fl", "fr"), ("hl", "hr"), ("rl", "rr"), ("lf", "rf"), ("lh", "rh"),
 )  # fmt: skip
+_PARTS_OF_NAMES = re.compile(
+    r"[Ll]eft|[Rr]ight|[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+|[^A-Za-z\d]+"
+)
 
 
 def find_feet(urdf: Urdf) -> tuple[str, str] | None:
@@ -23,11 +26,9 @@ def find_feet(urdf: Urdf) -> tuple[str, str] | None:
     for a foot if only one of the feet is named.
     """
     for part in PARTS:
-        pairs, single = _pairs(urdf, part)
+        pairs, single = _feet(urdf, part)
         if pairs and (len(pairs) == 1 or len(pairs[0][0]) < len(pairs[1][0])):
-            left, right = pairs[0]
-            # The ankle's axes come in either order, and the foot is what the last one moves.
-            return (_leg_end(urdf, left), _leg_end(urdf, right)) if "ankle" in part else pairs[0]
+            return pairs[0]
         if pairs or single:
             return None
     return None
@@ -35,7 +36,16 @@ def find_feet(urdf: Urdf) -> tuple[str, str] | None:
 
 def foot_pairs(urdf: Urdf) -> list[tuple[str, str]]:
     """Return all (left, right) pairs of links with the names of feet, those of the best part."""
-    return next((pairs for part in PARTS if (pairs := _pairs(urdf, part)[0])), [])
+    return next((pairs for part in PARTS if (pairs := _feet(urdf, part)[0])), [])
+
+
+def _feet(urdf: Urdf, part: str) -> tuple[list[tuple[str, str]], bool]:
+    """Return the pairs of feet that links of a part lead to, and whether one is single."""
+    pairs, single = _pairs(urdf, part)
+    if "ankle" in part:
+        # The ankle's axes come in either order, and the foot is what the last one moves.
+        pairs = list(dict.fromkeys((_leg_end(urdf, a), _leg_end(urdf, b)) for a, b in pairs))
+    return pairs, single
 
 
 def _pairs(urdf: Urdf, part: str) -> tuple[list[tuple[str, str]], bool]:
@@ -53,7 +63,26 @@ def _pairs(urdf: Urdf, part: str) -> tuple[list[tuple[str, str]], bool]:
             pairs.append((name, mirrored))
     # `l_foot` beside `l_foot_dh_frame`: the plainer name is the link itself.
     pairs.sort(key=lambda pair: len(pair[0]))
-    return pairs, single
+    return _one_per_body(urdf, pairs), single
+
+
+def _one_per_body(urdf: Urdf, pairs: list[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Return the first pair of each body: links that fixed joints connect are one foot."""
+    parents = {joint.child: joint.parent for joint in urdf.joints if joint.type == "fixed"}
+
+    def body(link: str) -> str:
+        above = {link}
+        while parents.get(link, link) not in above:
+            link = parents[link]
+            above.add(link)
+        return link
+
+    # Of names of equal length, the link that carries the other is the foot itself.
+    ranked = sorted(pairs, key=lambda pair: (len(pair[0]), pair[0] != body(pair[0])))
+    first: dict[str, tuple[str, str]] = {}
+    for pair in ranked:
+        first.setdefault(body(pair[0]), pair)
+    return list(first.values())
 
 
 def _leg_end(urdf: Urdf, link: str) -> str:
@@ -109,8 +138,8 @@ def checked_foot_link(urdf: Urdf, name: str, side: str) -> str:
 
 
 def _split(name: str) -> list[str]:
-    """Split `LAnkleRoll` or `l_ankle` into words and separators that join to the same name."""
-    return re.findall(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|\d+|[^A-Za-z\d]+", name)
+    """Split `LAnkleRoll`, `l_ankle` or `leftfoot` into parts that join to the same name."""
+    return _PARTS_OF_NAMES.findall(name)
 
 
 def _words(name: str) -> list[str]:

@@ -30,7 +30,7 @@ from wbc.robot.registry import find_robot
 from wbc.robot.robot import Robot
 from wbc.robot.soles import add_soles
 from wbc.robot.srdf import find_srdf
-from wbc.robot.topology import find_torso, leg_joints, link_of, parent_joint
+from wbc.robot.topology import find_torso, leg_joints, link_of, lowest_pair, parent_joint
 from wbc.robot.urdf import Urdf
 
 
@@ -130,10 +130,17 @@ def build_robot(data: RobotData) -> Robot:
     findings = repaired(model, urdf)
     add_placeholder_masses(model)
 
-    links = feet_links(data, urdf)
+    links, rule = feet_links(data, urdf, model)
     for side, link in zip(("left", "right"), links, strict=True):
-        facts.append(Fact.of(f"{side} foot", link, data.statement_of(f"{side}_foot"), "its name"))
+        facts.append(Fact.of(f"{side} foot", link, data.statement_of(f"{side}_foot"), rule))
     feet = (parent_joint(model, links[0]), parent_joint(model, links[1]))
+    for link, joint in zip(links, feet, strict=True):
+        if joint == 1:
+            raise RobotDescriptionError(
+                f"{urdf.path}: the foot '{link}' is moved by no joint, it is part of the base "
+                f"'{base}'; state two links that move, left_foot=… and right_foot=…, or weld fewer "
+                "joints"
+            )
     if feet[0] == feet[1]:
         raise RobotDescriptionError(
             f"{urdf.path}: the feet '{links[0]}' and '{links[1]}' are moved by the same joint; "
@@ -205,16 +212,16 @@ def repaired(model: pin.Model, urdf: Urdf) -> list[Finding]:
     ]
 
 
-def feet_links(data: RobotData, urdf: Urdf) -> tuple[str, str]:
-    """Return the (left, right) foot links, stated or guessed from their names.
+def feet_links(data: RobotData, urdf: Urdf, model: pin.Model) -> tuple[tuple[str, str], str]:
+    """Return the (left, right) foot links, stated or guessed, and the rule of the guess.
 
     Raises:
-        RobotDescriptionError: a stated link does not exist, only one is stated, or the names of
-            the links do not tell which are the feet.
+        RobotDescriptionError: a stated link does not exist, only one is stated, or neither the
+            names nor the places of the links tell which are the feet.
     """
     if data.left_foot is not None and data.right_foot is not None:
         left = checked_foot_link(urdf, data.left_foot, "left")
-        return left, checked_foot_link(urdf, data.right_foot, "right")
+        return (left, checked_foot_link(urdf, data.right_foot, "right")), "stated"
     if data.left_foot is not None or data.right_foot is not None:
         stated, missing = ("left", "right") if data.left_foot is not None else ("right", "left")
         raise RobotDescriptionError(
@@ -222,20 +229,24 @@ def feet_links(data: RobotData, urdf: Urdf) -> tuple[str, str]:
             f"left_foot=… and right_foot=…{did_you_mean('foot', urdf.links, 6)}"
         )
     guess = find_feet(urdf)
+    if guess is not None:
+        return guess, "its name"
     several = foot_pairs(urdf)
-    if guess is None and len(several) > 1:
+    if len(several) > 1:
         names = ", ".join(f"'{name}'" for pair in several for name in pair)
         raise RobotDescriptionError(
             f"{urdf.path}: the links {names} may all be feet, and the library stands and walks on "
             "two; state the two to stand on, left_foot=… and right_foot=…"
         )
-    if guess is None:
-        raise RobotDescriptionError(
-            f"{urdf.path}: the names of the links do not tell which are the left and the right "
-            "foot; state both, left_foot=… and right_foot=… (a robot needs two feet)"
-            f"{did_you_mean('foot', urdf.links, 6)}"
-        )
-    return guess
+    joints = lowest_pair(model)
+    if joints is not None:
+        left, right = (link_of(model, urdf, joint) for joint in joints)
+        return (left, right), "the end of a leg: the links' names do not tell"
+    raise RobotDescriptionError(
+        f"{urdf.path}: neither the names of the links nor their places tell which are the left "
+        "and the right foot; state both, left_foot=… and right_foot=… (a robot needs two feet)"
+        f"{did_you_mean('foot', urdf.links, 6)}"
+    )
 
 
 def _frame(model: pin.Model, data: RobotData, what: str, name: str | None) -> str | None:

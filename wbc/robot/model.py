@@ -98,6 +98,13 @@ def check_tree(urdf: Urdf) -> None:
         )
     fixture = world_joint(urdf)
     for joint in urdf.joints:
+        if joint.parent == roots[0] and joint is not fixture and is_world(urdf, roots[0]):
+            raise RobotDescriptionError(
+                f"{urdf.path}, line {urdf.line(joint.element)}: joint '{joint.name}' moves the "
+                f"base '{joint.child}' on the {joint.type} axis of the link '{roots[0]}', which "
+                "stands for the world; a base floats or is fixed, so make the joint floating, or "
+                "give that link mass"
+            )
         if joint.type in ("floating", "planar") and joint is not fixture:
             raise RobotDescriptionError(
                 f"{urdf.path}, line {urdf.line(joint.element)}: joint '{joint.name}' is "
@@ -112,9 +119,14 @@ def world_joint(urdf: Urdf) -> UrdfJoint | None:
         return None
     joints = [joint for joint in urdf.joints if joint.parent == roots[0]]
     if len(joints) == 1 and joints[0].type in WORLD_JOINT_TYPES:
-        connects = joints[0].type == "floating" or roots[0].lower() in ("world", "map", "odom")
+        connects = joints[0].type == "floating" or is_world(urdf, roots[0])
         return joints[0] if connects else None
     return None
+
+
+def is_world(urdf: Urdf, link: str) -> bool:
+    """Whether a link is empty and called as the world is."""
+    return not len(urdf.links[link]) and link.lower() in ("world", "map", "odom")
 
 
 def normalized_document(urdf: Urdf, fixed: tuple[str, ...] = ()) -> ET.Element:

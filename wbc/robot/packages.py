@@ -6,12 +6,14 @@ import os
 import re
 import sysconfig
 from collections.abc import Iterable
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 
 EXAMPLES = "example-robot-data"
+PACKAGE_NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
 UP_AXIS = re.compile(rb"<up_axis>\s*(\w+)\s*</up_axis>")
 
 
@@ -70,7 +72,20 @@ def package_folder(package: str, folders: Iterable[Path]) -> Path | None:
             return folder
         if (folder / package).is_dir():
             return folder / package
-    return None
+    return next((folder for folder in folders if declared_package(folder) == package), None)
+
+
+@lru_cache(maxsize=256)
+def declared_package(folder: Path) -> str | None:
+    """Return the name that the `package.xml` in a folder declares; None without it.
+
+    A clone of a repository often has another name than the package that it holds.
+    """
+    try:
+        found = PACKAGE_NAME.search((folder / "package.xml").read_bytes())
+    except OSError:
+        return None
+    return found.group(1).decode(errors="replace") if found is not None else None
 
 
 def resolve(address: str, urdf: Path, folders: Iterable[Path]) -> Path | None:
@@ -85,7 +100,7 @@ def resolve(address: str, urdf: Path, folders: Iterable[Path]) -> Path | None:
         candidates = []
         for folder in folders:
             candidates.append(folder / inside)
-            if folder.name == package:
+            if package in (folder.name, declared_package(folder)):
                 candidates.append(folder / rest)
     elif address.startswith("file://"):
         candidates = [Path(address[len("file://") :])]

@@ -9,18 +9,26 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.robot.data_file import RobotData
+from wbc.robot.joint_axes import joint_axes
 from wbc.robot.limits import velocity_index
 from wbc.robot.soles import Sole
 from wbc.robot.srdf import GroupState, find_srdf, read_group_state
 from wbc.robot.standing import posture_range, standing_posture, unevenness
 
 KNEE_BEND = 0.4
+# A knee is looked for its straight position up to this, rad, at so many positions.
+_FOLDED = 1.5
+_SAMPLES = 61
+# By this share of its length a leg is longer where its knee is straight than where it is at zero.
+_STRETCH = 2e-3
 # A correction of the soles beyond this is reported, rad and m.
 FLAT = 1e-4
 # One beyond this is made.
 EXACT = 1e-9
 # A centre of mass farther out than this part of the sole's half length is brought back.
 SUPPORTED = 0.6
+# Joints parallel to a knee and nearer to it than this share of the leg bend with it.
+_PARALLEL, _TOGETHER = 0.99, 0.2
 # Thigh and shank are at least this share of the distance from hip to sole.
 SEGMENT = 0.15
 # Shares of the knees' bend that are tried, until the posture is sound.
@@ -199,7 +207,13 @@ def _bent(
     q = placed(model, q, ids)
     move = {index for leg in legs for index in leg}
     knees = [find_knee(model, q, sole, leg) for sole, leg in zip(soles, legs, strict=True)]
-    bends = {knee: knee_bend(model, q, knee) for knee in knees if knee is not None}
+    bends = {
+        joint: knee_bend(model, q, joint, leg)
+        for knee, leg in zip(knees, legs, strict=True)
+        if knee is not None
+        for joint in (knee, *knee_companions(model, q, knee, leg))
+    }
+    most = max(len(bends) // len(legs), 1)  # joints that share the bend of a knee
     apart = _distance_apart(model, q, soles)
     best, least = q, np.inf
     # The likely bend first; the others for knees whose axis or range misleads.
@@ -211,7 +225,7 @@ def _bent(
             q,
             ids,
             move,
-            joints={knee: share * angle for knee, angle in bends.items()},
+            joints={knee: share / most * angle for knee, angle in bends.items()},
             align=True,
             over_soles=over_soles,
             apart=apart,
@@ -268,18 +282,87 @@ def find_knee(model: pin.Model, q: np.ndarray, sole: Sole, leg: Sequence[int]) -
     return best
 
 
-def knee_bend(model: pin.Model, q: np.ndarray, knee: int) -> float:
-    """Return the position of the knee bent by 0.4 rad, towards the side of its range, rad."""
+def knee_companions(
+    model: pin.Model, q: np.ndarray, knee: int, leg: Sequence[int]
+) -> tuple[int, ...]:
+    """Return the velocity indices of the joints that bend a leg together with its knee.
+
+    The two axes of a rolling contact are such joints: parallel, and near each other.
+    """
+    data = model.createData()
+    pin.computeJointJacobians(model, data, q)
+    place = {model.joints[j].idx_v: data.oMi[j].translation for j in range(2, model.njoints)}
+    length = float(np.linalg.norm(place[leg[0]] - place[leg[-1]]))
+    return tuple(
+        index
+        for index in leg
+        if index != knee
+        and abs(float(data.J[3:, index] @ data.J[3:, knee])) > _PARALLEL
+        and np.linalg.norm(place[index] - place[knee]) < _TOGETHER * length
+    )
+
+
+def knee_bend(model: pin.Model, q: np.ndarray, knee: int, leg: Sequence[int]) -> float:
+    """Return the position of the knee bent by 0.4 rad from straight, rad.
+
+    Args:
+        model: the robot.
+        q: (nq,) a posture.
+        knee: velocity index of the knee.
+        leg: velocity indices of its leg's joints, from the hip down.
+    """
     lower, upper = posture_range(model)
     low, high = float(lower[knee - 6]), float(upper[knee - 6])
-    if np.isfinite(low + high) and abs(low + high) > 0.2 * (high - low):
-        sign = float(np.sign(low + high))
+    straight = straight_knee(model, q, knee, leg)
+    if np.isfinite(low + high) and abs(low + high - 2.0 * straight) > 0.2 * (high - low):
+        sign = float(np.sign(low + high - 2.0 * straight))
     else:
         data = model.createData()
         pin.computeJointJacobians(model, data, q)
         # A knee flexes by turning the shank backwards, about the lateral axis.
         sign = float(np.sign(data.J[4, knee]))
-    return float(np.clip(sign * KNEE_BEND, low, high))
+    return float(np.clip(straight + sign * KNEE_BEND, low, high))
+
+
+def straight_knee(model: pin.Model, q: np.ndarray, knee: int, leg: Sequence[int]) -> float:
+    """Return the position within its range at which a knee brings the ankle farthest, rad.
+
+    Zero if that is nearly as far: most descriptions have their legs straight there.
+    """
+    joints = [joint for joint in range(2, model.njoints) if model.joints[joint].idx_v in leg]
+    hip, ankle = joints[0], joints[-1]
+    low = max(float(model.lowerPositionLimit[knee + 1]), -_FOLDED)
+    high = min(float(model.upperPositionLimit[knee + 1]), _FOLDED)
+    if model.joints[ankle].idx_v == knee or not low < high:
+        return 0.0
+    data, trial, center = model.createData(), q.copy(), ankle_center(model, ankle)
+
+    def length(angle: float) -> float:
+        trial[knee + 1] = angle
+        pin.forwardKinematics(model, data, trial)
+        return float(np.linalg.norm(data.oMi[hip].translation - data.oMi[ankle].act(center)))
+
+    angles = np.linspace(low, high, _SAMPLES)
+    straight = float(angles[int(np.argmax([length(angle) for angle in angles]))])
+    zero = min(max(0.0, low), high)
+    return straight if length(straight) - length(zero) > _STRETCH * length(straight) else zero
+
+
+def ankle_center(model: pin.Model, joint: int) -> np.ndarray:
+    """Return the point on an ankle's last axis that is nearest to the axis before it.
+
+    The origins of joints may be anywhere along their axes.
+
+    Args:
+        model: the robot.
+        joint: id of the last joint of a leg.
+
+    Returns:
+        (3,) in the joint's coordinates, m.
+    """
+    before = model.jointPlacements[joint].inverse().translation
+    axis = joint_axes(model)[joint][3:]
+    return np.asarray((axis @ before) * axis)
 
 
 def com_offset(model: pin.Model, q: np.ndarray) -> np.ndarray:

@@ -89,7 +89,7 @@ def _feet_and_masses(data: RobotData, urdf: Urdf) -> list[Finding]:
         return [Finding.from_error(error, urdf.path.name, "unloadable")]
     findings = check_masses(urdf, massless_joints(model, pin.neutral(model)))
     try:
-        feet_links(data, urdf)
+        feet_links(data, urdf, model)
     except RobotDescriptionError as error:
         findings.append(Finding.from_error(error, urdf.path.name, "feet-not-found"))
     return findings
