@@ -15,8 +15,7 @@ controller.add(wbc.PostureTask(robot, priority=3))
 
 com.acceleration[0] = 3.0  # m/s²
 hand.acceleration[2] = 60.0
-controller.step(robot.standing())
-why = controller.explain()
+why = controller.step(robot.standing()).explain()
 print(why)
 
 # The same as data: the row that costs the task of highest priority most.
@@ -24,8 +23,10 @@ row = why.active[0]
 for gain in row.gains:
     print(f"per {row.unit} of {row.name}: {gain.name} {gain.change:.3g} {gain.unit} more")
 
-# Exact tasks that exclude each other: the rows in conflict, and by how much each would give.
+# Exact tasks that exclude each other: the rows in conflict, and by how much each has to
+# give way.
 controller.add(wbc.ComTask(priority=0, name="stay"))
 controller.add(wbc.ComTask(priority=0, name="go")).acceleration[0] = 1.0
-controller.step(robot.standing())
-print(controller.explain())
+why = controller.step(robot.standing()).explain()
+print(why)
+print([(row.name, round(row.violation, 3), row.unit) for row in why.conflict])

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from wbc.errors import WbcError
 from wbc.servo import ServoCommand, ServoGains
+
+if TYPE_CHECKING:
+    from wbc.qp import TickExplanation
 
 
 class Status(Enum):
@@ -16,6 +21,13 @@ class Status(Enum):
     OK = "ok"  #: solved to optimality
     INFEASIBLE = "infeasible"  #: there is no solution: safe torques; `explanation` names the rows
     FAILED = "failed"  #: the solver failed or an input is not finite: safe torques
+
+
+class CommandSource(Protocol):
+    """A controller that can explain its last command."""
+
+    def explain(self, command: Command) -> TickExplanation:
+        """Explain a command; see `Command.explain`."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -33,6 +45,7 @@ class Command:
         v_target: (na,) joint velocities one control period ahead, rad/s.
         status: outcome of the QP.
         explanation: empty when `status` is OK; otherwise which rows conflict.
+        source: controller whose QP it comes from; None when it comes from no QP, and in copies.
     """
 
     tau: np.ndarray
@@ -42,6 +55,30 @@ class Command:
     v_target: np.ndarray
     status: Status = Status.OK
     explanation: str = ""
+    source: CommandSource | None = field(default=None, repr=False, compare=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copy everything but the source, whose QP a copy does not belong to."""
+        parts = (self.tau, self.acceleration, self.wrenches, self.q_target, self.v_target)
+        return Command, (*parts, self.status, self.explanation)
+
+    def explain(self) -> TickExplanation:
+        """Explain this command: what tasks asked for and got, and which rows stood in their way.
+
+        When there is no solution, it names the rows in conflict and by how much each has to give
+        way. It takes some milliseconds, outside of the tick. Commands of a log are
+        explained by `wbc.log.LoggedTick`.
+
+        Raises:
+            WbcError: the command comes from no QP, or is not the last one of its controller, whose
+                QP is overwritten by each tick.
+        """
+        if self.source is None:
+            raise WbcError(
+                "this command cannot be explained: it was copied, or comes from no QP (a fall, a "
+                "learned policy)"
+            )
+        return self.source.explain(self)
 
     def servo(self, gains: ServoGains) -> ServoCommand:
         """Return this command for joint servos with such gains.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -31,6 +31,7 @@ from wbc.qp import (
     TickExplanation,
     explain,
     explain_solution,
+    find_conflict,
     load_qp_kernels,
     non_finite_rows,
     resolve_solver,
@@ -49,6 +50,15 @@ _FADE_TIME = 0.1  # s, how fast the torque of the last good tick fades after a f
 _SAFE_DAMPING = 0.05  # share of the torque limit per rad/s
 _EXPLANATION_PERIOD = 0.1  # s
 _MAX_ASSEMBLIES = 32
+
+
+class _LastTick(NamedTuple):
+    """What is left of a tick until the next one."""
+
+    command: Command
+    assembly: Assembly | CompiledAssembly
+    kinematics: Kinematics
+    x: np.ndarray | None  # the solution
 
 
 class WholeBodyController:
@@ -123,13 +133,12 @@ class WholeBodyController:
         self._last_tau = np.zeros(robot.na)
         self._tick = 0
         self._level_solver: Solver | None = None
-        self._solved: tuple[np.ndarray, Assembly | CompiledAssembly, Kinematics] | None = None
-        self._conflict = ""
+        self._last: _LastTick | None = None
         self._explanation: tuple[Outcome, int, Status, str] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """Return everything but the assemblies, which refer to memory and are made again."""
-        return {**self.__dict__, "_assemblies": {}, "_solved": None}
+        return {**self.__dict__, "_assemblies": {}, "_last": None}
 
     def __repr__(self) -> str:
         tasks = ", ".join(task.name for task in self.tasks) or "none"
@@ -247,44 +256,54 @@ class WholeBodyController:
         self._tick += 1
         assembly = self._assembly()
         problem = self.problem = assembly.build(kin)
+        command, x = self._solve(problem, assembly, kin)
+        self._last = _LastTick(command, assembly, kin, x)
+        return command
+
+    def _solve(
+        self, problem: Problem, assembly: Assembly | CompiledAssembly, kin: Kinematics
+    ) -> tuple[Command, np.ndarray | None]:
+        """Return the command, and the solution where there is one."""
         if not problem.finite:
             reason = non_finite_rows(kin, self.tasks, self._contacts, self._limit_set)
-            return self._safe_command(kin, Status.FAILED, reason or "the QP is not finite")
-        levels = problem.levels
-        solver = self.solver if levels is None else self._priority_solver()
+            return self._safe_command(kin, Status.FAILED, reason or "the QP is not finite"), None
+        solver = self.solver if problem.levels is None else self._priority_solver()
         solution = solver.solve(problem)
         if solution.outcome is Outcome.SOLVED:
             x = np.asarray(solution.x)
-            command = assembly.recover(x, kin, self.dt) if x.shape == problem.g.shape else None
+            command = None
+            if x.shape == problem.g.shape:
+                command = assembly.recover(x, kin, self.dt, self)
             if command is not None:
                 self._last_tau = command.tau
                 self._explanation = None
-                self._solved, self._conflict = (x, assembly, kin), ""
-                return command
+                return command, x
             detail = f"x of shape {x.shape}, {x.size - np.isfinite(x).sum()} entries not finite"
             solution = Solution(x, Outcome.FAILED, detail=detail)
-        return self._safe_command(kin, *self._explain(problem, solution))
+        return self._safe_command(kin, *self._explain(problem, solution)), None
 
-    def explain(self) -> TickExplanation:
-        """Explain the last tick: what tasks asked for and got, and which rows stood in their way.
-
-        It takes some milliseconds, outside of the tick. After a tick without a solution it names
-        the rows in conflict and by how much each would have to give.
+    def explain(self, command: Command) -> TickExplanation:
+        """Explain the last command; see `Command.explain`, which calls this.
 
         Raises:
-            WbcError: there was no tick, or the controller was copied since.
+            WbcError: it is not the last command of this controller.
         """
-        if self._conflict:
-            return TickExplanation(self._conflict, (), ())
-        if self._solved is None or self.problem is None:
-            raise WbcError("there is no tick to explain: call step(state) first")
-        x, assembly, kin = self._solved
+        last = self._last
+        if last is None or last.command is not command or self.problem is None:
+            raise WbcError(
+                "this command cannot be explained any more: its controller has gone on to the "
+                "next tick; explain a command before the next step, or look it up in a log"
+            )
+        if last.x is None:
+            conflict = find_conflict(self.problem) if self.problem.finite else ()
+            return TickExplanation(command.explanation, conflict, (), ())
+        assembly, kin = last.assembly, last.kinematics
 
         def acceleration_of(x: np.ndarray) -> np.ndarray:
-            command = assembly.recover(x, kin, self.dt)
-            return np.full(self.robot.nv, np.nan) if command is None else command.acceleration
+            found = assembly.recover(x, kin, self.dt)
+            return np.full(self.robot.nv, np.nan) if found is None else found.acceleration
 
-        return explain_solution(self.problem, x, self.tasks, kin, acceleration_of)
+        return explain_solution(self.problem, last.x, self.tasks, kin, acceleration_of)
 
     def _priority_solver(self) -> Solver:
         """Return the solver of strict priorities, made when it is first needed."""
@@ -340,7 +359,6 @@ class WholeBodyController:
         return Assembly(*parts, self.formulation, self.regularisation)
 
     def _safe_command(self, kin: Kinematics, status: Status, reason: str) -> Command:
-        self._solved, self._conflict = None, reason
         self._last_tau = self._last_tau * (1.0 - min(self.dt / _FADE_TIME, 1.0))
         limit = self.robot.tau_max
         tau = self._last_tau - _SAFE_DAMPING * limit * kin.state.v[6:]
@@ -350,4 +368,4 @@ class WholeBodyController:
         wrenches = {c.name: np.zeros(6) for c in self._contacts}
         q, v = kin.state.q[7:], kin.state.v[6:]
         still = np.zeros(self.robot.nv)
-        return Command(tau, still, wrenches, q + self.dt * v, v.copy(), status, reason)
+        return Command(tau, still, wrenches, q + self.dt * v, v.copy(), status, reason, self)

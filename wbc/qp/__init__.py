@@ -2,7 +2,7 @@
 
 from wbc.qp.assembly import Assembly, Formulation
 from wbc.qp.cost import Regularisation
-from wbc.qp.explanation import explain
+from wbc.qp.explanation import ConflictingRow, explain, find_conflict
 from wbc.qp.kernel_loading import load_qp_kernels
 from wbc.qp.problem import Outcome, Problem, Solution
 from wbc.qp.row_errors import non_finite_rows
@@ -18,6 +18,7 @@ from wbc.qp.tick_explanation import (
 __all__ = [
     "ActiveRow",
     "Assembly",
+    "ConflictingRow",
     "Formulation",
     "Outcome",
     "Problem",
@@ -29,6 +30,7 @@ __all__ = [
     "TickExplanation",
     "explain",
     "explain_solution",
+    "find_conflict",
     "load_qp_kernels",
     "make_solver",
     "non_finite_rows",

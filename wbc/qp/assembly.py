@@ -8,7 +8,7 @@ from enum import Enum
 
 import numpy as np
 
-from wbc.command import Command
+from wbc.command import Command, CommandSource
 from wbc.contacts import Contact
 from wbc.kinematics import Kinematics
 from wbc.limits import LimitSet
@@ -113,13 +113,20 @@ class Assembly:
         bounded, levels = constraints.bounded, self._levels
         return Problem(H, g, C, lb, ub, bounded, self.equality, self.blocks, finite, levels)
 
-    def recover(self, x: np.ndarray, kin: Kinematics, dt: float) -> Command | None:
+    def recover(
+        self,
+        x: np.ndarray,
+        kin: Kinematics,
+        dt: float,
+        source: CommandSource | None = None,
+    ) -> Command | None:
         """Return the command of a solution; None when it is not finite.
 
         Args:
             x: (n,).
             kin: kinematics of the state that the QP was built for.
             dt: control period, s.
+            source: controller that can explain the command.
         """
         m, x1 = self.elimination, self._x1
         x1[:-1] = x
@@ -136,7 +143,7 @@ class Assembly:
             tau = np.clip(tau, -self._torque_limit.maximum, self._torque_limit.maximum)
         v, a = kin.state.v[6:], acceleration[6:]
         q_target = kin.state.q[7:] + dt * v + (0.5 * dt * dt) * a
-        return Command(tau, acceleration, wrenches, q_target, v + dt * a)
+        return Command(tau, acceleration, wrenches, q_target, v + dt * a, source=source)
 
 
 def _stance_contact(contacts: Sequence[Contact]) -> Contact | None:

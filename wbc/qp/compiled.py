@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from wbc.command import Command
+from wbc.command import Command, CommandSource
 from wbc.contacts import Contact
 from wbc.kinematics import Kinematics
 from wbc.limits import LimitSet
@@ -155,7 +155,13 @@ class CompiledAssembly:
         )
         return self._problem
 
-    def recover(self, x: np.ndarray, kin: Kinematics, dt: float) -> Command | None:
+    def recover(
+        self,
+        x: np.ndarray,
+        kin: Kinematics,
+        dt: float,
+        source: CommandSource | None = None,
+    ) -> Command | None:
         """Return the command of a solution; None when it is not finite."""
         nv, na = self._nv, self._na
         start = nv + 3 * na
@@ -176,6 +182,7 @@ class CompiledAssembly:
             wrenches,
             out[nv + na : nv + 2 * na],
             out[nv + 2 * na : start],
+            source=source,
         )
 
 

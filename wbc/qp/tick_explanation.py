@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wbc.kinematics import Kinematics
+from wbc.qp.explanation import ConflictingRow
 from wbc.qp.multipliers import LevelMultipliers
 from wbc.qp.problem import Problem
 from wbc.qp.row_errors import write_rows
@@ -107,19 +108,21 @@ class TickExplanation:
     """Why a command is what it is.
 
     Attributes:
-        conflict: rows that cannot hold together, and by how much each would have to give, see
-            `Command.explanation`; empty when there is a solution.
+        reason: why there is no solution, see `Command.explanation`; empty when there is one.
+        conflict: rows that cannot hold together, and by how much each has to give way, see
+            `wbc.qp.find_conflict`; empty when there is a solution, or the solver just gave up.
         tasks: what each task asked for and got; empty when there is no solution.
         active: limits and contact rows at a bound, those that cost the highest level most first.
     """
 
-    conflict: str
+    reason: str
+    conflict: tuple[ConflictingRow, ...]
     tasks: tuple[TaskResult, ...]
     active: tuple[ActiveRow, ...]
 
     def __str__(self) -> str:
-        if self.conflict:
-            return self.conflict
+        if self.reason:
+            return self.reason
         lines = ["tasks:", *(f"  {task}" for task in self.tasks)]
         felt = [row for row in self.active if row.gains]
         if felt:
@@ -186,7 +189,7 @@ def explain_solution(
             name, unit = blocks[row].label(row), blocks[row].unit_of(row)
             active[int(row)] = ActiveRow(name, unit, bool(multipliers.at_upper[row]), 0, 0.0, ())
     ordered = sorted(active.values(), key=lambda r: (r.priority or np.inf, -r.multiplier))
-    return TickExplanation("", results, tuple(ordered))
+    return TickExplanation("", (), results, tuple(ordered))
 
 
 def _sensitivity(
