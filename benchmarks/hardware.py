@@ -1,7 +1,6 @@
 """Robots with servos, and a G1 over its low-level interface: walks, faults, and real time on DDS.
 
 python benchmarks/hardware.py servos      Talos and simple_humanoid as position-controlled robots
-python benchmarks/hardware.py feet        walks without foot sensors
 python benchmarks/hardware.py latency     a G1 with latency and lost messages, in lockstep
 python benchmarks/hardware.py faults      time from each fault to damping, in lockstep
 python benchmarks/hardware.py real-time   a G1 in another process over DDS on the loopback
@@ -24,20 +23,22 @@ import sys
 import tempfile
 import warnings
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import wbc
+from wbc.gait import VelocityLimits
+from wbc.geometry.planar import Placement
 from wbc.hardware import SafeHardware, UnitreeG1
 from wbc.hardware.unitree.lockstep import Disturbance, LockstepTransport, undisturbed
 from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
 from wbc.hardware.unitree.stand_in import PERIOD, G1StandIn
-from wbc.runtime.loop import StopRun
+from wbc.runtime.loop import RunComplete, StopRun
 from wbc.runtime.report import Report
 from wbc.sim import JointServos, Mujoco
+from wbc.walking.waypoint_follower import WaypointFollower
 
 Row = dict[str, Any]
 _STAND, _STOP = 2.0, 3.0  # s at the beginning and the end of a walk
@@ -66,6 +67,27 @@ def _row(what: str, seed: int, report: Report) -> Row:
     }
 
 
+def _walk_to(plant: Any, speed: float, distance: float, dt: float) -> Report:
+    """Walk to a place straight ahead, by the estimator's odometry, and stop."""
+    walker = wbc.Walker(plant.robot, dt)
+    follower = WaypointFollower(VelocityLimits(speed, 0.1, 0.1, 0.2))
+    waypoint = Placement(complex(walker.feet.middle.real + distance, 0.0), 0.0)
+    arrived = 0.0
+
+    def command(time: float) -> None:
+        nonlocal arrived
+        if time < _STAND:
+            return
+        pose = Placement(walker.feet.middle, walker.heading)
+        walker.velocity = follower.velocity(waypoint, pose)
+        arrived = 0.0 if walker.velocity != (0.0, 0.0, 0.0) else arrived or time
+        if arrived and time > arrived + _STOP:
+            raise RunComplete
+
+    limit = _STAND + 1.5 * distance / speed + _STOP
+    return wbc.run(walker, plant, limit, before_tick=command)
+
+
 def servos(options: argparse.Namespace) -> list[Row]:
     """Walk as position-controlled robots: 2 and 4 ms of delay, friction, backlash of 0.5°."""
     rows = []
@@ -80,37 +102,8 @@ def servos(options: argparse.Namespace) -> list[Row]:
                     f"{name}, {1.0 / dt:.0f} Hz, delay {1e3 * latency:g} ms, "
                     f"friction {100.0 * friction:g} %"
                 )
-                rows.append(_row(what, seed, _walk(plant, 0.3, options.distance, dt)))
-    return rows
-
-
-class _NoFootSensors:
-    """An estimator that is not given the foot wrenches."""
-
-    def __init__(self, robot: wbc.Robot) -> None:
-        self._estimator = wbc.Estimator(robot)
-
-    def reset(self, state: wbc.State) -> None:
-        self._estimator.reset(state)
-
-    def update(
-        self, measurement: wbc.Measurement, *, acceleration: np.ndarray | None = None
-    ) -> wbc.Estimate:
-        blind = replace(measurement, foot_wrenches={})
-        return self._estimator.update(blind, acceleration=acceleration)
-
-
-def feet(options: argparse.Namespace) -> list[Row]:
-    """Walk without foot sensors: contact by time."""
-    rows = []
-    for name, speed in (("talos", 0.3), ("g1", 0.35), ("simple_humanoid", 0.3), ("icub", 0.1)):
-        robot = wbc.load(name)
-        for seed in range(options.seeds):
-            report = _walk(
-                Mujoco(robot, seed=seed), speed, options.distance * speed / 0.35, 0.002,
-                estimator=_NoFootSensors(robot),
-            )  # fmt: skip
-            rows.append(_row(f"{name} at {speed} m/s without foot sensors", seed, report))
+                report = _walk_to(plant, 0.3, options.distance, dt)
+                rows.append(_row(what, seed, report) | {"duration_s": round(report.duration_s, 1)})
     return rows
 
 
@@ -309,7 +302,6 @@ def real_time(options: argparse.Namespace) -> list[Row]:
 
 _PARTS = {
     "servos": servos,
-    "feet": feet,
     "latency": latency,
     "faults": faults,
     "real-time": real_time,

@@ -7,6 +7,7 @@ joint position exceeds its limit.
 
     python benchmarks/walk.py                     # all robots, 5 seeds
     python benchmarks/walk.py --robot g1 --seeds 2
+    python benchmarks/walk.py --no-foot-sensors   # contact from joint torques and IMU
 """
 
 from __future__ import annotations
@@ -53,10 +54,10 @@ SCENARIOS: dict[str, list[Scenario]] = {
 }
 
 
-def trial(job: tuple[str, int, int]) -> tuple[str, int, int, wbc.Report]:
+def trial(job: tuple[str, int, int, bool]) -> tuple[str, int, int, wbc.Report]:
     """Run one trial."""
-    name, index, seed = job
-    report = run_scenario(wbc.load(name), SCENARIOS[name][index], seed)
+    name, index, seed, foot_sensors = job
+    report = run_scenario(wbc.load(name), SCENARIOS[name][index], seed, foot_sensors=foot_sensors)
     return name, index, seed, report
 
 
@@ -72,6 +73,12 @@ def main() -> int:
     parser.add_argument("--scenario", default="", help="only scenarios whose name contains this")
     parser.add_argument("--seeds", type=int, default=5, help="runs per cell (default: %(default)s)")
     parser.add_argument(
+        "--no-foot-sensors",
+        dest="foot_sensors",
+        action="store_false",
+        help="soles without force sensors; joint torques are measured instead",
+    )
+    parser.add_argument(
         "--jobs",
         type=int,
         default=1,
@@ -81,7 +88,7 @@ def main() -> int:
     parser.add_argument("--readme", type=Path, help="update the table in this file")
     args = parser.parse_args()
     jobs = [
-        (name, index, seed)
+        (name, index, seed, args.foot_sensors)
         for name in (args.robot or SCENARIOS)
         for index, scenario in enumerate(SCENARIOS[name])
         if args.scenario in scenario.name

@@ -70,7 +70,18 @@ def test_the_reference_integrates_the_acceleration_and_leaks_to_the_targets() ->
     leaking.update(make_command(2))
     for _ in range(500):
         servo = leaking.update(make_command(2, acceleration=3.0))
-    np.testing.assert_allclose(servo.v, 3.0 * (1.0 - 20.0 * dt) / 20.0, rtol=0.05)
+    np.testing.assert_allclose(servo.v, 3.0 * (1.0 - 10.0 * dt) / 10.0, rtol=0.05)
+
+
+def test_the_reference_compensates_friction_in_the_direction_of_motion() -> None:
+    gains, friction = ServoGains(np.ones(2), np.ones(2)), np.array([2.0, 0.0])
+    reference = ServoReference(gains, 0.002, friction=friction)
+    np.testing.assert_array_equal(reference.update(make_command(2)).tau, 0.0)
+    for _ in range(500):
+        servo = reference.update(make_command(2, acceleration=-9.0))
+    np.testing.assert_allclose(servo.tau, [-2.0, 0.0], rtol=1e-3)
+    with pytest.raises(ServoError, match="friction"):
+        ServoReference(gains, 0.002, friction=np.ones(3))
 
 
 def test_the_reference_starts_anew_when_a_tick_failed() -> None:

@@ -101,7 +101,7 @@ def _warm_up(walker: wbc.Walker) -> None:
     state, estimator = walker.robot.standing(), wbc.Estimator(walker.robot, walker.dt)
     still = np.zeros(walker.robot.na)
     gravity = -np.array(walker.robot.model.gravity.linear)
-    m = wbc.Measurement(0.0, state.q[7:], still, np.zeros(3), gravity)
+    m = wbc.Measurement(0.0, state.q[7:], still, np.zeros(3), gravity, joint_torque=still)
     walker.velocity = (0.1, 0.0, 0.0)
     walker.reset(state)
     for _ in range(round(2.0 * walker.gait_cycle / walker.dt)):

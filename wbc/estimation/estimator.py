@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import NoReturn
 
 import numpy as np
@@ -18,6 +18,7 @@ from wbc.estimation.kernels.legs import write_state
 from wbc.estimation.kernels.prediction import CORRECTION_DUE, REFUSED, predict
 from wbc.estimation.legs import LegKinematics, leg_covariance
 from wbc.estimation.noise import EstimatorNoise
+from wbc.estimation.wrench_observer import WrenchObserver
 from wbc.measurement import Measurement
 from wbc.robot import Robot
 from wbc.state import State
@@ -36,9 +37,10 @@ class Estimator:
     touchdowns and slip. Only what a real robot measures is read; the exact state of a
     simulator goes through `GroundTruthEstimator`.
 
-    Which soles stand is decided from the foot forces by `trigger`. Without foot forces it
-    is what `contacts` says, and without that the soles that the estimate places lowest:
-    good for standing and slow walking on flat floor, not for running or stairs.
+    Which soles stand is decided from the foot forces by `trigger`. A robot without foot sensors
+    whose joint torques are measured has those of a `WrenchObserver`. Without either it is what
+    `contacts` says, and without that the soles that the estimate places lowest: good for standing
+    and slow walking on flat floor, not for running or stairs.
 
     At any tick `copy.deepcopy` and `pickle` give an estimator that goes on bit-identically,
     in this process or another.
@@ -104,6 +106,7 @@ class Estimator:
             joint_acceleration,
             joint_surprise,
         )
+        self._wrench_observer: WrenchObserver | None = None
         self._no_acceleration = np.zeros(robot.na)
         self._shapes = ((robot.na,), (robot.na,), (robot.na,), (3,), (3,))
         self._nq, self._nv = robot.nq, robot.nv
@@ -136,6 +139,8 @@ class Estimator:
         self.filter.reset(world.rotation, velocity.linear, world.translation)
         self._joints.fresh = True
         self._detector.reset()
+        if self._wrench_observer is not None:
+            self._wrench_observer.reset()
 
     def update(
         self,
@@ -166,7 +171,10 @@ class Estimator:
         """
         detector = self._detector
         before = detector.stands
-        loads = detector.update(measurement.foot_wrenches, contacts)
+        wrenches: Mapping[str, np.ndarray] = measurement.foot_wrenches
+        if not wrenches and contacts is None and measurement.joint_torque is not None:
+            wrenches = self._observed_wrenches(measurement)
+        loads = detector.update(wrenches, contacts)
         q, v = np.empty(self._nq), np.empty(self._nv)
         outcome = self._predict(measurement, acceleration, q, v)
         if outcome == REFUSED:
@@ -179,6 +187,15 @@ class Estimator:
             self._correct(before, stands, due)
             write_state(self.filter.record, self._legs.poses, self._joints.state, q, v)
         return Estimate(State(q, v), detector.contacts, loads, measurement.foot_wrenches)
+
+    def _observed_wrenches(self, measurement: Measurement) -> Mapping[str, np.ndarray]:
+        """Return the wrenches on the soles by the joints' torques."""
+        m, observer = measurement, self._wrench_observer
+        if observer is None:
+            observer = self._wrench_observer = WrenchObserver(self.robot, self.dt)
+        if self._joints.fresh:
+            return observer.update(m, m.joint_position, m.joint_velocity)
+        return observer.update(m, *self._joints.state)
 
     def _predict(
         self,

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from wbc.errors import PlantError
 
@@ -33,6 +34,7 @@ class SensorNoise:
         force: foot force, N.
         force_share: foot force, as a share of the reading.
         torque: foot moment, N·m.
+        joint_torque: measured torque of a joint, as a share of its limit.
 
     Raises:
         PlantError: a standard deviation that is negative or not finite.
@@ -47,6 +49,7 @@ class SensorNoise:
     force: float = 1.0
     force_share: float = 0.01
     torque: float = 0.1
+    joint_torque: float = 0.005
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
@@ -60,7 +63,7 @@ class SensorNoise:
     @classmethod
     def none(cls) -> SensorNoise:
         """Return the noise of perfect sensors."""
-        return cls(*(0.0,) * 9)
+        return cls(*(0.0,) * len(cls.__slots__))
 
     def scaled(self, factor: float) -> SensorNoise:
         """Return the noise of the same sensors, every deviation times `factor`."""
@@ -75,13 +78,16 @@ class NoiseGenerator:
         na: number of joints.
         feet: number of foot sensors.
         seed: the same seed gives the same errors, sample by sample.
+        tau_max: torque limits of the joints whose torques are measured, N·m.
 
     Attributes:
         gyro_bias: (3,) of this run, IMU axes, rad/s.
         accelerometer_bias: (3,) of this run, IMU axes, m/s².
     """
 
-    def __init__(self, sigma: SensorNoise, na: int, feet: int, seed: int) -> None:
+    def __init__(
+        self, sigma: SensorNoise, na: int, feet: int, seed: int, tau_max: ArrayLike = ()
+    ) -> None:
         self._sigma = sigma
         self._random = np.random.default_rng(seed)
         bias = self._random.standard_normal(6)
@@ -90,14 +96,14 @@ class NoiseGenerator:
         white = [sigma.encoder] * na + [sigma.velocity] * na
         white += [sigma.gyro] * 3 + [sigma.accelerometer] * 3
         white += ([sigma.force] * 3 + [sigma.torque] * 3) * feet
-        self._scale = np.array(white)
-        self._offset = np.zeros(len(white))
+        self._forces = slice(2 * na + 6, len(white))
+        self._scale = np.concatenate((white, sigma.joint_torque * np.asarray(tau_max)))
+        self._offset = np.zeros(self._scale.size)
         self._offset[2 * na : 2 * na + 3] = self.gyro_bias
         self._offset[2 * na + 3 : 2 * na + 6] = self.accelerometer_bias
-        self._forces = slice(2 * na + 6, None)
 
     def add_to(self, exact: np.ndarray) -> np.ndarray:
-        """Return `[q, v, gyro, accelerometer, wrenches]` with errors, in a new array."""
+        """Return the readings (see `Sensors.reading`) with errors, in a new array."""
         forces = exact[self._forces]
         draw = self._random.standard_normal(exact.size + forces.size)
         noisy, in_proportion = draw[: exact.size], draw[exact.size :]

@@ -55,6 +55,7 @@ class Mujoco(Closeable):
         latency: age of a command when it reaches the motors, s.
         sensor_latency: age of the readings when they are measured, a multiple of `dt`, s.
         ground_sink: depth to which the standing robot sinks into soft ground, m; 0: hard ground.
+        foot_sensors: the soles have force sensors; without them the joints' torques are measured.
         servos: the joints are driven by such servos, which take positions, velocities and
             feed-forward torques; by default they are ideal sources of the commanded torque.
         collisions: "all": every body collides with the ground and with the others, but for
@@ -85,6 +86,7 @@ class Mujoco(Closeable):
         latency: float = 0.0,
         sensor_latency: float = 0.0,
         ground_sink: float = 0.0,
+        foot_sensors: bool = True,
         servos: JointServos | None = None,
         collisions: Collisions = "all",
     ) -> None:
@@ -109,6 +111,7 @@ class Mujoco(Closeable):
         self.terrain: Terrain = Flat() if terrain is None else terrain
         self.noise = SensorNoise() if noise is None else noise
         self._measures_truth = ground_truth
+        self._foot_sensors = foot_sensors
         found = robot_collisions(robot) if collisions == "all" else RobotCollisions()
         self.collision_shapes = found.shapes
         self.excluded_pairs = found.excluded_pairs
@@ -144,7 +147,14 @@ class Mujoco(Closeable):
         self._mujoco = import_mujoco()
         self.data = self._mujoco.MjData(self.model)
         self._scratch: Any = None
-        self._sensors = Sensors(self.robot, self._mujoco, self.model, self.data, self.coordinates)
+        self._sensors = Sensors(
+            self.robot,
+            self._mujoco,
+            self.model,
+            self.data,
+            self.coordinates,
+            0 if self._foot_sensors else self.robot.na,
+        )
 
     def __getstate__(self) -> dict[str, Any]:
         """Return what a copy needs: settings, model, the integration state and readings."""
@@ -199,7 +209,9 @@ class Mujoco(Closeable):
         if self._servos is not None:
             self._servos.clear()
         self._pushes.clear()
-        self._noise = NoiseGenerator(self.noise, self.robot.na, len(self.robot.soles), self.seed)
+        limits = () if self._foot_sensors else self.robot.tau_max
+        feet = len(self.robot.soles)
+        self._noise = NoiseGenerator(self.noise, self.robot.na, feet, self.seed, limits)
         mujoco.mj_forward(model, data)
         self._sensors.reset()
         self._delay.clear(self._sensors.reading)
@@ -212,14 +224,16 @@ class Mujoco(Closeable):
             if r is None:
                 r = self._noise.add_to(self._delay.oldest)
                 self._delay.deliver(r)
+            feet = self._wrench_slices if self._foot_sensors else []
             self._measurement = Measurement(
                 time=self.time,
                 joint_position=r[: n // 2],
                 joint_velocity=r[n // 2 : n],
                 gyro=r[n : n + 3],
                 accelerometer=r[n + 3 : n + 6],
-                foot_wrenches={name: r[at] for name, at in self._wrench_slices},
+                foot_wrenches={name: r[at] for name, at in feet},
                 ground_truth=self.ground_truth() if self._measures_truth else None,
+                joint_torque=None if self._foot_sensors else r[-self.robot.na :],
             )
         return self._measurement
 

@@ -29,13 +29,20 @@ class Sensors:
         model: model with sites "imu" and one of each sole's name.
         data: data of the running simulation.
         coordinates: order of the robot's joints.
+        torques: how many joint torques are measured.
 
     Attributes:
-        reading: `[q, v, gyro, accelerometer, wrenches]` of the last update.
+        reading: `[q, v, gyro, accelerometer, wrenches, joint torques]` of the last update.
     """
 
     def __init__(
-        self, robot: Robot, mujoco: Any, model: Any, data: Any, coordinates: CoordinateMap
+        self,
+        robot: Robot,
+        mujoco: Any,
+        model: Any,
+        data: Any,
+        coordinates: CoordinateMap,
+        torques: int,
     ) -> None:
         self._robot = robot
         self._model = model
@@ -62,11 +69,13 @@ class Sensors:
         self._transform = mujoco.mju_transformSpatial
         self._samples = 0
         na = robot.na
-        self.reading = np.zeros(2 * na + 6 + 6 * len(robot.soles))
+        self.reading = np.zeros(2 * na + 6 + 6 * len(robot.soles) + torques)
         self._q = self.reading[:na]
         self._v = self.reading[na : 2 * na]
         self._gyro = self.reading[2 * na : 2 * na + 3]
-        self._averaged = self.reading[2 * na + 3 :]
+        self._averaged = self.reading[2 * na + 3 : self.reading.size - torques]
+        self._torques = self.reading[self.reading.size - torques :]
+        self._exact_torques = data.ctrl[:torques]
         self._wrenches = self._averaged[3:].reshape(-1, 6)
 
     def joints(self) -> tuple[np.ndarray, np.ndarray]:
@@ -84,8 +93,9 @@ class Sensors:
         self._samples += 1
 
     def update(self) -> None:
-        """Fill `reading` with `[q, v, gyro, accelerometer, wrenches]` of this instant."""
+        """Fill `reading` with what is measured at this instant."""
         self._instant()
+        self._torques[:] = self._exact_torques
         if self._samples:
             self._sums *= 1.0 / self._samples
             self._averaged[:3] = self._acceleration
@@ -103,13 +113,15 @@ class Sensors:
         self._instant()
         self._sums[:] = 0.0
         self._samples = 0
-        self._averaged[:] = 0.0
+        self._averaged[:] = self._torques[:] = 0.0
         standing = [i for i in range(len(self._feet)) if self._stands(i)]
         if not standing:
             return
         data, gravity = self._data, self._model.opt.gravity
         self._averaged[:3] = -gravity @ data.site_xmat[self._imu].reshape(3, 3)
         self._wrenches[standing] = self._standing_wrenches(standing)
+        if self._torques.size:
+            self._torques[:] = self._holding_torques()
 
     def _instant(self) -> None:
         self._qpos.take(self._joints, out=self._q, mode="clip")
@@ -136,3 +148,18 @@ class Sensors:
         solution = np.linalg.lstsq(np.hstack(columns), weight, rcond=None)[0]
         wrenches: np.ndarray = solution.reshape(-1, 6) @ scale
         return wrenches
+
+    def _holding_torques(self) -> np.ndarray:
+        """Return the torques of a robot at rest on its soles, (na,) N·m: τ = h − Jᵀ F."""
+        robot, data = self._robot, self._data
+        model = robot.model
+        q = np.concatenate((data.qpos[:3], data.qpos[4:7], data.qpos[3:4], self._q))
+        workspace = model.createData()
+        tau = pin.computeGeneralizedGravity(model, workspace, q)
+        pin.computeJointJacobians(model, workspace, q)
+        for sole, wrench in zip(robot.soles, self._wrenches, strict=True):
+            frame = robot.frame_id(sole.name)
+            J = pin.getFrameJacobian(model, workspace, frame, pin.ReferenceFrame.LOCAL)
+            tau = tau - J.T @ wrench
+        torques: np.ndarray = tau[6:]
+        return torques

@@ -28,6 +28,8 @@ class JointServos:
         gains: gains of the servos; a joint whose gains are zero is a torque source. With None they
             are `ServoGains.for_robot`.
         friction: Coulomb friction of a joint, as a share of its torque limit.
+        compensation: share of the friction that the references compensate, as if it had been
+            identified; see `ServoReference`.
         damping: viscous friction, as a share of the torque limit per rad/s.
         backlash: play between motor and joint, rad. A motor that reverses its torque crosses the
             play with its rotor inertia (the model's armature), and exerts nothing on the joint
@@ -39,11 +41,12 @@ class JointServos:
 
     gains: ServoGains | None = None
     friction: float = 0.03
+    compensation: float = 0.7
     damping: float = 0.0
     backlash: float = math.radians(0.5)
 
     def __post_init__(self) -> None:
-        for name in ("friction", "damping", "backlash"):
+        for name in ("friction", "compensation", "damping", "backlash"):
             value = getattr(self, name)
             if not (math.isfinite(value) and value >= 0.0):
                 raise PlantError(f"JointServos: {name} = {value} must be finite and >= 0")
@@ -79,8 +82,9 @@ class Servos:
                 f"joint '{joint}' has no rotor inertia to cross a backlash with: state its "
                 "armature, or set backlash=0"
             )
-        self._reference = ServoReference(gains, dt)
         self._tau_max = np.array(robot.tau_max, dtype=float)
+        known = servos.compensation * servos.friction * self._tau_max
+        self._reference = ServoReference(gains, dt, friction=known)
         self._timestep = timestep
         self._latency = latency
         self._half_play = 0.5 * servos.backlash

@@ -61,6 +61,7 @@ class Condition:
             0 for none.
         ground_sink: depth to which the standing robot sinks into soft ground, m; 0 for hard ground.
         state: "estimated" from noisy sensors, or "exact".
+        foot_sensors: the soles have force sensors; without them the joints' torques are measured.
         contact: what the controller is given: contacts and foot loads as "measured", or nothing,
             so that contact goes by "time".
 
@@ -84,6 +85,7 @@ class Condition:
     slope: float = 0.0
     patch_friction: float = 0.0
     ground_sink: float = 0.0
+    foot_sensors: bool = True
     state: Literal["estimated", "exact"] = "estimated"
     contact: Literal["measured", "time"] = "measured"
 
@@ -176,6 +178,7 @@ class Condition:
                 latency=self.latency,
                 sensor_latency=self.sensor_latency,
                 ground_sink=self.ground_sink,
+                foot_sensors=self.foot_sensors,
             )
         except PlantError as error:
             raise TrialError(f"condition '{self.name}' of '{robot.name}': {error}") from error

@@ -21,6 +21,7 @@ def run_scenario(
     walker: Walker | None = None,
     estimator: StateEstimator | None = None,
     start: State | None = None,
+    foot_sensors: bool = True,
 ) -> Report:
     """Run a scenario in MuJoCo with noisy sensors and the base-state estimator.
 
@@ -32,6 +33,7 @@ def run_scenario(
         estimator: its state estimator; by default the filter on noisy sensors. A
             `GroundTruthEstimator` gets the exact state.
         start: initial state; by default the robot stands at the origin.
+        foot_sensors: the soles have force sensors; without them the joints' torques are measured.
     """
     walker = walker or Walker(robot)
 
@@ -39,7 +41,9 @@ def run_scenario(
         walker.velocity = scenario.velocity_at(time)
 
     truth = isinstance(estimator, GroundTruthEstimator)
-    with Mujoco(robot, dt=walker.dt, seed=seed, ground_truth=truth) as plant:
+    with Mujoco(
+        robot, dt=walker.dt, seed=seed, ground_truth=truth, foot_sensors=foot_sensors
+    ) as plant:
         if start is not None:
             plant.reset(start)
         return run(walker, plant, scenario.duration, estimator=estimator, before_tick=command)

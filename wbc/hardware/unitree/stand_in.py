@@ -54,7 +54,13 @@ class G1StandIn:
         zero = np.zeros(robot.na)
         servos = JointServos(ServoGains(zero, zero), friction=_FRICTION, backlash=0.0)
         self.plant = Mujoco(
-            robot, dt=PERIOD, seed=seed, latency=latency, noise=noise, servos=servos
+            robot,
+            dt=PERIOD,
+            seed=seed,
+            latency=latency,
+            noise=noise,
+            servos=servos,
+            foot_sensors=False,
         )
         standing = robot.standing()
         q = standing.q.copy()
@@ -105,14 +111,14 @@ class G1StandIn:
 
     def state_message(self) -> bytes:
         """Return the bytes of the present state."""
-        m, state, plant = self.plant.measure(), self._state.fields, self.plant
+        m, state = self.plant.measure(), self._state.fields
         state["tick"] = round(1e3 * m.time)
         motors = state["motor_state"][0]
         motors["q"][self._motors] = m.joint_position
         motors["dq"][self._motors] = m.joint_velocity
-        motors["tau_est"][self._motors] = plant.torque
+        motors["tau_est"][self._motors] = m.joint_torque
         imu = state["imu_state"][0]
-        x, y, z, w = attitude(self.robot, plant.ground_truth())
+        x, y, z, w = attitude(self.robot, self.plant.ground_truth())
         imu["quaternion"] = (w, x, y, z)
         imu["gyroscope"], imu["accelerometer"] = m.gyro, m.accelerometer
         return self._state.encode()
