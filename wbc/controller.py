@@ -276,6 +276,7 @@ class WholeBodyController:
                 command = assembly.recover(x, kin, self.dt, self)
             if command is not None:
                 self._last_tau = command.tau
+                kin.previous_acceleration = command.acceleration
                 self._explanation = None
                 return command, x
             detail = f"x of shape {x.shape}, {x.size - np.isfinite(x).sum()} entries not finite"

@@ -9,6 +9,7 @@ mass matrix and of the non-linear effects instead of being computed by passes of
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -86,6 +87,8 @@ class Kinematics:
         mass: total mass, kg.
         mass_matrix: (nv, nv) M(q), armature included.
         bias_forces: (nv,) h(q, v), Coriolis, centrifugal and gravity.
+        previous_acceleration: (nv,) what was computed from the state before, for limits on jerk;
+            at first zero.
 
     Raises:
         StateError: the state has a wrong size, a NaN or a non-unit quaternion.
@@ -97,7 +100,7 @@ class Kinematics:
         self.data = robot.model.createData()
         self.mass = float(pin.computeTotalMass(robot.model))
         self._nq, self._nv = robot.nq, robot.nv
-        self._zero_acceleration = np.zeros(robot.nv)
+        self._zero_acceleration = self.previous_acceleration = np.zeros(robot.nv)
         # Views of Pinocchio's memory, which the passes of `update` fill.
         self._com: np.ndarray = self.data.oYcrb[1].lever
         self._base_rotation: np.ndarray = self.data.oMi[1].rotation
@@ -111,12 +114,14 @@ class Kinematics:
         self._placements_copied = False
         self.update(state)
 
-    def __getstate__(self) -> tuple[RobotModel, State]:
-        """Return the robot and the state; Pinocchio's workspace is computed from them again."""
-        return self.robot, self.state
+    def __getstate__(self) -> Any:
+        """Return what Pinocchio's workspace is computed from again."""
+        return self.robot, self.state, self.previous_acceleration
 
-    def __setstate__(self, state: tuple[RobotModel, State]) -> None:
-        self.__init__(*state)  # type: ignore[misc]
+    def __setstate__(self, state: Any) -> None:
+        *arguments, previous_acceleration = state
+        self.__init__(*arguments)  # type: ignore[misc]
+        self.previous_acceleration = previous_acceleration
 
     def update(self, state: State) -> None:
         """Continue with another state; arrays that were read before still describe the old one.
@@ -163,6 +168,11 @@ class Kinematics:
             return np.array([[*T.rotation.T.flat, *T.translation] for T in placements])
         shape, strides = (self.model.njoints, 12), (_SE3_BYTES, 8)
         return np.lib.stride_tricks.as_strided(placements[0].rotation.T, shape, strides)
+
+    @property
+    def previous_velocity(self) -> np.ndarray:
+        """(nv,) velocity before the step; with dynamics that of the state."""
+        return self.state.v
 
     def frame(self, frame: str | int) -> pin.SE3:
         """Return `T_world_frame` of a frame, by name or by frame index.

@@ -35,7 +35,7 @@ import wbc
         (lambda r: wbc.JointVelocityLimit(r, 2.0), "JointVelocityLimit(2 rad/s, horizon 0.02 s)"),
         (
             lambda r: wbc.JointPositionLimit(r),
-            "JointPositionLimit(margin 0.02 rad, horizon 0.02 s)",
+            "JointPositionLimit(margin 0.02 rad, horizon 0.01 s)",
         ),
         (lambda r: wbc.JointAccelerationLimit(r), "JointAccelerationLimit(500 rad/s²)"),
         (

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import copy
+import pickle
 
+import coal
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -12,7 +14,7 @@ from hypothesis import given, settings
 
 import wbc
 from wbc.errors import LimitError
-from wbc.limits import BarrierRows, SelfCollisionLimit
+from wbc.limits import BarrierRows, ObstacleLimit, SelfCollisionLimit
 from wbc.robot.self_collision import SelfCollision
 from wbc.robot.upper_body import UpperBody
 
@@ -124,3 +126,69 @@ def test_arguments_are_checked():
         SelfCollisionLimit(one, gain=0.0)
     with pytest.raises(LimitError, match="recovery"):
         SelfCollisionLimit(one, recovery=-1.0)
+
+
+@given(seed=seeds)
+@settings(max_examples=6)
+def test_no_near_pair_is_left_out_before_its_distance_is_computed(seed):
+    one = robot(("g1", "talos")[seed % 2])
+    limit, state = SelfCollisionLimit(one), random_state(one, seed, spread=0.5)
+    found = {k: d for d, k, *_ in limit._near.update(wbc.Kinematics(one, state), 0.06)}
+    distances = SelfCollision.of(one).distances(state.q)
+    assert set(found) == set(np.flatnonzero(distances < 0.06))
+    for k, d in found.items():
+        assert d == pytest.approx(distances[k], abs=1e-6)
+
+
+def test_a_hand_keeps_its_distance_from_obstacles_also_when_they_move():
+    panda = wbc.load_fixed_base("panda")
+    ik = wbc.InverseKinematics(panda)
+    hand = ik.add(wbc.PositionTask("panda_hand"))
+    ik.step(panda.q_nominal, 0.01)
+    start = hand.target.copy()
+    wall = coal.Box(0.02, 2.0, 2.0)
+    at = pin.SE3(np.eye(3), np.array([start[0] + 0.2, 0.0, 0.5]))
+    limit = ObstacleLimit(panda, {"wall": (wall, at)}, margin=0.02)
+    ik.set_limits([*ik.limits, limit])
+    hand.target = start + np.array([0.3, 0.0, 0.0])
+    q = panda.q_nominal.copy()
+
+    def least(steps: int) -> float:
+        nonlocal q, ik
+        found = np.inf
+        for _ in range(steps):
+            q = pin.integrate(panda.model, q, 0.01 * ik.step(q, 0.01))
+            found = min(found, min(limit.distances.values(), default=np.inf))
+        return found
+
+    assert 0.015 < least(200) < 0.022
+    assert "wall" in next(iter(limit.distances))
+    other = pickle.loads(pickle.dumps(ik))
+    assert (other.step(q, 0.01) == ik.step(q, 0.01)).all()
+    other.limits[-1].place("wall", at * pin.SE3(np.eye(3), np.array([1.0, 0.0, 0.0])))
+    assert not other.limits[-1].distances or (other.step(q, 0.01) != ik.step(q, 0.01)).any()
+    for k in range(100):  # 5 cm/s towards the arm
+        limit.place("wall", pin.SE3(np.eye(3), at.translation - [0.0005 * k, 0.0, 0.0]))
+        q = pin.integrate(panda.model, q, 0.01 * ik.step(q, 0.01))
+    assert min(limit.distances.values()) > 0.01
+
+
+@pytest.mark.parametrize(
+    ("obstacles", "options", "text"),
+    [
+        ({}, {}, "0 obstacles"),
+        ({"floor": (coal.Halfspace(), pin.SE3.Identity())}, {}, "'floor'"),
+        ({"ball": (coal.Sphere(0.1), pin.SE3.Identity())}, {"margin": 0.3}, "detection distance"),
+        ({"ball": (coal.Sphere(0.1), pin.SE3.Identity())}, {"bodies": []}, "0 shapes of the robot"),
+    ],
+)
+def test_obstacles_are_checked(obstacles, options, text):
+    with pytest.raises(LimitError, match=text):
+        ObstacleLimit(wbc.load_fixed_base("panda"), obstacles, **options)
+
+
+def test_an_obstacle_that_is_moved_must_exist():
+    ball = {"ball": (coal.Sphere(0.1), pin.SE3.Identity())}
+    limit = ObstacleLimit(wbc.load_fixed_base("panda"), ball)
+    with pytest.raises(LimitError, match=r"no obstacle 'bal'.*did you mean 'ball'"):
+        limit.place("bal", pin.SE3.Identity())

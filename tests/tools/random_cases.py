@@ -242,7 +242,7 @@ class CaseRunner:
         if self.case.kind == "limits active":
             scale = 10.0 ** rng.uniform(-0.8, -0.1)
             slow = wbc.JointVelocityLimit(bot, rng.uniform(0.3, 3.0))
-            hard = wbc.JointAccelerationLimit(bot, rng.uniform(5.0, 60.0))
+            hard = wbc.JointAccelerationLimit(bot, rng.uniform(20.0, 60.0))
             return [position, slow, hard], wbc.TorqueLimit(bot, scale=scale)
         if self.case.kind == "degenerate" and rng.random() < 0.5:
             some = rng.choice(bot.na, 3, replace=False)

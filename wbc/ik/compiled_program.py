@@ -7,7 +7,7 @@ other classes than the library's own write their rows in Python, as there.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TypeGuard
 
 import numpy as np
@@ -19,7 +19,12 @@ from wbc.ik.velocity_program import (
     limit_update,
     postures_last,
 )
-from wbc.limits import JointPositionLimit, JointVelocityLimit
+from wbc.limits import (
+    AccelerationBound,
+    JointJerkLimit,
+    JointPositionLimit,
+    JointVelocityLimit,
+)
 from wbc.qp import Problem
 from wbc.qp.kernels.velocity import VelocityBuffers, VelocitySizes, assemble_velocity
 from wbc.qp.row_errors import raise_row_error
@@ -250,11 +255,14 @@ class _JointBounds:
     def __init__(self, layout: VelocityProblemLayout, buffers: VelocityBuffers) -> None:
         self._group = buffers.limits
         self._positions = [b for b in layout.limits.bounds if _is_plain_position_limit(b)]
-        self._others = [b for b in layout.limits.bounds if b not in self._positions]
+        self._jerks = [b for b in layout.limits.bounds if isinstance(b, JointJerkLimit)]
+        own = [*self._positions, *self._jerks]
+        self._others = [b for b in layout.limits.bounds if b not in own]
         self._velocities = [b for b in self._others if type(b) is JointVelocityLimit]
         self._constant = len(self._velocities) == len(self._others)
         self._copied: list[object] | None = None
         self.recovery = 0.2
+        buffers.limits.jerk_least[:], buffers.limits.jerk_most[:] = -np.inf, np.inf
 
     def update(self, kin: ConfigurationKinematics, v: np.ndarray, dt: float) -> None:
         """Write the bounds of this step; arrays that cannot change in place are copied once."""
@@ -269,13 +277,27 @@ class _JointBounds:
             fixed = all(isinstance(x, float) or not x.flags.writeable for x in present)  # type: ignore[attr-defined]
             self._copied = present if fixed else None
             self._copy_positions()
+        group = self._group
         if not (unchanged and self._constant):
-            group = self._group
-            group.least[:], group.most[:] = -np.inf, np.inf
-            for bound in self._others:
-                low, high = bound.velocity_bounds(kin, v, dt)
-                least, most = group.least.copy(), group.most.copy()
-                group.least[:], group.most[:] = low.clip(least, most), high.clip(least, most)
+            self._combine(self._others, group.least, group.most, kin, v, dt)
+        if self._jerks:
+            self._combine(self._jerks, group.jerk_least, group.jerk_most, kin, v, dt)
+
+    @staticmethod
+    def _combine(
+        bounds: Sequence[AccelerationBound],
+        least: np.ndarray,
+        most: np.ndarray,
+        kin: ConfigurationKinematics,
+        v: np.ndarray,
+        dt: float,
+    ) -> None:
+        """Write the tightest bounds; where two exclude each other the first holds."""
+        least[:], most[:] = -np.inf, np.inf
+        for bound in bounds:
+            low, high = bound.velocity_bounds(kin, v, dt)
+            before = least.copy(), most.copy()
+            least[:], most[:] = low.clip(*before), high.clip(*before)
 
     def _copy_positions(self) -> None:
         group = self._group

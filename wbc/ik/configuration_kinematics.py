@@ -27,17 +27,18 @@ class ConfigurationKinematics(Kinematics):
     """
 
     def __init__(self, robot: RobotModel, q: np.ndarray) -> None:
-        self._rest = np.zeros(robot.nv)
+        self._rest = self._previous_velocity = np.zeros(robot.nv)
         self._mass_matrix_used = False
         self._mass_matrix: np.ndarray | None = None
         super().__init__(robot, State(np.array(q, dtype=float), self._rest))
 
     def __getstate__(self) -> Any:
         """Return the robot and the configuration."""
-        return self.robot, self.state.q
+        return self.robot, self.state.q, self.previous_acceleration
 
-    def set_configuration(self, q: np.ndarray) -> None:
-        """Continue with another configuration (nq,)."""
+    def set_configuration(self, q: np.ndarray, previous_velocity: np.ndarray | None = None) -> None:
+        """Continue with another configuration (nq,), and velocity (nv,) before the step."""
+        self._previous_velocity = self._rest if previous_velocity is None else previous_velocity
         self.update(State(np.array(q, dtype=float), self._rest))
 
     def _propagate(self, q: np.ndarray, v: np.ndarray) -> None:
@@ -47,6 +48,11 @@ class ConfigurationKinematics(Kinematics):
         else:
             self._mass_matrix = None
             pin.computeJointJacobians(self.model, self.data, q)
+
+    @property
+    def previous_velocity(self) -> np.ndarray:
+        """(nv,) velocity before the step, m/s and rad/s; zero unless set."""
+        return self._previous_velocity
 
     @property
     def mass_matrix(self) -> np.ndarray:  # type: ignore[override]

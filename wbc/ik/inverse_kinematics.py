@@ -86,7 +86,7 @@ class InverseKinematics:
         self.tasks: list[Task] = []
         self.kinematics: ConfigurationKinematics | None = None
         self.problem: Problem | None = None
-        self._at_rest = np.zeros(robot.na)
+        self._at_rest = np.zeros(robot.nv)
         self._programs: dict[tuple[object, ...], VelocityProgram | CompiledVelocityProgram] = {}
         self._prioritized: dict[tuple[object, ...], PrioritizedVelocityProgram] = {}
         self._level_solver: Solver | None = None
@@ -155,8 +155,8 @@ class InverseKinematics:
         Args:
             q: (nq,) configuration.
             dt: duration of the step, s.
-            v: (nv,) velocity before the step, from which limits on accelerations count; at rest
-                when left out.
+            v: (nv,) velocity before the step, from which limits on accelerations and jerks count;
+                at rest when left out.
 
         Raises:
             StateError: q has a wrong size, a NaN or a non-unit quaternion.
@@ -165,11 +165,11 @@ class InverseKinematics:
         """
         if not 0.0 < dt < math.inf:
             raise InverseKinematicsError(f"dt = {dt} must be positive: the step's duration in s")
+        previous = self._at_rest if v is None else self._checked_velocity(v)
         if self.kinematics is None:
             self.kinematics = ConfigurationKinematics(self.robot, q)
-        else:
-            self.kinematics.set_configuration(q)
-        before = self._at_rest if v is None else self._joint_velocities(v)
+        self.kinematics.set_configuration(q, previous)
+        before = previous[6:]
         soft = any(limit.priority for limit in self._limit_set.inequalities)
         if soft or any(task.priority > 1 for task in self.tasks):
             problem = self._prioritized_program().build(self.kinematics, before, dt)
@@ -181,6 +181,7 @@ class InverseKinematics:
         self.problem = problem
         velocity = np.zeros(self.robot.nv)
         velocity[self._columns] = self._solve(problem)
+        self.kinematics.previous_acceleration = (velocity - previous) / dt
         return velocity
 
     def reach(
@@ -323,13 +324,13 @@ class InverseKinematics:
             return x
         raise NoSolutionFound(explain(problem) or f"the solver gave up ({solution.detail})")
 
-    def _joint_velocities(self, v: np.ndarray) -> np.ndarray:
+    def _checked_velocity(self, v: np.ndarray) -> np.ndarray:
         v = np.asarray(v, dtype=float)
         if v.shape != (self.robot.nv,) or not math.isfinite(v.dot(v)):
             raise InverseKinematicsError(
                 f"v of shape {v.shape} must be ({self.robot.nv},) finite numbers"
             )
-        return v[6:]
+        return v
 
 
 def _columns(robot: RobotModel, joints: Sequence[str] | None) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 
 from wbc.ik.configuration_kinematics import ConfigurationKinematics
 from wbc.kinematics import Kinematics
-from wbc.limits import JointPositionLimit, Limit, LimitRows, LimitSet
+from wbc.limits import Limit, LimitRows, LimitSet
 from wbc.qp import Problem
 from wbc.qp.row_errors import raise_row_error
 from wbc.qp.rows import RowBlock
@@ -201,11 +201,10 @@ def joint_velocity_bounds(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the joint velocities that all limits on joints allow, (na,) each.
 
-    Where limits exclude each other, position limits give way to the others: a joint beyond its
-    range comes back as fast as it may.
+    Where limits exclude each other, the first holds, see `LimitSet`.
     """
     lower, upper = np.full(v.size, -np.inf), np.full(v.size, np.inf)
-    for bound in sorted(limits.bounds, key=lambda b: isinstance(b, JointPositionLimit)):
+    for bound in limits.bounds:
         low, high = bound.velocity_bounds(kin, v, dt)
         lower, upper = np.clip(low, lower, upper), np.clip(high, lower, upper)
     return lower, upper

@@ -54,6 +54,7 @@ class BarrierLimit(Limit):
         recovery: largest velocity with which a violation is corrected, m/s or rad/s.
         unit: unit of h.
         labels: one text per row.
+        priority, weight: see `Limit`.
 
     Raises:
         LimitError: a gain or recovery that is not positive, or see `Limit`.
@@ -68,8 +69,12 @@ class BarrierLimit(Limit):
         recovery: float = 0.1,
         unit: str = "m",
         labels: Sequence[str] = (),
+        priority: int = 0,
+        weight: float = 1.0,
     ) -> None:
-        super().__init__(name, size, unit=f"{unit}/s²", labels=labels)
+        super().__init__(
+            name, size, unit=f"{unit}/s²", labels=labels, priority=priority, weight=weight
+        )
         for what, value in (("gain", gain), ("recovery", recovery)):
             if not 0.0 < value < math.inf:
                 raise LimitError(f"limit '{name}': {what} {value} must be positive and finite")

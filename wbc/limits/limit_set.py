@@ -6,9 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+import numpy as np
+
 from wbc.errors import LimitError, short_repr
+from wbc.limits.acceleration import JointAccelerationLimit
 from wbc.limits.acceleration_bound import AccelerationBound
+from wbc.limits.jerk import JointJerkLimit
 from wbc.limits.limit import Limit
+from wbc.limits.position import JointPositionLimit
 from wbc.limits.torque import TorqueLimit
 from wbc.robot import RobotModel
 
@@ -26,7 +31,9 @@ class LimitSet:
 
     Attributes:
         torque: limit on the joint torques, or None.
-        bounds: limits on single joints, which become simple bounds.
+        bounds: limits on single joints, which become simple bounds; where they exclude each
+            other, the first holds: those on velocities and accelerations, then positions (a joint
+            beyond its range comes back as fast as it may), then jerks.
         inequalities: general limits, which become rows.
     """
 
@@ -45,7 +52,8 @@ class LimitSet:
 
         Raises:
             LimitError: something that is no limit, two torque limits, two general limits of one
-                name, a limit of another robot, or a horizon that is shorter than dt.
+                name, a limit of another robot, a horizon that is shorter than dt, or a braking
+                of the position limit that an acceleration limit does not allow.
         """
         if isinstance(limits, AnyLimit) or not isinstance(limits, Sequence):
             raise LimitError(f"limits = {short_repr(limits)} is no sequence; write limits=[…]")
@@ -57,7 +65,9 @@ class LimitSet:
                     f"give it {_ACCEPTED}"
                 )
         torque = [limit for limit in limits if isinstance(limit, TorqueLimit)]
-        bounds = tuple(limit for limit in limits if isinstance(limit, AccelerationBound))
+        bounds = tuple(
+            sorted((b for b in limits if isinstance(b, AccelerationBound)), key=_precedence)
+        )
         inequalities = tuple(limit for limit in limits if isinstance(limit, Limit))
         if len(torque) > 1:
             raise LimitError("more than one TorqueLimit given; keep the tighter one")
@@ -72,6 +82,7 @@ class LimitSet:
                     f"{bound.name}: its horizon {bound.horizon} s is shorter than the control "
                     f"period {dt} s, so it would overshoot; give it at least that"
                 )
+        _check_braking(bounds, robot)
         names = [limit.name for limit in inequalities]
         for name in names:
             if names.count(name) > 1:
@@ -79,3 +90,26 @@ class LimitSet:
         for limit in inequalities:
             limit.bind(robot)
         return cls(torque[0] if torque else None, bounds, inequalities)
+
+
+def _precedence(bound: AccelerationBound) -> int:
+    return 2 * isinstance(bound, JointJerkLimit) + isinstance(bound, JointPositionLimit)
+
+
+def _check_braking(bounds: Sequence[AccelerationBound], robot: RobotModel) -> None:
+    """Check that joints may brake as hard as the limit on their positions relies on."""
+    for position in bounds:
+        for acceleration in bounds:
+            if not isinstance(position, JointPositionLimit):
+                continue
+            if not isinstance(acceleration, JointAccelerationLimit):
+                continue
+            short = np.flatnonzero(position.braking > acceleration.maximum * (1.0 + 1e-9))
+            if short.size:
+                worst = int(short[0])
+                raise LimitError(
+                    f"the joint position limit counts on braking '{robot.joint_names[worst]}' with "
+                    f"{position.braking[worst]:.3g} rad/s², of which the joint acceleration limit "
+                    f"allows {acceleration.maximum[worst]:.3g}; give JointPositionLimit(robot, "
+                    "braking=…) at most that"
+                )

@@ -42,35 +42,38 @@ def stopping_speed(
 class JointPositionLimit(AccelerationBound):
     """Keeps every joint able to stop before its limit.
 
-    A state is viable when a deceleration a_b stops the joint in time: with d the distance to
-    the limit (less a margin) and v the velocity towards it, `v ≤ √(2 a_b d)`. The largest
-    acceleration is the one that, held for a time T, ends in a viable state,
+    A state is viable when a deceleration of at most a_b stops the joint in time. With d the
+    distance to the limit (less a margin), v the velocity towards it and ω = 1/(2T), the states
 
-        a = (w − v) / T,   w = √((a_b T/2)² + a_b (2 d − T v)) − a_b T/2   where 2 d ≥ T v.
+        v ≤ φ(d),   φ = ω d up to d = a_b/ω², beyond it φ = √(2 a_b d − (a_b/ω)²),
 
-    The viable set is convex in (position, velocity) and full braking never leaves it, so that
-    a joint that is in it stays in it, with decelerations of at most a_b, for every control
-    period up to T (after Del Prete, Joint position and velocity bounds in discrete-time
-    acceleration/torque control of robot manipulators, RA-L 2018, who takes the control period
-    for T). A T of several periods keeps measurement noise out of the accelerations: they
-    change by 2/T per rad/s and 2/T² per rad at most.
+    are viable, and the largest acceleration is
 
-    Nearer or faster than that the same law goes on linearly, `a = 2 (d − T v) / T²` (damping
-    ratio 0.7), and beyond the limit gently, `a = 2 (d / recovery − v) / T`: the last stretch
-    to the limit, d ≤ a_b T²/2, is passed by at most a third of it (1.3 mrad at the default
-    values, which the margin covers). More than a_b is never demanded: a limit that asks for
-    more than the motors can give would leave the QP without a solution.
+        a = ω (φ − v) − φ' v.
+
+    φ φ' never exceeds a_b and φ is concave: for every control period up to T, whatever is done
+    within the bounds, a joint that starts in such a state stays in it, never passes its limit, and
+    is never asked for a deceleration of more than a_b; nor do the bounds of its two limits
+    exclude each other, or those of a limit on velocities (after Del Prete, Joint position and
+    velocity bounds in discrete-time acceleration/torque control of robot manipulators, RA-L
+    2018; rounded near the limit, as there the deceleration of his bounds jumps by a_b with the
+    sign of the velocity's measurement noise). As the joint approaches its limit the bounds change
+    by at most 1/T per rad/s and 1/(2T²) per rad.
+
+    A joint that is faster brakes with a_b, and one that is beyond its limit comes back with
+    `φ = d / recovery`: a limit that asks for more than the motors can give would leave the QP
+    without a solution.
 
     Args:
         robot: the robot.
         margin: distance kept from the limits, rad.
         braking: a_b, rad/s², a number or (na,); `default_braking` when left out.
         horizon: T, s; not shorter than the control period.
-        recovery: time within which a joint that is beyond is brought back, s; at least T.
+        recovery: time within which a joint that is beyond is brought back, s; at least 2 T.
 
     Raises:
         LimitError: a negative margin, a braking or horizon that is not positive, or a
-            recovery below the horizon.
+            recovery below twice the horizon.
     """
 
     name = "joint position limit"
@@ -81,15 +84,16 @@ class JointPositionLimit(AccelerationBound):
         *,
         margin: float = 0.02,
         braking: float | np.ndarray | None = None,
-        horizon: float = 0.02,
+        horizon: float = 0.01,
         recovery: float = 0.2,
     ) -> None:
         if not margin >= 0.0:
             raise LimitError(f"{self.name}: margin {margin} rad must not be negative")
         super().__init__(horizon)
-        if not recovery >= horizon:
+        if not recovery >= 2.0 * horizon:
             raise LimitError(
-                f"{self.name}: recovery {recovery} s must not be below the horizon {horizon} s"
+                f"{self.name}: recovery {recovery} s must not be below twice the horizon, "
+                f"{2.0 * horizon} s"
             )
         # A joint with a small range keeps at least half of it.
         margins = np.minimum(margin, 0.25 * (robot.q_max - robot.q_min))
@@ -101,7 +105,6 @@ class JointPositionLimit(AccelerationBound):
         self.braking = per_joint(self.name, "braking", braking, robot)
         self.recovery = recovery
         self._margin = margin
-        self._half = 0.5 * horizon * self.braking
         self._distance, self._velocity = np.empty((2, robot.na)), np.empty((2, robot.na))
 
     def __repr__(self) -> str:
@@ -132,17 +135,12 @@ class JointPositionLimit(AccelerationBound):
 
     def _largest(self, d: np.ndarray, v: np.ndarray) -> np.ndarray:
         """Return the largest acceleration towards the lower and the upper limit, (2, na)."""
-        T, braking = self.horizon, self.braking
-        clearance = 2.0 * np.maximum(d, (T / self.recovery) * d)  # the latter where d < 0
-        clearance -= T * v
-        a = np.maximum(clearance, 0.0)
-        a *= braking
-        a += self._half * self._half
-        np.sqrt(a, out=a)
-        a -= self._half
-        np.minimum(clearance, 0.0, out=clearance)
-        clearance /= T
-        a += clearance
-        a -= v
-        a /= T
-        return np.asarray(np.maximum(a, -braking, out=a))
+        braking, rate = self.braking, 0.5 / self.horizon
+        speed = braking / rate  # where φ passes from the line to the root
+        root = np.sqrt(np.maximum(2.0 * braking * d - speed * speed, speed * speed))
+        slope = braking / root
+        phi = root + slope * np.minimum(d - speed / rate, 0.0)
+        beyond = d < 0.0
+        if beyond.any():
+            phi[beyond], slope[beyond] = d[beyond] / self.recovery, 1.0 / self.recovery
+        return np.asarray(np.maximum(rate * (phi - v) - slope * v, -braking))

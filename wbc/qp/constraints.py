@@ -106,12 +106,10 @@ class Constraints:
         ub.fill(np.inf)
         for bound in self._bounds:
             write_bounds(bound, kin, self._lower, self._upper)
-            np.maximum(lb, self._lower, out=lb)
-            np.minimum(ub, self._upper, out=ub)
-        # Limits that exclude each other (a fast joint at its stop): take the middle.
-        crossed = lb > ub
-        if crossed.any():
-            lb[crossed] = ub[crossed] = 0.5 * (lb + ub)[crossed]
+            # Where limits exclude each other, the first holds.
+            np.clip(self._lower, lb, ub, out=self._lower)
+            np.clip(self._upper, lb, ub, out=self._upper)
+            lb[:], ub[:] = self._lower, self._upper
 
 
 def _bound_blocks(

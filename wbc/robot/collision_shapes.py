@@ -243,6 +243,29 @@ def shape_points(shape: CollisionShape) -> np.ndarray:
     return np.vstack([ring + end for ring in rings for end in ends])
 
 
+def polyhedron_error(shape: CollisionShape) -> float:
+    """Return by how much a shape may extend beyond the hull of its `shape_points`, m."""
+    if shape.kind in ("hull", "box"):
+        return 0.0
+    cosine = float(np.cos(np.pi / _RIM_POINTS))
+    return shape.size[0] * (1.0 - (cosine if shape.kind == "cylinder" else cosine * cosine))
+
+
+def geometry_shapes(name: str, geometry: Any, placement: pin.SE3) -> list[CollisionShape]:
+    """Return the convex shape of a geometry of coal that is fixed to the world.
+
+    Args:
+        name: what it is called.
+        geometry: coal's geometry; a mesh counts as its convex hull.
+        placement: in the world.
+
+    Returns:
+        One shape; none for a geometry that is flat or unbounded.
+    """
+    item = pin.GeometryObject(name, 0, placement, geometry)
+    return [CollisionShape(0, name, "collision", *found) for found in _convex(item)]
+
+
 def soles_of(robot: RobotModel) -> tuple[Sole, ...]:
     """Return the soles of a robot that walks, none of an arm."""
     return tuple(getattr(robot, "soles", ()))

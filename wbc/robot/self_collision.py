@@ -146,22 +146,30 @@ def coal_shape(shape: CollisionShape) -> Any:
     return coal.Convex(points, triangles)
 
 
-def _choose(robot: RobotModel) -> SelfCollision:
-    shapes = collision_shapes(robot)
+def shape_geometry(
+    shapes: Sequence[CollisionShape], pairs: Sequence[tuple[int, int]] | np.ndarray
+) -> pin.GeometryModel:
+    """Return Pinocchio's model of shapes and of pairs (p, 2) of them."""
     geometry = pin.GeometryModel()
     for k, shape in enumerate(shapes):
         item = pin.GeometryObject(
             f"{shape.link}_{k}", shape.joint_id, shape.placement, coal_shape(shape)
         )
         geometry.addGeometryObject(item)
+    for i, j in pairs:
+        geometry.addCollisionPair(pin.CollisionPair(int(i), int(j)))
+    return geometry
+
+
+def _choose(robot: RobotModel) -> SelfCollision:
+    shapes = collision_shapes(robot)
     known = known_pairs(robot, shapes, sorted({shape.joint_id for shape in shapes}))
     candidates = [
         (i, j)
         for i, j in combinations(range(len(shapes)), 2)
         if shapes[i].joint_id != shapes[j].joint_id and _bodies(shapes, (i, j)) not in known
     ]
-    for i, j in candidates:
-        geometry.addCollisionPair(pin.CollisionPair(i, j))
+    geometry = shape_geometry(shapes, candidates)
     data, geometry_data = robot.model.createData(), geometry.createData()
 
     def overlaps(q: np.ndarray) -> set[tuple[int, int]]:

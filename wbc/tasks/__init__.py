@@ -2,22 +2,35 @@
 
 from wbc.tasks.com import ComTask
 from wbc.tasks.frame import FrameTask, OrientationTask, PositionTask
+from wbc.tasks.function import FunctionRows, FunctionTask
+from wbc.tasks.joint_coupling import JointCouplingTask
 from wbc.tasks.joint_torque import JointTorqueTask
+from wbc.tasks.look_at import LookAtTask
+from wbc.tasks.low_acceleration import LowAccelerationTask
+from wbc.tasks.manipulability import ManipulabilityTask
 from wbc.tasks.momentum import AngularMomentumTask
 from wbc.tasks.motion import MotionTask, TaskReference
 from wbc.tasks.posture import PostureTask
+from wbc.tasks.relative_frame import RelativeFrameTask
 from wbc.tasks.task import JointTask, Task
 
 __all__ = [
     "AngularMomentumTask",
     "ComTask",
     "FrameTask",
+    "FunctionRows",
+    "FunctionTask",
+    "JointCouplingTask",
     "JointTask",
     "JointTorqueTask",
+    "LookAtTask",
+    "LowAccelerationTask",
+    "ManipulabilityTask",
     "MotionTask",
     "OrientationTask",
     "PositionTask",
     "PostureTask",
+    "RelativeFrameTask",
     "Task",
     "TaskReference",
 ]

@@ -17,6 +17,12 @@ def is_rotation(R: np.ndarray) -> bool:
     return bool(abs(R @ R.T - np.eye(3)).max() < 1e-6 and np.linalg.det(R) > 0.0)
 
 
+def format_pose(pose: pin.SE3) -> str:
+    """Return position and roll, pitch, yaw of a pose."""
+    rotation = format_vector(np.degrees(pin.rpy.matrixToRpy(pose.rotation)), "°")
+    return f"{format_vector(pose.translation, 'm')}, roll pitch yaw {rotation}"
+
+
 class _FrameTask(MotionTask):
     """Base of the three frame tasks: the frame and its desired motion."""
 
@@ -84,8 +90,7 @@ class FrameTask(_FrameTask):
     def _format_target(self) -> str:
         if self.target is None:
             return HELD
-        rotation = format_vector(np.degrees(pin.rpy.matrixToRpy(self.target.rotation)), "°")
-        return f"{format_vector(self.target.translation, 'm')}, roll pitch yaw {rotation}"
+        return format_pose(self.target)
 
     def write_reference(self, kin: Kinematics, reference: TaskReference) -> None:
         """See `MotionTask.write_reference`."""

@@ -1,10 +1,125 @@
-"""Rates of the distances between points of bodies."""
+"""Pairs of bodies that are near each other, and rates of the distances between their points."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from wbc.jit.compile import kernel
+from wbc.jit.compile import kernel, subkernel
+
+_TRIALS = 8  # planes tried between two shapes
+
+
+@subkernel
+def farthest_along(
+    T: np.ndarray, vertices: np.ndarray, start: int, stop: int, n: np.ndarray, out: np.ndarray
+) -> None:
+    """Write to `out` the vertex, in world axes, that is farthest along n.
+
+    Args:
+        T: (12,) placement of the joint, columns of the rotation first.
+        vertices: (V, 3) vertices in the axes of their joints, m.
+        start, stop: those of the shape.
+        n: (3,) direction, world.
+        out: (3,) to be written, m.
+    """
+    a = T[0] * n[0] + T[1] * n[1] + T[2] * n[2]
+    b = T[3] * n[0] + T[4] * n[1] + T[5] * n[2]
+    c = T[6] * n[0] + T[7] * n[1] + T[8] * n[2]
+    best, most = start, -np.inf
+    for j in range(start, stop):
+        along = a * vertices[j, 0] + b * vertices[j, 1] + c * vertices[j, 2]
+        if along > most:
+            best, most = j, along
+    x, y, z = vertices[best, 0], vertices[best, 1], vertices[best, 2]
+    for i in range(3):
+        out[i] = T[i] * x + T[3 + i] * y + T[6 + i] * z + T[9 + i]
+
+
+@kernel(
+    "int64(float64[:,:], int64[::1], float64[:,::1], float64[::1], float64[::1], int64[:,::1], "
+    "float64[:,::1], int64[::1], float64, int64[::1])"
+)
+def separable_pairs_left_out(
+    placements: np.ndarray,
+    bodies: np.ndarray,
+    centers: np.ndarray,
+    radii: np.ndarray,
+    errors: np.ndarray,
+    pairs: np.ndarray,
+    vertices: np.ndarray,
+    starts: np.ndarray,
+    distance: float,
+    found: np.ndarray,
+) -> int:
+    """Write the pairs of shapes that may be nearer than a distance, and return their number.
+
+    Left out are those whose enclosing spheres are farther apart, and those between which a plane
+    is found with more room than that on both sides together. Each plane's normal is the present
+    estimate of the shortest vector between the two, which the vertices farthest towards each other
+    improve (Gilbert, An iterative procedure for computing the minimum of a quadratic form on a
+    convex set, SIAM Journal on Control 1966).
+
+    Args:
+        placements: (njoints, 12), see `wbc.kinematics.Kinematics.joint_placements`.
+        bodies: (s,) joint of each shape.
+        centers: (s, 3) centres of their enclosing spheres in the axes of the joints, m.
+        radii: (s,) m.
+        errors: (s,) by how much a shape may extend beyond the hull of its vertices, m.
+        pairs: (p, 2) shapes of each pair.
+        vertices: (V, 3) vertices of all shapes in the axes of their joints, m.
+        starts: (s + 1,) first vertex of each shape.
+        distance: m.
+        found: (p,) to be written.
+    """
+    world = np.empty((bodies.size, 3))
+    for s in range(bodies.size):
+        T = placements[bodies[s]]
+        x, y, z = centers[s, 0], centers[s, 1], centers[s, 2]
+        for i in range(3):
+            world[s, i] = T[i] * x + T[3 + i] * y + T[6 + i] * z + T[9 + i]
+    v, n, one, other = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
+    count = 0
+    for k in range(pairs.shape[0]):
+        first, second = pairs[k, 0], pairs[k, 1]
+        reach = radii[first] + radii[second] + distance
+        square = 0.0
+        for i in range(3):
+            v[i] = world[second, i] - world[first, i]
+            square += v[i] * v[i]
+        if square >= reach * reach:
+            continue
+        clear = distance + errors[first] + errors[second]
+        near = True
+        for _ in range(_TRIALS):
+            length = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+            if length < 1e-9:
+                break
+            for i in range(3):
+                n[i] = v[i] / length
+            placement = placements[bodies[first]]
+            farthest_along(placement, vertices, starts[first], starts[first + 1], n, one)
+            for i in range(3):
+                n[i] = -n[i]
+            placement = placements[bodies[second]]
+            farthest_along(placement, vertices, starts[second], starts[second + 1], n, other)
+            room, towards, step = 0.0, 0.0, 0.0
+            for i in range(3):
+                gap = other[i] - one[i]
+                room -= n[i] * gap
+                towards += v[i] * (v[i] - gap)
+                step += (v[i] - gap) * (v[i] - gap)
+            if room >= clear:
+                near = False
+                break
+            if step < 1e-12 or length <= clear:
+                break
+            share = min(max(towards / step, 0.0), 1.0)
+            for i in range(3):
+                v[i] += share * (other[i] - one[i] - v[i])
+        if near:
+            found[count] = k
+            count += 1
+    return count
 
 
 @kernel(

@@ -77,7 +77,7 @@ def write_contacts(contacts: Contacts, frames: Frames, rows: DenseRows) -> None:
 def write_joint_bounds(
     bounds: JointBounds, q: np.ndarray, v: np.ndarray, lb: np.ndarray, ub: np.ndarray
 ) -> None:
-    """Write the tightest bounds of all limits; the middle where two exclude each other."""
+    """Write the tightest bounds of all limits; where two exclude each other the first holds."""
     for j in range(lb.size):
         low, high = -np.inf, np.inf
         position, velocity = q[7 + j], v[6 + j]
@@ -96,9 +96,7 @@ def write_joint_bounds(
                 most = max((upper - velocity) / horizon, -braking)
             else:
                 least, most = lower, upper
-            low, high = max(low, least), min(high, most)
-        if low > high:
-            low = high = 0.5 * (low + high)
+            low, high = min(max(least, low), high), min(max(most, low), high)
         lb[j], ub[j] = low, high
 
 
@@ -110,7 +108,15 @@ def max_acceleration_towards_limit(
 
     The law is that of `wbc.limits.JointPositionLimit`.
     """
-    clearance = 2.0 * max(distance, distance * horizon / recovery) - horizon * velocity
-    half = 0.5 * horizon * braking
-    speed = math.sqrt(max(clearance, 0.0) * braking + half * half) - half
-    return max((speed + min(clearance, 0.0) / horizon - velocity) / horizon, -braking)
+    rate = 0.5 / horizon
+    knee = braking / rate
+    if distance < 0.0:
+        slope = 1.0 / recovery
+        speed = distance * slope
+    elif distance * rate < knee:
+        slope = rate
+        speed = distance * slope
+    else:
+        speed = math.sqrt(2.0 * braking * distance - knee * knee)
+        slope = braking / speed
+    return max(rate * (speed - velocity) - slope * velocity, -braking)

@@ -25,6 +25,8 @@ class VelocityConstraints(NamedTuple):
         braking: rad/s², infinite for none.
         least: least velocity by other limits, rad/s.
         most: largest velocity by other limits, rad/s.
+        jerk_least: least velocity by limits on jerks, rad/s, where the others leave a choice.
+        jerk_most: largest velocity by limits on jerks, rad/s.
         A: coefficients of the general limits.
         low: their least value.
         high: their largest value.
@@ -35,6 +37,8 @@ class VelocityConstraints(NamedTuple):
     braking: Annotated[np.ndarray, reals("joints")]
     least: Annotated[np.ndarray, reals("joints")]
     most: Annotated[np.ndarray, reals("joints")]
+    jerk_least: Annotated[np.ndarray, reals("joints")]
+    jerk_most: Annotated[np.ndarray, reals("joints")]
     A: Annotated[np.ndarray, reals("limit_rows", "velocities")]
     low: Annotated[np.ndarray, reals("limit_rows")]
     high: Annotated[np.ndarray, reals("limit_rows")]
@@ -220,7 +224,9 @@ def write_velocity_constraints(
         low = -stopping_speed(q[7 + j] - limits.lower[j], braking, dt, recovery)
         high = stopping_speed(limits.upper[j] - q[7 + j], braking, dt, recovery)
         least, most = limits.least[j], limits.most[j]
-        lb[i], ub[i] = min(max(low, least), most), min(max(high, least), most)
+        low, high = min(max(low, least), most), min(max(high, least), most)
+        lb[i] = min(max(limits.jerk_least[j], low), high)
+        ub[i] = min(max(limits.jerk_most[j], low), high)
     row, first = n, rows.root_weight.size
     for r in range(first, rows.b.size):
         for c in range(n):
