@@ -23,6 +23,7 @@ from wbc.log.reader import Log
 from wbc.log.recovery import complete, repair
 from wbc.log.run import LoggedRun
 from wbc.messages import message_type
+from wbc.process import ChildProcess, ProcessStartError
 
 ROOT = Path(wbc.__file__).parent.parent
 
@@ -344,10 +345,15 @@ def test_a_full_disk_ends_the_log_and_not_the_run(humanoid, tmp_path, caplog):
     if os.geteuid() != 0 or subprocess.run(mount, capture_output=True).returncode != 0:
         pytest.skip("only root can make a small disk")
     try:
-        log = StreamedLog(disk / "full.mcap", humanoid)
+        (disk / "full.mcap").write_bytes(b"the log of before")
         with caplog.at_level(logging.WARNING):
+            log = StreamedLog(disk / "full.mcap", humanoid)
             record_until_it_ends(log, humanoid)
             log.close()
+        said = caplog.text
+        assert "MB left on its disk" in said
+        assert f"kept as {disk / 'full.previous.mcap'}" in said
+        assert (disk / "full.previous.mcap").read_bytes() == b"the log of before"
         check_after_full_disk(disk / "full.mcap", caplog, "No space left on device")
     finally:
         subprocess.run(["umount", str(disk)], check=True)
@@ -356,6 +362,29 @@ def test_a_full_disk_ends_the_log_and_not_the_run(humanoid, tmp_path, caplog):
 def test_a_full_disk_is_an_error_before_the_run(humanoid):
     with pytest.raises(LogError, match="No space left on device"):
         StreamedLog("/dev/full", humanoid)
+
+
+def test_a_log_replaces_the_one_of_before_when_it_is_complete(humanoid, tmp_path):
+    path = tmp_path / "walk.mcap"
+    path.write_bytes(b"the log of before")
+    with StreamedLog(path, humanoid):
+        assert (tmp_path / "walk.previous.mcap").read_bytes() == b"the log of before"
+    assert [file.name for file in tmp_path.iterdir()] == ["walk.mcap"]
+    assert Log(path).complete
+
+
+def test_a_log_that_cannot_be_opened_leaves_the_one_of_before(humanoid, tmp_path, monkeypatch):
+    path = tmp_path / "walk.mcap"
+    path.write_bytes(b"the log of before")
+
+    def fail(*_):
+        raise ProcessStartError("no process can be started")
+
+    monkeypatch.setattr(ChildProcess, "configure", fail)
+    with pytest.raises(LogError, match="no process can be started"):
+        StreamedLog(path, humanoid)
+    assert path.read_bytes() == b"the log of before"
+    assert [file.name for file in tmp_path.iterdir()] == ["walk.mcap"]
 
 
 def test_a_stopped_writer_never_blocks_the_run(humanoid, tmp_path):

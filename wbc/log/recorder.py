@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import shutil
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,6 +12,7 @@ from wbc.log.config import LogConfig
 from wbc.log.errors import LogError, require_packages
 from wbc.log.event_queue import EventQueue
 from wbc.log.metadata import Metadata, run_metadata
+from wbc.log.previous_log import PreviousLog
 from wbc.log.recovery import complete
 from wbc.log.status import LogStatus
 from wbc.process import ChildProcess
@@ -27,6 +29,8 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 _CHECK_PERIOD = 0.5  # s, between two checks that the process still writes
+_LOW_SPACE = 500e6  # bytes
+_LOG_RATE = 1.5e6  # bytes/s, Talos at 500 Hz
 _GRACE = 20.0  # s, for the process to write the remaining ticks and end
 
 
@@ -42,7 +46,8 @@ class FlightRecorder(ProcessObserver):
         ...     wbc.run(walker, plant, 10.0, observers=[log])
 
     Args:
-        path: Path of the file. An existing file is overwritten.
+        path: Path of the file. An existing file is kept as `NAME.previous.mcap` until the new one
+            is complete.
         robot: Robot of the run.
 
     Attributes:
@@ -68,8 +73,14 @@ class FlightRecorder(ProcessObserver):
         descriptors = (self._status.descriptor, self._events.descriptor)
         config = LogConfig(robot, self.path, *descriptors)
         super().__init__(ChildProcess("wbc.log.writer", descriptors, _GRACE))
-        self._configure(config, LogError, f"the log {self.path}: ")
+        self._previous = PreviousLog(self.path)
+        try:
+            self._configure(config, LogError, f"the log {self.path}: ")
+        except BaseException:
+            self._previous.restore()
+            raise
         self._configured = True
+        self._warn_if_disk_is_nearly_full()
 
     @property
     def alive(self) -> bool:
@@ -111,6 +122,16 @@ class FlightRecorder(ProcessObserver):
         """Log an event of the run; see `wbc.runtime.event.EventObserver`."""
         self._events.put(self._run, event)
 
+    def _warn_if_disk_is_nearly_full(self) -> None:
+        free = shutil.disk_usage(self.path.resolve().parent).free
+        if free < _LOW_SPACE:
+            logger.warning(
+                "the log %s has %.0f MB left on its disk: about %.0f s of Talos at 500 Hz",
+                self.path,
+                1e-6 * free,
+                free / _LOG_RATE,
+            )
+
     def _warn_if_ended(self) -> None:
         """Warn once when the log has ended early."""
         code = self._process.exit_code
@@ -141,6 +162,10 @@ class FlightRecorder(ProcessObserver):
         self._warn_if_ended()
         if self._process.exit_code != 0 and not self._status.reason:
             logger.warning("the log %s now ends at %.2f s", self.path, complete(self.path))
+        if self._process.exit_code == 0 and not self._status.reason:
+            self._previous.remove()
+        elif (kept := self._previous.kept) is not None:
+            logger.warning("the log that %s had replaced is kept as %s", self.path, kept)
         if self._events.dropped:
             logger.warning("%d events are not in %s", self._events.dropped, self.path)
         if self.dropped:
