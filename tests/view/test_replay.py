@@ -21,7 +21,7 @@ from needs import need_browser
 import wbc
 from wbc.atomic_file import replacing
 from wbc.telemetry import Telemetry
-from wbc.view import Recording, Replay, Snapshot, TimeSeries, Video, ViewerError
+from wbc.view import Recording, Replay, Snapshot, TimeSeries, Video, VideoFormat, ViewerError
 from wbc.view.browser import new_page
 from wbc.view.timeline import record, thinned, up_to
 
@@ -206,14 +206,17 @@ def test_replay_page_plays_seeks_and_steps(served):
 
 
 @pytest.mark.browser
-def test_a_video_has_the_recordings_frames_with_motion(timeline, tmp_path):
+def test_a_video_has_the_recordings_frames_with_motion(timeline, tmp_path, monkeypatch):
+    monkeypatch.setattr("wbc.view.video.usable_cores", lambda: 2)
+    monkeypatch.setattr("wbc.view.video._FRAMES_PER_BROWSER", 3)
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
     need_browser()
     recording = Recording(timeline.robot, rate=5.0)
     for k in range(6):
         recording.show(timeline.at(2.0 + 0.2 * k))
     told = []
-    path = Video(tmp_path / "deep" / "timeline.mp4", 320, 240).render(
+    video_format = VideoFormat((320, 240), rate=5.0, camera=(0.0, 10.0, 4.0))
+    path = Video(tmp_path / "deep" / "timeline.mp4", video_format).render(
         recording, lambda done, frames: told.append((done, frames))
     )
     assert told == [(k, 6) for k in range(1, 7)]
@@ -229,7 +232,20 @@ def test_a_video_has_the_recordings_frames_with_motion(timeline, tmp_path):
 
 def test_a_video_of_an_odd_size_is_refused(tmp_path):
     with pytest.raises(ViewerError, match="width is 321"):
-        Video(tmp_path / "timeline.mp4", 321, 240)
+        VideoFormat((321, 240))
+
+
+def test_a_video_of_another_kind_of_file_is_refused(tmp_path):
+    with pytest.raises(ViewerError, match=r"walk\.avi is neither \.mp4 nor \.gif"):
+        Video(tmp_path / "walk.avi")
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"rate": 0.0}, {"camera": (0.0, 90.0, 3.0)}, {"camera": (0.0, 0.0, 0.0)}]
+)
+def test_an_impossible_video_format_is_refused(wrong):
+    with pytest.raises(ViewerError, match=r"the rate is|the camera is"):
+        VideoFormat(**wrong)
 
 
 def test_a_missing_encoder_is_an_error_with_its_pip_command(tmp_path, monkeypatch):
@@ -244,10 +260,10 @@ def test_a_missing_encoder_is_an_error_with_its_pip_command(tmp_path, monkeypatc
 
 def test_a_video_that_fails_leaves_no_file(tmp_path):
     need_browser()
-    video = Video(tmp_path / "timeline.mp4", 320, 240)
+    video = Video(tmp_path / "timeline.mp4")
 
     def fill(interrupt):
-        with replacing(video.path) as file, video._encoding(5.0, file) as frames_in:
+        with replacing(video.path) as file, video._encoding(file) as frames_in:
             frames_in.write(b"no picture")
             if interrupt:
                 raise KeyboardInterrupt

@@ -84,6 +84,26 @@ def joint_value(text: str) -> tuple[str, float]:
     return name, number(value)
 
 
+def _size(text: str) -> tuple[int, int]:
+    """Parse `WIDTHxHEIGHT`, pixels."""
+    width, cross, height = text.lower().partition("x")
+    if not (cross and width.isdecimal() and height.isdecimal()):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a size in pixels, such as 960x540")
+    return int(width), int(height)
+
+
+def _camera(text: str) -> tuple[float, float, float]:
+    """Parse `"AZIMUTH ELEVATION DISTANCE"`."""
+    parts = text.replace(",", " ").split()
+    if len(parts) != 3:
+        raise argparse.ArgumentTypeError(
+            f"'{text}' has {len(parts)} numbers, but a camera has three, in quotes: azimuth and "
+            "elevation in degrees, distance in m"
+        )
+    azimuth, elevation, distance = (number(part) for part in parts)
+    return azimuth, elevation, distance
+
+
 def _output_file(text: str) -> Path:
     """Parse the path of a file to write; check that it can be written, and create its folder."""
     path = Path(text).expanduser()
@@ -111,4 +131,8 @@ Port = Annotated[int, Argument("N", functools.partial(whole_number, high=65535))
 Pushes = Annotated[tuple[ScheduledPush, ...], Argument('"T IX IY IZ"', _push)]
 OutputFile = Annotated[Path, Argument("FILE", _output_file)]
 LogFile = Annotated[Path, Argument("FILE.mcap", _output_file)]
-VideoFile = Annotated[Path, Argument("FILE.mp4", _output_file)]
+VideoFile = Annotated[Path, Argument("FILE.mp4|FILE.gif", _output_file)]
+VideoSize = Annotated[tuple[int, int], Argument("WxH", _size)]
+VideoCamera = Annotated[
+    tuple[float, float, float], Argument('"AZIMUTH ELEVATION DISTANCE"', _camera)
+]

@@ -9,17 +9,47 @@ from pathlib import Path
 
 import numpy as np
 
-from wbc.cli.argument_types import LogFile, OutputFile, VideoFile
+from wbc.cli.argument_types import LogFile, OutputFile, VideoCamera, VideoFile, VideoSize
 from wbc.cli.output import OutputError, writing_results
 from wbc.cli.progress import ProgressLine
 from wbc.log import FlightRecorder
 from wbc.robot import Robot
 from wbc.runtime.protocols import Observer
 from wbc.runtime.report import Report
-from wbc.view import Recording, Video
+from wbc.view import Recording, Video, VideoFormat
 
 _BAR_LENGTH = 30  # characters
 _PERIOD = 10.0  # s between two lines of progress if they are not rewritten
+
+
+@dataclass(frozen=True)
+class RecordingOptions:
+    """What is shown of a run afterwards.
+
+    Attributes:
+        html: write a 3D recording that opens offline.
+        video: write a video, rendered after the run.
+        video_size: size of the video, pixels.
+        video_rate: frames per second of the video.
+        video_camera: where the video is seen from: azimuth from the robot's front to its left and
+            elevation, degrees, and distance, m.
+    """
+
+    html: OutputFile | None = None
+    video: VideoFile | None = None
+    video_size: VideoSize = VideoFormat.size
+    video_rate: float = VideoFormat.rate
+    video_camera: VideoCamera | None = None
+
+    def renderer(self) -> Video | None:
+        """Return what renders the video; None without one.
+
+        Raises:
+            WbcError: a package is not installed, or the format is not possible.
+        """
+        if self.video is None:
+            return None
+        return Video(self.video, VideoFormat(self.video_size, self.video_rate, self.video_camera))
 
 
 @dataclass(frozen=True)
@@ -27,16 +57,14 @@ class OutputOptions:
     """Files that a run writes.
 
     Attributes:
+        recording: recording and video.
         log: log every tick, for wbc plot, diff and replay, Foxglove and PlotJuggler.
         json: write the report as JSON.
-        html: write a 3D recording that opens offline.
-        video: write a video, rendered after the run.
     """
 
+    recording: RecordingOptions
     log: LogFile | None = None
     json: OutputFile | None = None
-    html: OutputFile | None = None
-    video: VideoFile | None = None
 
 
 class RunOutputs:
@@ -53,7 +81,7 @@ class RunOutputs:
 
     def __init__(self, options: OutputOptions, robot: Robot, boxes: np.ndarray) -> None:
         self._options, self._robot = options, robot
-        self._video = None if options.video is None else Video(options.video)
+        self._html, self._video = options.recording.html, options.recording.renderer()
         self._recording = Recording(robot, boxes=boxes)
 
     def open_observers(self, stack: contextlib.ExitStack) -> list[Observer]:
@@ -65,7 +93,7 @@ class RunOutputs:
         observers: list[Observer] = []
         if self._options.log is not None:
             observers.append(stack.enter_context(FlightRecorder(self._options.log, self._robot)))
-        if self._options.html is not None or self._video is not None:
+        if self._html is not None or self._video is not None:
             observers.append(self._recording)
         return observers
 
@@ -77,8 +105,8 @@ class RunOutputs:
         """
         with contextlib.ExitStack() as stack:
             # Each file is written even if another cannot be.
-            stack.callback(write_recording, self._recording, self._options.html, self._video)
-            if any(vars(self._options).values()):
+            stack.callback(write_recording, self._recording, self._html, self._video)
+            if any((self._options.log, self._options.json, self._html, self._video)):
                 print()
             if self._options.log is not None:
                 print(f"log: {self._options.log.resolve()}")

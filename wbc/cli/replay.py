@@ -5,25 +5,23 @@ from __future__ import annotations
 import webbrowser
 from pathlib import Path
 
-from wbc.cli.argument_types import OutputFile, Port, RobotName, VideoFile
-from wbc.cli.outputs import write_recording
+from wbc.cli.argument_types import Port, RobotName
+from wbc.cli.outputs import RecordingOptions, write_recording
 from wbc.log.logged_robot import logged_robot
 from wbc.log.run import LoggedRun
 from wbc.runtime.event import FALL, RESET
 from wbc.view import Recording, Replay, TimeSeries
 from wbc.view.recording import Marker
 from wbc.view.timeline import record
-from wbc.view.video import Video
 
 
 def replay(
     log: Path,
+    files: RecordingOptions,
     *,
     robot: RobotName | None = None,
     open: bool = False,
     port: Port | None = None,
-    html: OutputFile | None = None,
-    video: VideoFile | None = None,
 ) -> None:
     """Show a log in the browser with a timeline, until Ctrl-C.
 
@@ -31,13 +29,12 @@ def replay(
 
     Args:
         log: path of a log, see --log of the other subcommands.
+        files: files to write instead of showing a page.
         robot: the robot, if it cannot be found by its name in the log.
         open: open the page in the browser.
         port: port of the page (default: the first free one from 7000 on).
-        html: write a page that plays offline, and exit.
-        video: write a video, and exit.
     """
-    renderer = None if video is None else Video(video)
+    renderer = files.renderer()
     run = LoggedRun.read(log)
     loaded = logged_robot(run.robot_info, robot)
     boxes = run.log.boxes()
@@ -46,11 +43,11 @@ def replay(
         for event in run.events
         if event.kind in (FALL, RESET)
     ]
-    if html is not None or renderer is not None:
+    if files.html is not None or renderer is not None:
         recording = Recording(loaded, boxes=boxes)
         record(run, recording)
         recording.markers = markers
-        write_recording(recording, html, renderer)
+        write_recording(recording, files.html, renderer)
         return
 
     def ready(url: str) -> None:

@@ -9,5 +9,6 @@ from .replay import Replay as Replay
 from .timeline import Timeline as Timeline
 from .timeline import TimeSeries as TimeSeries
 from .video import Video as Video
+from .video_format import VideoFormat as VideoFormat
 
 Snapshot = wbc.runtime.snapshot.Snapshot

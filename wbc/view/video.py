@@ -13,46 +13,58 @@ from typing import IO, TYPE_CHECKING
 
 from wbc.atomic_file import replacing
 from wbc.errors import MissingExtra
-from wbc.view.browser import find_browser, new_page
+from wbc.view.browser import find_browser
 from wbc.view.errors import ViewerError
+from wbc.view.frame_rendering import rendered_frames, usable_cores
+from wbc.view.video_format import VideoFormat
 
 if TYPE_CHECKING:
     from wbc.view.recording import Recording
 
-_PAGE_TIMEOUT = 180_000  # ms, for the page to load, which software rendering makes slow
-_QUALITY = 92  # JPEG quality of the frames sent to the encoder, of 100
-_RATE_FACTOR = 19  # constant rate factor of H.264; at 18 losses are hardly visible
+_FRAMES_PER_BROWSER = 50  # fewer are rendered sooner than another browser starts
+#: ffmpeg's options by the file's suffix: H.264 with a constant rate factor, at 18 of which losses
+#: are hardly visible, or GIF with the 128 colours that represent all of its frames best.
+_ENCODINGS = {
+    ".mp4": (
+        *("-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "19"),
+        *("-movflags", "+faststart", "-f", "mp4"),
+    ),
+    ".gif": (
+        *("-filter_complex", "split[a][b];[a]palettegen=128[p];[b][p]paletteuse=dither=none"),
+        *("-loop", "0", "-f", "gif"),
+    ),
+}
 
 
 class Video:
-    """Renders recordings offline, with the recording's page in a headless browser.
+    """Renders recordings offline, with the recording's page in headless browsers.
+
+    One browser for each core of the processor renders every n-th frame.
 
     Args:
-        path: Path of the video, `.mp4`.
-        width: Width, pixels, even.
-        height: Height, pixels, even.
+        path: Path of the video, `.mp4` or `.gif`.
+        video_format: Size, frame rate and camera.
 
     Raises:
         MissingExtra: `playwright` or `imageio-ffmpeg` is not installed.
-        ViewerError: No browser is installed, or the size is odd or not positive.
+        ViewerError: No browser is installed, or the file is neither MP4 nor GIF.
     """
 
-    def __init__(self, path: str | Path, width: int = 1280, height: int = 720) -> None:
-        for name, pixels in (("width", width), ("height", height)):
-            if pixels <= 0 or pixels % 2:
-                raise ViewerError(f"{name} is {pixels} pixels; a video needs an even number")
+    def __init__(self, path: str | Path, video_format: VideoFormat | None = None) -> None:
         self.path = Path(path)
-        self._size = (width, height)
-        self._encoder = _encoder()
+        if self.path.suffix.lower() not in _ENCODINGS:
+            raise ViewerError(f"{path} is neither .mp4 nor .gif; give the video such a name")
+        self.format = VideoFormat() if video_format is None else video_format
+        self._encoder = encoder()
         find_browser()
 
     def render(
         self, recording: Recording, progress: Callable[[int, int], None] | None = None
     ) -> Path:
-        """Render the video; without a graphics card a frame takes up to a second.
+        """Render the video; without a graphics card a frame takes half a second of a core.
 
         Args:
-            recording: Recording to render, at its frame rate.
+            recording: Recording to render.
             progress: Called with the number of rendered frames and of all frames.
 
         Returns:
@@ -62,26 +74,19 @@ class Video:
             ViewerError: Nothing was recorded, or the browser or encoder fails.
         """
         with tempfile.TemporaryDirectory(prefix="wbc-video") as folder:
-            page_path = recording.save(Path(folder) / "recording.html")
-            with (
-                new_page(*self._size) as page,
-                replacing(self.path) as file,
-                self._encoding(recording.rate, file) as frames_in,
-            ):
-                page.set_default_timeout(_PAGE_TIMEOUT)
-                page.goto(page_path.as_uri())
-                page.wait_for_function("wbc.ready")
-                start, end = page.evaluate("[wbc.player.start, wbc.player.end]")
-                frames = int((end - start) * recording.rate + 1e-6) + 1
-                for k in range(frames):
-                    page.evaluate("(time) => wbc.drawFrame(time)", start + k / recording.rate)
-                    frames_in.write(page.screenshot(type="jpeg", quality=_QUALITY))
+            page = recording.save(Path(folder) / "recording.html")
+            duration = recording.times[-1] - recording.times[0]
+            frames = int(duration * self.format.rate + 1e-6) + 1
+            count = max(1, min(usable_cores(), frames // _FRAMES_PER_BROWSER))
+            with replacing(self.path) as file, self._encoding(file) as frames_in:
+                for k, frame in enumerate(rendered_frames(page, frames, self.format, count)):
+                    frames_in.write(frame)
                     if progress is not None:
                         progress(k + 1, frames)
         return self.path
 
     @contextlib.contextmanager
-    def _encoding(self, rate: float, file: Path) -> Iterator[IO[bytes]]:
+    def _encoding(self, file: Path) -> Iterator[IO[bytes]]:
         """Yield the encoder's input.
 
         `imageio_ffmpeg.write_frames` does not report that the encoder has failed.
@@ -89,9 +94,8 @@ class Video:
         command = [
             self._encoder,
             *("-y", "-loglevel", "error", "-f", "image2pipe", "-c:v", "mjpeg"),
-            *("-framerate", f"{rate:g}", "-i", "-"),
-            *("-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", str(_RATE_FACTOR)),
-            *("-movflags", "+faststart", "-f", "mp4", str(file)),
+            *("-framerate", f"{self.format.rate:g}", "-i", "-"),
+            *(*_ENCODINGS[self.path.suffix.lower()], str(file)),
         ]
         encoder = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
         assert encoder.stdin is not None
@@ -110,7 +114,7 @@ class Video:
             raise ViewerError(f"the video {self.path} cannot be encoded: {said.splitlines()[-1:]}")
 
 
-def _encoder() -> str:
+def encoder() -> str:
     """Return the path of ffmpeg: the system's, or that of the package `imageio-ffmpeg`."""
     found = shutil.which("ffmpeg")
     if found is not None:

@@ -68,9 +68,40 @@ function lastBefore(times, time) {
   return low;
 }
 
-// For videos: stops the player, hides it, and draws a time at once.
-wbc.drawFrame = (time) => {
+// For videos: hides the player, and looks from an azimuth and elevation, degrees, and distance, m.
+wbc.prepareVideo = (camera) => {
   document.body.classList.add("video");
+  if (camera) {
+    const [azimuth, elevation] = camera.map((angle) => (angle * Math.PI) / 180);
+    const across = Math.cos(elevation);
+    viewer.camera.position
+      .set(across * Math.cos(azimuth), Math.sin(elevation), -across * Math.sin(azimuth))
+      .multiplyScalar(camera[2]);
+    viewer.controls.update();
+  }
+  if (rendersInSoftware()) simplifyMaterials();
+};
+
+function rendersInSoftware() {
+  const context = viewer.renderer.getContext();
+  const information = context.getExtension("WEBGL_debug_renderer_info");
+  const name = information && context.getParameter(information.UNMASKED_RENDERER_WEBGL);
+  return /swiftshader|llvmpipe|software/i.test(name || "");
+}
+
+// Without highlights and without shadows on the robot a processor takes less than half as long.
+function simplifyMaterials() {
+  viewer.scene_tree.find(["wbc", "robot"]).object.traverse((part) => {
+    part.receiveShadow = false;
+    if (!part.isMesh || !part.material.isMeshPhongMaterial) return;
+    const {color, map, opacity, side, transparent, vertexColors} = part.material;
+    part.material =
+      new THREE.MeshLambertMaterial({color, map, opacity, side, transparent, vertexColors});
+  });
+}
+
+// For videos: stops the player, and draws a time at once.
+wbc.drawFrame = (time) => {
   wbc.player.jump(time);
   viewer.render();
   viewer.needs_render = false;
