@@ -20,7 +20,7 @@ FORMAT = VideoFormat((400, 360), RATE, camera=(-35.0, 12.0, 4.2))
 #: Robot, time of each push, s, and its impulse in N·s per kg of the robot.
 PUSHES = {
     "g1": ((1.5, (0.0, 0.5, 0.0)), (4.0, (0.6, 0.0, 0.0))),
-    "talos": ((1.5, (0.0, -0.4, 0.0)), (4.0, (0.6, 0.0, 0.0))),
+    "talos": ((1.5, (0.0, -0.3, 0.0)), (4.0, (0.6, 0.0, 0.0))),
 }
 DURATION = 6.5  # s
 
