@@ -4,8 +4,11 @@ Each command is held for 1 to 4 s and drawn from the set of velocities that the 
 them uniformly inside it, half of them at its border. A run ends with the fall or with the time.
 Noise, estimator and plant are those of `benchmarks/walk.py`.
 
+With `--pushes SHARE` the torso is pushed every 5 s for 0.1 s, in a random direction, by that share
+of the size that each robot is to survive there while it walks (`PUSHES`).
+
     python benchmarks/random_commands.py                   # all robots, one minute, 3 seeds
-    python benchmarks/random_commands.py --robot romeo --duration 600 --seeds 1
+    python benchmarks/random_commands.py --robot romeo --duration 600 --seeds 1 --pushes 0.5
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import argparse
 import json
+import math
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
@@ -25,11 +29,21 @@ from pathlib import Path
 import numpy as np
 
 import wbc
+from wbc.robot.attitude import heading
 from wbc.sim import Mujoco
 
 ROBOTS = ("talos", "g1", "simple_humanoid", "icub", "romeo")
+#: Largest push to survive while walking, N·s/kg: forward, back, to either side.
+PUSHES = {
+    "talos": (0.8, 0.85, 0.5),
+    "g1": (0.8, 0.85, 0.75),
+    "simple_humanoid": (0.7, 0.7, 0.45),
+    "icub": (0.4, 0.4, 0.25),
+    "romeo": (0.4, 0.4, 0.25),
+}
 _HOLD = (1.0, 4.0)  # s
 _STAND = 0.5  # s of standing at the start
+_PUSH_PERIOD = 5.0  # s
 
 
 class RandomCommands:
@@ -59,13 +73,57 @@ class RandomCommands:
         self._next += random.uniform(*_HOLD)
 
 
-def trial(job: tuple[str, int, float]) -> wbc.Report:
-    """Run one robot."""
-    name, seed, duration = job
+class RandomPushes:
+    """Pushes the torso every 5 s, in a direction that is uniform over the horizon.
+
+    The size is that of the ellipse through the sizes ahead, back and to the sides.
+
+    Args:
+        plant: the simulated robot.
+        sizes: forward, back and to either side, N·s/kg.
+        seed: of the directions.
+    """
+
+    def __init__(self, plant: Mujoco, sizes: tuple[float, float, float], seed: int) -> None:
+        self._plant, self._sizes = plant, sizes
+        self._random = np.random.default_rng((seed, 1))
+        self._next = _PUSH_PERIOD
+        self.last = "none"
+
+    def __call__(self, time: float) -> None:
+        """Push when it is time; call it before each tick."""
+        if time < self._next:
+            return
+        self._next += _PUSH_PERIOD
+        bearing = self._random.uniform(-math.pi, math.pi)
+        ahead, beside = math.cos(bearing), math.sin(bearing)
+        forward, back, side = self._sizes
+        size = 1.0 / math.hypot(ahead / (forward if ahead > 0.0 else back), beside / side)
+        robot, state = self._plant.robot, self._plant.ground_truth()
+        course = bearing + heading(robot, state)
+        impulse = size * robot.mass * np.array((math.cos(course), math.sin(course), 0.0))
+        self._plant.push(impulse)
+        self.last = f"{size:.2f} N·s/kg at {math.degrees(bearing):.0f}°"
+
+
+def trial(job: tuple[str, int, float, float]) -> tuple[wbc.Report, str]:
+    """Run one robot; return its report, and the last command and push before its end."""
+    name, seed, duration, share = job
     robot = wbc.load(name)
     walker = wbc.Walker(robot)
     with Mujoco(robot, dt=walker.dt, seed=seed) as plant:
-        return wbc.run(walker, plant, duration, before_tick=RandomCommands(walker, seed))
+        command = RandomCommands(walker, seed)
+        forward, back, side = PUSHES[name]
+        push = RandomPushes(plant, (share * forward, share * back, share * side), seed)
+
+        def before_tick(time: float) -> None:
+            command(time)
+            if share > 0.0:
+                push(time)
+
+        report = wbc.run(walker, plant, duration, before_tick=before_tick)
+    velocity = ", ".join(f"{component:.2f}" for component in walker.velocity)
+    return report, f"told ({velocity}), last push {push.last}"
 
 
 def main() -> int:
@@ -86,19 +144,30 @@ def main() -> int:
     parser.add_argument(
         "--jobs", type=int, default=1, help="parallel processes (default: %(default)s)"
     )
+    parser.add_argument(
+        "--pushes",
+        type=float,
+        default=0.0,
+        metavar="SHARE",
+        help="also push every 5 s, by this share of the sizes to survive (default: none)",
+    )
     parser.add_argument("--json", type=Path, help="write all reports to this file")
     args = parser.parse_args()
     jobs = [
-        (name, seed, args.duration) for name in args.robot or ROBOTS for seed in range(args.seeds)
+        (name, seed, args.duration, args.pushes)
+        for name in args.robot or ROBOTS
+        for seed in range(args.seeds)
     ]
-    print("| robot | seed | time to fall, s | DCM error, mm rms | steps |")
-    print("| --- | --- | --- | --- | --- |")
+    print("| robot | seed | time to fall, s | DCM error, mm rms | steps | before the fall |")
+    print("| --- | --- | --- | --- | --- | --- |")
     rows = []
     with ProcessPoolExecutor(args.jobs) as pool:
-        for (name, seed, _), report in zip(jobs, pool.map(trial, jobs), strict=True):
-            fall = f"{report.fell_at_s:.1f}" if report.fell_at_s is not None else "none"
+        for (name, seed, *_), (report, last) in zip(jobs, pool.map(trial, jobs), strict=True):
+            fell = report.fell_at_s is not None
+            fall = f"{report.fell_at_s:.1f}" if fell else "none"
             print(
-                f"| {name} | {seed} | {fall} | {report.dcm_error_rms_mm:.1f} | {report.steps} |",
+                f"| {name} | {seed} | {fall} | {report.dcm_error_rms_mm:.1f} | {report.steps} | "
+                f"{last if fell else ''} |",
                 flush=True,
             )
             rows.append({"seed": seed, **asdict(report)})

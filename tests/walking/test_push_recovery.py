@@ -105,6 +105,12 @@ def test_a_walking_robot_is_quick_after_a_push_and_returns_to_its_normal_gait(di
     assert not run.quick_after(4.5)
 
 
+def test_a_robot_that_starts_to_walk_steps_with_the_other_foot_when_a_push_asks_for_it():
+    run = pushed_run("g1", 1.8, direction="left", size=0.6, at=0.15, velocity=(0.05, 0.3))
+    assert run.report.survived
+    assert run.quick_after(0.15)
+
+
 def test_the_same_push_fells_a_walker_without_a_recovery_gait():
     gait = wbc.Walker(wbc.load("g1")).gait
     run = pushed_run(

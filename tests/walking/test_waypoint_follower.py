@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import cmath
 import math
+import warnings
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wbc.gait import VelocityLimits
-from wbc.geometry.planar import Placement
-from wbc.walking import WaypointFollower
+import wbc
+from wbc.gait import Phase, VelocityLimits
+from wbc.geometry.planar import Placement, ground_point, yaw_of
+from wbc.walking import VelocityClamped, WaypointFollower
 
 LIMITS = VelocityLimits(0.3, 0.3, 0.1, 0.4)
 
@@ -19,7 +21,7 @@ LIMITS = VelocityLimits(0.3, 0.3, 0.1, 0.4)
 def test_the_command_points_to_the_waypoint_in_the_robots_heading_frame():
     pose = Placement(1 + 2j, 0.5 * math.pi)
     goal = Placement(1 + 4j, 0.5 * math.pi + 0.4)  # 2 m ahead of a robot that faces +y
-    velocity = WaypointFollower(position_gain=1.5, yaw_gain=2.0).velocity(goal, pose)
+    velocity = WaypointFollower(gains=(1.5, 1.5, 2.0)).velocity(goal, pose)
     assert velocity == pytest.approx((3.0, 0.0, 0.8))
 
 
@@ -52,6 +54,24 @@ def test_a_robot_that_obeys_comes_to_the_place_from_everywhere():
         assert abs(goal.relative_to(pose).yaw) <= 0.05
 
 
+def test_a_turn_about_keeps_its_direction():
+    follower = WaypointFollower(limits=LIMITS)
+    here = Placement(0j, 0.0)
+    assert follower.velocity(Placement(0j, math.pi - 0.01), here)[2] > 0.0
+    assert follower.velocity(Placement(0j, math.pi + 0.1), here)[2] > 0.0
+    assert follower.velocity(Placement(0j, -1.0), here)[2] < 0.0
+
+
+def test_a_command_at_the_limits_is_taken_without_a_warning():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", VelocityClamped)
+        walker = wbc.Walker(wbc.load("g1"))
+        follower = WaypointFollower.for_gait(walker.gait)
+        place = walker.stopping_place
+        walker.velocity = follower.velocity(place.compose(Placement(1 + 1j, 1.0)), place)
+    assert min(walker.velocity) > 0.0
+
+
 HERE = Placement(0j, 0.0)
 coordinates = st.floats(-3.0, 3.0)
 poses = st.builds(
@@ -61,7 +81,9 @@ poses = st.builds(
 
 def follower():
     """Return a follower that turns to far waypoints."""
-    return WaypointFollower(LIMITS, 0.6, 0.6, near=0.8, reached=(0.05, 0.07), left=(0.1, 0.15))
+    return WaypointFollower(
+        LIMITS, (0.6, 0.6, 0.6), near=0.8, reached=(0.05, 0.07), left=(0.1, 0.15)
+    )
 
 
 @given(poses)
@@ -104,3 +126,25 @@ def test_the_time_left_is_that_of_a_robot_that_obeys():
     behind = follower().time_left(Placement(-2.0 + 0j, 0.0), HERE)
     assert behind > 0.8 * math.pi / 0.4 + 1.5 / 0.3
     assert follower().time_left(HERE, HERE) == 0.0
+
+
+def test_a_robot_comes_to_rest_at_the_place_by_its_own_estimate():
+    pytest.importorskip("mujoco")
+    robot = wbc.load("simple_humanoid")
+    walker = wbc.Walker(robot)
+    follower = WaypointFollower.for_gait(walker.gait)
+    goal = walker.stopping_place.compose(Placement(0.2 - 0.04j, -0.3))
+
+    def follow(_: float) -> None:
+        walker.velocity = follower.velocity(goal, walker.stopping_place)
+
+    with wbc.sim.Mujoco(robot, seed=1) as plant:
+        report = wbc.run(walker, plant, 6.0, before_tick=follow)
+        truth = plant.ground_truth()
+    assert report.survived
+    assert walker.gait_state.phase is Phase.STAND
+    kin = wbc.Kinematics(robot, truth)
+    left, right = (kin.frame(sole.name) for sole in robot.soles)
+    middle = 0.5 * (ground_point(left.translation) + ground_point(right.translation))
+    assert abs(middle - goal.point) < 0.03
+    assert abs(yaw_of(left.rotation) - goal.yaw) < 0.05

@@ -143,6 +143,16 @@ class GaitState:
         return placement._replace(height=stance.height + rise)
 
     @property
+    def may_choose_side(self) -> bool:
+        """Whether a push can be answered with a step of either foot: both carry, none has to go on.
+
+        So it is at rest, on the way there, and while the weight moves out of rest.
+        """
+        if self.phase is Phase.TRANSFER:
+            return self.stopping or (self.starting and not self.pushed_at_rest)
+        return self.at_rest
+
+    @property
     def swing_side(self) -> str:
         """Side of the foot that does not support."""
         return "right" if self.support == "left" else "left"

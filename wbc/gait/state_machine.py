@@ -82,8 +82,13 @@ class GaitStateMachine:
         state.feet = feet
         state.time += dt
         state.on_stairs = _leads_over_stairs(state, lifted, command.footsteps)
-        if state.phase is Phase.STAND or (state.stopping and state.requested_swing):
-            side = planner.next_swing(state, command) or state.requested_swing
+        asked = state.requested_swing if state.may_choose_side else None
+        if command.footsteps and asked == state.support:
+            asked = None  # the first of the given footsteps is the other foot's
+        if state.phase is Phase.STAND or (asked and state.phase is Phase.TRANSFER):
+            side = planner.next_swing(state, command) if state.phase is Phase.STAND else None
+            if asked and not (side and command.footsteps):
+                side = asked
             if side is not None:
                 self._adapt_to_speed(command)
                 state.support = other_side(side)

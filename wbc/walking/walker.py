@@ -22,6 +22,7 @@ from wbc.gait import (
     Planner,
     Velocity,
 )
+from wbc.gait.footsteps import lateral_sign
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.planners import PREVIEW_STEPS, resolve_planner
 from wbc.gait.speed_adaptation import SpeedAdaptation
@@ -50,6 +51,7 @@ from wbc.walking.walker_telemetry import (
     walking_telemetry,
 )
 
+_ROUNDING = 1e-9  # of a velocity that was clamped to the limits before
 _IN_PLACE = Velocity(forward=1e-9)  # m/s, of a robot that has to step to stay
 
 
@@ -157,9 +159,9 @@ class Walker:
             self._command.velocity = wanted
             return
         self._command.velocity = wanted.clamped(self.gait)
-        if self._command.velocity != wanted:
+        limits = self.gait.max_velocity
+        if limits.usage(wanted.forward, wanted.left, wanted.turn) > 1.0 + _ROUNDING:
             got = self.velocity
-            limits = self.gait.max_velocity
             warnings.warn(
                 f"velocity ({wanted.forward:g} m/s, {wanted.left:g} m/s, {wanted.turn:g} rad/s) is "
                 f"beyond what {self.robot.name} can do with this gait (-{limits.backward:.2f} to "
@@ -347,6 +349,19 @@ class Walker:
         height = 0.5 * (feet.left.height + feet.right.height)
         origin = np.array([middle.real, middle.imag, height])
         return pin.SE3(rotation_about_z(self._heading), origin)
+
+    @property
+    def stopping_place(self) -> Placement:
+        """Where the robot would stand, midway between its feet, if the present step closed them.
+
+        It stays where it is during a step, without the sway of the gait: a velocity of the way from
+        here over the duration of a step leads there in that step (see `WaypointFollower.for_gait`).
+        """
+        state = self.gait_state
+        if state.at_rest or state.stopping:
+            return Placement(state.feet.middle, self._heading)
+        beside = -0.5 * lateral_sign(state.support) * state.normal_gait.step_width
+        return state.stance.compose(Placement(complex(0.0, beside), 0.0))
 
     @property
     def height(self) -> float:

@@ -76,8 +76,7 @@ class NavigateToPose(RobotAction):
         tolerance = (self._tolerance.value, self._heading_tolerance.value)
         self._follower = WaypointFollower(
             self._cmd_vel.max_velocity.scaled(self._speed_ratio.value),
-            position_gain=_GAIN,
-            yaw_gain=_GAIN,
+            (_GAIN, _GAIN, _GAIN),
             near=max(_NEAR, 3.0 * self._tolerance.value),
             reached=(0.5 * tolerance[0], 0.5 * tolerance[1]),
             left=tolerance,

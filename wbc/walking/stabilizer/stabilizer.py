@@ -125,10 +125,10 @@ class Stabilizer:
                 return reference(swing.target), swing.target
             return self._adjust_swing(state, reference)
         planned = reference(None)
-        if state.phase is Phase.TRANSFER and not state.stopping:
-            planned = recovery.update_transfer(state, planned, reference)
-        else:
+        if state.may_choose_side:
             recovery.update_standing(state, planned)
+        else:
+            planned = recovery.update_transfer(state, planned, reference)
         return planned, state.landing
 
     def _adjust_swing(
