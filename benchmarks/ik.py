@@ -9,7 +9,9 @@ weigh errors of poses along the axes of the frame, which differs by their square
 
 `reach`: the protocol of Beeson and Ames, TRAC-IK (Humanoids 2015): random joint positions within
 the limits, of which the pose of the hand is the target; start from the middle of the ranges,
-tolerance 1e-5 m and rad in each direction.
+tolerance 1e-5 m and rad in each direction. `--start random` starts from other random positions, the
+case of https://github.com/stephane-caron/pink/issues/59, which reports about half of the poses of
+arms with six joints unsolved.
 
     python benchmarks/ik.py step
     python benchmarks/ik.py reach --samples 1000
@@ -351,7 +353,7 @@ def chain_of(name: str) -> tuple[RobotModel, Sequence[str], str]:
     return walking, [walking.joint_names[j] for j in arm.joints], arm.hand
 
 
-def reach(name: str, count: int) -> ReachResult:
+def reach(name: str, count: int, start: str) -> ReachResult:
     """Return how many random poses of a chain are reached, and in what time."""
     robot, joints, frame = chain_of(name)
     index = np.array([robot.joint_index(joint) for joint in joints])
@@ -370,8 +372,11 @@ def reach(name: str, count: int) -> ReachResult:
         q[7 + index] = random.uniform(low, high)
         pin.forwardKinematics(robot.model, data, q)
         hand.target = pin.updateFramePlacement(robot.model, data, robot.frame_id(frame)).copy()
+        at = middle.copy()
+        if start == "random":
+            at[7 + index] = random.uniform(low, high)
         begun = time.process_time()
-        found = ik.reach(middle, tolerance=1e-5, seed=k)
+        found = ik.reach(at, tolerance=1e-5, seed=k)
         times[k] = 1e3 * (time.process_time() - begun)
         solved += found.reached
         attempts += found.attempts
@@ -394,6 +399,9 @@ def main() -> int:
     parser.add_argument("--samples", type=int, default=200, help="samples (default: %(default)s)")
     parser.add_argument("--passes", type=int, default=7, help="of each step (default: %(default)s)")
     parser.add_argument("--chain", action="append", choices=CHAINS, help="default: all")
+    parser.add_argument(
+        "--start", choices=("middle", "random"), default="middle", help="of `reach`"
+    )
     parser.add_argument("--json", type=Path, help="write the figures here")
     args = parser.parse_args()
     warnings.simplefilter("ignore")
@@ -409,7 +417,7 @@ def main() -> int:
     else:
         print("| arm of | joints | solved | mean, ms | median, ms | p99, ms | attempts |")
         print("| --- | --- | --- | --- | --- | --- | --- |")
-        run: Callable[[str], ReachResult] = lambda name: reach(name, args.samples)  # noqa: E731
+        run: Callable[[str], ReachResult] = lambda name: reach(name, args.samples, args.start)  # noqa: E731
         rows = []
         for name in args.chain or CHAINS:
             found = run(name)

@@ -89,3 +89,14 @@ def test_the_observers_benchmark_measures_ticks_calls_and_rates(tmp_path):
     assert all(call["per tick"] > 0.0 for call in undisturbed["calls"].values())
     for rate in ("viewer: frames at a page", "ROS 2: /tf at a node", "log: MB per minute"):
         assert any(name.startswith(rate) for name in undisturbed["figures"]), rate
+
+
+@pytest.mark.slow
+def test_the_whole_body_ik_benchmark_reaches_without_penetration(tmp_path):
+    out = tmp_path / "ik.json"
+    run("whole_body_ik.py", "collision", "--robot", "g1", "--samples", "3", "--json", str(out))
+    (found,) = json.loads(out.read_text())
+    assert found["solved"] == 100.0
+    assert found["least"] > -1.0
+    run("whole_body_ik.py", "balance", "--robot", "g1", "--samples", "5", "--json", str(out))
+    assert json.loads(out.read_text())[0]["solved"] == 100.0

@@ -86,6 +86,24 @@ def test_what_cannot_be_reached_is_told_with_the_limits_in_the_way():
     assert "mm; " in free.reach(one.q_nominal, restarts=1).explanation
 
 
+def test_of_targets_that_exclude_each_other_the_lower_level_comes_as_near_as_it_can():
+    one = wbc.load_fixed_base("panda")
+    ik = InverseKinematics(one)
+    hand = ik.add(wbc.PositionTask("panda_hand", (0.5, 0.2, 0.5), priority=2))
+    elbow = ik.add(wbc.PositionTask("panda_link4"))
+    ik.step(one.q_nominal, 0.01)
+    hand.target = hand.target + np.array([3.0, 0.0, 0.0])  # out of reach
+    found = ik.reach(one.q_nominal, restarts=1)
+    assert not found.reached
+    assert "'panda_hand position' misses its target by" in found.explanation
+    assert "panda_link4" not in found.explanation
+    assert np.abs(found.errors["panda_link4 position"]).max() <= 1e-5
+    near = np.linalg.norm(found.errors["panda_hand position"])
+    hand.priority, elbow.priority = 1, 2
+    nearest = np.linalg.norm(ik.reach(one.q_nominal, restarts=1).errors["panda_hand position"])
+    assert nearest < near
+
+
 def test_arguments_of_a_search_are_checked():
     one = wbc.load_fixed_base("panda")
     ik = InverseKinematics(one)

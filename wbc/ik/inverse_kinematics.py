@@ -197,7 +197,8 @@ class InverseKinematics:
 
         Position limits and general limits hold at every posture tried; limits on velocities and
         accelerations have no meaning for a search. What the targets leave open is settled by the
-        other weighted tasks, e.g. a posture.
+        other weighted tasks, e.g. a posture. Where targets of different priorities cannot all be
+        reached, those of the lower levels come as near as those of the higher ones let them.
 
         Args:
             q: (nq,) posture to start from; what does not move stays as in it.
@@ -227,24 +228,35 @@ class InverseKinematics:
         if self.kinematics is None:
             self.kinematics = ConfigurationKinematics(self.robot, q)
         self.kinematics.set_configuration(q)
+        start = np.array(q, dtype=float)
+        search = self._search(reached, tuple([t for t in self.tasks if t not in reached]))
+        found = search.search(self.kinematics, start, restarts, seed, tolerance)
+        levels = sorted({task.priority for task in reached})
+        while not found.reached and len(levels) > 1:
+            last = levels.pop()
+            upper = tuple([task for task in reached if task.priority < last])
+            lower = tuple([task for task in reached if task.priority == last])
+            narrower = self._search(upper, lower)
+            part = narrower.search(self.kinematics, start, restarts, seed, tolerance)
+            if part.reached:
+                return search.describe(self.kinematics, part, found, tolerance)
+        return found
+
+    def _search(self, targets: tuple[Task, ...], others: tuple[Task, ...]) -> ReachSearch:
+        """Return the search for a posture that reaches targets and improves other tasks."""
         limits, displacement = self._reach_limits, Unknown.DISPLACEMENT
-        others = tuple([t for t in self.tasks if t not in reached and t.priority != 0])
-        secondary = self._program(displacement, others, reached, limits) if others else None
-        lower = np.max([self.robot.q_min, *(b.lower for b in self._positions)], axis=0)
-        upper = np.min([self.robot.q_max, *(b.upper for b in self._positions)], axis=0)
-        search = ReachSearch(
+        others = tuple([task for task in others if task.priority != 0])
+        return ReachSearch(
             self.robot,
-            self._program(displacement, reached, (), limits),
-            reached,
+            self._program(displacement, targets, (), limits),
+            targets,
             self._columns,
-            lower,
-            upper,
+            np.max([self.robot.q_min, *(b.lower for b in self._positions)], axis=0),
+            np.min([self.robot.q_max, *(b.upper for b in self._positions)], axis=0),
             self.solver,
-            tolerance,
             others,
-            secondary,
+            self._program(displacement, others, targets, limits) if others else None,
         )
-        return search.search(self.kinematics, np.array(q, dtype=float), restarts, seed)
 
     def _targets(self) -> list[Task]:
         """Return the tasks to reach: all but postures, unless there are no others."""

@@ -83,7 +83,6 @@ class ReachSearch:
         columns: (n,) coordinates that move.
         lower, upper: (na,) range of the joints, rad or m.
         solver: QP solver.
-        tolerance: largest error of a row that counts as reached, m and rad.
         others: tasks that improve what the targets leave open.
         secondary: displacements with the others as weighted tasks and the targets as exact ones;
             None without others.
@@ -98,22 +97,26 @@ class ReachSearch:
         lower: np.ndarray,
         upper: np.ndarray,
         solver: Solver,
-        tolerance: float,
         others: Sequence[Task] = (),
         secondary: VelocityProgram | CompiledVelocityProgram | None = None,
     ) -> None:
         self._robot, self._program = robot, program
         self._targets = postures_last(targets)
         self._others, self._secondary = others, secondary
-        self._columns, self._solver, self._tolerance = columns, solver, tolerance
+        self._columns, self._solver = columns, solver
         self._joints = columns[columns >= 6] - 6
         self._lower, self._upper = lower[self._joints], upper[self._joints]
         self._weights = np.concatenate([task.weight for task in self._targets])
         self._rest = np.zeros(robot.na)
-        self.iterations = 0
+        self.iterations, self._tolerance = 0, 0.0
 
     def search(
-        self, kin: ConfigurationKinematics, q: np.ndarray, restarts: int, seed: int
+        self,
+        kin: ConfigurationKinematics,
+        q: np.ndarray,
+        restarts: int,
+        seed: int,
+        tolerance: float,
     ) -> ReachSolution:
         """Return the posture that comes nearest to the targets.
 
@@ -122,7 +125,9 @@ class ReachSearch:
             q: (nq,) posture to start from; what does not move stays as in it.
             restarts: largest number of further attempts.
             seed: seed of their random postures.
+            tolerance: largest error of a row that counts as reached, m and rad.
         """
+        self._tolerance = tolerance
         best = self._attempt(kin, q)
         attempts = 1
         random = np.random.default_rng(seed)
@@ -134,6 +139,29 @@ class ReachSearch:
         if self._secondary is not None and self._reached(best):
             best = self._improved(kin, best, self._secondary)
         return self._solution(kin, best, attempts)
+
+    def describe(
+        self,
+        kin: ConfigurationKinematics,
+        posture: ReachSolution,
+        before: ReachSolution,
+        tolerance: float,
+    ) -> ReachSolution:
+        """Return what a posture that was found for other targets means for these.
+
+        Args:
+            kin: kinematics to work with.
+            posture: the posture.
+            before: a search whose attempts and iterations count too.
+            tolerance: see `search`.
+        """
+        self._tolerance = tolerance
+        kin.set_configuration(posture.q)
+        problem = self._program.build(kin, self._rest, 1.0)
+        errors, violation = self._program.errors.copy(), self._violation(problem)
+        best = _Best(posture.q, self._cost(errors, violation), errors, violation)
+        self.iterations = before.iterations + posture.iterations
+        return self._solution(kin, best, before.attempts + posture.attempts)
 
     def _reached(self, best: _Best) -> bool:
         largest = float(np.abs(best.errors).max(initial=0.0))
