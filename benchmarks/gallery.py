@@ -21,12 +21,16 @@ from pathlib import Path
 import wbc
 from wbc.motions import (
     Bow,
+    Brace,
+    Carry,
+    HoldHand,
     Jump,
     Keyframes,
     Look,
     Motion,
     MotionPlayer,
     OneLeg,
+    PushCart,
     Reach,
     Sine,
     Squat,
@@ -36,6 +40,7 @@ from wbc.motions import (
 )
 from wbc.motions.jumping import JumpController, JumpPhase
 from wbc.runtime.loop import RunComplete
+from wbc.sim import Cart, Flat, Terrain, Wall
 from wbc.trials import MotionRunner
 from wbc.view import Recording
 from wbc.view.browser import new_page
@@ -54,6 +59,8 @@ MOVE_CAMERA = """([turn, nearer, lower]) => {
   viewer.set_dirty();
 }"""
 
+_FLAT = Flat()
+
 Moment = Callable[[float, MotionPlayer], bool]
 
 
@@ -71,6 +78,8 @@ class Scene:
         turn: Angle of the camera about the robot, rad.
         nearer: Distance of the camera relative to the page's default.
         lower: Height of the camera relative to the page's default.
+        terrain: Obstacles; see `wbc.sim.Terrain`.
+        cart: An object to push.
     """
 
     name: str
@@ -82,6 +91,8 @@ class Scene:
     turn: float = 0.0
     nearer: float = 0.8
     lower: float = 1.0
+    terrain: Terrain = _FLAT
+    cart: Cart | None = None
 
 
 def after(seconds: float) -> Moment:
@@ -216,6 +227,44 @@ SCENES = (
         Keyframes(file=str(ROOT / "examples" / "motions" / "keyframes" / "robot_dance.csv")),
         after(3.0),
     ),
+    Scene(
+        "brace",
+        "A hand feels its way to the wall and presses; the centre of mass leaves the soles.",
+        "brace --robot g1 --terrain wall --lean 0.15",
+        "g1",
+        Brace(lean=0.15),
+        after(7.0),
+        turn=2.5,
+        terrain=Wall(width=0.8),
+    ),
+    Scene(
+        "carry",
+        "The robot estimates the mass in its hand, leans the other way and walks with it.",
+        "carry --robot g1 --mass 3",
+        "g1",
+        Carry(mass=3.0),
+        after(7.2),
+        turn=0.4,
+    ),
+    Scene(
+        "hold-hand",
+        "A hand stays at one place of the world while the feet step to and fro.",
+        "hold-hand --robot g1",
+        "g1",
+        HoldHand(),
+        after(5.2),
+        turn=0.4,
+    ),
+    Scene(
+        "push-cart",
+        "Both hands push a cart with a given force, which the balance leans against.",
+        "push-cart --robot g1 --terrain cart",
+        "g1",
+        PushCart(),
+        after(9.0),
+        turn=2.5,
+        cart=Cart(),
+    ),
 )
 
 
@@ -223,14 +272,15 @@ def render(scene: Scene, path: Path) -> None:
     """Play a scene up to its moment and render the image."""
     robot = wbc.load(scene.robot)
     player = MotionPlayer(robot, motions=[scene.motion])
-    runner, recording = MotionRunner(player), Recording(robot)
+    runner = MotionRunner(player)
+    recording = Recording(robot, boxes=scene.terrain.boxes())
 
     def tick(time: float) -> None:
         if scene.moment(time, player):
             raise RunComplete
         runner(time, plant)
 
-    with wbc.sim.Mujoco(robot, seed=1) as plant:
+    with wbc.sim.Mujoco(robot, seed=1, terrain=scene.terrain, cart=scene.cart) as plant:
         report = wbc.run(player, plant, MAX_DURATION, observers=[recording], before_tick=tick)
     print(f"{scene.name}: {robot.name} at {report.duration_s:.2f} s", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory() as folder, new_page(*SIZE) as page:

@@ -15,11 +15,15 @@ import wbc
 from wbc.errors import MotionError
 from wbc.motions import Motion, MotionContext, MotionPlayer, MotionReference, Script
 from wbc.motions.bow import Bow
+from wbc.motions.brace import Brace
+from wbc.motions.carry import Carry
 from wbc.motions.demo import DEMO_MOTIONS, Demo
+from wbc.motions.hold_hand import HoldHand
 from wbc.motions.jump import Jump
 from wbc.motions.keyframes import Keyframes
 from wbc.motions.look import Look
 from wbc.motions.one_leg import OneLeg
+from wbc.motions.push_cart import PushCart
 from wbc.motions.reach import Reach
 from wbc.motions.registry import MOTIONS, find_motion
 from wbc.motions.sine import Sine
@@ -392,7 +396,7 @@ def test_the_registry_names_every_motion_once_and_the_demo_plays_all_of_them():
     assert len(set(names)) == len(names)
     asked = ("sway", "squat", "wave", "reach", "look", "one-leg", "bow", "step-in-place")
     assert {*asked, "sine", "jump", "demo", "keyframes"} <= set(names)
-    assert set(MOTIONS) - set(DEMO_MOTIONS) == {Demo, Keyframes}
+    assert set(MOTIONS) - set(DEMO_MOTIONS) == {Brace, Carry, Demo, HoldHand, Keyframes, PushCart}
     assert all(motion.summary and motion.__doc__ for motion in MOTIONS)
     with pytest.raises(MotionError, match="no motion 'squad'; did you mean 'squat'"):
         find_motion("squad")

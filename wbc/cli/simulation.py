@@ -19,7 +19,7 @@ from wbc.cli.progress import ProgressLine
 from wbc.errors import PlantError
 from wbc.runtime.protocols import Observer
 from wbc.runtime.report import Report
-from wbc.sim import Flat, JointServos, Mujoco, Ramp, Terrain, Tiles
+from wbc.sim import Cart, Flat, JointServos, Mujoco, Ramp, Terrain, Tiles, Wall
 
 _MAX_SPEED = 1.5  # m/s, by which the extent of the tiles is chosen
 _TILE_MARGIN = 2.0  # m
@@ -37,8 +37,8 @@ class SimulationOptions:
         robot: name of a robot, or path of a URDF or robot data file.
         solver: QP solver (default: the solver of the library).
         planner: plans footsteps and DCM: analytic, by preview control, or model-predictive.
-        terrain: flat ground, square tiles of random height up to 30 mm, or a ramp of 10° up to a
-            plateau and down again.
+        terrain: flat ground, square tiles of random height up to 30 mm, a ramp of 10° up to a
+            plateau and down again, or a wall or a cart 0.3 m in front of the robot.
         seed: random seed of sensor noise and tiles.
         actuation: what the joints are driven by: ideal sources of torque, or servos with soft
             gains, 2 ms of delay, friction and a backlash of 0.5°.
@@ -49,7 +49,7 @@ class SimulationOptions:
     robot: RobotName = "talos"
     solver: Annotated[str | None, Argument("NAME")] = None
     planner: Literal["dcm", "preview", "mpc", "placo"] = "dcm"
-    terrain: Literal["flat", "tiles", "ramp"] = "flat"
+    terrain: Literal["flat", "tiles", "ramp", "wall", "cart"] = "flat"
     seed: int = 0
     actuation: Literal["torque", "servo"] = "torque"
 
@@ -106,6 +106,7 @@ class Simulation:
                 latency=_SERVO_LATENCY if servos is not None else 0.0,
                 servos=servos,
                 ground_truth=ground_truth,
+                cart=Cart() if options.terrain == "cart" else None,
             )
             self._outputs = RunOutputs(options.outputs, self.robot, self.boxes)
 
@@ -138,10 +139,12 @@ class Simulation:
 
 
 def _terrain(options: SimulationOptions, duration: float) -> Terrain:
-    if options.terrain == "flat":
+    if options.terrain in ("flat", "cart"):
         return Flat()
     if options.terrain == "ramp":
         return Ramp()
+    if options.terrain == "wall":
+        return Wall()
     extent = min(_MAX_TILE_EXTENT, _TILE_MARGIN + _MAX_SPEED * duration)
     return Tiles(seed=options.seed, extent=extent)
 

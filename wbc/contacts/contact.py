@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 from typing import ClassVar
 
 import numpy as np
+import pinocchio as pin
 
 from wbc.errors import ContactError
 from wbc.kinematics import Kinematics
@@ -21,7 +22,9 @@ class Contact(ABC):
     `cone @ f ≤ 0` and `min_force ≤ f_z ≤ max_force`.
 
     Args:
-        frame: name of the frame; its z axis is the contact normal, away from the ground.
+        frame: name of the frame.
+        placement: `T_frame_contact`, the contact's axes in those of the frame; their z axis is
+            the contact normal, out of the surface towards the robot. None: those of the frame.
         friction: Coulomb coefficient μ; the cone is approximated from inside by
             a pyramid of coefficient μ/√2.
         motion_weight: None for exact, else the weight (> 0) of the motion rows.
@@ -30,7 +33,8 @@ class Contact(ABC):
         max_force: largest normal force, N.
         name: unique within a controller; the frame's name when left out.
 
-    All of these may be changed from tick to tick, but for frame and name.
+    All of these may be changed from tick to tick, but for frame and name; a placement only when
+    one was given at first.
 
     A contact of your own derives from this (or from a contact of the library) and returns the
     rows of its cone, any number of them, from `make_cone`, and one text for each from
@@ -46,6 +50,7 @@ class Contact(ABC):
         self,
         frame: str,
         *,
+        placement: pin.SE3 | None = None,
         friction: float = 0.7,
         motion_weight: float | None = None,
         damping: float = 30.0,
@@ -69,6 +74,11 @@ class Contact(ABC):
             raise ContactError(
                 f"contact '{self.name}': need 0 ≤ min_force ({min_force}) ≤ max_force ({max_force})"
             )
+        if placement is not None and not isinstance(placement, pin.SE3):
+            raise ContactError(
+                f"contact '{self.name}': placement is a {type(placement).__name__}, not a pin.SE3"
+            )
+        self.placement = placement
         self.motion_weight = motion_weight
         self.damping = damping
         self.min_force = min_force
@@ -162,6 +172,14 @@ class Contact(ABC):
         """
         at = kin.motion_local(self._frame_id)
         n = self.motion_size
-        J[:] = at.jacobian[:n]
-        np.multiply(at.velocity[:n], -self.damping, out=a)
-        a -= at.bias[:n]
+        jacobian, velocity, bias = at.jacobian, at.velocity, at.bias
+        if self.placement is not None:
+            X = self.placement.toActionMatrixInverse()
+            jacobian, velocity = X @ jacobian, X @ velocity
+            # The classical acceleration of another point adds ω × (ω × p).
+            w, p = at.velocity[3:], self.placement.translation
+            bias = X @ bias
+            bias[:3] += self.placement.rotation.T @ (w * w.dot(p) - p * w.dot(w))
+        J[:] = jacobian[:n]
+        np.multiply(velocity[:n], -self.damping, out=a)
+        a -= bias[:n]

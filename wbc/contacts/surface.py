@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pinocchio as pin
 
 from wbc.contacts.contact import Contact
 from wbc.errors import ContactError
@@ -23,9 +24,9 @@ class SurfaceContact(Contact):
         τ_z ≤ +μ (X + Y) f_z − |Y f_x + μ τ_x| − |X f_y + μ τ_y|.
 
     Args:
-        frame: name of a frame at the rectangle's centre, z the normal.
-        half_length: X, along the frame's x axis, m.
-        half_width: Y, along the frame's y axis, m.
+        frame: name of a frame; without a `placement` it is at the rectangle's centre, z the normal.
+        half_length: X, along the contact's x axis, m.
+        half_width: Y, along the contact's y axis, m.
 
     For the other arguments see `Contact`.
 
@@ -41,6 +42,7 @@ class SurfaceContact(Contact):
         half_length: float,
         half_width: float,
         *,
+        placement: pin.SE3 | None = None,
         friction: float = 0.7,
         motion_weight: float | None = None,
         damping: float = 30.0,
@@ -50,6 +52,7 @@ class SurfaceContact(Contact):
     ) -> None:
         super().__init__(
             frame,
+            placement=placement,
             friction=friction,
             motion_weight=motion_weight,
             damping=damping,

@@ -1,6 +1,8 @@
 """Motions: what a humanoid does besides walking, with the walker's balance control."""
 
 from wbc.motions.bow import Bow
+from wbc.motions.brace import Brace
+from wbc.motions.carry import Carry
 from wbc.motions.demo import Demo
 from wbc.motions.engine import (
     FrameTarget,
@@ -16,10 +18,12 @@ from wbc.motions.engine import (
     parameter,
     unpack,
 )
+from wbc.motions.hold_hand import HoldHand
 from wbc.motions.jump import Jump
 from wbc.motions.keyframes import Keyframes
 from wbc.motions.look import Look
 from wbc.motions.one_leg import OneLeg
+from wbc.motions.push_cart import PushCart
 from wbc.motions.reach import Reach
 from wbc.motions.registry import MOTIONS, find_motion
 from wbc.motions.sine import Sine
@@ -31,8 +35,11 @@ from wbc.motions.wave import Wave
 __all__ = [
     "MOTIONS",
     "Bow",
+    "Brace",
+    "Carry",
     "Demo",
     "FrameTarget",
+    "HoldHand",
     "Jump",
     "Keyframes",
     "Look",
@@ -42,6 +49,7 @@ __all__ = [
     "MotionPlayer",
     "MotionReference",
     "OneLeg",
+    "PushCart",
     "Reach",
     "Script",
     "Sine",

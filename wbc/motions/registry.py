@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 from wbc.errors import MotionError, did_you_mean
+from wbc.motions.brace import Brace
+from wbc.motions.carry import Carry
 from wbc.motions.demo import DEMO_MOTIONS, Demo
 from wbc.motions.engine import Motion
+from wbc.motions.hold_hand import HoldHand
 from wbc.motions.keyframes import Keyframes
+from wbc.motions.push_cart import PushCart
 
 #: What the command line, the live page and the ROS 2 node offer.
-MOTIONS: tuple[type[Motion], ...] = (*DEMO_MOTIONS, Keyframes, Demo)
+MOTIONS: tuple[type[Motion], ...] = (
+    *DEMO_MOTIONS,
+    Brace,
+    Carry,
+    HoldHand,
+    Keyframes,
+    PushCart,
+    Demo,
+)
 
 
 def find_motion(name: str) -> type[Motion]:

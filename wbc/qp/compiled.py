@@ -212,6 +212,8 @@ class _Stack:
 class _FrameTable:
     """Lists the frames that tasks and contacts refer to, each once, after the centroid.
 
+    A contact with a placement of its own has an entry of its own, at the end.
+
     Attributes:
         ids: their indices in the model; that of the base for the centroid.
     """
@@ -219,13 +221,17 @@ class _FrameTable:
     def __init__(
         self, robot: Robot, tasks: Sequence[MotionTask], contacts: Sequence[Contact]
     ) -> None:
-        used = dict.fromkeys([*(t.frame_id for t in tasks), *(c.frame_id for c in contacts)])
+        self._placed = [c for c in contacts if c.placement is not None]
+        shared = [c.frame_id for c in contacts if c.placement is None]
+        used = dict.fromkeys([*(t.frame_id for t in tasks), *shared])
         used.pop(CENTROID, None)
         base = robot.model.getFrameId(robot.model.names[1], pin.FrameType.JOINT)
-        self.ids = [base, *used]
+        self.ids = [base, *used, *(c.frame_id for c in self._placed)]
 
     def index(self, owner: MotionTask | Contact) -> int:
         """Return the entry of a task's or contact's frame."""
+        if owner in self._placed:
+            return len(self.ids) - len(self._placed) + self._placed.index(owner)
         return 0 if owner.frame_id == CENTROID else self.ids.index(owner.frame_id, 1)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import pinocchio as pin
 
 from wbc.contacts import Contact
 from wbc.errors import ContactError
@@ -133,9 +134,15 @@ def contact_update(
     soft = contact.motion_weight is not None
     written = not has_contact_kernel(contact)
     copied: np.ndarray | None = None
+    placed: pin.SE3 | None = None
+    in_body = buffers.frames.in_body[frame]
+    in_joint = pin.SE3(in_body)  # of the contact's frame
 
     def update(kin: Kinematics) -> None:
-        nonlocal copied
+        nonlocal copied, placed
+        if contact.placement is not placed and not written:
+            placed = contact.placement
+            in_body[:] = (in_joint * placed).homogeneous
         damping[k] = contact.damping
         min_force[k], max_force[k] = contact.min_force, contact.max_force
         if contact.cone is not copied:

@@ -70,8 +70,9 @@ class Ground:
         if not len(self._boxes):
             return
         c, s = np.cos(yaw), np.sin(yaw)
-        data.mocap_quat[:] = [np.cos(0.5 * yaw), 0.0, 0.0, np.sin(0.5 * yaw)]
-        data.mocap_pos[:] = [x, y, 0.0]
+        bodies = slice(self._window or 1)  # they are the first
+        data.mocap_quat[bodies] = [np.cos(0.5 * yaw), 0.0, 0.0, np.sin(0.5 * yaw)]
+        data.mocap_pos[bodies] = [x, y, 0.0]
         if self._window:
             self._centres = self._boxes[:, :3].copy()
             self._centres[:, :2] = self._boxes[:, :2] @ np.array([[c, s], [-s, c]]) + [x, y]
@@ -89,9 +90,9 @@ class Ground:
         self._at = (x, y)
         distance = np.hypot(*(self._centres[:, :2] - [x, y]).T)
         near = np.argpartition(distance, self._window - 1)[: self._window]
-        data.mocap_pos[:] = self._centres[near]
+        data.mocap_pos[: self._window] = self._centres[near]
         far = distance[near] > 2.0 * _RADIUS + self._boxes[0, 3]
-        data.mocap_pos[far, 2] = _PARKED
+        data.mocap_pos[np.flatnonzero(far), 2] = _PARKED
 
 
 def _rolled_and_pitched(half_roll: float, half_pitch: float) -> list[float]:

@@ -19,6 +19,7 @@ from wbc.errors import MissingExtra, PlantError
 from wbc.robot import Robot
 from wbc.robot.collision_shapes import SOLE_THICKNESS, CollisionShape
 from wbc.robot.joint_axes import joint_axes
+from wbc.sim.cart import Cart
 from wbc.sim.ground import Ground
 from wbc.sim.terrain import Flat
 
@@ -60,6 +61,7 @@ def build_model(
     ground: Ground | None = None,
     shapes: Sequence[CollisionShape] = (),
     excluded_pairs: Sequence[tuple[str, str]] = (),
+    cart: Cart | None = None,
 ) -> Any:
     """Compile a `mujoco.MjModel` with the robot's dynamics, shapes, motors and stops.
 
@@ -79,6 +81,7 @@ def build_model(
             ground and with each other.
         excluded_pairs: pairs of joint names whose bodies do not collide with each other, beside
             those that are joined.
+        cart: an object to push; its coordinate comes after the robot's.
 
     Raises:
         PlantError: a joint type or an inertia that MuJoCo cannot represent.
@@ -111,6 +114,8 @@ def build_model(
         _add_site(bodies[sole.joint_id], sole.name, sole.placement)
     for index, shape in enumerate(shapes):
         _add_shape(mujoco, spec, bodies[shape.joint_id], shape, index, friction)
+    if cart is not None:
+        cart.add_to(mujoco, spec, surface)
     for first, second in excluded_pairs:
         spec.add_exclude(bodyname1=first, bodyname2=second)
     imu = robot.model.frames[robot.frame_id(robot.imu)]

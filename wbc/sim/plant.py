@@ -14,11 +14,13 @@ from wbc.measurement import Measurement
 from wbc.robot import Robot
 from wbc.robot.attitude import heading
 from wbc.servo import ServoCommand
+from wbc.sim.cart import Cart
 from wbc.sim.coordinates import CoordinateMap
 from wbc.sim.ground import Ground
 from wbc.sim.model import build_model, import_mujoco
 from wbc.sim.motors import Motors
 from wbc.sim.noise import NoiseGenerator, SensorNoise
+from wbc.sim.payload import Payload, Payloads
 from wbc.sim.pushes import Push, PushSchedule
 from wbc.sim.robot_collisions import RobotCollisions, robot_collisions, touching_bodies
 from wbc.sim.sensor_delay import SensorDelay
@@ -61,6 +63,7 @@ class Mujoco(Closeable):
         collisions: "all": every body collides with the ground and with the others, but for
             those of `excluded_pairs`. "soles": only the soles do; limbs pass through each
             other, and a fallen robot through the floor.
+        cart: an object to push, placed like the terrain; see `cart_position`.
 
     Attributes:
         collision_shapes: shapes of the robot's bodies beside its soles, which are boxes of 2 cm.
@@ -89,6 +92,7 @@ class Mujoco(Closeable):
         foot_sensors: bool = True,
         servos: JointServos | None = None,
         collisions: Collisions = "all",
+        cart: Cart | None = None,
     ) -> None:
         self._substeps = _whole_steps("dt", dt, timestep, least=1)
         latency_steps = _whole_steps("latency", latency, timestep, least=0)
@@ -123,11 +127,14 @@ class Mujoco(Closeable):
             ground=self._ground,
             shapes=found.shapes,
             excluded_pairs=[(pair.first, pair.second) for pair in found.excluded_pairs],
+            cart=cart,
         )
+        self._cart = None if cart is None else int(self.model.joint("cart").qposadr[0])
         dofs = [self.model.joint(name).dofadr[0] - 6 for name in robot.joint_names]
         self.coordinates = CoordinateMap(np.array(dofs, dtype=int))
         if ground_sink > 0.0:
-            standing, _ = self.coordinates.to_plant(robot.standing())
+            standing = self.model.qpos0.copy()
+            standing[: robot.nq], _ = self.coordinates.to_plant(robot.standing())
             soften_ground(import_mujoco(), self.model, standing, ground_sink, robot.weight)
         first = 2 * robot.na + 6
         self._wrench_slices = [
@@ -139,6 +146,7 @@ class Mujoco(Closeable):
             self._servos = Servos(robot, servos, dt, timestep, latency_steps)
             set_friction(self.model, robot, servos, 6 + self.coordinates.order)
         self._pushes = PushSchedule()
+        self._payloads = Payloads(self.model)
         self._connect()
         self.reset()
 
@@ -201,8 +209,10 @@ class Mujoco(Closeable):
         """
         state = (self.robot.standing() if state is None else state).validated(self.robot.model)
         mujoco, model, data = self._mujoco, self.model, self.data
+        self._payloads.clear(mujoco, model)
         mujoco.mj_resetData(model, data)
-        data.qpos[:], data.qvel[:] = self.coordinates.to_plant(state)
+        robot = self.robot
+        data.qpos[: robot.nq], data.qvel[: robot.nv] = self.coordinates.to_plant(state)
         self._place_ground(state)
         self._steps = 0
         self._motors.clear()
@@ -258,6 +268,7 @@ class Mujoco(Closeable):
         else:
             motors.command(command, self._steps)
         self._ground.follow(data)
+        self._payloads.update(self.time + 0.5 * self.timestep, mujoco, model)
         for _ in range(self._substeps):
             if servos is not None:
                 data.ctrl[:] = servos.torque(self._steps, *self._sensors.joints())
@@ -319,6 +330,25 @@ class Mujoco(Closeable):
             Push.of_impulse(impulse, at_time, duration, self.timestep, body=body, point=point)
         )
 
+    def schedule_payload(self, at_time: float, mass: float, frame: str) -> None:
+        """Schedule a ball that is fixed to the robot from a time on, at most until the next reset.
+
+        No sensor and no model of a controller tells of it but by its weight.
+
+        Args:
+            at_time: s; rounded to control periods.
+            mass: kg; 0 takes the payloads on that body off.
+            frame: the ball's centre is at this frame's origin.
+
+        Raises:
+            PlantError: a mass or a time that makes no sense.
+            FrameNotFound: the model has no such frame.
+        """
+        if not (np.isfinite(at_time) and at_time > self.time - 0.5 * self.timestep):
+            raise PlantError(f"a payload at {at_time} s: the time is {self.time:.3f} s already")
+        body, point = self._push_point(frame)
+        self._payloads.add(Payload(at_time, mass, body, point))
+
     def kick(self, velocity: Any) -> None:
         """Add a velocity to the whole robot at once, as learned policies are trained with.
 
@@ -366,6 +396,11 @@ class Mujoco(Closeable):
         return torque
 
     @property
+    def cart_position(self) -> float:
+        """How far the cart has moved since the reset, m; 0 without one."""
+        return 0.0 if self._cart is None else float(self.data.qpos[self._cart])
+
+    @property
     def foot_forces(self) -> dict[str, np.ndarray]:
         """Sole name -> (6,) exact contact wrench of the last tick, in sole axes; N, N·m."""
         return {name: self._sensors.reading[at].copy() for name, at in self._wrench_slices}
@@ -393,7 +428,7 @@ class Mujoco(Closeable):
             contact = data.contact[i]
             mujoco.mj_contactForce(model, data, i, wrench)
             first, second = (model.body_rootid[model.geom_bodyid[g]] for g in contact.geom)
-            if first == second:
+            if first == second or root not in (first, second):
                 continue
             # The contact's normal points from geom 1 to geom 2, and so does its force.
             sign = 1.0 if second == root else -1.0
@@ -416,6 +451,10 @@ class Mujoco(Closeable):
         x, y = self.robot.q_nominal[:2].tolist()
         at = state.q[0] - (c * x - s * y), state.q[1] - (s * x + c * y)
         self._ground.place(self.data, float(at[0]), float(at[1]), yaw)
+        if self._cart is not None:
+            base = self.model.body("cart_base").mocapid[0]
+            self.data.mocap_pos[base] = [at[0], at[1], 0.0]
+            self.data.mocap_quat[base] = [math.cos(0.5 * yaw), 0.0, 0.0, math.sin(0.5 * yaw)]
 
     def _push_point(self, frame: str | None) -> tuple[int, np.ndarray]:
         """Return MuJoCo's body id and the point of application in its axes, m."""

@@ -16,7 +16,7 @@ _STANDING = 1.0  # s of standing after the last motion, during which a fall stil
 
 
 class MotionRunner:
-    """Applies the pushes that motions request, and ends the run; called before each tick.
+    """Applies pushes and payloads that motions request, and ends the run; called before each tick.
 
     The run ends when the player has been idle for one second.
 
@@ -31,7 +31,7 @@ class MotionRunner:
         self._idle_since: float | None = None
 
     def __call__(self, time: float, plant: Mujoco) -> None:
-        """Apply requested pushes before the tick at `time` (s).
+        """Apply requested pushes and payloads before the tick at `time` (s).
 
         Raises:
             RunComplete: all motions have ended.
@@ -43,6 +43,8 @@ class MotionRunner:
             raise StopRun(f"{what} has not ended after {self._time_limit:g} s")
         for impulse in self._player.pop_pushes():
             plant.push(impulse)
+        for frame, mass in self._player.pop_payloads():
+            plant.schedule_payload(plant.time, mass, frame)
         if not self._player.idle:
             self._idle_since = None
         elif self._idle_since is None:

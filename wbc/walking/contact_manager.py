@@ -12,6 +12,7 @@ from wbc.gait import GaitState, LiftedFoot, Phase
 from wbc.robot import Robot, Sole
 from wbc.robot.posture import has_soles
 from wbc.walking.gains import WalkerGains
+from wbc.walking.hand_contacts import HandContacts
 from wbc.walking.swing_task import SwingTask
 
 _HIGH = 0.03  # m, height above which a lifted foot need not be flat
@@ -29,10 +30,18 @@ class ContactManager:
         robot: the robot.
         controller: gets the contacts and the swing task.
         gains: the walker's.
+        hands: hands in contact.
     """
 
-    def __init__(self, robot: Robot, controller: WholeBodyController, gains: WalkerGains) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        controller: WholeBodyController,
+        gains: WalkerGains,
+        hands: HandContacts,
+    ) -> None:
         self._controller = controller
+        self._hands = hands
         self._gains = gains
         self._weight = robot.weight
         self._contacts: dict[str, Contact] = {}
@@ -73,6 +82,8 @@ class ContactManager:
         self._hold((support, other))
 
     def _hold(self, contacts: tuple[Contact, ...]) -> None:
+        if self._hands:
+            contacts = (*contacts, *self._hands.contacts)
         if contacts != self._controller.contacts:  # which checks what it is given
             self._controller.contacts = contacts
 

@@ -42,6 +42,7 @@ from wbc.walking.feet import ground_reaction, sides_in_contact
 from wbc.walking.gains import WalkerGains
 from wbc.walking.ground_kinematics import GroundKinematics
 from wbc.walking.ground_slope import GroundSlope
+from wbc.walking.hand_contacts import HandContacts
 from wbc.walking.reference_offset import ReferenceOffset
 from wbc.walking.stabilizer import Stabilizer, StabilizerOutput
 from wbc.walking.swing_momentum import SwingMomentum
@@ -83,6 +84,7 @@ class Walker:
         stabilizer: DCM feedback, step adjustment, bias of the CoM.
         state_machine: phases of the gait.
         reference_offset: offset that a motion adds to CoM and trunk; None for none.
+        hand_contacts: hands that push against the environment, or carry something.
 
     Raises:
         SolverNotFound: the solver is unknown or not installed.
@@ -113,7 +115,8 @@ class Walker:
         self._ground_slope = GroundSlope()
         self._tasks = BalanceTasks(controller, self._kin, workspace, gains)
         self.com, self.posture = self._tasks.com, self._tasks.posture
-        self._contact_manager = ContactManager(robot, controller, gains)
+        self.hand_contacts = HandContacts(robot)
+        self._contact_manager = ContactManager(robot, controller, gains, self.hand_contacts)
         self.stabilizer = Stabilizer(robot, gains)
         self.planner = resolve_planner(planner, robot)
         self._swing_momentum = SwingMomentum(robot)
@@ -235,6 +238,7 @@ class Walker:
             self.gait, feet, self.planner, self.recovery_gait, adaptation
         )
         self._ground_slope.reset()
+        self.hand_contacts.clear()
         ground = 0.5 * (feet.left.height + feet.right.height)
         self._tasks.height.reset(ground, com.height)
         self._heading = mean_heading(self.gait_state)
@@ -269,7 +273,13 @@ class Walker:
         reaction = ground_reaction(self.robot, feet, wrenches) if state.at_rest else None
         state.ground_slope = self._ground_slope.update(state, self._ground.slopes, dt)
         state.lift_off_slope = self._ground.slopes[0 if state.support == "right" else 1]
-        stabilizer.observe(state, com, reaction, self._heading, dt)
+        hands = self.hand_contacts
+        if hands:
+            hands.update(kin, 0.5 * (feet.left.height + feet.right.height))
+            if not hands.known:
+                reaction = None
+        stabilizer.support.extension = hands.extension
+        stabilizer.observe(state, com, reaction, self._heading, dt, hands.offset)
         tilt = self._ground.tilt
         self._falling_why = self._fall_detector.update(tilt, state.dcm, com.height, feet)
         if self._falling_why:
@@ -291,6 +301,8 @@ class Walker:
         reference = self._swing_momentum.apply(planned, state, planner)
         if offset is not None:
             reference = offset.apply(reference, state, self._heading)
+        if self.hand_contacts:
+            reference = self.hand_contacts.apply(reference)
         state.dcm_offset = reference.dcm - planned.dcm
         return reference
 

@@ -15,6 +15,7 @@ from wbc.ik.posture_checks import MAX_PELVIS_TILT
 from wbc.motions.engine.body import BodyReferences
 from wbc.motions.engine.clock import Script, ScriptClock
 from wbc.motions.engine.feet import FootReferences
+from wbc.motions.engine.hand_contacts import HandContactReferences
 from wbc.motions.engine.hands import HandReferences
 from wbc.motions.engine.motion_reference import MotionReference
 from wbc.motions.engine.override import ControllerOverride
@@ -43,6 +44,7 @@ class MotionContext:
         stance: supporting feet, and the position of the weight.
         feet: shifts the weight, lifts and places feet, steps.
         hands: leads the hands.
+        hand_contacts: brings hands into contact, and feels the forces on them.
         body: references of CoM, trunk and joints, the next four.
         com: (3,) offset of the CoM from its place when standing, m; see `ComReference`.
         torso: (3,) rotation vector of the upper trunk from upright, standing frame, rad.
@@ -51,6 +53,7 @@ class MotionContext:
         notes: texts for the report.
         note_time: `clock.time` of the latest note, s.
         pushes: requested and not yet granted, (3,) N·s/kg each.
+        payloads: likewise, frame of the hand and mass, kg.
         override: the controller that steps instead of the walker, or None.
         state: estimate of this tick; None before the first.
         last_torque: (na,) torques of the last tick, N·m; None before the first.
@@ -67,10 +70,13 @@ class MotionContext:
         self.pelvis, self.posture = self.body.pelvis, self.body.posture
         self.feet = FootReferences(walker, self.clock, self.stance, self.com)
         self.hands = HandReferences(walker, self.upper_body)
+        self.hand_contacts = HandContactReferences(walker, self.clock, self.upper_body, self.hands)
         self.notes: list[str] = []
         self.pushes: list[np.ndarray] = []
+        self.payloads: list[tuple[str, float]] = []
         self.override: ControllerOverride | None = None
         self.last_torque: np.ndarray | None = None
+        self._estimate: Estimate | None = None
 
     def __repr__(self) -> str:
         references = {**self.body.references, "weight": self.stance.weight_shift}
@@ -85,8 +91,10 @@ class MotionContext:
         self.clock.time = self.note_time = 0.0
         self.notes.clear()
         self.pushes.clear()
+        self.payloads.clear()
         self.feet.reset()
         self.hands.reset()
+        self.hand_contacts.reset()
         self.walker.velocity = (0.0, 0.0, 0.0)
         self.override = None
         self.body.reset()
@@ -119,7 +127,7 @@ class MotionContext:
         return self.standing and self.feet.at_home and self._upper_body_at_home()
 
     def _upper_body_at_home(self) -> bool:
-        return self.body.at_home and not self.hands.engaged
+        return self.body.at_home and not (self.hands.engaged or self.hand_contacts.engaged)
 
     # Waiting.
 
@@ -149,6 +157,18 @@ class MotionContext:
             impulse: (3,) per kg of the robot, standing frame, N·s/kg.
         """
         self.pushes.append(np.array(impulse, dtype=float))
+
+    def request_payload(self, side: str, mass: float) -> None:
+        """Request a payload in a hand now; a simulation grants it, a person may.
+
+        Args:
+            side: "left" or "right".
+            mass: kg; 0 takes it away.
+
+        Raises:
+            MotionError: the robot has no such arm.
+        """
+        self.payloads.append((self.upper_body.arm(side).hand, float(mass)))
 
     # Whole-body references.
 
@@ -188,6 +208,7 @@ class MotionContext:
     def home_upper_body(self, duration: float = 1.0) -> None:
         """Send posture, trunk, CoM and hands home, without waiting; the feet continue."""
         self.body.move_home(duration)
+        self.hand_contacts.let_go(0.5 * duration)
         self.hands.release(0.5 * duration)
 
     def home_all(self, duration: float = 1.0) -> None:
@@ -211,6 +232,7 @@ class MotionContext:
     def let_step(self) -> None:
         """Leave feet and weight to the walker at once, which has to step to keep its balance."""
         self.feet.reset()
+        self.hand_contacts.reset()
         self.body.release_com()
 
     # Controller override.
@@ -243,6 +265,7 @@ class MotionContext:
 
     def begin_tick(self, estimate: Estimate) -> None:
         """Take the tick's estimate, before the script runs."""
+        self._estimate = estimate
         self.body.state = estimate.state
 
     def advance(self) -> None:
@@ -252,6 +275,7 @@ class MotionContext:
         self.feet.advance(self.dt)
         self.body.apply()
         self.hands.advance(self.dt)
+        self.hand_contacts.advance(self.dt)
         self.feet.apply()
 
     def reference(self) -> MotionReference:
@@ -265,4 +289,6 @@ class MotionContext:
     def end_tick(self, command: Command) -> None:
         """Take the tick's command, after the controller."""
         self.last_torque = command.tau
+        if self._estimate is not None:
+            self.hand_contacts.observe(self._estimate, command.tau)
         self.feet.observe()

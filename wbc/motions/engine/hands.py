@@ -14,6 +14,8 @@ from wbc.tasks import PositionTask
 from wbc.walking import Walker
 
 _WEIGHT, _KP = 20.0, 120.0
+_WORLD_WEIGHT = 100.0  # of a hand that is held in the world, against the sway of a gait
+_ORIGIN, _AXES = np.zeros(3), np.eye(3)
 _MAX_ERROR = 0.05  # m: a task that asks for more would make the CoM pay for it
 _ENGAGE_TIME = 0.4  # s within which the task reaches its full weight
 # Share of the posture's weight that is left to joints which other tasks lead.
@@ -29,7 +31,9 @@ class HandReference:
 
     Attributes:
         arm: the arm of the hand.
-        place: (3,) reference position, standing frame, m.
+        place: (3,) reference position, m; standing frame, or world.
+        error: distance of the hand from it at the last tick, m.
+        in_world: whether the reference is in the world rather than in the standing frame.
     """
 
     def __init__(self, walker: Walker, arm: Arm) -> None:
@@ -42,13 +46,15 @@ class HandReference:
         self._share = SmoothReference(0.0, speed=10.0, acceleration=100.0)
         self._number = 0
         self._is_target = False
+        self.in_world = False
+        self.error = 0.0
 
     def reset(self) -> None:
         """Release the hand at once."""
         self.place.reset()
         self._share.reset()
         self._number = 0
-        self._is_target = False
+        self._is_target = self.in_world = False
         self._disengage()
 
     @property
@@ -80,9 +86,18 @@ class HandReference:
             is_target: whether the position is a target that evaluators compare with.
         """
         self._engage(now)
+        if self.in_world:
+            self.in_world = False
+            self.place.start_from(now, np.zeros(3))
         self.place.move_to(place, duration)
         self._is_target = is_target
         self._number += is_target
+
+    def hold_in_world(self, now: np.ndarray) -> None:
+        """Hold the hand where it is in the world, (3,) m, from now on."""
+        self._engage(now)
+        self.place.start_from(now, np.zeros(3))
+        self._is_target, self.in_world = False, True
 
     def follow(self, path: Path, now: np.ndarray) -> None:
         """Lead the hand along a path.
@@ -92,6 +107,9 @@ class HandReference:
             now: (3,) where the hand is, in case it has not been led so far, m.
         """
         self._engage(now)
+        if self.in_world:
+            self.in_world = False
+            self.place.start_from(now, np.zeros(3))
         self._is_target = False
         self.place.follow(path)
 
@@ -129,10 +147,12 @@ class HandReference:
             self._disengage()
             return
         task = self._task
-        task.weight = _WEIGHT * max(share, 0.0)
+        task.weight = (_WORLD_WEIGHT if self.in_world else _WEIGHT) * max(share, 0.0)
+        if self.in_world:
+            origin, axes = _ORIGIN, _AXES
         place = origin + axes @ self.place.value
         error = place - now
-        distance = math.sqrt(float(error @ error))
+        self.error = distance = math.sqrt(float(error @ error))
         task.target = place if distance < _MAX_ERROR else now + (_MAX_ERROR / distance) * error
         task.velocity = axes @ self.place.velocity
         task.acceleration = axes @ self.place.acceleration
@@ -204,7 +224,7 @@ class HandReferences:
         """
         hand = self._hand(side)
         place = np.asarray(place, dtype=float)
-        hand.move_to(place, self._position(hand), duration, is_target=is_target)
+        hand.move_to(place, self.position(side), duration, is_target=is_target)
 
     def follow(self, side: str, path: Path) -> None:
         """Lead a hand along a path: time, s -> (3,) position in the standing frame, m.
@@ -212,8 +232,20 @@ class HandReferences:
         Raises:
             MotionError: the robot has no such arm.
         """
+        self._hand(side).follow(path, self.position(side))
+
+    def hold_in_world(self, side: str) -> None:
+        """Hold a hand at its present place in the world, wherever the robot steps.
+
+        Raises:
+            MotionError: the robot has no such arm.
+        """
         hand = self._hand(side)
-        hand.follow(path, self._position(hand))
+        hand.hold_in_world(self._walker.kinematics.frame(hand.arm.hand).translation.copy())
+
+    def error(self, side: str) -> float:
+        """Return the distance of a hand that is led from its reference at the last tick, m."""
+        return self._hand(side).error
 
     def release(self, duration: float = 0.5, side: str | None = None) -> None:
         """Leave a hand, or both, to the posture again.
@@ -236,8 +268,13 @@ class HandReferences:
     def _hand(self, side: str) -> HandReference:
         return self._hands[self._upper_body.arm(side).side]
 
-    def _position(self, hand: HandReference) -> np.ndarray:
-        frame = self._walker.standing_frame
+    def position(self, side: str) -> np.ndarray:
+        """Return the (3,) position of a hand's frame at the last tick, standing frame, m.
+
+        Raises:
+            MotionError: the robot has no such arm.
+        """
+        hand, frame = self._hand(side), self._walker.standing_frame
         return np.asarray(frame.actInv(self._walker.kinematics.frame(hand.arm.hand).translation))
 
     def advance(self, dt: float) -> None:

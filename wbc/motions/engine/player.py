@@ -284,6 +284,16 @@ class MotionPlayer:
         pushes.clear()
         return impulses
 
+    def pop_payloads(self) -> list[tuple[str, float]]:
+        """Return the payloads that motions requested since the last call, and clear them.
+
+        Returns:
+            Frame of the hand, and mass, kg; 0 takes it away. See `MotionContext.request_payload`.
+        """
+        payloads = list(self.context.payloads)
+        self.context.payloads.clear()
+        return payloads
+
     @property
     def velocity(self) -> tuple[float, float, float]:
         """Commanded walking velocity, see `Walker.velocity`; motions of the arms continue."""

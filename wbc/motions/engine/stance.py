@@ -64,9 +64,11 @@ class Stance:
         feet, to_heading = walker.feet, planar_rotation(-walker.heading)
         right, left = feet.right.point, feet.left.point
         middle = right + float(self.weight_shift.value[0]) * (left - right)
+        extension = walker.stabilizer.support.extension or (0j,)
         return convex_hull(
             [
-                (corner - middle) * to_heading
+                (corner + added - middle) * to_heading
+                for added in extension
                 for sole in walker.robot.soles
                 if sole.side != lifted
                 for corner in sole_corners(feet.of(sole.side), sole.half_length, sole.half_width)

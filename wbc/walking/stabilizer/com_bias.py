@@ -51,7 +51,12 @@ class ComBiasEstimator:
         self._offset = 0j  # low-passed rest of the equation, world axes, m
 
     def update(
-        self, dt: float, com: CentroidalMotion, reaction: GroundReaction | None, heading: float
+        self,
+        dt: float,
+        com: CentroidalMotion,
+        reaction: GroundReaction | None,
+        heading: float,
+        hand_offset: complex = 0j,
     ) -> complex:
         """Take in one reading; returns the bias in world axes, m.
 
@@ -61,12 +66,13 @@ class ComBiasEstimator:
             reaction: measured force of the ground; None keeps the bias: the robot steps, or
                 nothing is measured.
             heading: axes in which the bias is constant, rad.
+            hand_offset: by how much known forces on the hands move the pivot off the ZMP, m.
         """
         if reaction is None:
             self._momentum = None
             return self._bias * cmath.rect(1.0, heading)
         to_world = cmath.rect(1.0, heading)
-        offset = (com.point - reaction.cop) * reaction.load
+        offset = (com.point - reaction.cop) * reaction.load - hand_offset
         offset += com.velocity * (com.vertical_velocity / self._gravity)
         if self._momentum is None:
             self._momentum, self._offset = com.momentum, offset

@@ -82,6 +82,7 @@ class Stabilizer:
         reaction: GroundReaction | None,
         heading: float,
         dt: float,
+        hand_offset: complex = 0j,
     ) -> None:
         """Write CoM, DCM and disturbance of this tick into the gait's state.
 
@@ -91,10 +92,11 @@ class Stabilizer:
             reaction: measured force of the ground on a robot at rest; else None.
             heading: heading of the robot, rad.
             dt: time since the last tick, s.
+            hand_offset: by how much known forces on the hands move the pivot off the ZMP, m.
         """
         dcm = com.point + com.velocity / state.gait.omega
         state.com = com.point
-        state.dcm = dcm - self.com_bias.update(dt, com, reaction, heading)
+        state.dcm = dcm - self.com_bias.update(dt, com, reaction, heading, hand_offset)
         state.disturbance = self._disturbance.update(state.dcm, dt)
 
     def update(self, state: GaitState, reference: Reference) -> StabilizerOutput:

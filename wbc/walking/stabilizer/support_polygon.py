@@ -8,25 +8,37 @@ from wbc.robot import Robot, Sole
 
 
 class SupportPolygon:
-    """Convex hull of the soles that stand.
+    """Convex hull of the soles that stand, and what hands in contact add to it.
 
     Args:
         robot: the robot with these soles.
+
+    Attributes:
+        extension: displacements of the pivot that forces on the hands allow, m; see
+            `HandContacts`.
     """
 
     def __init__(self, robot: Robot) -> None:
         self._soles: dict[str, Sole] = {s.side: s for s in robot.soles}
+        self.extension: tuple[complex, ...] = ()
         self._radius = min(min(s.half_length, s.half_width) for s in robot.soles)
 
     def corners(self, state: GaitState) -> list[complex]:
         """Corners of the support polygon, counter-clockwise, ground points, m."""
         if state.phase is Phase.SWING:
-            return self._sole_corners(state.feet, state.support)
+            return self._extended(self._sole_corners(state.feet, state.support))
         return self.hull(state.feet)
 
     def hull(self, feet: Feet) -> list[complex]:
         """Corners of the convex hull of both soles, counter-clockwise, ground points, m."""
-        return convex_hull(self._sole_corners(feet, "left") + self._sole_corners(feet, "right"))
+        soles = self._sole_corners(feet, "left") + self._sole_corners(feet, "right")
+        return self._extended(convex_hull(soles))
+
+    def _extended(self, corners: list[complex]) -> list[complex]:
+        """Add what the hands allow to the corners of a polygon."""
+        if not self.extension:
+            return corners
+        return convex_hull([corner + added for corner in corners for added in self.extension])
 
     def _sole_corners(self, feet: Feet, side: str) -> list[complex]:
         sole = self._soles[side]

@@ -1,0 +1,1 @@
+"""Plans of a hand that presses against a surface."""
