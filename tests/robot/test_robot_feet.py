@@ -9,6 +9,7 @@ import wbc
 import wbc.robot
 from wbc.errors import RobotDescriptionError
 from wbc.gait.parameters import GaitParameters
+from wbc.motions import Jump
 from wbc.robot import load_fixed_base
 from wbc.robot.feet import find_feet, foot_pairs, mirror
 from wbc.robot.urdf import parse_urdf, read_xml
@@ -95,3 +96,18 @@ def test_the_package_of_a_clone_is_that_of_its_package_xml(tmp_path):
     folders = wbc.robot.packages.search_folders(urdf)
     found = wbc.robot.packages.resolve("package://butler/foot.obj", urdf, folders)
     assert found == clone / "foot.obj"
+
+
+def test_a_waist_below_the_base_belongs_to_no_leg(tmp_path):
+    mass = '<inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01"/></inertial>'
+    waist = f'<link name="hips">{mass}</link><joint name="waist" type="revolute">'
+    waist += '<parent link="base_link"/><child link="hips"/><axis xyz="0 0 1"/>'
+    waist += '<limit lower="-1" upper="1" effort="100" velocity="10"/></joint></robot>'
+    child = '<parent link="{}"/><child link="{}_hip"/>'
+    moved = [
+        (child.format("base_link", side), child.format("hips", side)) for side in ("left", "right")
+    ]
+    robot = wbc.load(changed(tmp_path, *moved, ("</robot>", waist)))
+    assert [len(leg) for leg in robot.legs] == [6, 6]
+    plan = Jump().plan(robot)
+    assert plan.clearance == pytest.approx(0.05)

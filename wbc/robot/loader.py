@@ -146,7 +146,7 @@ def build_robot(data: RobotData) -> Robot:
             f"{urdf.path}: the feet '{links[0]}' and '{links[1]}' are moved by the same joint; "
             "state two links that move apart"
         )
-    legs = (leg_joints(model, feet[0]), leg_joints(model, feet[1]))
+    legs = leg_joints(model, feet)
     findings += set_limits(model, data, legs)
 
     set_armature(model, data)

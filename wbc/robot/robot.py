@@ -26,8 +26,8 @@ class Robot(RobotModel):
         soles: left and right.
         torso: name of the upper trunk's link (a frame of the model).
         imu: name of the frame where the inertial unit sits.
-        legs: velocity indices (into nv) of the joints from the base to each
-            sole, left and right, from the hip down.
+        legs: velocity indices (into nv) of the joints that move the left and the right sole
+            alone, from the hip down.
     """
 
     soles: tuple[Sole, Sole]
@@ -74,7 +74,7 @@ class Robot(RobotModel):
         raise FrameNotFound(name, [sole.name for sole in self.soles], "Robot.sole")
 
     def leg_joints(self, side: Side) -> tuple[int, ...]:
-        """Velocity indices (into nv) of the joints between base and sole, hip first."""
+        """Velocity indices (into nv) of the joints that move one sole alone, hip first."""
         return self.legs[self.soles.index(self.sole(side))]
 
     def standing(self) -> State:

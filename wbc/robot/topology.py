@@ -12,10 +12,23 @@ _LEG_JOINTS = 3  # a leg has at least so many
 _MIRRORED, _APART = 0.02, 0.1
 
 
-def leg_joints(model: pin.Model, foot_joint: int) -> tuple[int, ...]:
-    """Return the velocity indices (into nv) of the joints from the base to a foot, base first."""
-    chain = [joint for joint in model.supports[foot_joint] if joint > 1]
-    return tuple(int(model.joints[joint].idx_v) for joint in chain)
+def leg_joints(
+    model: pin.Model, foot_joints: tuple[int, int]
+) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Return the velocity indices (into nv) of the joints of both legs, from the hip down.
+
+    A joint that moves both feet, such as a waist below the base, belongs to no leg.
+
+    Args:
+        model: the robot.
+        foot_joints: ids of the joints that move the left and the right foot.
+    """
+    left, right = (
+        [int(model.joints[joint].idx_v) for joint in model.supports[foot] if joint > 1]
+        for foot in foot_joints
+    )
+    shared = {*left} & {*right}
+    return tuple(i for i in left if i not in shared), tuple(i for i in right if i not in shared)
 
 
 def find_torso(model: pin.Model, urdf: Urdf, legs: tuple[tuple[int, ...], ...]) -> str:
