@@ -36,9 +36,9 @@ from wbc.qp import (
     non_finite_rows,
     resolve_solver,
 )
-from wbc.robot import Robot
+from wbc.robot import Coupling, Robot
 from wbc.state import State
-from wbc.tasks import Task
+from wbc.tasks import JointCouplingTask, Task
 
 if TYPE_CHECKING:
     from wbc.qp.compiled import CompiledAssembly
@@ -50,6 +50,7 @@ _FADE_TIME = 0.1  # s, how fast the torque of the last good tick fades after a f
 _SAFE_DAMPING = 0.05  # share of the torque limit per rad/s
 _EXPLANATION_PERIOD = 0.1  # s
 _MAX_ASSEMBLIES = 32
+_COUPLING_KP = 2500.0  # 1/s²
 
 
 class _LastTick(NamedTuple):
@@ -59,6 +60,12 @@ class _LastTick(NamedTuple):
     assembly: Assembly | CompiledAssembly
     kinematics: Kinematics
     x: np.ndarray | None  # the solution
+
+
+def _coupling_task(robot: Robot, coupling: Coupling) -> Task:
+    joint, leader = (robot.joint_names[i] for i in (coupling.joint, coupling.leader))
+    coefficients = {joint: 1.0, leader: -coupling.ratio}
+    return JointCouplingTask(robot, coefficients, coupling.offset, kp=_COUPLING_KP, priority=0)
 
 
 class WholeBodyController:
@@ -91,7 +98,7 @@ class WholeBodyController:
         regularisation: small costs that make the optimum unique.
 
     Attributes:
-        tasks: those added, in order.
+        tasks: those added, in order; first the couplings of the robot's joints, if it has any.
         kinematics: kinematics of the last state; None before the first tick.
         problem: the last tick's QP; its arrays are overwritten by the next one.
 
@@ -126,6 +133,8 @@ class WholeBodyController:
         self.formulation = formulation
         self.regularisation = regularisation or Regularisation()
         self.tasks: list[Task] = []
+        for coupling in robot.couplings:
+            self.add(_coupling_task(robot, coupling))
         self.kinematics: Kinematics | None = None
         self.problem: Problem | None = None
         self._contacts: tuple[Contact, ...] = ()

@@ -1,5 +1,6 @@
 """Robots: the loader, the model with its soles and limits, and the model doctor."""
 
+from wbc.robot.couplings import Coupling
 from wbc.robot.doctor import check_file
 from wbc.robot.finding import Fact, Finding
 from wbc.robot.fixed_base import FixedBaseRobot, load_fixed_base
@@ -10,6 +11,7 @@ from wbc.robot.robot_model import RobotModel
 from wbc.robot.soles import Sole
 
 __all__ = [
+    "Coupling",
     "Fact",
     "Finding",
     "FixedBaseRobot",

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
+from wbc.robot.couplings import couple, read_couplings, share_efforts
 from wbc.robot.description import read_description
 from wbc.robot.finding import Fact
 from wbc.robot.inertia import add_placeholder_masses
@@ -83,8 +84,11 @@ def load_fixed_base(
     add_placeholder_masses(model)
     findings += set_limits(model, data, ())
     set_armature(model, data)
+    couplings = read_couplings(urdf, model)
+    share_efforts(model, couplings)
     posture = starting_posture(model, data)
     q = posture.q if posture.how else _mid_range(model)
+    couple(q, couplings)
     base = link_of(model, urdf, 1)
     return FixedBaseRobot(
         name=model.name,
@@ -94,6 +98,7 @@ def load_fixed_base(
         urdf=urdf,
         srdf=data.srdf or find_srdf(data.urdf),
         package_dirs=search_folders(data.urdf, data.package_dirs),
+        couplings=couplings,
         facts=(Fact("base", base, "derived", "root of the tree, fixed to the world"),),
         findings=tuple(findings),
     )

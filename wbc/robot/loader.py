@@ -10,6 +10,7 @@ from typing import Any
 import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError, did_you_mean
+from wbc.robot.couplings import couple, read_couplings, share_efforts
 from wbc.robot.data_file import RobotData
 from wbc.robot.description import read_description
 from wbc.robot.feet import checked_foot_link, find_feet, foot_pairs
@@ -150,11 +151,15 @@ def build_robot(data: RobotData) -> Robot:
     findings += set_limits(model, data, legs)
 
     set_armature(model, data)
+    couplings = read_couplings(urdf, model)
+    share_efforts(model, couplings)
     zero, start = zero_posture(model), starting_posture(model, data)
+    couple(zero, couplings)
+    couple(start.q, couplings)
     stand_base_up(model, zero, feet)
     stand_base_up(model, start.q, feet)
     soles, sole_facts = add_soles(model, urdf, data, folders, links, zero, start.q)
-    posture = nominal_posture(model, start, soles, legs)
+    posture = nominal_posture(model, start, soles, legs, couplings)
     torso = _frame(model, data, "torso", data.torso) or find_torso(model, urdf, legs)
     imu = _frame(model, data, "imu", data.imu) or base
     armature = float(model.armature.max())
@@ -183,6 +188,7 @@ def build_robot(data: RobotData) -> Robot:
         srdf=data.srdf or find_srdf(data.urdf),
         package_dirs=folders,
         respect_up_axis=data.respect_up_axis,
+        couplings=couplings,
         facts=tuple(facts),
         findings=tuple(findings),
     )

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from wbc.robot.couplings import Coupling
 from wbc.robot.data_file import RobotData
 from wbc.robot.joint_axes import joint_axes
 from wbc.robot.limits import velocity_index
@@ -129,18 +130,21 @@ def nominal_posture(
     start: Posture,
     soles: tuple[Sole, Sole],
     legs: tuple[tuple[int, ...], tuple[int, ...]],
+    couplings: tuple[Coupling, ...] = (),
 ) -> Posture:
     """Return the nominal posture: soles flat on z = 0, their midpoint at the origin, facing x."""
     ids = (soles[0].frame_id, soles[1].frame_id)
     move = {index for leg in legs for index in leg}
     if not start.how:
-        q, bent = _bent(model, start.q, soles, legs)
+        q, bent = _bent(model, start.q, soles, legs, couplings)
         return Posture(placed(model, q, ids), bent, False, "inverse kinematics")
     if start.stated and not move & start.stated_joints:
-        q, bent = _bent(model, start.q, soles, legs)
+        q, bent = _bent(model, start.q, soles, legs, couplings)
         return Posture(placed(model, q, ids), f"{start.how}, {bent}", True, start.source)
     q = placed(model, start.q, ids)
-    completed = _completed(model, q, ids, move - start.stated_joints) if start.stated else None
+    completed = (
+        _completed(model, q, ids, move - start.stated_joints, couplings) if start.stated else None
+    )
     if completed is not None:
         how = f"{start.how}, the other leg joints such that the soles are flat"
         return Posture(completed, how, True, start.source)
@@ -149,17 +153,21 @@ def nominal_posture(
     if max(tilt, height) > FLAT:
         why.append(f"soles {np.rad2deg(tilt):.1f}° and {1e3 * height:.1f} mm off")
     if max(tilt, height) > EXACT:
-        q = placed(model, standing_posture(model, q, ids, move), ids)
+        q = placed(model, standing_posture(model, q, ids, move, couplings), ids)
     ahead = abs(float(com_offset(model, q)[0]))
     if has_soles(soles) and ahead > SUPPORTED * min(sole.half_length for sole in soles):
         why.append(f"centre of mass {1e3 * ahead:.0f} mm off")
-        q = placed(model, standing_posture(model, q, ids, move, over_soles=True), ids)
+        q = placed(model, standing_posture(model, q, ids, move, couplings, over_soles=True), ids)
     how = f"{start.how}, legs corrected ({', '.join(why)})" if why else start.how
     return Posture(q, how, start.stated, start.source)
 
 
 def _completed(
-    model: pin.Model, q: np.ndarray, soles: tuple[int, int], free: set[int]
+    model: pin.Model,
+    q: np.ndarray,
+    soles: tuple[int, int],
+    free: set[int],
+    couplings: tuple[Coupling, ...],
 ) -> np.ndarray | None:
     """Return `q` with the joints `free` (velocity indices) moved such that the soles are flat.
 
@@ -168,7 +176,9 @@ def _completed(
     if max(unevenness(model, q, soles)) <= FLAT:
         return None
     for over_soles in (True, False):
-        moved = standing_posture(model, q, soles, free, align=True, over_soles=over_soles)
+        moved = standing_posture(
+            model, q, soles, free, couplings, align=True, over_soles=over_soles
+        )
         if max(unevenness(model, moved, soles)) <= EXACT:
             return placed(model, moved, soles)
     return None
@@ -197,6 +207,7 @@ def _bent(
     q: np.ndarray,
     soles: tuple[Sole, Sole],
     legs: tuple[tuple[int, ...], tuple[int, ...]],
+    couplings: tuple[Coupling, ...],
 ) -> tuple[np.ndarray, str]:
     """Return a posture with bent knees, the feet side by side and the CoM over their midpoint.
 
@@ -225,6 +236,7 @@ def _bent(
             q,
             ids,
             move,
+            couplings,
             joints={knee: share / most * angle for knee, angle in bends.items()},
             align=True,
             over_soles=over_soles,

@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.errors import FrameNotFound, JointNotFound
+from wbc.robot.couplings import Coupling
 from wbc.robot.finding import Fact, Finding
 from wbc.robot.geometry import load_geometry
 from wbc.robot.urdf import Urdf
@@ -36,6 +37,7 @@ class RobotModel:
         respect_up_axis: whether Collada meshes mean their `<up_axis>`.
         srdf: path of the semantic description; None without one.
         package_dirs: folders in which `package://` is looked up.
+        couplings: joints that one motor moves together with others.
         facts: properties that were derived from the model or stated.
         findings: defects that loading had to substitute or repair.
     """
@@ -48,6 +50,7 @@ class RobotModel:
     srdf: Path | None = None
     package_dirs: tuple[Path, ...] = ()
     respect_up_axis: bool = False
+    couplings: tuple[Coupling, ...] = ()
     facts: tuple[Fact, ...] = ()
     findings: tuple[Finding, ...] = ()
 

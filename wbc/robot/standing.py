@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
+from wbc.robot.couplings import Coupling
 from wbc.robot.posture_solver import JointTerm, NearPostureTerm, PostureSolver, PostureTerm
 
 _NEAR_WEIGHT = 1e-6  # of the given posture
@@ -24,6 +25,7 @@ def standing_posture(
     q: np.ndarray,
     soles: tuple[int, int],
     move: Iterable[int],
+    couplings: Iterable[Coupling] = (),
     *,
     joints: Mapping[int, float] | None = None,
     align: bool = False,
@@ -37,6 +39,7 @@ def standing_posture(
         q: (nq,) where to start; its base orientation is kept.
         soles: frame ids of the left and right sole.
         move: indices into velocities (nv,) of the joints that may move.
+        couplings: joints that follow others.
         joints: index into velocities -> target position, rad.
         align: also bring the soles beside each other, pointing along x.
         over_soles: also bring the centre of mass over the soles' midpoint.
@@ -60,6 +63,7 @@ def standing_posture(
     terms: list[PostureTerm] = [_FlatSoles(soles, align, apart)]
     if over_soles:
         terms.append(_ComOverSoles(soles))
+    terms += [_Coupled(coupling) for coupling in couplings if free[6 + coupling.joint]]
     terms += [JointTerm(index, target) for index, target in (joints or {}).items()]
     # First near the given posture, then without that pull, which would leave an error.
     near, _ = solver.solve(q, free, [*terms, NearPostureTerm(np.array(q), _NEAR_WEIGHT)])
@@ -131,6 +135,24 @@ class _ComOverSoles:
     ) -> tuple[np.ndarray, np.ndarray]:
         middle, J_middle = _middle(model, data, self.soles)
         return data.Jcom[:2] - J_middle[:2], middle[:2] - data.com[0][:2]
+
+
+@dataclass(frozen=True)
+class _Coupled:
+    """A joint where the one that it follows wants it."""
+
+    coupling: Coupling
+    weight: float = 1.0
+
+    def rows(
+        self, model: pin.Model, data: pin.Data, q: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        coupling = self.coupling
+        J = np.zeros((1, model.nv))
+        J[0, 6 + coupling.joint] = 1.0
+        J[0, 6 + coupling.leader] = -coupling.ratio
+        wanted = coupling.ratio * q[7 + coupling.leader] + coupling.offset
+        return J, np.array([wanted - q[7 + coupling.joint]])
 
 
 def _middle(

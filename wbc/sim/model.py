@@ -16,7 +16,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.errors import MissingExtra, PlantError
-from wbc.robot import Robot
+from wbc.robot import Coupling, Robot
 from wbc.robot.collision_shapes import SOLE_THICKNESS, CollisionShape
 from wbc.robot.joint_axes import joint_axes
 from wbc.sim.cart import Cart
@@ -32,6 +32,8 @@ _ROBOT_BIT = 2
 #: Stiffer than MuJoCo's 20 ms: a robot of any mass sinks about 0.1 mm into the floor.
 _CONTACT_SOLREF = (0.005, 1.0)
 _STOP_SOLREF = (0.005, 1.0)
+#: The same of joints that one motor moves together; twice the usual time step is the least.
+_COUPLING_SOLREF = (0.002, 1.0)
 #: Mass and inertia of bodies that have none in the robot's model: MuJoCo demands some.
 _TINY_MASS = 1e-9
 _TINY_INERTIA = 1e-12
@@ -124,6 +126,8 @@ def build_model(
         sensor = spec.add_sensor(name=name, objname="imu")
         sensor.type = getattr(mujoco.mjtSensor, kind)
         sensor.objtype = mujoco.mjtObj.mjOBJ_SITE
+    for coupling in robot.couplings:
+        _add_coupling(mujoco, spec, robot, coupling)
     for name, limit in zip(robot.joint_names, robot.tau_max, strict=True):
         motor = spec.add_actuator(name=name, target=name)
         motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
@@ -228,6 +232,16 @@ def _add_bodies(mujoco: Any, spec: Any, model: pin.Model) -> list[Any]:
             joint.range = [low, high]
             joint.solref_limit = list(_STOP_SOLREF)
     return bodies
+
+
+def _add_coupling(mujoco: Any, spec: Any, robot: Robot, coupling: Coupling) -> None:
+    equality = spec.add_equality()
+    equality.type = mujoco.mjtEq.mjEQ_JOINT
+    equality.objtype = mujoco.mjtObj.mjOBJ_JOINT
+    equality.name1 = robot.joint_names[coupling.joint]
+    equality.name2 = robot.joint_names[coupling.leader]
+    equality.data[:2] = [coupling.offset, coupling.ratio]
+    equality.solref = list(_COUPLING_SOLREF)
 
 
 def _set_inertia(body: Any, inertia: pin.Inertia) -> None:

@@ -102,7 +102,7 @@ def _limits(urdf: Urdf, joint: UrdfJoint) -> list[Finding]:
                 "note",
                 joint.name,
                 f"mimics '{mimic.get('joint', '')}' {place}",
-                "it is controlled as a joint with a motor of its own",
+                "one motor moves both, which share its torque",
                 f"weld it if it does not matter: fixed_joints = ['{joint.name}']",
                 "mimic",
             )
