@@ -36,7 +36,7 @@ SAYS = {
     "21_stairs": "survived",
     "22_inverse_kinematics": "held back by joint position limit",
     "24_priorities": "three levels: CoM moved 0.",
-    "25_explain": "cannot hold together: stay [x] off by 0.5 m/s²; go [x] off by 0.5 m/s²",
+    "25_explain": "these constraints conflict — stay [x] off by 0.5 m/s²; go [x] off by 0.5 m/s²",
 }
 
 

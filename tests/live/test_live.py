@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import os
 import queue
 import re
@@ -13,6 +14,7 @@ import urllib.request
 from pathlib import Path
 from pwd import struct_passwd
 
+import numpy as np
 import pytest
 from motiontools import InfeasibleMotion, SlowlyPlannedMotion, WaitingMotion
 from processtools import wait_until
@@ -20,6 +22,7 @@ from processtools import wait_until
 import wbc
 from wbc.live import Live, LiveError
 from wbc.live.controls import MAX_LENGTH, Controls, decode
+from wbc.log import LoggedRun
 from wbc.motions import MOTIONS, MotionPlayer, Reach, Squat
 from wbc.runtime.loop import StopRun
 from wbc.teleop import (
@@ -604,15 +607,59 @@ def test_a_fallen_robot_is_reset_from_the_page_after_its_status_reports_the_fall
     assert "press Reset (R) on the page" in messages[2]
 
 
-def test_the_page_receives_the_quantity_that_it_selects(live, handler, monkeypatch):
+def test_the_page_receives_the_past_of_signals_and_saves_a_stretch(
+    live, handler, monkeypatch, tmp_path
+):
     monkeypatch.setattr("wbc.teleop.command_handler.Clock.wait", lambda clock: None)
     page = Client(live.url)
     with commanded(live, handler, 1000.0):
-        while "com: z, m" not in page.receive("quantities")["quantities"]:
+        while "com: z, m" not in (offered := page.receive("signals"))["signals"]:
             pass
-        page.request("quantity", "com: z, mm")
+        assert offered["limits"]["controller_time, s"] == [None, 0.002]
+        page.request("signals", ["com: z, mm"])
         assert "did you mean 'com: z, m'" in page.receive("error")["error"]
-        page.request("quantity", "com: z, m")
-        label, value = page.receive("quantity")["quantity"]
-        assert label == "com: z, m"
-        assert value == pytest.approx(handler.player.robot.com_height, rel=0.05)
+        while page.receive("status")["status"]["session"] < 0.5:
+            pass
+        page.request("signals", ["com: z, m", "dcm_error, m"])
+        past = page.receive("past")["past"]
+        points = page.receive("points")["points"]
+        low, high = past["values"]["com: z, m"]
+        assert low[0] == pytest.approx(handler.player.robot.com_height, rel=0.05)
+        assert all(a <= b for a, b in zip(low, high, strict=True))
+        assert points["time"][0] == pytest.approx(past["time"][-1] + 0.02, abs=1e-6)
+        page.request("push", {"link": handler.player.robot.torso, "impulse": [0.5, 0, 0]})
+        marks = []
+        while "push" not in [mark["kind"] for mark in marks]:
+            marks += page.receive("events")["events"]
+        page.request("save", {"as": "log", "from": -math.inf, "to": 1})
+        page.request("save", {"as": "log", "from": 0, "to": marks[-1]["time"] + 0.1})
+        assert "out of range" in page.receive("error")["error"]
+        address = page.receive("saved")["saved"]
+        with urllib.request.urlopen(live.url.replace("static/", address)) as answer:
+            found = answer.read()
+    path = tmp_path / "stretch.mcap"
+    path.write_bytes(found)
+    run = LoggedRun.read(path)
+    assert np.diff(run.time) == pytest.approx(0.02)
+    assert "push" in [event.name for event in run.events]
+    assert run["dcm_error"][0] < 0.01
+
+
+def test_a_robot_walks_to_a_place_on_the_floor_until_its_page_says_otherwise(
+    live, handler, monkeypatch
+):
+    monkeypatch.setattr("wbc.teleop.command_handler.Clock.wait", lambda clock: None)
+    page = Client(live.url)
+    page.receive("controls")
+    with commanded(live, handler, 1000.0):
+        page.receive("status")
+        page.request("walk_to", [0.5])
+        assert "walk_to is" in page.receive("error")["error"]
+        page.request("walk_to", [1.0, 0.0, None])
+        assert page.receive("walk_to")["walk_to"] == [1.0, 0.0, None]
+        while page.receive("status")["status"]["velocity"][0] <= 0.0:
+            pass
+        page.request("stand", None)
+        assert page.receive("walk_to")["walk_to"] is None
+        while any(page.receive("status")["status"]["velocity"]):
+            pass

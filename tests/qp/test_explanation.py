@@ -121,7 +121,7 @@ def test_explanation_omits_rows_that_do_not_conflict():
     for name, a in (("up", 1.0), ("down", -1.0)):
         control.add(wbc.ComTask(priority=0, name=name)).acceleration[2] = a
     text = control.step(bot.standing()).explanation
-    assert text.startswith("cannot hold together: ")
+    assert text.startswith("Infeasible: these constraints conflict — ")
     assert len(text.split("; ")) == 2
     assert "bystander" not in text
 

@@ -184,7 +184,7 @@ def test_report_counts_failed_ticks_and_explains_the_first(robot: wbc.Robot) -> 
                 c.q_target,
                 c.v_target,
                 wbc.Status.INFEASIBLE,
-                "cannot hold together: a and b",
+                "Infeasible: these constraints conflict — a and b",
             )
 
     report = wbc.run(Failing(robot), FrozenPlant(robot), 0.1)

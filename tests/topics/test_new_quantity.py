@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import wbc
-from wbc.live.broker import series_of
+from wbc.live.signals import signal_places
 from wbc.log import FlightRecorder, LogError, LoggedRun, plot
 from wbc.runtime.schema import Quantity
 from wbc.runtime.stream import TickStream
@@ -57,9 +57,9 @@ def test_own_quantity_is_plotted_by_its_name(run, tmp_path):
 
 
 def test_the_page_offers_it(robot):
-    series = series_of(TickStream(robot, [POWER, TOTAL]).schema)
+    series = signal_places(TickStream(robot, [POWER, TOTAL]).schema)
     assert f"joint_power: {robot.joint_names[3]}, W" in series
-    assert series["total_power, W"] == ("total_power", 0)
+    assert "total_power, W" in series
     assert "com: z, m" in series
 
 

@@ -131,7 +131,7 @@ def test_page_shows_the_robot_and_every_marker(robot, live):
         hide(page, name, hidden=False)
     assert changed_share(full, rendered_image(page)) == 0.0
     assert page.inner_text("#text") == "all is well"
-    assert "support polygon" in page.inner_text("#legend")
+    assert "support polygon" in page.text_content("#legend")
 
 
 def test_the_page_follows_the_configuration_and_the_status(robot, live):

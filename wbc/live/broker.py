@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import time
 from dataclasses import replace
@@ -9,13 +10,17 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from wbc.errors import did_you_mean, short_repr
+from wbc.errors import WbcError, did_you_mean, short_repr
 from wbc.live.config import LiveServerConfig
 from wbc.live.controls import Controls, decode
+from wbc.live.history import History
+from wbc.live.run_events import RunEvents
+from wbc.live.saving import FileKind, SavedFiles, Stretch
+from wbc.live.signals import signal_limits, signal_places
+from wbc.live.walk_to import WalkTo
 from wbc.motions import Motion
 from wbc.runtime.mode import Mode
 from wbc.runtime.rate_limiter import RateLimiter
-from wbc.runtime.schema import Schema
 from wbc.runtime.stream import TickReader
 from wbc.teleop import (
     Acknowledgement,
@@ -27,8 +32,12 @@ from wbc.teleop import (
     StandCommand,
     VelocityCommand,
 )
+from wbc.teleop.capabilities import check_number
 
 _MAX_TICKS = 4096  # in one status message
+_MAX_SIGNALS = 64  # of a page
+_LONGEST = 1e9  # s
+_POINTS = 1500  # of the older and of the newer half of a signal's past
 _MAX_UNANSWERED = 1000  # commands whose sender is remembered
 _TIMEOUT = 0.5  # s within which the robot stops when the last page that drives is gone
 _KEEP_PERIOD = 0.1  # s between two commands that keep the velocity
@@ -56,18 +65,28 @@ class RequestBroker:
     Args:
         config: Configuration of the server.
         reader: Reader of the loop's ticks.
+        history: Keeps the ticks of the last minutes.
+        files: Writes them to files.
     """
 
-    def __init__(self, config: LiveServerConfig, reader: TickReader) -> None:
+    def __init__(
+        self, config: LiveServerConfig, reader: TickReader, history: History, files: SavedFiles
+    ) -> None:
         capabilities = config.channel.capabilities
+        self._config, self._history, self._files = config, history, files
+        self._events = RunEvents(config.events, history)
+        self._walk_to = WalkTo(config.robot, capabilities.max_velocity)
+        self._walker: PageClient | None = None  # the page that has set the target
+        self._saving: set[asyncio.Task[None]] = set()
         self._client = CommandClient(config.robot, config.channel, "page", capabilities.motions)
         self._client.on_motion_sent = self._on_motion_sent
         self._controls = Controls(capabilities)
-        self._pages: dict[PageClient, str] = {}  # with the label of the quantity that each plots
+        self._pages: dict[PageClient, list[str]] = {}  # with the signals that each draws
         self._reader = reader
         self._limiter = RateLimiter(config.rate)
         self._schema = reader.schema
-        self._series: dict[str, tuple[str, int]] = {}
+        self._places: dict[str, int] = {}  # of the signals
+        self._sent = 0  # number of the samples that the pages have received
         self._run = 0
         self._senders: dict[int, PageClient] = {}  # by the number of the command
         self._infeasible = 0  # number of infeasible motions that the pages know of
@@ -87,9 +106,18 @@ class RequestBroker:
         """Handle a message of a page; if it is refused, the page receives the reason."""
         try:
             request = decode(message)
-            if request.control == "quantity":
-                self._select_quantity(request.value, page)
-                return
+            match request.control:
+                case "signals":
+                    self._select_signals(request.value, page)
+                    return
+                case "save":
+                    self._save(request.value, page)
+                    return
+                case "walk_to":
+                    self._walk_to.start(request.value)
+                    self._walker = page
+                    self._broadcast({"walk_to": self._walk_to.target})
+                    return
             command = self._controls.command(request)
             if isinstance(command, VelocityCommand):
                 command = replace(command, timeout=_TIMEOUT)
@@ -105,9 +133,35 @@ class RequestBroker:
         if isinstance(command, VelocityCommand):
             self._velocity = number
             self._drivers[page] = time.monotonic()
+            self._end_walk_to()
         if isinstance(command, (StandCommand, ResetCommand)):
             self._zero_velocity()
         self._announce_planning(page)
+
+    def _advance_walk_to(self, tick: np.void) -> None:
+        """Command the next velocity on the way to a target, while its page is there."""
+        page = self._walker
+        if self._walk_to.target is None or page is None:
+            return
+        velocity = self._walk_to.velocity(tick)
+        if velocity is None:
+            return
+        command = VelocityCommand(*velocity, timeout=_TIMEOUT)
+        try:
+            self._velocity = self._client.send(command, "page")
+        except CommandRefused as error:
+            page.send({"error": str(error)})
+            self._end_walk_to()
+            return
+        self._drivers.setdefault(page, time.monotonic())
+        self._broadcast({"values": self._controls.apply(command)})
+        if self._walk_to.target is None:
+            self._end_walk_to()
+
+    def _end_walk_to(self) -> None:
+        if self._walker is not None:
+            self._walker, self._walk_to.target = None, None
+            self._broadcast({"walk_to": None})
 
     def on_alive(self, page: str) -> None:
         """Note that the page with a number is there."""
@@ -138,8 +192,15 @@ class RequestBroker:
             self._broadcast({"infeasible": self._client.infeasible})
         if not self._limiter.is_due(time.monotonic()):
             return
-        if len(ticks := self._reader.take(_MAX_TICKS)):
+        ticks = self._reader.take(_MAX_TICKS)
+        if len(ticks):
+            self._history.add(ticks, self._reader.schema)
+        if new := self._events.take():
+            self._broadcast({"events": new})
+        if len(ticks):
             self._send_status(ticks)
+            if ticks[-1]["mode"] == Mode.RUNNING:
+                self._advance_walk_to(ticks[-1])
 
     def add_page(self, page: PageClient) -> None:
         """Send a new page all controls and values; from now on it receives the status."""
@@ -147,35 +208,91 @@ class RequestBroker:
         self._numbers[str(self._opened)] = page
         page.send({"controls": self._controls.describe(), "page": self._opened})
         page.send({"values": self._controls.values, "infeasible": self._client.infeasible})
-        page.send({"quantities": list(self._series)})
-        self._pages[page] = ""
+        self._offer_signals(page)
+        page.send({"events": self._events.all})
+        self._pages[page] = []
 
     def remove_page(self, page: PageClient) -> None:
         """Forget a page that has been closed."""
         self._pages.pop(page, None)
         self._drivers.pop(page, None)
+        if page is self._walker:
+            self._end_walk_to()
         self._numbers = {number: one for number, one in self._numbers.items() if one is not page}
 
-    def _select_quantity(self, label: Any, page: PageClient) -> None:
-        if not isinstance(label, str) or (label and label not in self._series):
-            near = did_you_mean(label, self._series) if isinstance(label, str) else ""
-            raise CommandRefused(f"no quantity {short_repr(label)}{near}")
-        self._pages[page] = label
+    def _offer_signals(self, page: PageClient) -> None:
+        limits = signal_limits(self._schema, self._config.robot, self._config.dt)
+        page.send({"signals": list(self._places), "limits": limits})
+
+    def _select_signals(self, labels: Any, page: PageClient) -> None:
+        """Send a page the past of the signals that it draws; from now on it receives the rest."""
+        if not isinstance(labels, list) or not all(isinstance(label, str) for label in labels):
+            raise CommandRefused(f"signals are {short_repr(labels)}; they are a list of names")
+        if len(labels) > _MAX_SIGNALS:
+            raise CommandRefused(f"a page draws at most {_MAX_SIGNALS} signals")
+        for label in labels:
+            if label not in self._places:
+                near = did_you_mean(label, self._places)
+                raise CommandRefused(f"no signal {short_repr(label)}{near}")
+        self._pages[page] = labels
+        if labels:
+            page.send({"past": self._series(labels, 0)})
+
+    def _series(self, labels: list[str], since: int) -> dict[str, Any]:
+        """Return signals over time, from the sample of a number on, as JSON."""
+        places = [self._places[label] for label in labels]
+        found = self._history.series(places, since, _POINTS)
+        values = {
+            label: [_numbers(one.low), _numbers(one.high)]
+            for label, one in zip(labels, found, strict=True)
+        }
+        return {"time": np.round(found[0].time, 4).tolist() if found else [], "values": values}
+
+    def _save(self, value: Any, page: PageClient) -> None:
+        """Write a stretch of the session to a file, and send the page its address."""
+        kind, start, end = _stretch_of(value)
+        records, times = self._history.stretch(start, end)
+        if not len(records):
+            raise CommandRefused(f"nothing is kept of {start:.1f} to {end:.1f} s")
+        events = self._events.between(float(times[0]), float(times[-1]))
+        config = self._config
+        stretch = Stretch(
+            config.robot, config.boxes, self._schema, records, times,
+            tuple(one for _, one in events), tuple(time for time, _ in events),
+        )  # fmt: skip
+
+        async def save() -> None:
+            page.send({"saving": kind})
+            try:
+                page.send({"saved": await self._files.save(kind, stretch)})
+            except WbcError as error:
+                page.send({"saved": "", "error": str(error)})
+
+        task = asyncio.get_running_loop().create_task(save())
+        self._saving.add(task)  # a task that nobody holds may be collected
+        task.add_done_callback(self._saving.discard)
 
     def _send_status(self, ticks: np.ndarray) -> None:
         if self._reader.schema is not self._schema:
             self._schema = self._reader.schema
-            self._series = series_of(self._schema)
-            self._broadcast({"quantities": list(self._series)})
-        last, status = ticks[-1], _status(ticks)
+            self._places = signal_places(self._schema)
+            for page in tuple(self._pages):
+                self._pages[page] = [x for x in self._pages[page] if x in self._places]
+                self._offer_signals(page)
+        status = _status(ticks)
+        status |= {
+            "session": round(self._history.end, 4),
+            "session_start": round(self._history.start, 4),
+            "fall": self._events.fall if status["mode"] == "fallen" else "",
+        }
         if status["run"] != self._run:
             self._run = status["run"]
             self._zero_velocity()
-        for page, label in tuple(self._pages.items()):
+        since, self._sent = self._sent, self._history.count
+        for page, labels in tuple(self._pages.items()):
             message: dict[str, Any] = {"status": status}
-            if label in self._series:
-                name, index = self._series[label]
-                message["quantity"] = [label, _finite(np.atleast_1d(last[name])[index])]
+            if labels and since < self._sent:
+                message["points"] = self._series(labels, since)
             page.send(message)
 
     def _broadcast(self, message: dict[str, Any], but: PageClient | None = None) -> None:
@@ -204,6 +321,7 @@ class RequestBroker:
 
     def _zero_velocity(self) -> None:
         self._drivers.clear()
+        self._end_walk_to()
         self._broadcast({"values": self._controls.zero_velocity()})
 
     def _announce_planning(self, page: PageClient | None) -> None:
@@ -217,11 +335,24 @@ class RequestBroker:
             page.send({"planning": motion.name})
 
 
-def series_of(schema: Schema) -> dict[str, tuple[str, int]]:
-    """Return the column and the index in it of every number of a tick, by its label."""
-    return {
-        column.label(i): (column.name, i) for column in schema.columns for i in range(column.size)
-    }
+def _stretch_of(value: Any) -> tuple[FileKind, float, float]:
+    """Return the kind, start and end, s, of a stretch that a page wants to save.
+
+    Raises:
+        CommandRefused: The request has another form.
+    """
+    form = '{"as": "log" or "film", "from": seconds, "to": seconds}'
+    if not isinstance(value, dict) or value.get("as") not in ("log", "film"):
+        raise CommandRefused(f"save is {short_repr(value)}; it is {form}")
+    start, end = (
+        check_number(name, value.get(name), -_LONGEST, _LONGEST, "s") for name in ("from", "to")
+    )
+    return value["as"], start, end
+
+
+def _numbers(values: np.ndarray) -> list[float | None]:
+    """Return numbers for JSON, to seven digits; None for unknown ones."""
+    return [float(f"{x:.7g}") if np.isfinite(x) else None for x in values.tolist()]
 
 
 def _status(ticks: np.ndarray) -> dict[str, Any]:
@@ -236,6 +367,7 @@ def _status(ticks: np.ndarray) -> dict[str, Any]:
         "dcm_error": _largest(running["dcm_error"]),
         "tick_time": _largest(times),
         "velocity": [_finite(x) for x in last["velocity_command"]],
+        "heading": _finite(last["heading"]),
         "playing": int(last["motion_playing"]),
         "pushes": int(last["pushes_decided"]),
         "survived": int(last["pushes_survived"]),

@@ -16,8 +16,12 @@ class LiveServerConfig(ViewerConfig):
         channel: Channel of the commands.
         host: Address to listen on.
         token: What the address of the page must contain; empty for nothing.
+        dt: Control period, s.
+        events: File descriptor of the queue of events.
     """
 
     channel: ChannelConfig
     host: str
     token: str
+    dt: float
+    events: int

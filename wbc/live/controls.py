@@ -16,6 +16,7 @@ from wbc.teleop import (
     GaitParameterCommand,
     MotionCommand,
     PauseCommand,
+    PullCommand,
     PushCommand,
     ResetCommand,
     StandCommand,
@@ -27,8 +28,8 @@ from wbc.teleop import (
 from wbc.teleop.capabilities import unknown_motion
 from wbc.teleop.parameters import GAIT, TIME, VELOCITY
 
-MAX_LENGTH = 1000  # characters of a message
-_ACTIONS = ("push", "motion", "pause", "stand", "reset")
+MAX_LENGTH = 4000  # characters of a message
+_ACTIONS = ("push", "pull", "walk_to", "signals", "save", "motion", "pause", "stand", "reset")
 _SOURCES = ("page", "keyboard")
 _PUSH_SHARE = 0.3  # of the largest push; the robot hardly ever survives a larger one
 
@@ -84,11 +85,9 @@ class Controls:
                 return self._parameter_command(parameter, value)
         match name:
             case "push":
-                if not (isinstance(value, list) and len(value) == 2):
-                    raise CommandRefused(
-                        f"push is {short_repr(value)}; it is [forward, left] in N·s"
-                    )
-                return PushCommand((value[0], value[1], 0.0))
+                return _push_command(value)
+            case "pull":
+                return _pull_command(value)
             case "motion":
                 return self._motion_command(value)
             case "pause":
@@ -154,6 +153,34 @@ class Controls:
                 except MotionError as error:
                     raise CommandRefused(str(error)) from error
         raise unknown_motion(name, self._capabilities.motions)
+
+
+def _push_command(value: Any) -> PushCommand:
+    """Return a push of the trunk along the heading, or of a link in world axes."""
+    if isinstance(value, dict) and value.keys() == {"link", "impulse"}:
+        impulse = value["impulse"]
+        if isinstance(impulse, list) and len(impulse) == 3:
+            return PushCommand(tuple(impulse), frame="world", link=value["link"])  # type: ignore[arg-type]
+    elif isinstance(value, list) and len(value) == 2:
+        return PushCommand((value[0], value[1], 0.0))
+    raise CommandRefused(
+        f'push is {short_repr(value)}; it is [forward, left] or {{"link": name, "impulse": '
+        "[x, y, z]} in N·s"
+    )
+
+
+def _pull_command(value: Any) -> PullCommand:
+    """Return a pull of a link, or the release for null."""
+    if value is None:
+        return PullCommand()
+    if isinstance(value, dict) and value.keys() == {"link", "point", "target"} and value["link"]:
+        places = value["point"], value["target"]
+        if all(isinstance(place, list) and len(place) == 3 for place in places):
+            return PullCommand(value["link"], tuple(places[0]), tuple(places[1]))  # type: ignore[arg-type]
+    raise CommandRefused(
+        f'pull is {short_repr(value)}; it is null or {{"link": name, "point": [x, y, z] in its '
+        'axes, "target": [x, y, z] in the world} in m'
+    )
 
 
 def decode(message: str | bytes) -> Request:

@@ -12,11 +12,13 @@ from wbc.live.address import is_local, needs_token
 from wbc.live.config import LiveServerConfig
 from wbc.live.errors import LiveError
 from wbc.process import ChildProcess
+from wbc.runtime.event_queue import EventQueue
 from wbc.runtime.process_observer import ProcessObserver
 from wbc.teleop import CommandHandler
 from wbc.view.terrain import checked_boxes
 
 if TYPE_CHECKING:
+    from wbc.runtime.event import RunEvent
     from wbc.runtime.schema import Quantity
 
 logger = logging.getLogger(__name__)
@@ -73,10 +75,13 @@ class Live(ProcessObserver):
         robot = handler.player.robot
         self._handler = handler
         channel = handler.open_channel().config
-        config = LiveServerConfig(robot, port, _RATE, checked_boxes(boxes), channel, host, token)
-        super().__init__(
-            ChildProcess("wbc.live.server", channel.descriptors, title="the live page")
-        )
+        self._events = EventQueue()
+        config = LiveServerConfig(
+            robot, port, _RATE, checked_boxes(boxes), channel, host, token, handler.player.dt,
+            self._events.descriptor,
+        )  # fmt: skip
+        descriptors = (*channel.descriptors, self._events.descriptor)
+        super().__init__(ChildProcess("wbc.live.server", descriptors, title="the live page"))
         self.url = str(self._configure(config, LiveError, "the live page: ")["url"])
         if announce:
             print(f"Live: {self.url}", flush=True)
@@ -87,3 +92,12 @@ class Live(ProcessObserver):
     def quantities(self) -> tuple[Quantity, ...]:
         """Quantities of the command handler; see `wbc.runtime.protocols.StreamObserver`."""
         return self._handler.quantities
+
+    def on_event(self, event: RunEvent) -> None:
+        """Show an event of the run; see `wbc.runtime.event.EventObserver`."""
+        self._events.put(1 if self.stream is None else self.stream.runs, event)
+
+    def close(self) -> None:
+        """End the process."""
+        super().close()
+        self._events.close()

@@ -17,13 +17,19 @@ import tornado.websocket
 from wbc.live.address import allowed_hosts, check_host, is_local, url_host
 from wbc.live.broker import RequestBroker
 from wbc.live.config import LiveServerConfig
+from wbc.live.history import History
+from wbc.live.review import ReviewPage
+from wbc.live.saving import SavedFiles
 from wbc.motions.engine import SWITCH_INTERVAL
 from wbc.process import ParentConnection
 from wbc.view.server import SceneServer
 from wbc.view.web import GuardedHandler, Text, listen
 
 _HERE = Path(__file__).parent / "page"
-_FILES = ("elements.js", "parameters.js", "plots.js", "panel.js", "panel.css")
+_FILES = (
+    "uPlot.iife.js", "uPlot.min.css", "elements.js", "parameters.js", "strips.js", "timeline.js",
+    "camera.js", "pointer.js", "keys.js", "panel.js", "panel.css",
+)  # fmt: skip
 _MAX_SIZE = 1 << 16  # bytes; a longer message ends the connection
 _MAX_UNSENT = 100  # messages to a page that does not read; further ones are dropped
 
@@ -71,6 +77,22 @@ class AliveSocket(GuardedHandler, tornado.websocket.WebSocketHandler):
         self._broker.on_alive(self.get_query_argument("page", ""))
 
 
+class SavedFile(GuardedHandler):
+    """The handler of a file that a page has asked for."""
+
+    def initialize(self, files: SavedFiles) -> None:
+        self._files = files
+
+    def get(self, token: str, name: str) -> None:
+        path = self._files.path(token, name)
+        if path is None:
+            self.send_error(404)
+            return
+        self.set_header("Content-Type", "application/octet-stream")
+        self.set_header("Content-Disposition", f'attachment; filename="{name}"')
+        self.finish(path.read_bytes())
+
+
 class LiveServer(SceneServer):
     """Serves the scene and the controls until the parent process ends.
 
@@ -81,7 +103,9 @@ class LiveServer(SceneServer):
     def __init__(self, config: LiveServerConfig) -> None:
         super().__init__(config)
         self._host, self._token = config.host, config.token
-        self._broker = RequestBroker(config, self.reader)
+        self._history = History(config.robot, config.dt)
+        self._files = SavedFiles(config.robot.name)
+        self._broker = RequestBroker(config, self.reader, self._history, self._files)
 
     def listen(self) -> str:
         check_host(self._host)
@@ -97,10 +121,13 @@ class LiveServer(SceneServer):
     def handlers(self) -> list[Any]:
         broker = {"broker": self._broker}
         worker = {"text": (_HERE / "alive.js").read_text("utf-8"), "kind": "text/javascript"}
+        review = {"live_scene": self.live_scene, "history": self._history}
         return [
+            (r"/socket", ReviewPage, review),
             (r"/controls", ControlSocket, broker),
             (r"/alive", AliveSocket, broker),
             (r"/static/alive.js", Text, worker),
+            (r"/saved/([0-9a-f]+)/([\w.-]+)", SavedFile, {"files": self._files}),
             *super().handlers(),
         ]
 
@@ -110,6 +137,10 @@ class LiveServer(SceneServer):
     def advance(self) -> None:
         super().advance()
         self._broker.advance()
+
+    async def serve(self, parent: ParentConnection) -> None:
+        with contextlib.closing(self._files):
+            await super().serve(parent)
 
 
 async def main() -> None:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from wbc.log.event_queue import EventQueue, NumberedEvent
 from wbc.log.mcapfile import McapFile
 from wbc.messages import message_type
 from wbc.runtime.event import COMMAND, RunEvent
+from wbc.runtime.event_queue import NumberedEvent
 
 EVENTS, PARAMETERS = "/events", "/parameter_events"
 _EVENT = message_type("wbc_msgs/msg/RunEvent")
@@ -25,11 +26,11 @@ class EventLog:
 
     Args:
         file: File of the log.
-        queue: Queue of the events.
+        take: Returns the events since its last call.
     """
 
-    def __init__(self, file: McapFile, queue: EventQueue) -> None:
-        self._file, self._queue = file, queue
+    def __init__(self, file: McapFile, take: Callable[[], Sequence[NumberedEvent]]) -> None:
+        self._file, self._take = file, take
         self._waiting: list[NumberedEvent] = []
         self._starts: dict[int, int] = {}  # stamp, ns, of the time 0 of each run
         self._now = (0, 0.0)  # run and time of the last tick
@@ -44,7 +45,7 @@ class EventLog:
 
     def advance(self) -> None:
         """Write the events up to the last tick."""
-        waiting, self._waiting = [*self._waiting, *self._queue.take()], []
+        waiting, self._waiting = [*self._waiting, *self._take()], []
         for one in waiting:
             if (one.run, one.event.time) <= self._now:
                 self._write(one)
@@ -53,7 +54,7 @@ class EventLog:
 
     def finish(self) -> None:
         """Write the events that have come after the last tick."""
-        for one in (*self._waiting, *self._queue.take()):
+        for one in (*self._waiting, *self._take()):
             self._write(one)
         self._waiting.clear()
 

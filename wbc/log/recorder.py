@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 
 from wbc.log.config import LogConfig
 from wbc.log.errors import LogError, require_packages
-from wbc.log.event_queue import EventQueue
 from wbc.log.metadata import Metadata, run_metadata
 from wbc.log.previous_log import PreviousLog
 from wbc.log.recovery import complete
 from wbc.log.status import LogStatus
 from wbc.process import ChildProcess
+from wbc.runtime.event_queue import EventQueue
 from wbc.runtime.process_observer import ProcessObserver
 
 if TYPE_CHECKING:

@@ -171,6 +171,11 @@ class LoggedRun:
         return sorted(found, key=lambda one: one.time)
 
     @cached_property
+    def _resets(self) -> np.ndarray:
+        """Times of the resets, s."""
+        return np.array([event.time for event in self.events if event.kind == RESET])
+
+    @cached_property
     def plans(self) -> list[ContactPlan]:
         """The contact plans, in the order of `plan_stamps`."""
         if "/footsteps" not in self.log:
@@ -204,6 +209,7 @@ class LoggedRun:
             telemetry=Telemetry(**points, phase=PHASES[int(self["phase"][tick])]),
             contact_plan=ContactPlan() if late else self.plans[plan],
             status=STATUSES[int(self["status"][tick])],
+            run=1 + int(np.searchsorted(self._resets, self.time[tick] + 1e-9, "right")),
         )
 
     @property

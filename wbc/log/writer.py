@@ -15,13 +15,13 @@ import time
 from wbc.log.config import LogConfig
 from wbc.log.errors import LogError
 from wbc.log.event_log import EventLog
-from wbc.log.event_queue import EventQueue
 from wbc.log.mcapfile import McapFile
 from wbc.log.metadata import Metadata, versions
 from wbc.log.recovery import complete
 from wbc.log.robot_info import RobotInfo
 from wbc.log.status import LogStatus
 from wbc.process import ParentConnection
+from wbc.runtime.event_queue import EventQueue
 from wbc.runtime.mode import Mode
 from wbc.runtime.schema import columns_to_json
 from wbc.runtime.stream import TickReader
@@ -54,7 +54,7 @@ class LogWriter:
         self._metadata: queue.SimpleQueue[Metadata] = queue.SimpleQueue()
         self._batches = BatchMaker(robot)
         self._topics = StreamTopics(robot)
-        self._events = EventLog(self._file, EventQueue(config.events))
+        self._events = EventLog(self._file, EventQueue(config.events).take)
         self._add_quantities()
         self._ticks = 0
         self._due = self._longest = 0.0

@@ -24,7 +24,7 @@ from wbc.robot.upper_body import UpperBody
 
 _FINAL_APPROACH = 0.4  # s
 _XYZ = ("X", "Y", "Z")
-_WHERE = "position forward, left and up of the middle of the soles, m"
+_WHERE = "target x, y, z from the centre between the feet (m)"
 
 
 @dataclass(frozen=True)
@@ -38,11 +38,11 @@ class Reach(Motion):
     name: ClassVar[str] = "reach"
     summary: ClassVar[str] = "move the hands to positions, given or random"
 
-    left: tuple[float, ...] | None = parameter(None, f"left hand: {_WHERE}", names=_XYZ)
-    right: tuple[float, ...] | None = parameter(None, f"right hand: {_WHERE}", names=_XYZ)
+    left: tuple[float, ...] | None = parameter(None, f"left-hand {_WHERE}", names=_XYZ)
+    right: tuple[float, ...] | None = parameter(None, f"right-hand {_WHERE}", names=_XYZ)
     random: int = parameter(4, "number of random positions when none is given")
-    place_seed: int = parameter(0, "seed of the random positions")
-    seconds: float = parameter(1.5, "shortest duration of each path, s")
+    place_seed: int = parameter(0, "random seed")
+    seconds: float = parameter(1.5, "minimum move time (s)")
     hold: float = parameter(0.5, "pause at each position, s")
 
     def check(self, robot: Robot) -> None:

@@ -160,7 +160,7 @@ def _leave_out(
 def explain(problem: Problem) -> str:
     """Return one line that names the rows in conflict, see `find_conflict`.
 
-    E.g. "cannot hold together: torque limit [leg_left_4_joint] above its maximum by 12 N·m;
+    E.g. "Infeasible: these constraints conflict — torque limit [leg] above its maximum by 12 N·m;
     jump [z] off by 3 m/s²". The line is empty when all rows can hold together.
     """
     rows = find_conflict(problem)
@@ -171,10 +171,10 @@ def explain(problem: Problem) -> str:
     if crossed.size:
         row = int(crossed[0])
         limits = f"at least {lb[row]:.4g} and at most {ub[row]:.4g} {rows[0].unit}"
-        return f"cannot hold: {rows[0].name} must be {limits}"
+        return f"Infeasible: {rows[0].name} must be {limits}"
     owners = dict.fromkeys(row.owner for row in rows)
     texts = [_of_owner([row for row in rows if row.owner == owner]) for owner in owners]
-    return "cannot hold together: " + "; ".join(texts)
+    return "Infeasible: these constraints conflict — " + "; ".join(texts)
 
 
 def _of_owner(rows: Sequence[ConflictingRow]) -> str:

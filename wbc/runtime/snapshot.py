@@ -37,6 +37,7 @@ class Snapshot:
         contact_plan: support polygon, footsteps and swing path, world axes.
         status: status of the tick's QP.
         text: one short line, at most 240 bytes.
+        run: number of the run; another than the previous snapshot's begins a new run, too.
     """
 
     time: float
@@ -46,6 +47,7 @@ class Snapshot:
     contact_plan: ContactPlan = field(default_factory=ContactPlan)
     status: Status = Status.OK
     text: str = ""
+    run: int = 1
 
     @staticmethod
     def of_tick(tick: Tick, contact_plan: ContactPlan) -> Snapshot:
@@ -64,6 +66,7 @@ class Snapshot:
             contact_plan,
             command.status,
             command.explanation or tick.telemetry.status_text,
+            tick.run,
         )
 
     def to_tick(self, robot: Robot) -> Tick:
@@ -81,6 +84,7 @@ class Snapshot:
             controller_time=np.nan,
             telemetry=self.telemetry,
             contact_plan=self.contact_plan,
+            run=self.run,
         )
 
     @staticmethod
@@ -105,4 +109,5 @@ class Snapshot:
             contact_plan_of(record),
             STATUSES[int(record["status"])],
             text_of(record),
+            int(record["run"]),
         )

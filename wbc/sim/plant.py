@@ -21,7 +21,7 @@ from wbc.sim.model import build_model, import_mujoco
 from wbc.sim.motors import Motors
 from wbc.sim.noise import NoiseGenerator, SensorNoise
 from wbc.sim.payload import Payload, Payloads
-from wbc.sim.pushes import Push, PushSchedule
+from wbc.sim.pushes import Pull, Push, PushSchedule
 from wbc.sim.robot_collisions import RobotCollisions, robot_collisions, touching_bodies
 from wbc.sim.sensor_delay import SensorDelay
 from wbc.sim.sensors import Sensors
@@ -33,6 +33,10 @@ from wbc.state import State
 #: Root of the sum of squares of all velocities from which on the physics counts as diverged,
 #: m/s and rad/s: several times what all motors of a humanoid together reach.
 _MAX_SPEED = 1000.0
+
+# A pull by a spring: length at which it would reach the robot's weight, m; largest force as a share
+# of the weight; damping ratio with the whole mass of the robot.
+_PULL_LENGTH, _PULL_SHARE, _PULL_DAMPING = 0.5, 0.5, 0.2
 
 #: What of the robot collides.
 Collisions = Literal["all", "soles"]
@@ -348,6 +352,38 @@ class Mujoco(Closeable):
             raise PlantError(f"a payload at {at_time} s: the time is {self.time:.3f} s already")
         body, point = self._push_point(frame)
         self._payloads.add(Payload(at_time, mass, body, point))
+
+    def pull(self, link: str, point: Any, target: Any) -> None:
+        """Pull a point of a link towards a fixed point by a spring, until `release`.
+
+        The spring reaches the robot's weight at half a metre, and is limited to half the weight.
+
+        Args:
+            link: name of a frame.
+            point: (3,) attached point in axes of that frame, m.
+            target: (3,) world axes, m.
+
+        Raises:
+            PlantError: a point that is not three finite numbers.
+            FrameNotFound: the model has no such frame.
+        """
+        places = [np.asarray(place, dtype=float) for place in (point, target)]
+        if not all(place.shape == (3,) and np.isfinite(place).all() for place in places):
+            raise PlantError(f"a pull from {point!r} to {target!r} m: give three finite numbers")
+        placed = self.robot.model.frames[self.robot.frame_id(link)]
+        stiffness = self.robot.weight / _PULL_LENGTH
+        self._pushes.pull = Pull(
+            self.model.body(self.robot.model.names[placed.parentJoint]).id,
+            placed.placement.act(places[0]),
+            places[1],
+            stiffness,
+            2.0 * _PULL_DAMPING * math.sqrt(stiffness * self.robot.mass),
+            _PULL_SHARE * self.robot.weight,
+        )
+
+    def release(self) -> None:
+        """End the pull, if there is one."""
+        self._pushes.pull = None
 
     def kick(self, velocity: Any) -> None:
         """Add a velocity to the whole robot at once, as learned policies are trained with.

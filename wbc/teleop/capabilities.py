@@ -25,6 +25,8 @@ from wbc.teleop.parameters import (
 
 _MAX_PUSH = 2.0  # m/s: the largest push changes the robot's velocity by that
 _PUSH_DURATION = (0.01, 2.0)  # s
+_FAR = 1e4  # m, from the origin
+_MAX_PULL = 10.0  # s without a new command
 _ROUNDING = 1e-6  # what a bound may be exceeded by, as a share or in rad
 
 
@@ -39,6 +41,8 @@ class Capabilities:
         can_reset: whether the robot can be set back to the start.
         joints: name -> (lowest, highest) position, rad, of the joints that commands may move.
         leg_joints: names of the joints that the gait needs.
+        links: names of the frames that can be pushed.
+        can_pull: whether a link can be pulled by a spring.
     """
 
     parameters: tuple[TunableParameter, ...]
@@ -47,6 +51,8 @@ class Capabilities:
     can_reset: bool
     joints: Mapping[str, tuple[float, float]]
     leg_joints: frozenset[str]
+    links: frozenset[str] = frozenset()
+    can_pull: bool = False
 
     @staticmethod
     def of(
@@ -79,6 +85,8 @@ class Capabilities:
                 if i not in legs
             },
             leg_joints=frozenset(names[i] for i in legs),
+            links=frozenset(frame.name for frame in robot.model.frames[1:]),
+            can_pull=hasattr(plant, "pull"),
         )
 
     def parameter(self, name: str) -> TunableParameter:
@@ -114,6 +122,8 @@ class Capabilities:
                 check_number("timeout", timeout, 0.0, math.inf, "s")
             case commands.PushCommand():
                 self._check_push(command)
+            case commands.PullCommand():
+                self._check_pull(command)
             case commands.MotionCommand(motion):
                 if type(motion) not in self.motions:
                     raise unknown_motion(getattr(motion, "name", motion), self.motions)
@@ -160,6 +170,24 @@ class Capabilities:
             raise CommandRefused(
                 f"frame is {short_repr(command.frame)}; it is 'world' or 'heading'"
             )
+        self._check_link(command.link)
+
+    def _check_pull(self, command: commands.PullCommand) -> None:
+        if not self.can_pull:
+            raise CommandRefused("this robot cannot be pulled: it is not simulated")
+        self._check_link(command.link)
+        for name in ("point", "target"):
+            place = getattr(command, name)
+            if np.shape(place) != (3,):
+                raise CommandRefused(f"{name} is {short_repr(place)}; it is (x, y, z) in m")
+            for part in place:
+                check_number(name, part, -_FAR, _FAR, "m")
+        check_number("timeout", command.timeout, 0.0, _MAX_PULL, "s")
+
+    def _check_link(self, link: Any) -> None:
+        if not isinstance(link, str) or (link and link not in self.links):
+            near = did_you_mean(link, self.links) if isinstance(link, str) else ""
+            raise CommandRefused(f"the robot has no link {short_repr(link)}{near}")
 
     def _check_joints(self, command: commands.JointCommand) -> None:
         names, positions = command.joints, command.positions

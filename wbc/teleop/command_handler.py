@@ -90,6 +90,7 @@ class CommandHandler(Closeable):
         self._motion_end = ""  # why the motion in progress is to end
         self._velocity: commands.SentCommand | None = None  # in force, until its end:
         self._velocity_end = np.inf  # s by `time.monotonic`
+        self._pull, self._pull_end = commands.PullCommand(), np.inf  # s by `time.monotonic`
         self._first_tick = True
         self.quantities = (
             Quantity(
@@ -152,6 +153,7 @@ class CommandHandler(Closeable):
         self._manager.reset()
         self._joints.clear()
         self._velocity, self._velocity_end = None, np.inf
+        self._pull, self._pull_end = commands.PullCommand(), np.inf
         self.pushes.on_reset()
         self.mode = Mode.RUNNING
         self.paused = self.reset_wanted = False
@@ -182,6 +184,8 @@ class CommandHandler(Closeable):
         self._first_tick = False
         if time.monotonic() >= self._velocity_end:
             self._end_velocity()
+        if time.monotonic() >= self._pull_end:
+            self._set_pull(commands.PullCommand(), np.inf)
         self._manager.update()
         self._track_motion()
         self._joints.advance(time.monotonic())
@@ -245,6 +249,9 @@ class CommandHandler(Closeable):
         if isinstance(command, commands.KeepVelocityCommand):
             self._keep_velocity(sent, command)
             return
+        if isinstance(command, commands.PullCommand) and command.link == self._pull.link != "":
+            self._set_pull(command, sent.stamp + command.timeout)
+            return
         parameter = isinstance(command, (*commands.PARAMETER_COMMANDS, commands.PauseCommand))
         if self.mode is Mode.FALLEN and not parameter and command != commands.ResetCommand():
             self._acknowledge(sent, CommandOutcome.REFUSED, _FALLEN)
@@ -256,11 +263,13 @@ class CommandHandler(Closeable):
                     self._motion_end = f"{sent} took its place"
                 self._manager.velocity = command.velocity
                 self._velocity, self._velocity_end = sent, sent.stamp + timeout
-            case commands.PushCommand(impulse, duration, frame):
+            case commands.PullCommand(timeout=timeout):
+                self._set_pull(command, sent.stamp + timeout if command.link else np.inf)
+            case commands.PushCommand(impulse, duration, frame, link):
                 vector = np.array(impulse)
                 if frame == "heading":
                     vector = self.player.walker.standing_frame.rotation @ vector
-                self._push(vector, duration)
+                self._push(vector, duration, link)
             case commands.MotionCommand(motion):
                 self._end_motion(CommandOutcome.SUPERSEDED, f"{sent} took its place")
                 self._motion = sent
@@ -303,10 +312,17 @@ class CommandHandler(Closeable):
             self._acknowledge(velocity, CommandOutcome.ABORTED, reason)
             self.on_timeout(reason)
 
-    def _push(self, impulse: np.ndarray, duration: float = 0.1) -> None:
+    def _push(self, impulse: np.ndarray, duration: float = 0.1, link: str = "") -> None:
         if self.capabilities.max_impulse:
-            self.plant.push(impulse, duration=duration)
+            self.plant.push(impulse, duration=duration, **({"frame": link} if link else {}))
             self.pushes.on_push(self.plant.time)
+
+    def _set_pull(self, command: commands.PullCommand, end: float) -> None:
+        self._pull, self._pull_end = command, end
+        if command.link:
+            self.plant.pull(command.link, command.point, command.target)
+        else:
+            self.plant.release()
 
     def _track_motion(self) -> None:
         """Acknowledge the motion in progress when it is over and the robot stands."""

@@ -55,17 +55,40 @@ class KeepVelocityCommand:
 
 @dataclass(frozen=True, slots=True)
 class PushCommand:
-    """Push the torso of a simulated robot with a constant force.
+    """Push a simulated robot with a constant force.
 
     Attributes:
         impulse: (x, y, z) force times duration, N·s.
         duration: s.
         frame: axes of the impulse: "world", or "heading" for forward, left, up of the robot.
+        link: frame of the model at whose origin the force acts; empty for the trunk's centre of
+            mass.
     """
 
     impulse: tuple[float, float, float]
     duration: float = 0.1
     frame: Literal["world", "heading"] = "heading"
+    link: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PullCommand:
+    """Pull a link of a simulated robot towards a point by a spring, until the timeout or a release.
+
+    Only the first of consecutive pulls of one link is acknowledged.
+
+    Attributes:
+        link: frame of the model that is pulled; empty releases.
+        point: where the spring is attached, in axes of the link, m.
+        target: where it pulls to, world axes, m.
+        timeout: time after which the link is released, s of the wall clock since the command was
+            sent.
+    """
+
+    link: str = ""
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    target: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    timeout: float = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,6 +184,7 @@ TeleopCommand: TypeAlias = (
     VelocityCommand
     | KeepVelocityCommand
     | PushCommand
+    | PullCommand
     | MotionCommand
     | StandCommand
     | GaitParameterCommand

@@ -39,8 +39,8 @@ LEGEND: tuple[tuple[str, Colour, str], ...] = (
     ("ring", DCM, "DCM reference"),
     ("disc", ZMP, "ZMP"),
     ("area", SUPPORT, "support polygon"),
-    ("box", LEFT, "left footstep (faint: completed)"),
-    ("box", RIGHT, "right footstep (faint: completed)"),
+    ("box", LEFT, "left footstep (faded: completed)"),
+    ("box", RIGHT, "right footstep (faded: completed)"),
     ("dots", SWING, "swing path"),
 )
 

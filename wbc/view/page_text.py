@@ -11,7 +11,7 @@ from string import Template
 from typing import Any
 
 from wbc.runtime.snapshot import Snapshot
-from wbc.view.colours import LEGEND, STATUS, Colour, css
+from wbc.view.colours import COM, LEGEND, STATUS, Colour, css
 from wbc.view.errors import ViewerError
 
 _HERE = Path(__file__).parent / "page"
@@ -97,7 +97,8 @@ def _page(name: str, tags: Iterable[str]) -> str:
 
 
 def _legend_entry(symbol: str, colour: Colour, meaning: str) -> str:
-    drawing = _SYMBOLS[symbol].format(css(colour))
+    # The colour of the CoM is that of the text, also on a dark page.
+    drawing = _SYMBOLS[symbol].format("currentColor" if colour == COM else css(colour))
     return f'<div><svg viewBox="0 0 20 14">{drawing}</svg>{html.escape(meaning)}</div>'
 
 
@@ -105,6 +106,7 @@ def caption(snapshot: Snapshot) -> dict[str, Any]:
     """Return the texts of a snapshot that the page shows."""
     return {
         "time": round(float(snapshot.time), 4),
+        "run": snapshot.run,
         "status": snapshot.status.value,
         "colour": css(STATUS[snapshot.status]),
         "phase": _PHASES.get(snapshot.telemetry.phase, snapshot.telemetry.phase),

@@ -93,10 +93,12 @@ class ReplayScene:
     Args:
         scene: Objects and poses.
         timeline: Run to show.
+        history: Duration of the history that the scene shows, s.
     """
 
-    def __init__(self, scene: Scene, timeline: Timeline) -> None:
+    def __init__(self, scene: Scene, timeline: Timeline, history: float = _HISTORY) -> None:
         self.scene, self.timeline = scene, timeline
+        self._history = history
         self._time: float | None = None
 
     def show(self, time: float) -> Snapshot:
@@ -107,7 +109,7 @@ class ReplayScene:
         """
         if not math.isfinite(time):
             raise ViewerError(f"time = {time} s must be finite")
-        for snapshot in up_to(self.timeline, time, self._time, _HISTORY):
+        for snapshot in up_to(self.timeline, time, self._time, self._history):
             self.scene.update(snapshot)
         self._time = min(max(time, self.timeline.start), self.timeline.end)
         return snapshot

@@ -26,7 +26,7 @@ from wbc.view.actors.trail import TrailActor
 from wbc.view.colours import TERRAIN
 from wbc.view.objects import drawable, matte, set_object
 from wbc.view.terrain import box_mesh, checked_boxes
-from wbc.view.visuals import visuals_of
+from wbc.view.visuals import RobotVisuals, visuals_of
 
 if TYPE_CHECKING:
     from wbc.robot import Robot
@@ -39,23 +39,30 @@ class Scene:
     """The robot, its surroundings and the symbols that show its state.
 
     Args:
-        robot: Robot to draw. The constructor reads its meshes.
+        robot: Robot to draw.
         boxes: Terrain as boxes: see `wbc.sim.Terrain`.
+        visuals: Shapes of the robot; by default its meshes are read.
 
     Attributes:
+        visuals: Shapes of the robot.
         nodes: Nodes of the scene tree, in the order of `poses`.
         poses: `[position, quaternion x y z w, scale]` of each node, shape (n, 10).
         proportions: Dimensions of the robot.
         source: Note on the shapes of a robot without visual shapes; otherwise empty.
     """
 
-    def __init__(self, robot: Robot, boxes: np.ndarray | None = None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        boxes: np.ndarray | None = None,
+        visuals: RobotVisuals | None = None,
+    ) -> None:
         self._model = robot.model
         self._data = robot.model.createData()
         self._soles = {sole.name: int(sole.frame_id) for sole in robot.soles}
         self._frames = {frame.name: i for i, frame in enumerate(self._model.frames)} | self._soles
         self._boxes = checked_boxes(boxes)
-        visuals = visuals_of(robot)
+        self.visuals = visuals = visuals or visuals_of(robot)
         self.source = visuals.source
         weight = robot.weight
         self.proportions = p = Proportions(robot.com_height, visuals.top, max(weight, 1e-3))
@@ -73,6 +80,7 @@ class Scene:
         self.nodes: list[SceneNode] = [node for actor in self._actors for node in actor.nodes]
         self.poses = np.tile(_HIDDEN, (len(self.nodes), 1))
         self._time: float | None = None
+        self._run = 0
 
     @property
     def paths(self) -> list[str]:
@@ -95,10 +103,10 @@ class Scene:
         """
         if not np.isfinite(snapshot.q).all():
             return False
-        if self._time is None or snapshot.time < self._time:
+        if self._time is None or snapshot.time < self._time or snapshot.run != self._run:
             for actor in self._actors:
                 actor.restart()
-            self._time = snapshot.time
+            self._time, self._run = snapshot.time, snapshot.run
         scene_input = self._scene_input(snapshot, snapshot.time - self._time)
         self._time = snapshot.time
         start = 0

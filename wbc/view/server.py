@@ -31,6 +31,7 @@ class LiveScene:
         reader: Reader of the ticks to show.
 
     Attributes:
+        config: See above.
         scene: Objects and their poses.
         commands: Commands that create the objects.
         caption: Texts of the latest frame; None before the first.
@@ -43,6 +44,7 @@ class LiveScene:
         from wbc.view.scene import Scene
 
         self._reader = reader
+        self.config = config
         self.scene = Scene(config.robot, config.boxes)
         self.commands = list(self.scene.commands())
         self.caption: dict[str, Any] | None = None

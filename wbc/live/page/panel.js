@@ -3,15 +3,18 @@
 // to every page.
 "use strict";
 (() => {
-const {make, text, slider, makeForm, plots} = wbc;
+const {make, text, slider, makeForm, strips, timeline, camera, pointer, keys} = wbc;
 const GROUPS = [["robot", "robot"], ["forces", "contact forces"], ["balance", "CoM, DCM, ZMP"],
   ["trail", "CoM trail"], ["support", "support polygon"], ["footsteps", "footsteps"],
   ["swing", "swing path"], ["terrain", "terrain"]];
 const sliders = new Map();
 const buttons = new Map();
+const UNDO_PERIOD = 1000;  // ms within which changes of one parameter count as one
+let pushSize = () => 0;
 let socket = null, controls = null, status = null, source = "page", errorEnds = 0;
+let changes = [];  // name, value before, and time of each change that can be undone
 // Tests read this.
-wbc.live = {status: null, values: {}, errors: [], outcomes: []};
+wbc.live = {status: null, values: {}, errors: [], outcomes: [], saved: ""};
 
 function send(control, value) {
   if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify({control, value, source}));
@@ -28,7 +31,11 @@ function makeSlider(parameter) {
     row.classList.toggle("changed", Math.abs(value - parameter.default) > 1e-3 * (parameter.high - parameter.low));
     wbc.live.values[parameter.name] = value;
   };
-  const change = (value) => { show(value); send(parameter.name, value); };
+  const change = (value) => {
+    remember(parameter.name, wbc.live.values[parameter.name]);
+    show(value);
+    send(parameter.name, value);
+  };
   move.input.setAttribute("aria-label", parameter.name);
   move.input.dataset.control = parameter.name;
   move.input.oninput = () => {
@@ -50,6 +57,22 @@ function makeSlider(parameter) {
   move.set(parameter.default);
   show(parameter.default);
   return row;
+}
+
+// Velocities are no parameters: they are commanded anew all the time.
+function remember(name, value) {
+  const last = changes.at(-1), now = performance.now();
+  if (name.startsWith("velocity.")) return;
+  if (last?.name === name && now - last.time < UNDO_PERIOD) last.time = now;
+  else changes.push({name, value, time: now});
+  changes = changes.slice(-100);
+}
+
+function undo() {
+  const last = changes.pop();
+  if (!last) return;
+  sliders.get(last.name).change(last.value);
+  changes.pop();  // the undoing itself
 }
 
 const inGroup = (group) => controls.parameters.filter((parameter) => parameter.group === group);
@@ -149,13 +172,15 @@ function pushSection() {
   };
   pad.onpointerdown = aim;
   pad.onpointermove = aim;
+  pushSize = () => size.get();
   size.input.setAttribute("aria-label", "size of the push");
   size.input.oninput = draw;
   size.set(0.2 * largest);
   draw();
   return section("Push", make("div", {className: "push"}, pad, make("div", {},
     make("label", {className: "slider"}, size.input, output),
-    action("push", "Push", "in the direction of the arrow; key: P", push))));
+    action("push", "Push", "in the direction of the arrow; key: P", push),
+    make("small", {id: "pushes"}))));
 }
 
 function timeSection() {
@@ -186,13 +211,39 @@ function gainSection() {
     defaultsButton((parameter) => !others.has(parameter.group)));
 }
 
-function showStatus(now, quantity) {
+// Offers a file of the gains and gait parameters that differ from the defaults, for --gains.
+function saveGains() {
+  const changed = controls.parameters.filter(({name, group, default: initial}) =>
+    !["velocity", "time"].includes(group) && Math.abs(wbc.live.values[name] - initial) > 1e-9 * Math.abs(initial));
+  const lines = changed.map(({name, unit}) => `"${name}" = ${+wbc.live.values[name].toPrecision(6)}${unit && `  # ${unit}`}`);
+  const text = [`# Gains of ${element("name").textContent}, for  wbc live --gains FILE`, ...lines, ""].join("\n");
+  wbc.live.gains = text;
+  const address = URL.createObjectURL(new Blob([text], {type: "text/plain"}));
+  make("a", {href: address, download: `${element("name").textContent}_gains.toml`}).click();
+  setTimeout(() => URL.revokeObjectURL(address), 10000);
+}
+
+function changesSection() {
+  return make("div", {className: "buttons changes"},
+    action("undo", "Undo", "take back the last change of a gain, a gait parameter or the speed; key: Z", undo),
+    action("save gains", "Save gains", "the changed gains and gait parameters as a file for --gains", saveGains));
+}
+
+function showStatus(now) {
   status = wbc.live.status = now;
-  plots.add(now, quantity);
-  element("banner").firstChild.textContent = {running: "", paused: "Paused",
-    fallen: "Robot fell — press Reset (R)"}[now.mode];
+  timeline.receiveStatus(now);
+  camera.turn(now.heading ?? 0);
+  const [title, reason] = {running: ["", ""], paused: ["Paused", ""],
+    fallen: ["Robot fell — press Reset (R)", now.fall]}[now.mode];
+  const banner = element("banner");
+  banner.querySelector("span").textContent = title;
+  banner.querySelector("small").textContent = reason;
+  document.body.classList.toggle("fallen", now.mode === "fallen");
   buttons.get("pause").textContent = now.mode === "paused" ? "Resume" : "Pause";
   buttons.get("pause").classList.toggle("on", now.mode === "paused");
+  buttons.get("reset").classList.toggle("urgent", now.mode === "fallen");
+  buttons.get("undo").disabled = changes.length === 0;
+  element("pushes").textContent = now.pushes ? `survived ${now.survived} of ${now.pushes}` : "";
   controls.motions.forEach((motion, i) =>
     buttons.get(`motion ${motion.name}`).classList.toggle("on", now.playing === i));
   const walking = now.velocity.some((x) => x !== 0);
@@ -213,28 +264,37 @@ function bindKeys() {
     change(Math.abs(next) < 0.01 * parameter.high ? 0 : next);
   };
   const press = (name) => () => buttons.get(name).click();
-  const keys = {
+  const click = (id) => () => element(id).click();
+  const help = keys.help();
+  const views = camera.names.map((name, i) => [`${i + 1}`, () => { element("view").value = name; camera.look(name); }]);
+  const bound = {
     ArrowUp: step("velocity.forward", 0.1), ArrowDown: step("velocity.forward", -0.1),
     ArrowLeft: step("velocity.turn", 0.15), ArrowRight: step("velocity.turn", -0.15),
     "shift ArrowLeft": step("velocity.left", 0.25), "shift ArrowRight": step("velocity.left", -0.25),
-    s: press("stand"), p: press("push"), r: press("reset"), " ": press("pause"),
+    s: press("stand"), p: press("push"), r: press("reset"), " ": press("pause"), z: undo,
+    ",": () => timeline.step(-0.1), ".": () => timeline.step(0.1),
+    "<": () => timeline.step(-2), ">": () => timeline.step(2), ";": () => timeline.step(-2), ":": () => timeline.step(2),
+    l: () => timeline.review(null), f: click("follow"), c: click("screenshot"),
+    v: () => pointer.choose("view"), w: () => pointer.choose("walk"), x: () => pointer.choose("push"), d: () => pointer.choose("pull"),
+    "?": () => help.showModal(), ...Object.fromEntries(views),
   };
-  addEventListener("keydown", (event) => {
-    // A focused control handles its own keys.
-    if (event.ctrlKey || event.altKey || event.metaKey) return;
-    if (event.target.matches("input:not([type=range], [type=checkbox]), select")) {
-      if (event.key === "Escape") event.target.blur();
-      return;
-    }
-    if (event.target.matches("input[type=range]") && event.key.startsWith("Arrow")) return;
-    if (event.target.matches("button, summary, input") && event.key === " ") return;
-    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-    const perform = keys[(event.shiftKey && key.startsWith("Arrow") ? "shift " : "") + key];
-    if (!perform) return;
-    event.preventDefault();
+  element("help-button").onclick = bound["?"];
+  keys.bind(bound, (perform) => {
     source = "keyboard";
     perform();
     source = "page";
+  });
+  const share = (name, value) => {
+    const {parameter, change} = sliders.get(name);
+    change(value * (value < 0 && parameter.low < 0 ? -parameter.low : parameter.high));
+  };
+  keys.bindGamepad({
+    walk: (forward, left, turn) => {
+      share("velocity.forward", forward);
+      share("velocity.left", left);
+      share("velocity.turn", turn);
+    },
+    stand: bound.s, pause: bound[" "], reset: bound.r,
   });
 }
 
@@ -243,20 +303,30 @@ function build(description) {
   const box = make("div", {id: "panel"});
   box.append(walkSection(), motionSection(), pushSection(), timeSection(), showSection(),
     folded("Gait", ...inGroup("gait").map(makeSlider), defaultsButton((parameter) => parameter.group === "gait")),
-    gainSection());
+    gainSection(), changesSection());
   // A clicked control loses the focus, so that the space key always pauses.
-  box.addEventListener("click", (event) => {
+  const blur = (event) => {
     const clicked = event.detail && event.target.closest("button, summary, input[type=checkbox]");
     if (clicked) clicked.blur();
-  });
-  document.body.append(box, make("div", {id: "banner"}, make("span")), make("div", {id: "error"}),
-    make("div", {id: "planning"}));
-  plots.build((label) => send("quantity", label));
+  };
+  const tools = make("div", {id: "tools"}, pointer.build(send, () => pushSize()), camera.build(),
+    make("div", {className: "tools"}, make("button", {id: "help-button", textContent: "?", title: "keys; key: ?"})));
+  const dock = make("div", {id: "dock"}, timeline.build(send), strips.build((labels) => send("signals", labels)));
+  const tabs = make("div", {id: "tabs"}, ...[["panel", "Controls"], ["dock", "Signals"]].map(([name, textContent]) =>
+    make("button", {textContent, onclick: () => {
+      document.body.dataset.tab = name;
+      for (const tab of element("tabs").children) tab.classList.toggle("on", tab.textContent === textContent);
+    }})));
+  tabs.firstChild.classList.add("on");
+  for (const part of [box, tools, dock, tabs]) part.addEventListener("click", blur);
+  document.body.dataset.tab = "panel";
+  document.body.append(box, dock, tools, tabs, make("div", {id: "banner"}, make("div", {}, make("span"), make("small"))),
+    make("div", {id: "error"}), make("div", {id: "planning"}));
   fitScene();
-  addEventListener("resize", fitScene);
+  new ResizeObserver(fitScene).observe(element("meshcat-pane"));
   bindKeys();
   setInterval(() => {
-    plots.draw();
+    strips.draw();
     if (performance.now() > errorEnds) element("error").textContent = "";
   }, 50);
 }
@@ -274,14 +344,20 @@ function open() {
     const received = JSON.parse(message.data);
     alive.postMessage(received.page);
     if (received.controls) build(received.controls);
-    if (received.quantities) plots.offer(received.quantities);
+    if (received.signals) strips.offer(received.signals, received.limits);
+    if (received.past) strips.receivePast(received.past);
+    if (received.points) strips.receivePoints(received.points);
+    if (received.events) timeline.receiveEvents(received.events);
+    if (received.saving) timeline.saving(received.saving);
+    if ("saved" in received) timeline.saved(received.saved);
+    if ("walk_to" in received) pointer.showTarget(received.walk_to);
     for (const [name, value] of Object.entries(received.values ?? {})) sliders.get(name).set(value);
     for (const [name, why] of Object.entries(received.infeasible ?? {})) {
       const button = buttons.get(`motion ${name}`);
       button.classList.add("infeasible");
       button.title = why;
     }
-    if (received.status) showStatus(received.status, received.quantity);
+    if (received.status) showStatus(received.status);
     if (received.outcome) wbc.live.outcomes.push(received);
     if (received.error) showError(received.error);
     if ("planning" in received) {
@@ -290,7 +366,7 @@ function open() {
   };
   socket.onclose = (event) => {
     disconnected(event);
-    for (const control of document.querySelectorAll("#panel :is(button, input, select)")) {
+    for (const control of document.querySelectorAll(":is(#panel, #dock, #tools) :is(button, input, select)")) {
       control.disabled = true;
     }
   };

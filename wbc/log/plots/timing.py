@@ -21,7 +21,7 @@ def draw_tick_time(axes: Any, run: LoggedRun) -> None:
     axes.plot(run.time[every], estimator[every], ".", color=_ESTIMATOR, markersize=1.0)
     if len(run) > 1:
         period = 1e6 * float(np.median(np.diff(run.time)))
-        mark_level(axes, period, f"period {period:.0f} µs", LIMIT)
+        mark_level(axes, period, f"budget {period:.0f} µs", LIMIT)
     for share, name in ((50, "median"), (99, "p99")):
         value = float(np.percentile(total, share))
         mark_level(axes, value, f"{name} {value:.0f} µs")
@@ -30,6 +30,6 @@ def draw_tick_time(axes: Any, run: LoggedRun) -> None:
     axes.set(ylabel="µs", xlabel="time, s")
     failed = int((run["status"] != 0).sum())
     axes.set_title(
-        "Tick time: estimator (light), with controller (dark)"
+        "Controller time (dark), with the estimator (light)"
         + (f"; {failed} ticks without a solution (red)" if failed else "")
     )

@@ -50,7 +50,7 @@ def draw_torque_peaks(axes: Any, run: LoggedRun) -> None:
     axes.set_xlim(0.0, max(108.0, 1.05 * float(peak.max(initial=0.0))))
     axes.grid(axis="y", visible=False)
     axes.set(xlabel="% of the limit")
-    axes.set_title("Torque of every joint: median (full), peak (faint)")
+    axes.set_title("Torque of every joint: median (full), peak (faded)")
     axes.tick_params(axis="y", colors=FAINT, labelcolor="black", length=0)
 
 

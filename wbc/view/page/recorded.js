@@ -34,7 +34,7 @@ async function startRecording() {
     const frame = lastBefore(times, time + 1e-6), next = Math.min(frame + 1, captions.length - 1);
     const span = times[next] - times[frame];
     // Between two runs the robot does not move from one place to the other.
-    const sameRun = captions[next].time >= captions[frame].time;
+    const sameRun = captions[next].run === captions[frame].run && captions[next].time >= captions[frame].time;
     const share = span > 0 && sameRun ? Math.max(time - times[frame], 0) / span : 0;
     nodes.forEach((node, i) => {
       readPose(first, i, frame);

@@ -1,7 +1,11 @@
 // The scene in meshcat's viewer: floor, lights, camera, the objects that Python describes, and the
 // status card. A frame consists of the poses of nodes and a caption, the texts of the card.
 "use strict";
-const BACKGROUND = 0xe8edf2;
+const DARK = matchMedia("(prefers-color-scheme: dark)").matches;
+const COLOURS = DARK
+  ? {background: 0x262c33, floor: 0x333a42, fine: 0x3e464f, coarse: 0x505a65, com: 0xf2f5f8}
+  : {background: 0xe8edf2, floor: 0xd3d9df, fine: 0xc6cfd8, coarse: 0xa7b3bf, com: 0x23272f};
+const COM_COLOUR = 0x23272f;  // as the server sends it, which would not show on a dark floor
 var viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
 const THREE = MeshCat.THREE;
 const element = (id) => document.getElementById(id);
@@ -12,15 +16,15 @@ function makeSurroundings(scale) {
   for (const path of [["Lights"], ["Grid"], ["Axes"]]) {
     viewer.scene_tree.find(path).object.visible = false;
   }
-  const rgb = [16, 8, 0].map((shift) => ((BACKGROUND >> shift) & 255) / 255);
+  const rgb = [16, 8, 0].map((shift) => ((COLOURS.background >> shift) & 255) / 255);
   viewer.set_property(["Background"], "bottom_color", rgb);
   viewer.set_property(["Background"], "top_color", rgb);
   // The floor fades into the background, so that it has no visible edge.
-  viewer.scene.fog = new THREE.Fog(BACKGROUND, 5 * scale, 15 * scale);
+  viewer.scene.fog = new THREE.Fog(COLOURS.background, 5 * scale, 15 * scale);
 
   const surroundings = viewer.scene_tree.find(["wbc", "surroundings"]).object;
   const floor = new THREE.Mesh(
-    new THREE.PlaneGeometry(60, 60), new THREE.MeshLambertMaterial({color: 0xd3d9df}));
+    new THREE.PlaneGeometry(60, 60), new THREE.MeshLambertMaterial({color: COLOURS.floor}));
   floor.receiveShadow = true;
   floor.position.z = -0.004;
   surroundings.add(floor);
@@ -30,8 +34,8 @@ function makeSurroundings(scale) {
     grid.position.z = z;
     surroundings.add(grid);
   };
-  lines(0.25, 8, 0xc6cfd8, -0.003);
-  lines(1.0, 16, 0xa7b3bf, -0.002);
+  lines(0.25, 8, COLOURS.fine, -0.003);
+  lines(1.0, 16, COLOURS.coarse, -0.002);
 
   surroundings.add(new THREE.HemisphereLight(0xffffff, 0xb4bcc6, 0.64));
   const sun = new THREE.DirectionalLight(0xfff6ea, 0.42);
@@ -73,17 +77,34 @@ function finishScene() {
       part.castShadow = name === "robot";
       part.receiveShadow = solid;
       part.frustumCulled = solid;
+      if (!solid && part.material?.color?.getHex() === COM_COLOUR) part.material.color.set(COLOURS.com);
     });
   }
   element("wait").remove();
+  document.body.classList.add("complete");
   viewer.set_dirty();
 }
 
 const nodesAt = (paths) =>
   paths.map((path) => viewer.scene_tree.find(path.split("/").filter((x) => x)).object);
 
+let held = null, latest = null;  // the node that stays where it is, and the pose that it would have
+
+// Lets the node of a path stay where it is, or, for null, catch up with what it has missed.
+function holdNode(path) {
+  const [object, pose] = [held, latest];
+  held = path && nodesAt([path])[0];
+  latest = null;
+  if (object && pose) setPose(object, pose, 0);
+  viewer.set_dirty();
+}
+
 // Sets the pose of a node: position, quaternion and scale from 10 numbers of an array.
 function setPose(object, numbers, start) {
+  if (object === held) {
+    latest = Array.from(numbers.slice(start, start + 10));
+    return;
+  }
   object.position.fromArray(numbers, start);
   object.quaternion.fromArray(numbers, start + 3);
   object.scale.fromArray(numbers, start + 7);

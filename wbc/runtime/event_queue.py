@@ -1,4 +1,4 @@
-"""Events of a run on their way from the loop to the log writer."""
+"""Events of a run on their way from the loop to another process."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class EventQueue:
 
     @property
     def descriptor(self) -> int:
-        """File descriptor to pass to the log writer."""
+        """File descriptor to pass to the process that takes them."""
         return self._queue.descriptor
 
     def put(self, run: int, event: RunEvent) -> None:
