@@ -56,7 +56,7 @@ class HandContact:
             friction=friction,
             motion_weight=motion_weight,
             max_force=0.0,
-            name=name or f"{frame} contact",
+            name=name or f"{frame}_contact",
         )
 
     @property

@@ -126,7 +126,7 @@ class HandContactReferences:
                 )
             yield
         contact = HandContact(
-            arm.hand, world, point=point, friction=friction, name=f"{side} hand contact"
+            arm.hand, world, point=point, friction=friction, name=f"{side}_hand_contact"
         )
         self._held[arm.side] = _HeldContact(contact, self._weight)
         self._walker.hand_contacts.add(contact)
@@ -150,7 +150,7 @@ class HandContactReferences:
             down,
             friction=_NO_FRICTION,
             motion_weight=_FREE,
-            name=f"{side} hand payload",
+            name=f"{side}_hand_payload",
         )
         held = self._held[arm.side] = _HeldContact(contact, self._weight)
         held.payload = PayloadEstimator(self._walker.robot, self._clock.dt)
