@@ -7,6 +7,7 @@ import math
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Literal
 
 import wbc
@@ -20,6 +21,7 @@ from wbc.errors import PlantError
 from wbc.runtime.protocols import Observer
 from wbc.runtime.report import Report
 from wbc.sim import Cart, Flat, JointServos, Mujoco, Ramp, Terrain, Tiles, Wall
+from wbc.teleop.gains_file import apply_gains
 
 _MAX_SPEED = 1.5  # m/s, by which the extent of the tiles is chosen
 _TILE_MARGIN = 2.0  # m
@@ -42,6 +44,7 @@ class SimulationOptions:
         seed: random seed of sensor noise and tiles.
         actuation: what the joints are driven by: ideal sources of torque, or servos with soft
             gains, 2 ms of delay, friction and a backlash of 0.5°.
+        gains: gains and gait parameters, as the page of wbc live saves them.
     """
 
     outputs: OutputOptions
@@ -52,6 +55,7 @@ class SimulationOptions:
     terrain: Literal["flat", "tiles", "ramp", "wall", "cart"] = "flat"
     seed: int = 0
     actuation: Literal["torque", "servo"] = "torque"
+    gains: Annotated[Path | None, Argument("FILE", Path)] = None
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,8 @@ class Simulation:
         with exit_on_interrupt():  # it imports and compiles
             self.robot = options.model.load(options.robot)
             self.walker = wbc.Walker(self.robot, planner=options.planner, solver=options.solver)
+            if options.gains is not None:
+                apply_gains(self.walker, options.gains)
             terrain = _terrain(options, duration)
             self.boxes = terrain.boxes()
             servos = JointServos() if options.actuation == "servo" else None

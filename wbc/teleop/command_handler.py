@@ -6,7 +6,6 @@ import itertools
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +22,7 @@ from wbc.teleop.acknowledgement import Acknowledgement, CommandOutcome
 from wbc.teleop.capabilities import Capabilities
 from wbc.teleop.channel import CommandChannel
 from wbc.teleop.joint_targets import JointTargets
+from wbc.teleop.parameters import GAIT, set_parameter
 from wbc.teleop.push_counter import PushCounter
 
 #: Called with every command and what became of it, inside a tick: it must return at once.
@@ -80,7 +80,6 @@ class CommandHandler(Closeable):
         self._manager = MotionManager(player)
         self._joints = JointTargets(player)
         self._clock = Clock(player.dt, 1) if owns_clock else None
-        self._tasks = {task.name: task for task in player.walker.tasks}
         self._channels: list[CommandChannel] = []
         self._observers: list[AcknowledgementObserver] = []
         self._submitted: deque[commands.SentCommand] = deque()
@@ -279,12 +278,9 @@ class CommandHandler(Closeable):
                 self._velocity, self._velocity_end = None, np.inf
                 self._manager.stand()
             case commands.GaitParameterCommand(name, value):
-                walker = self.player.walker
-                changes: dict[str, Any] = {name: value}
-                walker.change_gait(replace(walker.gait, **changes))
+                set_parameter(self.player.walker, f"{GAIT}.{name}", value)
             case commands.GainCommand(task_name, gain, value):
-                rows = np.array(getattr(self._tasks[task_name], gain))
-                setattr(self._tasks[task_name], gain, value * (rows / np.max(rows)))
+                set_parameter(self.player.walker, f"{task_name}.{gain}", value)
             case commands.JointCommand():
                 self._joints.set(command, sent.stamp)
             case commands.TimeScaleCommand(scale):

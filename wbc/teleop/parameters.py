@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -84,3 +85,22 @@ def tunable_parameters(walker: Walker, time_scale: bool) -> tuple[TunableParamet
                 name = f"{task.name}.{gain}"
                 found.append(TunableParameter(name, task.name, label, unit, *bounds, value, True))
     return tuple(found)
+
+
+def set_parameter(walker: Walker, name: str, value: float) -> None:
+    """Set a gait parameter or a gain of a walker, at any tick.
+
+    Args:
+        walker: the walker.
+        name: name of a `TunableParameter`, e.g. "gait.swing_height" or "com.weight".
+        value: its value; of a gain with several rows that of the largest row, to which the other
+            rows keep their ratios.
+    """
+    group, _, field = name.rpartition(".")
+    if group == GAIT:
+        changes: dict[str, Any] = {field: value}
+        walker.change_gait(replace(walker.gait, **changes))
+        return
+    task = next(task for task in walker.tasks if task.name == group)
+    rows = np.array(getattr(task, field))
+    setattr(task, field, value * (rows / np.max(rows)))
