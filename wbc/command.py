@@ -24,10 +24,13 @@ class Status(Enum):
 
 
 class CommandSource(Protocol):
-    """A controller that can explain its last command."""
+    """A controller that can explain its last command, and record what it was made of."""
 
     def explain(self, command: Command) -> TickExplanation:
         """Explain a command; see `Command.explain`."""
+
+    def packed_inputs(self, command: Command, words: int) -> np.ndarray:
+        """Return what a command's QP was made of, (words,); see `wbc.qp.inputs`."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)

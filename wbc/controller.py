@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Sequence
+from dataclasses import astuple
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -36,6 +37,7 @@ from wbc.qp import (
     non_finite_rows,
     resolve_solver,
 )
+from wbc.qp.inputs import ProgramInputs, pack_inputs
 from wbc.robot import Coupling, Robot
 from wbc.state import State
 from wbc.tasks import JointCouplingTask, Task
@@ -139,6 +141,7 @@ class WholeBodyController:
         self.problem: Problem | None = None
         self._contacts: tuple[Contact, ...] = ()
         self._assemblies: dict[tuple[object, ...], Assembly | CompiledAssembly] = {}
+        self._inputs: dict[Assembly | CompiledAssembly, ProgramInputs] = {}
         self._last_tau = np.zeros(robot.na)
         self._tick = 0
         self._level_solver: Solver | None = None
@@ -147,7 +150,7 @@ class WholeBodyController:
 
     def __getstate__(self) -> dict[str, Any]:
         """Return everything but the assemblies, which refer to memory and are made again."""
-        return {**self.__dict__, "_assemblies": {}, "_last": None}
+        return {**self.__dict__, "_assemblies": {}, "_inputs": {}, "_last": None}
 
     def __repr__(self) -> str:
         tasks = ", ".join(task.name for task in self.tasks) or "none"
@@ -298,14 +301,9 @@ class WholeBodyController:
         Raises:
             WbcError: it is not the last command of this controller.
         """
-        last = self._last
-        if last is None or last.command is not command or self.problem is None:
-            raise WbcError(
-                "this command cannot be explained any more: its controller has gone on to the "
-                "next tick; explain a command before the next step, or look it up in a log"
-            )
+        last, problem = self._last_tick(command)
         if last.x is None:
-            conflict = find_conflict(self.problem) if self.problem.finite else ()
+            conflict = find_conflict(problem) if problem.finite else ()
             return TickExplanation(command.explanation, conflict, (), ())
         assembly, kin = last.assembly, last.kinematics
 
@@ -313,7 +311,62 @@ class WholeBodyController:
             found = assembly.recover(x, kin, self.dt)
             return np.full(self.robot.nv, np.nan) if found is None else found.acceleration
 
-        return explain_solution(self.problem, last.x, self.tasks, kin, acceleration_of)
+        return explain_solution(problem, last.x, self.tasks, kin, acceleration_of)
+
+    def packed_inputs(self, command: Command, words: int) -> np.ndarray:
+        """Return what the QP of the last command was made of beside the state.
+
+        `wbc.recorded_tick` makes of it a controller that solves the tick again.
+
+        Args:
+            command: the last command.
+            words: size of the result.
+
+        Returns:
+            (words,) see `wbc.qp.inputs.ProgramInputs`; overwritten by the next call.
+
+        Raises:
+            WbcError: it is not the last command of this controller.
+        """
+        last, problem = self._last_tick(command)
+        if self.formulation is not Formulation.COMPILED:
+            missing = f"only Formulation.COMPILED is recorded, not {self.formulation}"
+            return pack_inputs({"missing": missing}, np.empty(0), words)
+        inputs = self._inputs.get(last.assembly)
+        if inputs is None:
+            inputs = self._inputs[last.assembly] = self._new_inputs(last.assembly)
+        return inputs.pack(words, self._working_set(problem))
+
+    def _working_set(self, problem: Problem) -> np.ndarray:
+        """Return where the solver ended: from there it solves the tick again to the same bits."""
+        working_set = getattr(self.solver, "working_set", None)
+        if working_set is None or problem.levels is not None:
+            return np.empty(0)
+        return np.asarray(working_set(problem))
+
+    def start_from(self, working_set: np.ndarray) -> None:
+        """Start the first solve from where that of a recorded tick ended."""
+        start = getattr(self.solver, "start_from", None)
+        if start is not None:
+            start(working_set)
+
+    def _new_inputs(self, assembly: Any) -> ProgramInputs:
+        settings = {
+            "dt": self.dt,
+            "solver": getattr(self.solver, "name", type(self.solver).__name__),
+            "regularisation": astuple(self.regularisation),
+        }
+        parts = (self.robot, self.tasks, self._contacts, self._limits)
+        return ProgramInputs(*parts, assembly.written, assembly.memory, settings)
+
+    def _last_tick(self, command: Command) -> tuple[_LastTick, Problem]:
+        last = self._last
+        if last is None or last.command is not command or self.problem is None:
+            raise WbcError(
+                "this command cannot be explained any more: its controller has gone on to the "
+                "next tick; explain a command before the next step, or look it up in a log"
+            )
+        return last, self.problem
 
     def _priority_solver(self) -> Solver:
         """Return the solver of strict priorities, made when it is first needed."""
@@ -357,6 +410,7 @@ class WholeBodyController:
                 len(self._assemblies) >= _MAX_ASSEMBLIES
             ):  # new contact objects in each tick must not fill the memory
                 self._assemblies.clear()
+                self._inputs.clear()
             found = self._assemblies[key] = self._new_assembly()
         return found
 

@@ -27,6 +27,7 @@ _SUBCOMMANDS = {
     "plot": "draw the standard plots of a log",
     "diff": "find where two logged runs diverge",
     "log": "print the contents of a log, or repair an interrupted one",
+    "explain": "say why a tick of a log is what it is",
     "robots": "list the robots that can be loaded by name, or the properties of a robot",
     "doctor": "check a robot description",
     "trials": "push robots in grids of trials, and compare the results",
@@ -56,6 +57,7 @@ examples:
   wbc plot walk.mcap                             plot it
   wbc replay walk.mcap                           replay it in the browser
   wbc diff walk.mcap other.mcap                  find where two runs diverge
+  wbc explain walk.mcap --at 2.5                 see which limits stood in the way of what
   wbc doctor my.urdf                           check a model
   wbc trials benchmarks/grids/quick.toml       push robots, see what they survive
 """

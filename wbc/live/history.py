@@ -125,7 +125,7 @@ class History:
         elif whole < len(records):
             rest = slice(whole, None)
             self._waiting = _Waiting([words[rest]], [time[rest]], len(records) - whole)
-        columns = sum(column.size for column in self._schema.columns)
+        columns = sum(column.size for column in self._schema.numbers)
         start = 0
         for end in ends:
             block = self._block_with_room(records.dtype, columns)

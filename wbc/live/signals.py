@@ -23,7 +23,7 @@ _UNLIMITED = 1e3  # larger limits are those of a description without any
 
 def signal_places(schema: Schema) -> dict[str, int]:
     """Return the place of every number of a tick in its record, by its label."""
-    labels = [column.label(i) for column in schema.columns for i in range(column.size)]
+    labels = [column.label(i) for column in schema.numbers for i in range(column.size)]
     return {label: place for place, label in enumerate(labels)}
 
 
@@ -36,7 +36,7 @@ def signal_limits(schema: Schema, robot: Robot, dt: float) -> dict[str, Bounds]:
         dt: Control period, s, which is the budget of a tick.
     """
     limits: dict[str, Bounds] = {}
-    for column in schema.columns:
+    for column in schema.numbers:
         if column.name in _TIMES:
             limits[column.label(0)] = (None, dt)
         elif column.name in _POSITIONS:

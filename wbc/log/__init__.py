@@ -6,6 +6,7 @@ Logs are MCAP files of ROS 2 messages, which Foxglove and PlotJuggler open.
 from wbc.log.diff import Difference, Divergence, compare
 from wbc.log.errors import LogError
 from wbc.log.logged_robot import logged_robot
+from wbc.log.logged_tick import LoggedTick
 from wbc.log.plots import plot
 from wbc.log.reader import Log
 from wbc.log.recorder import FlightRecorder
@@ -20,6 +21,7 @@ __all__ = [
     "Log",
     "LogError",
     "LoggedRun",
+    "LoggedTick",
     "RepairedLog",
     "TopicTable",
     "compare",

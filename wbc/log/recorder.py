@@ -15,6 +15,7 @@ from wbc.log.previous_log import PreviousLog
 from wbc.log.recovery import complete
 from wbc.log.status import LogStatus
 from wbc.process import ChildProcess
+from wbc.runtime.controller_inputs import controller_inputs
 from wbc.runtime.event_queue import EventQueue
 from wbc.runtime.process_observer import ProcessObserver
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from wbc.runtime.event import RunEvent
     from wbc.runtime.protocols import Controller, Plant
     from wbc.runtime.report import Report
+    from wbc.runtime.schema import Quantity
     from wbc.runtime.stream import TickStream
     from wbc.runtime.tick import Tick
 
@@ -81,6 +83,11 @@ class FlightRecorder(ProcessObserver):
             raise
         self._configured = True
         self._warn_if_disk_is_nearly_full()
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What ticks are solved again from, see `LoggedTick`."""
+        return (controller_inputs(self._robot),)
 
     @property
     def alive(self) -> bool:

@@ -95,6 +95,15 @@ class TopicTable:
         """Log times of the messages, ns, shape (n,)."""
         return np.array(self._stamps, np.int64)
 
+    def message(self, index: int) -> Message:
+        """Return the message with an index, without decoding the others."""
+        for alike in self._sizes.values():
+            for indices, rows in alike.blocks():
+                place = np.flatnonzero(indices == index)
+                if place.size:
+                    return message_type(self.type_name).decode(rows[place[0]])
+        raise IndexError(index)
+
     def messages(self) -> list[Message]:
         """Return the messages."""
         kind = message_type(self.type_name)

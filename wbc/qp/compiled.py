@@ -23,6 +23,7 @@ from wbc.qp.kernels.buffers import Buffers, Sizes
 from wbc.qp.kernels.program import assemble, recover
 from wbc.qp.parameter_update import (
     Update,
+    UpdateAndWritten,
     bound_update,
     contact_update,
     dense_task_update,
@@ -42,7 +43,12 @@ from wbc.tasks.motion import CENTROID
 
 
 class CompiledAssembly:
-    """Builds the QP of one structure in compiled code; see `Assembly` for the arguments."""
+    """Builds the QP of one structure in compiled code; see `Assembly` for the arguments.
+
+    Attributes:
+        written: the arrays of `memory` that each task, contact and limit writes.
+        memory: all reals of the kernels.
+    """
 
     def __init__(
         self,
@@ -101,11 +107,13 @@ class CompiledAssembly:
         program.regularisation[m.joints] = regularisation.acceleration
         program.regularisation[m.free] = regularisation.force * m.unit**2
         program.lb[:], program.ub[:] = -np.inf, np.inf
-        self._updates = [
+        updates = [
             *_task_updates(motion_tasks, joint_tasks, dense_tasks, buffers, stack, frames),
             *_contact_updates(self._contacts, buffers, stack, frames),
             *_limit_updates(limits, dict(self._contacts), buffers),
         ]
+        self._updates: list[tuple[object, Update]] = [(owner, u) for owner, (u, _) in updates]
+        self.written = {owner: arrays for owner, (_, arrays) in updates}
         self._problem = Problem(
             program.H,
             program.g,
@@ -119,6 +127,7 @@ class CompiledAssembly:
         )
         root = float(np.sqrt(regularisation.force))
         self._arguments = (*buffers.arrays, first, robot.mass, float(m.unit), root)
+        self.memory = buffers.arrays[0]
         self._nv, self._na, self._nf = robot.nv, na, m.W.shape[0]
 
     def build(self, kin: Kinematics) -> Problem:
@@ -235,7 +244,7 @@ class _FrameTable:
         return 0 if owner.frame_id == CENTROID else self.ids.index(owner.frame_id, 1)
 
 
-_Updates = list[tuple[object, Update]]
+_Updates = list[tuple[object, UpdateAndWritten]]
 
 
 def _task_updates(

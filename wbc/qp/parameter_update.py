@@ -1,7 +1,8 @@
 """Copies what tasks, contacts and limits ask for into the kernels' buffers, tick by tick.
 
-One function per kind: it looks up once where an object's numbers go and returns a function that
-copies them in each tick. Gains are copied only when they were set anew.
+One function per kind: it looks up once where an object's numbers go, and returns a function that
+copies them in each tick and the arrays that it writes. Gains are copied only when they were set
+anew.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ from wbc.qp.kernels.rows import ACCELERATIONS, POSITIONS, VELOCITIES
 from wbc.tasks import JointTask, MotionTask, PostureTask, Task, TaskReference
 
 Update = Callable[[Kinematics], None]
+#: An update, and the arrays that it writes.
+UpdateAndWritten = tuple[Update, tuple[np.ndarray, ...]]
 
 
 def inherits(instance: object, owner: type, method: str) -> bool:
@@ -44,7 +47,9 @@ def has_contact_kernel(contact: Contact) -> bool:
     return inherits(contact, Contact, "write")
 
 
-def motion_task_update(task: MotionTask, buffers: Buffers, k: int, frame: int, row: int) -> Update:
+def motion_task_update(
+    task: MotionTask, buffers: Buffers, k: int, frame: int, row: int
+) -> UpdateAndWritten:
     """Update of the k-th motion task, whose rows start at `row` of the dense ones."""
     group, part = buffers.motion_tasks, task.components
     group.frame[k], group.component[k] = frame, part.start
@@ -63,10 +68,11 @@ def motion_task_update(task: MotionTask, buffers: Buffers, k: int, frame: int, r
             kp[:], kd[:] = task.kp, task.kd
             root_weight[:] = task.sqrt_weight[: root_weight.size]
 
-    return update
+    pose = reference.pose[:3]
+    return update, (pose, reference.velocity, reference.acceleration, kp, kd, root_weight)
 
 
-def dense_task_update(task: Task, buffers: Buffers, row: int) -> Update:
+def dense_task_update(task: Task, buffers: Buffers, row: int) -> UpdateAndWritten:
     """Update of a task that writes its rows itself."""
     stacked, part = buffers.rows, slice(row, row + task.size)
     A, b, root_weight = stacked.A[part], stacked.b[part], stacked.root_weight[part]
@@ -75,10 +81,10 @@ def dense_task_update(task: Task, buffers: Buffers, row: int) -> Update:
         task.write(kin, A, b)
         root_weight[:] = task.sqrt_weight[: root_weight.size]
 
-    return update
+    return update, (A, b, root_weight)
 
 
-def joint_task_update(task: JointTask, buffers: Buffers, part: slice) -> Update:
+def joint_task_update(task: JointTask, buffers: Buffers, part: slice) -> UpdateAndWritten:
     """Update of a weighted task on single joints."""
     group = buffers.joint_tasks
     group.joint[part] = task.index
@@ -88,6 +94,7 @@ def joint_task_update(task: JointTask, buffers: Buffers, part: slice) -> Update:
         group.acceleration[part],
     )
     kp, kd, weight = group.kp[part], group.kd[part], group.weight[part]
+    written = (target, velocity, acceleration, kp, kd, weight)
     gains: object = None
     if not (isinstance(task, PostureTask) and inherits(task, PostureTask, "write_joints")):
 
@@ -95,7 +102,7 @@ def joint_task_update(task: JointTask, buffers: Buffers, part: slice) -> Update:
             task.write_joints(kin, acceleration)
             weight[:] = task.weight
 
-        return update_written
+        return update_written, written
     posture = task
 
     def update(kin: Kinematics) -> None:
@@ -107,12 +114,12 @@ def joint_task_update(task: JointTask, buffers: Buffers, part: slice) -> Update:
             gains = posture.gains
             kp[:], kd[:], weight[:] = posture.kp, posture.kd, posture.weight
 
-    return update
+    return update, written
 
 
 def contact_update(
     contact: Contact, buffers: Buffers, k: int, frame: int, forces: slice, cone_row: int, row: int
-) -> Update:
+) -> UpdateAndWritten:
     """Update of the k-th contact.
 
     Args:
@@ -158,10 +165,11 @@ def contact_update(
         if written:
             contact.write(kin, J, a)
 
-    return update
+    numbers = (damping[k : k + 1], min_force[k : k + 1], max_force[k : k + 1])
+    return update, (*numbers, *([root_weight] if soft else ()), *([J, a] if written else ()))
 
 
-def bound_update(bound: AccelerationBound, buffers: Buffers, k: int) -> Update:
+def bound_update(bound: AccelerationBound, buffers: Buffers, k: int) -> UpdateAndWritten:
     """Update of the k-th limit on joint accelerations."""
     group = buffers.bounds
     lower, upper, braking = group.lower[k], group.upper[k], group.braking[k]
@@ -178,7 +186,7 @@ def bound_update(bound: AccelerationBound, buffers: Buffers, k: int) -> Update:
             copy_braking(position.braking)
 
         copy_lower, copy_upper, copy_braking = map(_copier, (lower, upper, braking))
-        return update_positions
+        return update_positions, (horizon[k : k + 1], recovery[k : k + 1], lower, upper, braking)
     if isinstance(bound, JointVelocityLimit) and inherits(bound, JointVelocityLimit, "bounds"):
         group.kind[k] = VELOCITIES
         velocity = bound
@@ -189,28 +197,28 @@ def bound_update(bound: AccelerationBound, buffers: Buffers, k: int) -> Update:
             copy_braking(velocity.braking)
 
         copy_upper, copy_braking = map(_copier, (upper, braking))
-        return update_velocities
+        return update_velocities, (horizon[k : k + 1], upper, braking)
     group.kind[k] = ACCELERATIONS
 
     def update(kin: Kinematics) -> None:
         lower[:], upper[:] = bound.bounds(kin)
 
-    return update
+    return update, (lower, upper)
 
 
-def torque_update(limit: TorqueLimit, buffers: Buffers) -> Update:
+def torque_update(limit: TorqueLimit, buffers: Buffers) -> UpdateAndWritten:
     """Update of the limit on torques."""
     copy = _copier(buffers.bounds.torque)
 
     def update(kin: Kinematics) -> None:
         copy(limit.maximum)
 
-    return update
+    return update, (buffers.bounds.torque,)
 
 
 def limit_update(
     limit: Limit, buffers: Buffers, part: slice, forces: dict[Contact, slice]
-) -> Update:
+) -> UpdateAndWritten:
     """Update of a general limit.
 
     Args:
@@ -227,7 +235,7 @@ def limit_update(
         rows.clear()
         limit.write(kin, rows)
 
-    return update
+    return update, (rows.A, rows.lower, rows.upper, *columns.values())
 
 
 def _copier(to: np.ndarray) -> Callable[[np.ndarray], None]:

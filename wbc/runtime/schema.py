@@ -32,7 +32,7 @@ WRENCH = ("fx", "fy", "fz", "mx", "my", "mz")
 _BASE_POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 
 #: How a quantity travels in messages: by itself, as a type that viewers draw, or with others.
-MessageKind = Literal["numbers", "point", "wrench", "composite"]
+MessageKind = Literal["numbers", "point", "wrench", "composite", "packed"]
 
 
 class SchemaError(WbcError):
@@ -62,7 +62,8 @@ class Quantity:
         frame: frame in which it is expressed: a ROS frame, "{base}", "{imu}" or "{sole}".
         message: "numbers": `std_msgs/Float64` or `Float64MultiArray`; "point" and "wrench":
             `geometry_msgs/PointStamped` and `WrenchStamped`; "composite": part of a message with
-            other quantities, see `wbc.topics.catalogue`.
+            other quantities, see `wbc.topics.catalogue`; "packed": no numbers to be plotted, with
+            a topic of its own kind.
         topic: name of its topic; `wbc/<name>` by default.
         single: messages carry it in single precision, which compresses well.
     """
@@ -141,6 +142,11 @@ class Schema:
         return self.dtype.itemsize // 8
 
     @cached_property
+    def numbers(self) -> tuple[Column, ...]:
+        """Columns of numbers that can be plotted; the packed ones follow them."""
+        return tuple(column for column in self.columns if column.message != "packed")
+
+    @cached_property
     def by_name(self) -> dict[str, Column]:
         """Columns by name."""
         return {c.name: c for c in self.columns}
@@ -163,7 +169,7 @@ def declared_columns(
 ) -> list[tuple[Column, str | Callable[[Tick], Any]]]:
     """Return the columns and sources of a robot's quantities in the order of a record.
 
-    Attributes of ticks come first, numbers before arrays, and then functions.
+    Attributes of ticks come first, numbers before arrays, then functions, and packed ones last.
 
     Args:
         robot: the robot.
@@ -185,7 +191,9 @@ def declared_columns(
     for name in names:
         if names.count(name) > 1:
             raise SchemaError(f"the quantity '{name}' is declared twice; give it another name")
-    return sorted(columns, key=lambda pair: (callable(pair[1]), not pair[0].scalar))
+    return sorted(
+        columns, key=lambda c: (c[0].message == "packed", callable(c[1]), not c[0].scalar)
+    )
 
 
 def _value_of_sole(quantity: Quantity, sole: str) -> Callable[[Tick], Any]:

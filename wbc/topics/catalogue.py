@@ -10,10 +10,12 @@ import numpy as np
 
 from wbc.messages import Message, message_type
 from wbc.robot import Robot
+from wbc.runtime.controller_inputs import NAME as INPUTS
 from wbc.runtime.record import text_of
 from wbc.runtime.schema import ODOM, Column, Schema
 from wbc.topics.batch import TickBatch
 from wbc.topics.contact_plan import contact_plan_topics
+from wbc.topics.controller_inputs import ControllerInputsTopic
 from wbc.topics.link_transforms import fixed_link_transforms, moving_link_transforms
 from wbc.topics.numeric import NumericTopic
 from wbc.topics.topic import LatchedTopic, MessageBlock, MessageTopic, topic_name
@@ -68,7 +70,8 @@ def tick_topics(schema: Schema, robot: Robot, period: float = 0.02) -> list[Mess
     """
     return [
         *_composite_topics(schema, robot, 0.5 * period),
-        *(_quantity_topic(column) for column in schema.columns if column.message != "composite"),
+        *(_quantity_topic(column) for column in schema.columns if column.message in _FIELDS),
+        *(ControllerInputsTopic() for column in schema.columns if column.name == INPUTS),
         _point_topic("balance/cop", lambda batch: batch.kinematics.cop),
         *(_sole_pose_topic(sole.name, period) for sole in robot.soles),
         *contact_plan_topics(),
@@ -100,6 +103,8 @@ def column_fields(column: Column) -> list[tuple[str, str]]:
     """Return the topics and fields that carry the numbers of a quantity, in their order."""
     if column.message == "composite":
         return [(topic, field) for topic, field, name, _ in _COMPOSITE if name == column.name]
+    if column.message == "packed":
+        return []
     return [(_column_topic(column), _FIELDS[column.message])]
 
 

@@ -41,6 +41,22 @@ class CompiledSolver:
     def __init__(self, tolerance: float = _TOLERANCE) -> None:
         self._tolerance = tolerance
         self._states: dict[tuple[int, int], _SolverState] = {}
+        self._start = np.empty(0)
+
+    def working_set(self, problem: Problem) -> np.ndarray:
+        """Return where the last solve of a problem of this size ended.
+
+        Returns:
+            (2 n + 1,) its size, then its rows and their sides, see `WorkingSet`.
+        """
+        state = self._states.get((problem.C.shape[1], problem.lb.size))
+        if state is None:
+            return np.zeros(2 * problem.g.size + 1)
+        return state.working_set()
+
+    def start_from(self, working_set: np.ndarray) -> None:
+        """Start the first solve from a working set; see `working_set`."""
+        self._start = np.asarray(working_set)
 
     def solve(self, problem: Problem) -> Solution:
         """See `wbc.qp.Solver`."""
@@ -48,6 +64,8 @@ class CompiledSolver:
         state = self._states.get(key)
         if state is None:
             state = self._states[key] = _SolverState(*key)
+            if self._start.size == 2 * key[0] + 1:
+                state.start_from(self._start)
         if self._attempt(problem, state, self._tolerance) == SOLVED:
             return state.solution()
         state.reset()
@@ -124,6 +142,21 @@ class _SolverState:
     def solution(self) -> Solution:
         """Return what the last solve found."""
         return Solution(self.x.copy(), Outcome.SOLVED, int(self._active.iterations[0]))
+
+    def working_set(self) -> np.ndarray:
+        """See `CompiledSolver.working_set`."""
+        active, n = self._active, self.x.size
+        return np.concatenate((active.size, active.row[:n], active.side[:n]))
+
+    def start_from(self, working_set: np.ndarray) -> None:
+        """See `CompiledSolver.start_from`."""
+        active, n = self._active, self.x.size
+        rows = working_set[1 : n + 1].astype(np.int64)
+        if (rows >= self._sizes[1]).any():
+            return  # of another problem
+        active.row[:n], active.side[:n] = rows, working_set[n + 1 :]
+        active.size[0] = min(int(working_set[0]), n)
+        active.multiplier[:] = 0.0
 
     def reset(self) -> None:
         """Start the next solve from an empty working set."""
