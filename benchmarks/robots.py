@@ -60,6 +60,7 @@ STANDING, MOVING = 1.0, 4.0  # s
 LIMIT_EXCESS = 0.01  # rad; MuJoCo's limits are soft, most for links without rotor inertia
 PUSH = 0.05  # times √(g h), N·s/kg
 MARKS = ("<!-- robots:begin -->", "<!-- robots:end -->")
+LIST_MARKS = ("<!-- public robots:begin -->", "<!-- public robots:end -->")
 
 
 @dataclass
@@ -298,19 +299,21 @@ def cell(outcome: Outcome) -> str:
         figures.append(f"{outcome.com_mm:.1f} mm")
     if outcome.swing_mm is not None:
         figures.append(f"foot {outcome.swing_mm:.1f} mm")
-    return ", ".join(figures) or "yes" if outcome.ok else f"no: {outcome.why}"
+    why = " ".join(outcome.why.split()).partition("; ")[0]  # without the cure
+    return ", ".join(figures) or "yes" if outcome.ok else f"no: {why}"
 
 
 def table(rows: list[Row]) -> str:
     """Return a Markdown table with one line per robot."""
-    head = ("robot", "size", *ACTIVITIES, "torque", "stated")
+    ran_somewhere = [a for a in ACTIVITIES if any(a in row.outcomes for row in rows)]
+    head = ("robot", "size", *ran_somewhere, "torque", "stated")
     lines = ["| " + " | ".join(head) + " |", "|" + " --- |" * len(head)]
     for row in rows:
-        outcomes = [row.outcomes.get(name) for name in ACTIVITIES]
+        outcomes = [row.outcomes.get(name) for name in ran_somewhere]
         ran = [o for o in outcomes if o is not None]
         cells = [cell(o) if o else "" for o in outcomes]
         if row.refused:
-            cells = [f"refused: {row.refused}", *[""] * (len(cells) - 1)]
+            cells = [f"refused: {row.refused.partition('; ')[0]}", *[""] * (len(cells) - 1)]
         torque = f"{100.0 * max(o.torque for o in ran):.0f} %" if ran else ""
         stated = row.stated or "nothing"
         lines.append(f"| {row.name} | {row.size} | {' | '.join(cells)} | {torque} | {stated} |")
@@ -355,15 +358,14 @@ def write(path: Path, rows: list[Row]) -> None:
     path.write_text(json.dumps([asdict(row) for row in rows], indent=1) + "\n", encoding="utf-8")
 
 
-def read_outcomes(path: Path | None) -> dict[str, dict[str, Outcome]]:
-    """Return the outcomes that a JSON file holds, by robot and activity."""
+def read_rows(path: Path | None) -> dict[str, Row]:
+    """Return the robots that a JSON file holds, by name."""
     if path is None or not path.is_file():
         return {}
-    rows = json.loads(path.read_text(encoding="utf-8"))
-    return {
-        row["name"]: {name: Outcome(**value) for name, value in row["outcomes"].items()}
-        for row in rows
-    }
+    rows = [Row(**row) for row in json.loads(path.read_text(encoding="utf-8"))]
+    for row in rows:
+        row.outcomes = {name: Outcome(**vars_) for name, vars_ in row.outcomes.items()}
+    return {row.name: row for row in rows}
 
 
 def main() -> int:
@@ -395,20 +397,22 @@ def main() -> int:
     robots = [entry for where in named for entry in entries_of(where)]
     if args.list:
         robots += entries_of_list(args.list, args.folder)
-    done_before = read_outcomes(args.json) if args.resume else {}
+    before = read_rows(args.json) if args.resume else {}
     rows: list[Row] = []
     for entry in robots:
-        rows.append(measure(entry, tuple(args.only), done_before.get(entry.name, {})))
+        known = before.pop(entry.name, Row(entry.name)).outcomes
+        rows.append(measure(entry, tuple(args.only), known))
         if args.json:
-            write(args.json, rows)
+            write(args.json, [*rows, *before.values()])
     text = table(rows)
     print(text)
     done = sum(all(o.ok for o in row.outcomes.values()) and not row.refused for row in rows)
     print(f"\n{done} of {len(rows)} do everything; {time.perf_counter() - begun:.0f} s")
     if args.readme:
-        head, rest = args.readme.read_text(encoding="utf-8").split(MARKS[0])
-        tail = rest.split(MARKS[1])[1]
-        args.readme.write_text(f"{head}{MARKS[0]}\n{text}\n{MARKS[1]}{tail}", encoding="utf-8")
+        begin, end = LIST_MARKS if args.list else MARKS
+        head, rest = args.readme.read_text(encoding="utf-8").split(begin)
+        tail = rest.split(end)[1]
+        args.readme.write_text(f"{head}{begin}\n{text}\n{end}{tail}", encoding="utf-8")
     return 0
 
 

@@ -37,6 +37,8 @@ _COUPLING_SOLREF = (0.002, 1.0)
 #: Mass and inertia of bodies that have none in the robot's model: MuJoCo demands some.
 _TINY_MASS = 1e-9
 _TINY_INERTIA = 1e-12
+#: Half size of the box of a foot that touches the ground at a point, m.
+_LEAST_HALF_SIZE = 1e-3
 
 
 def import_mujoco() -> Any:
@@ -109,7 +111,11 @@ def build_model(
             type=mujoco.mjtGeom.mjGEOM_BOX,
             pos=placement.translation,
             quat=_wxyz(placement.rotation),
-            size=[sole.half_length, sole.half_width, 0.5 * SOLE_THICKNESS],
+            size=[
+                max(sole.half_length, _LEAST_HALF_SIZE),
+                max(sole.half_width, _LEAST_HALF_SIZE),
+                0.5 * SOLE_THICKNESS,
+            ],
             mass=0.0,
             **_robot_surface(friction),
         )
