@@ -16,7 +16,6 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 import argparse
 import copy
 import json
-import re
 import signal
 import subprocess
 import sys
@@ -24,6 +23,7 @@ import tempfile
 import warnings
 from collections.abc import Callable
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -32,15 +32,19 @@ import wbc
 from wbc.gait import VelocityLimits
 from wbc.geometry.planar import Placement
 from wbc.hardware import SafeHardware, UnitreeG1
+from wbc.hardware.unitree.connect import connect
 from wbc.hardware.unitree.lockstep import Disturbance, LockstepTransport, undisturbed
 from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
 from wbc.hardware.unitree.stand_in import PERIOD, G1StandIn
+from wbc.motions import MotionPlayer, Squat, Wave
 from wbc.runtime.loop import RunComplete, StopRun
+from wbc.runtime.real_time import RealTime, real_time_thread
 from wbc.runtime.report import Report
 from wbc.sim import JointServos, Mujoco
 from wbc.walking.waypoint_follower import WaypointFollower
 
 Row = dict[str, Any]
+_MOTIONS = (Wave(), Squat())
 _STAND, _STOP = 2.0, 3.0  # s at the beginning and the end of a walk
 
 
@@ -260,44 +264,89 @@ def _fault_row(
     }
 
 
+def _session(distance: float) -> list[tuple[float, Callable[[MotionPlayer], object]]]:
+    """What the robot of `real_time` is told, by the time, s: the robot stands first and last."""
+    walked = 60.0 + distance / 0.35
+    return [
+        (60.0, lambda player: setattr(player, "velocity", (0.35, 0.0, 0.0))),
+        (walked, lambda player: setattr(player, "velocity", (0.0, 0.0, 0.3))),
+        (walked + 6.0, lambda player: setattr(player, "velocity", (0.0, 0.0, 0.0))),
+        (walked + 9.0, lambda player: player.play(*_MOTIONS)),
+        (walked + 26.0, lambda player: None),
+    ]
+
+
 def real_time(options: argparse.Namespace) -> list[Row]:
-    """Walk a G1 of another process over DDS, in real time, and kill the controller at the end."""
+    """Stand for 60 s, walk, turn, stop, wave and squat, with a push while standing and walking.
+
+    The G1 is in another process behind DDS. Both sides ask for real-time priority.
+    """
+    robot = wbc.load("g1")
+    player = MotionPlayer(robot, motions=[*_MOTIONS])
+    player.velocity = (0.1, 0.0, 0.0)
+    wbc.run(player, Mujoco(robot, foot_sensors=False), 12.0)  # loads what the first ticks need
+    impulse = 0.2 * robot.mass
     rows = []
-    duration = _STAND + options.distance / 0.35 + _STOP
     for seed in range(options.seeds):
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder)
-            robot = subprocess.Popen(
+            path = Path(folder) / "robot.json"
+            # From when the gantry has let go, a second after the controller has taken over.
+            pushes = f"30 0 {impulse} 0", f"70 {impulse} 0 0"
+            process = subprocess.Popen(
                 [sys.executable, "-m", "wbc", "robot", "unitree-g1", "--seed", str(seed),
-                 "--json", str(path / "robot.json")],
+                 "--json", str(path), *(a for push in pushes for a in ("--push", push))],
                 stdout=subprocess.PIPE, text=True,
             )  # fmt: skip
-            assert robot.stdout is not None
-            robot.stdout.readline()
-            walk = subprocess.run(
-                [sys.executable, "-m", "wbc", "walk", "--hardware", "unitree", "--no-view",
-                 "--velocity", "0.35", "0", "0", "--duration", f"{duration:.1f}",
-                 "--json", str(path / "walk.json")],
-                capture_output=True, text=True, timeout=4.0 * duration + 120.0,
-            )  # fmt: skip
-            robot.send_signal(signal.SIGINT)
-            robot.communicate(timeout=30.0)
-            simulated = json.loads((path / "robot.json").read_text())
-            report = json.loads((path / "walk.json").read_text())
-            connection = re.search(r"^connection: (.*)$", walk.stdout, re.MULTILINE)
-            rows.append(
-                {
-                    "what": "g1 over DDS in real time",
-                    "seed": seed,
-                    "survived": report["survived"],
-                    "forward_m": round(report["displacement_m"][0], 2),
-                    "tick_us": [round(report[f"tick_{q}_us"]) for q in ("p50", "p99", "max")],
-                    "connection": connection[1] if connection else walk.stderr[-300:],
-                    "robot_lateness_p99_us": round(simulated["lateness_p99_us"], 1),
-                    "end": report["fell_why"],
-                }
+            try:
+                assert process.stdout is not None
+                process.stdout.readline()
+                rows.append(_real_time_row(player, seed, options.distance))
+            finally:
+                process.send_signal(signal.SIGINT)
+                process.communicate(timeout=30.0)
+            simulated = json.loads(path.read_text())
+            rows[-1]["robot_lateness_p99_us"] = round(simulated["lateness_p99_us"], 1)
+            rows[-1]["robot_said"] = "; ".join(
+                f"{at:.1f} s {what}" for at, what in simulated["changes"]
             )
+            print(rows[-1], file=sys.stderr, flush=True)
     return rows
+
+
+def _real_time_row(player: MotionPlayer, seed: int, distance: float) -> Row:
+    orders = _session(distance)
+    duration = orders[-1][0]
+    begun = np.zeros(round(1.01 * duration / PERIOD))
+    ticks = 0
+    player.velocity = (0.0, 0.0, 0.0)
+
+    def command(time: float) -> None:
+        nonlocal ticks
+        begun[ticks] = perf_counter()
+        ticks += 1
+        while orders and time >= orders[0][0]:
+            orders.pop(0)[1](player)
+
+    with (
+        SafeHardware(connect("lo", player.robot)) as plant,
+        real_time_thread(RealTime()) as granted,
+    ):
+        report = wbc.run(player, plant, duration, before_tick=command)
+        connection, latency = plant.connection, plant.latency.seconds
+    period = np.percentile(np.diff(begun[:ticks]), (50, 99, 100)) if ticks > 1 else np.zeros(3)
+    return _row("g1 over DDS in real time", seed, report) | {
+        "aborted_motions": report.aborted_motions,
+        "duration_s": round(report.duration_s, 1),
+        "tick_us": [round(getattr(report, f"tick_{q}_us")) for q in ("p50", "p99", "max")],
+        "period_us": [round(1e6 * p) for p in period],
+        "latency_ms": None if latency is None else round(1e3 * latency, 1),
+        "max_lateness_ms": round(1e3 * plant.max_lateness, 2),
+        "received": connection.received,
+        "lost": plant.lost,
+        "corrupt": connection.corrupt,
+        "reordered": connection.reordered,
+        "conditions": granted.describe(),
+    }
 
 
 _PARTS = {

@@ -178,6 +178,14 @@ def test_the_robot_damps_by_itself_when_its_controller_is_gone(standing) -> None
     assert run.transport.now() - begin < 0.025
 
 
+def test_a_push_of_the_robot_counts_from_when_its_gantry_lets_go(hanging, standing) -> None:
+    for run, pushed in ((copy.deepcopy(hanging), False), (copy.deepcopy(standing), True)):
+        run.stand_in.schedule_push(0.002, (0.0, 1.0, 0.0))
+        run.transport.advance()
+        run.transport.advance()
+        assert bool(run.stand_in.plant.push_force.any()) == pushed
+
+
 def test_another_robot_is_refused(hanging) -> None:
     def other(now: float, data: bytes) -> list[bytes]:
         def change(state: np.ndarray) -> None:

@@ -6,6 +6,7 @@ import contextlib
 import select
 import sys
 from collections.abc import Callable
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -22,18 +23,28 @@ from wbc.runtime.real_time import RealTime, garbage_collection_paused, real_time
 from wbc.runtime.statistics import Progress
 from wbc.view import Meshcat
 
+if TYPE_CHECKING:
+    from wbc.hardware import Hardware
+
+#: What a robot is commanded through.
+Kind = Literal["unitree", "ros2_control"]
+
 
 def walk_on_hardware(
     options: RunOptions,
+    hardware: Kind,
     interface: str,
+    command_topic: str,
     duration: float,
     make_schedule: Callable[[VelocityLimits], Schedule],
 ) -> ExitCode:
-    """Start a Unitree G1, walk according to a schedule, and damp its joints.
+    """Start a robot, walk according to a schedule, and damp its joints.
 
     Args:
         options: parsed options; those of the simulation do not matter.
-        interface: network interface that leads to the robot.
+        hardware: what the robot is commanded through.
+        interface: network interface that leads to a Unitree robot.
+        command_topic: topic of the efforts of a `ros2_control` robot.
         duration: duration of the run after the start, s.
         make_schedule: returns the schedule for the velocities that the gait can walk at.
 
@@ -44,9 +55,9 @@ def walk_on_hardware(
         raise WbcError("--push and --ground-truth are for the simulator; leave them out")
     with exit_on_interrupt():
         from wbc.hardware import SafeHardware
-        from wbc.hardware.unitree.connect import connect
 
-        robot = options.simulation.model.load("g1")
+        name = "g1" if hardware == "unitree" else options.simulation.robot
+        robot = options.simulation.model.load(name)
         walker = wbc.Walker(
             robot, planner=options.simulation.planner, solver=options.simulation.solver
         )
@@ -59,9 +70,10 @@ def walk_on_hardware(
         if options.view:
             observers.append(stack.enter_context(Meshcat(robot)))
         interrupted = stack.enter_context(graceful_interrupt())
+        simulated = hardware == "unitree" and interface == "lo"
         plant = SafeHardware(
-            connect(interface, robot),
-            ready=_asked_operator() if interface != "lo" else lambda: True,
+            _connect(hardware, robot, interface, command_topic),
+            ready=_asked_operator() if not simulated else lambda: True,
             on_transition=lambda change: line.print(str(change)),
         )
         stack.enter_context(plant)
@@ -94,6 +106,18 @@ def walk_on_hardware(
     if interrupted:
         return ExitCode.INTERRUPTED
     return ExitCode.SUCCESS if report.survived else ExitCode.FAILED
+
+
+def _connect(kind: Kind, robot: wbc.Robot, interface: str, command_topic: str) -> Hardware:
+    """Return the connection to a robot."""
+    if kind == "unitree":
+        from wbc.hardware.unitree import connect as unitree
+
+        return unitree.connect(interface, robot)
+    from wbc.hardware.ros2_control import connect as ros2_control
+    from wbc.hardware.ros2_control.robot import Ros2ControlConfig
+
+    return ros2_control.connect(robot, Ros2ControlConfig(command_topic=command_topic))
 
 
 def _warm_up(walker: wbc.Walker) -> None:

@@ -36,7 +36,8 @@ def robot(
         interface: network interface; lo for this computer only.
         seed: seed of sensor noise and start posture.
         latency: further age of a command when it reaches the servos, a multiple of 0.001 s.
-        push: push the torso at T s for 0.1 s with an impulse in N·s, in world axes.
+        push: push the torso for 0.1 s with an impulse in N·s, in world axes, T s after the gantry
+            has let go.
         duration: duration, s (default: until Ctrl-C).
         json: write the changes, the final pose and the timing as JSON.
     """
@@ -48,7 +49,7 @@ def robot(
         stand_in = G1StandIn(seed=seed, latency=latency)
         transport = DdsTransport(Network.from_environment(0, interface, {}), robot_side=True)
     for at, impulse in push:
-        stand_in.plant.schedule_push(at, impulse)
+        stand_in.schedule_push(at, impulse)
     changes: list[tuple[float, str]] = []
 
     def show(time: float, text: str) -> None:

@@ -33,8 +33,9 @@ def walk(
     velocity: Annotated[Velocity | None, Argument(("VX", "VY", "WZ"), number)] = None,
     tour: bool = False,
     duration: Seconds | None = None,
-    hardware: Literal["unitree"] | None = None,
+    hardware: Literal["unitree", "ros2_control"] | None = None,
     interface: Annotated[str, Argument("IFACE")] = "lo",
+    command_topic: Annotated[str, Argument("TOPIC")] = "/effort_controller/commands",
 ) -> ExitCode:
     """Simulate a walking robot in MuJoCo under torque control and print a report.
 
@@ -47,8 +48,10 @@ def walk(
         tour: walk forward, in a curve, sideways, turn in place, and walk backward.
         duration: duration, s (default: 10; tour: 30).
         hardware: walk a robot outside of this process: a Unitree G1 in its development mode, or
-            the stand-in of wbc robot unitree-g1.
-        interface: network interface that leads to that robot.
+            the stand-in of wbc robot unitree-g1; or the robot that ROBOT describes, whose joints
+            take efforts from ros2_control.
+        interface: network interface that leads to a Unitree robot.
+        command_topic: topic of ros2_control that takes the efforts, in the order of the model.
     """
     if tour and velocity is not None:
         raise WbcError("--tour and --velocity exclude each other; give one of them")
@@ -63,7 +66,7 @@ def walk(
     if hardware is not None:
         from wbc.cli.hardware_run import walk_on_hardware
 
-        return walk_on_hardware(run, interface, duration, schedule)
+        return walk_on_hardware(run, hardware, interface, command_topic, duration, schedule)
     scripted = ScriptedRun(run, duration)
     return scripted.walk(schedule(scripted.walker.gait.max_velocity))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -23,6 +24,13 @@ class Reading:
     measurement: Measurement
     tilt: float
     stop_pressed: bool = False
+
+
+def tilt_of(w: float, x: float, y: float, z: float) -> float:
+    """Return the angle from the upright of an attitude quaternion of any length but 0, rad."""
+    norm = w * w + x * x + y * y + z * z
+    up = 1.0 - 2.0 * (x * x + y * y) / norm if norm > 0.0 else -1.0
+    return math.acos(min(max(up, -1.0), 1.0))
 
 
 @dataclass(slots=True)

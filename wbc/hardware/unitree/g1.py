@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from wbc.hardware.errors import HardwareError
-from wbc.hardware.hardware import ConnectionState, Reading
+from wbc.hardware.hardware import ConnectionState, Reading, tilt_of
 from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
 from wbc.hardware.unitree.motors import G1_MACHINES, SERIES_MODE, motor_of_joint
 from wbc.hardware.unitree.transport import Transport
@@ -94,9 +92,6 @@ class UnitreeG1:
 
     def _reading(self) -> Reading:
         imu = self._state.fields["imu_state"][0]
-        w, x, y, z = imu["quaternion"].tolist()
-        norm = w * w + x * x + y * y + z * z
-        up = 1.0 - 2.0 * (x * x + y * y) / norm if norm > 0.0 else -1.0
         states = self._state.fields["motor_state"][0]
         measurement = Measurement(
             time=_TICK * self._ticks,
@@ -107,7 +102,7 @@ class UnitreeG1:
             joint_torque=states["tau_est"][self._motors].astype(float),
         )
         pressed = bool(self._state.fields["wireless_remote"][0, 3] & _B_KEY)
-        return Reading(measurement, math.acos(min(max(up, -1.0), 1.0)), pressed)
+        return Reading(measurement, tilt_of(*imu["quaternion"].tolist()), pressed)
 
     def send(self, command: ServoCommand) -> None:
         """Send a command to the servos, without waiting."""

@@ -24,6 +24,7 @@ class Gantry:
 
     Attributes:
         lift: height above the standing pose at the start, m.
+        released: whether it has let go.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -34,7 +35,7 @@ class Gantry:
         self._inertia = robot.mass * 0.1  # kg·m², that of a humanoid about its base, roughly
         self._base = robot.q_nominal[:3].copy()
         self._held_since = self._carried_since = math.inf
-        self._released = False
+        self.released = False
 
     def apply(self, plant: Mujoco, command: ServoCommand) -> None:
         """Set the force on the base for the next period."""
@@ -43,10 +44,10 @@ class Gantry:
             self._held_since = now
         if command.tau.any() and self._carried_since == math.inf:
             self._carried_since = now
-        if self._released:
+        if self.released:
             return
         if now - self._carried_since > _RELEASE_AFTER:
-            self._released = True
+            self.released = True
             force[:6] = plant.model.dof_damping[:6] = 0.0
             return
         # MuJoCo integrates its own damping implicitly: it holds a pelvis between limp joints.

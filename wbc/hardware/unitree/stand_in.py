@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -67,6 +68,7 @@ class G1StandIn:
         offsets = np.random.default_rng(seed).uniform(-_START_OFFSET, _START_OFFSET, robot.na)
         q[7:] = np.clip(q[7:] + offsets, robot.q_min, robot.q_max)
         self._gantry = Gantry(robot)
+        self._pushes: list[tuple[float, Sequence[float]]] = []
         q[2] += self._gantry.lift
         self.plant.reset(State(q, np.zeros(robot.nv)))
         self._motors = motor_of_joint(robot)
@@ -79,6 +81,15 @@ class G1StandIn:
         self._commanded_at = -math.inf
         self.damped = True
         self.corrupt = 0
+
+    def schedule_push(self, delay: float, impulse: Sequence[float]) -> None:
+        """Push the torso for 0.1 s some time after the gantry has let go.
+
+        Args:
+            delay: time since then, s.
+            impulse: (3,) world axes, N·s.
+        """
+        self._pushes.append((delay, impulse))
 
     def take(self, data: bytes) -> None:
         """Take in the bytes of a command; one with a wrong checksum is ignored."""
@@ -102,6 +113,10 @@ class G1StandIn:
         self.damped = plant.time - self._commanded_at > _COMMAND_TIMEOUT - 1e-9
         command = self._damping if self.damped else self._held
         self._gantry.apply(plant, command)
+        if self._pushes and self._gantry.released:
+            for delay, impulse in self._pushes:
+                plant.schedule_push(plant.time + delay, impulse)
+            self._pushes.clear()
         plant.step(command)
 
     @property

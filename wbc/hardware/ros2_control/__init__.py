@@ -1,0 +1,1 @@
+"""A robot that `ros2_control` drives, as hardware."""
