@@ -12,7 +12,7 @@ import numpy as np
 
 from wbc.command import Command, Status
 from wbc.contacts import Contact
-from wbc.errors import ContactError, TaskError, WbcError, short_repr
+from wbc.errors import ContactError, WbcError, short_repr
 from wbc.kinematics import Kinematics
 from wbc.limits import (
     AnyLimit,
@@ -38,9 +38,9 @@ from wbc.qp import (
     resolve_solver,
 )
 from wbc.qp.inputs import ProgramInputs, pack_inputs
-from wbc.robot import Coupling, Robot
+from wbc.robot import Robot
 from wbc.state import State
-from wbc.tasks import JointCouplingTask, Task
+from wbc.tasks import Task, TaskCollection
 
 if TYPE_CHECKING:
     from wbc.qp.compiled import CompiledAssembly
@@ -64,13 +64,7 @@ class _LastTick(NamedTuple):
     x: np.ndarray | None  # the solution
 
 
-def _coupling_task(robot: Robot, coupling: Coupling) -> Task:
-    joint, leader = (robot.joint_names[i] for i in (coupling.joint, coupling.leader))
-    coefficients = {joint: 1.0, leader: -coupling.ratio}
-    return JointCouplingTask(robot, coefficients, coupling.offset, kp=_COUPLING_KP, priority=0)
-
-
-class WholeBodyController:
+class WholeBodyController(TaskCollection):
     """Inverse-dynamics control by a quadratic program.
 
     Each tick solves, over the acceleration v̇, contact forces f and torques τ,
@@ -110,6 +104,8 @@ class WholeBodyController:
         SolverNotFound: the solver is unknown or not installed.
     """
 
+    robot: Robot
+
     def __init__(
         self,
         robot: Robot,
@@ -122,7 +118,7 @@ class WholeBodyController:
     ) -> None:
         if not 0.0 < dt < math.inf:
             raise WbcError(f"dt = {dt} must be positive: it is the control period in seconds")
-        self.robot = robot
+        super().__init__(robot, _COUPLING_KP)
         self.dt = dt
         self.solver = resolve_solver(solver)
         if limits is None:
@@ -134,9 +130,6 @@ class WholeBodyController:
             raise WbcError("Formulation.COMPILED needs Numba; run  pip install numba")
         self.formulation = formulation
         self.regularisation = regularisation or Regularisation()
-        self.tasks: list[Task] = []
-        for coupling in robot.couplings:
-            self.add(_coupling_task(robot, coupling))
         self.kinematics: Kinematics | None = None
         self.problem: Problem | None = None
         self._contacts: tuple[Contact, ...] = ()
@@ -161,38 +154,11 @@ class WholeBodyController:
         )
 
     def add(self, task: TaskT) -> TaskT:
-        """Add a task and return it.
-
-        Raises:
-            TaskError: it is no task, or there is one of that name already.
-            FrameNotFound: the task's frame is missing; the text lists near names.
-        """
-        if not isinstance(task, Task):
-            raise TaskError(
-                f"{short_repr(task)} is no task: add an object such as wbc.ComTask() or one "
-                "derived from wbc.Task"
-            )
-        if any(task.name == other.name for other in self.tasks):
-            raise TaskError(
-                f"there is a task named '{task.name}' already; give this one another name"
-            )
-        task.bind(self.robot)
+        """Add a task and return it; see `wbc.tasks.TaskCollection.add`."""
+        added = super().add(task)
         if task.priority > 1:
             self._priority_solver()  # compiles now, not in a tick
-        self.tasks.append(task)
-        return task
-
-    def remove(self, task: Task) -> None:
-        """Remove a task.
-
-        Raises:
-            TaskError: it was never added.
-        """
-        if task not in self.tasks:
-            names = ", ".join(f"'{t.name}'" for t in self.tasks) or "none"
-            name = f"'{task.name}'" if isinstance(task, Task) else short_repr(task)
-            raise TaskError(f"no task {name} to remove; there are: {names}")
-        self.tasks.remove(task)
+        return added
 
     @property
     def contacts(self) -> tuple[Contact, ...]:

@@ -106,7 +106,7 @@ def test_of_targets_that_exclude_each_other_the_lower_level_comes_as_near_as_it_
 
 def test_arguments_of_a_search_are_checked():
     one = wbc.load_fixed_base("panda")
-    ik = InverseKinematics(one)
+    ik = InverseKinematics(one, joints=one.joint_names[:7])
     with pytest.raises(InverseKinematicsError, match="0 targets"):
         ik.reach(one.q_nominal)
     ik.add(wbc.PositionTask("panda_hand"))

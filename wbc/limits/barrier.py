@@ -13,6 +13,8 @@ from wbc.errors import LimitError
 from wbc.kinematics import Kinematics
 from wbc.limits.limit import Limit, LimitRows
 
+_NEGLIGIBLE = 1e-6  # m or rad
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BarrierRows:
@@ -102,4 +104,7 @@ class BarrierLimit(Limit):
     def _evaluate(self, kin: Kinematics, A: np.ndarray) -> BarrierRows:
         barrier = BarrierRows(np.full(self.size, np.inf), A, np.zeros(self.size))
         self.write_barrier(kin, barrier)
+        h = barrier.h
+        # What rounding leaves is no violation: two rows could each ask for the other's opposite.
+        np.copyto(h, np.minimum(h + _NEGLIGIBLE, 0.0), where=h < 0.0)
         return barrier

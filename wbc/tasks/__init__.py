@@ -13,6 +13,7 @@ from wbc.tasks.motion import MotionTask, TaskReference
 from wbc.tasks.posture import PostureTask
 from wbc.tasks.relative_frame import RelativeFrameTask
 from wbc.tasks.task import JointTask, Task
+from wbc.tasks.task_collection import TaskCollection
 
 __all__ = [
     "AngularMomentumTask",
@@ -32,5 +33,6 @@ __all__ = [
     "PostureTask",
     "RelativeFrameTask",
     "Task",
+    "TaskCollection",
     "TaskReference",
 ]
