@@ -13,12 +13,14 @@ import numpy as np
 from wbc.errors import WbcError, did_you_mean, short_repr
 from wbc.live.config import LiveServerConfig
 from wbc.live.controls import Controls, decode
+from wbc.live.explainer import TickExplainer
 from wbc.live.history import History
 from wbc.live.run_events import RunEvents
 from wbc.live.saving import FileKind, SavedFiles, Stretch
 from wbc.live.signals import signal_limits, signal_places
 from wbc.live.walk_to import WalkTo
 from wbc.motions import Motion
+from wbc.runtime.controller_inputs import NAME
 from wbc.runtime.mode import Mode
 from wbc.runtime.rate_limiter import RateLimiter
 from wbc.runtime.stream import TickReader
@@ -84,6 +86,8 @@ class RequestBroker:
         self._pages: dict[PageClient, list[str]] = {}  # with the signals that each draws
         self._reader = reader
         self._limiter = RateLimiter(config.rate)
+        self._explainer: TickExplainer[PageClient] = TickExplainer(config.robot)
+        self._last: Any = None  # record of the last tick
         self._schema = reader.schema
         self._places: dict[str, int] = {}  # of the signals
         self._sent = 0  # number of the samples that the pages have received
@@ -107,6 +111,9 @@ class RequestBroker:
         try:
             request = decode(message)
             match request.control:
+                case "why":
+                    self._explain(page)
+                    return
                 case "signals":
                     self._select_signals(request.value, page)
                     return
@@ -184,6 +191,8 @@ class RequestBroker:
     def advance(self) -> None:
         """Forward acknowledgements, and send the status to the pages if it is due."""
         self._keep_velocity(time.monotonic())
+        for page, why in self._explainer.answers():
+            page.send({"why": why})
         for acknowledgement in self._client.poll():
             self._forward(acknowledgement)
         self._announce_planning(None)
@@ -272,7 +281,15 @@ class RequestBroker:
         self._saving.add(task)  # a task that nobody holds may be collected
         task.add_done_callback(self._saving.discard)
 
+    def _explain(self, page: PageClient) -> None:
+        if self._last is None or NAME not in self._schema.by_name:
+            raise CommandRefused(
+                "ticks can be explained while they are logged: start  wbc live --log FILE"
+            )
+        self._explainer.request(self._last, page)
+
     def _send_status(self, ticks: np.ndarray) -> None:
+        self._last = ticks[-1]
         if self._reader.schema is not self._schema:
             self._schema = self._reader.schema
             self._places = signal_places(self._schema)

@@ -28,7 +28,8 @@ from wbc.view.web import GuardedHandler, Text, listen
 _HERE = Path(__file__).parent / "page"
 _FILES = (
     "uPlot.iife.js", "uPlot.min.css", "elements.js", "parameters.js", "strips.js", "timeline.js",
-    "camera.js", "pointer.js", "keys.js", "panel.js", "panel.css",
+    "camera.js", "pointer.js", "keys.js", "why.js",
+    "panel.js", "panel.css",
 )  # fmt: skip
 _MAX_SIZE = 1 << 16  # bytes; a longer message ends the connection
 _MAX_UNSENT = 100  # messages to a page that does not read; further ones are dropped

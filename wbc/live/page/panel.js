@@ -3,7 +3,7 @@
 // to every page.
 "use strict";
 (() => {
-const {make, text, slider, makeForm, strips, timeline, camera, pointer, keys} = wbc;
+const {make, text, slider, makeForm, strips, timeline, camera, pointer, keys, why} = wbc;
 const GROUPS = [["robot", "robot"], ["forces", "contact forces"], ["balance", "CoM, DCM, ZMP"],
   ["trail", "CoM trail"], ["support", "support polygon"], ["footsteps", "footsteps"],
   ["swing", "swing path"], ["terrain", "terrain"]];
@@ -303,7 +303,7 @@ function build(description) {
   const box = make("div", {id: "panel"});
   box.append(walkSection(), motionSection(), pushSection(), timeSection(), showSection(),
     folded("Gait", ...inGroup("gait").map(makeSlider), defaultsButton((parameter) => parameter.group === "gait")),
-    gainSection(), changesSection());
+    gainSection(), changesSection(), why.section(send));
   // A clicked control loses the focus, so that the space key always pauses.
   const blur = (event) => {
     const clicked = event.detail && event.target.closest("button, summary, input[type=checkbox]");
@@ -359,6 +359,7 @@ function open() {
     }
     if (received.status) showStatus(received.status);
     if (received.outcome) wbc.live.outcomes.push(received);
+    if (received.why) why.show(received.why);
     if (received.error) showError(received.error);
     if ("planning" in received) {
       element("planning").textContent = received.planning ? `Planning: ${received.planning} …` : "";
