@@ -111,3 +111,10 @@ def test_a_waist_below_the_base_belongs_to_no_leg(tmp_path):
     assert [len(leg) for leg in robot.legs] == [6, 6]
     plan = Jump().plan(robot)
     assert plan.clearance == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize(("text", "metres"), [('<unit meter="0.01" name="cm"/>', 0.01), ("", 1.0)])
+def test_the_unit_of_a_collada_file_is_known(tmp_path, text, metres):
+    mesh = tmp_path / "head.dae"
+    mesh.write_text(f"<COLLADA><asset>{text}</asset></COLLADA>")
+    assert wbc.robot.packages.mesh_unit(mesh) == metres

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal
 from weakref import WeakKeyDictionary
 
@@ -13,6 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError
+from wbc.robot.packages import mesh_unit
 from wbc.robot.robot_model import RobotModel
 from wbc.robot.soles import Sole
 
@@ -117,8 +119,11 @@ def _shapes_of(robot: RobotModel, source: Literal["collision", "visual"]) -> lis
     for item in geometry.geometryObjects:
         link = robot.model.frames[item.parentFrame].name
         joint = int(item.parentJoint)
+        unit = mesh_unit(Path(item.meshPath))
         for kind, placement, size, vertices in _convex(item):
-            shapes.append(CollisionShape(joint, link, source, kind, placement, size, vertices))
+            shapes.append(
+                CollisionShape(joint, link, source, kind, placement, size, unit * vertices)
+            )
     return shapes
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.robot.geometry import shape_defect, shape_of
-from wbc.robot.packages import resolve, up_axis_rotation
+from wbc.robot.packages import mesh_unit, resolve, up_axis_rotation
 from wbc.robot.urdf import Urdf
 
 CYLINDER_POINTS = 24
@@ -131,4 +131,5 @@ def _mesh(path: Path, scale: np.ndarray) -> np.ndarray | None:
         vertices = np.array(mesh.vertices(), dtype=float).reshape(-1, 3)
     except Exception:
         return None
+    vertices *= mesh_unit(path)
     return vertices if len(vertices) and np.isfinite(vertices).all() else None

@@ -14,6 +14,7 @@ import pinocchio as pin
 
 EXAMPLES = "example-robot-data"
 PACKAGE_NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
+UNIT = re.compile(rb"<unit\b[^>]*\bmeter\s*=\s*[\"']([0-9.eE+-]+)[\"']")
 UP_AXIS = re.compile(rb"<up_axis>\s*(\w+)\s*</up_axis>")
 
 
@@ -124,6 +125,15 @@ def with_file_addresses(text: str, urdf: Path, folders: Iterable[Path]) -> str:
         return match[0] if path is None else f"{match[1]}file://{path.resolve()}{match[3]}"
 
     return re.sub(r"""(<mesh\b[^>]*?\bfilename\s*=\s*["'])([^"']+)(["'])""", replaced, text)
+
+
+def mesh_unit(mesh: Path) -> float:
+    """Return the unit of a Collada file, m; ROS tools apply it, Pinocchio does not."""
+    if mesh.suffix.lower() == ".dae" and mesh.is_file():
+        found = UNIT.search(mesh.read_bytes()[:20000])
+        if found is not None and (metres := float(found.group(1))) > 0.0:
+            return metres
+    return 1.0
 
 
 def up_axis_rotation(mesh: Path) -> np.ndarray:
