@@ -282,6 +282,8 @@ def render(scene: Scene, path: Path) -> None:
 
     with wbc.sim.Mujoco(robot, seed=1, terrain=scene.terrain, cart=scene.cart) as plant:
         report = wbc.run(player, plant, MAX_DURATION, observers=[recording], before_tick=tick)
+        if scene.cart is not None:
+            recording.boxes = scene.cart.boxes(plant.cart_position)
     print(f"{scene.name}: {robot.name} at {report.duration_s:.2f} s", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory() as folder, new_page(*SIZE) as page:
         page.set_default_timeout(PAGE_TIMEOUT)

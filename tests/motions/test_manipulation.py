@@ -36,15 +36,20 @@ def play(bot, motion, observe=lambda player, plant: None, **options):
 @pytest.mark.parametrize("seed", range(2))
 def test_a_hand_on_the_wall_carries_a_centre_of_mass_beyond_the_toes(seed):
     bot = robot("g1")
-    reach = [0.0]
+    reach, touching = [0.0], set()
 
     def observe(player, plant):
+        body = plant.model.geom_bodyid
+        for pair in plant.data.contact.geom:
+            names = {plant.model.body(int(body[geom])).name for geom in pair}
+            touching.update(names - {"terrain"} if "terrain" in names else ())
         com = wbc.Kinematics(bot, plant.ground_truth()).p_com
         reach[0] = max(reach[0], float(com[0]) - bot.soles[0].half_length)
 
     player = play(bot, Brace(lean=0.15), observe, terrain=Wall(), seed=seed)
     assert not player.aborted_motions, player.context.notes
-    assert reach[0] > 0.02
+    assert reach[0] > 0.05
+    assert touching == {"left_wrist_yaw_joint"}
     assert player.steps == 0
 
 

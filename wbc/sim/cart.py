@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from wbc.errors import PlantError
 
 _THICKNESS = 0.02  # m, of the panel that is pushed
@@ -53,23 +55,29 @@ class Cart:
             if not 0.0 < value < math.inf:
                 raise PlantError(f"Cart: {name} is {value}, it must be positive and finite{unit}")
 
+    def boxes(self, moved: float = 0.0) -> np.ndarray:
+        """Return the panel of a cart that has moved by some metres, as `Terrain.boxes` does."""
+        z, half_height = 0.5 * (self.height + _CLEARANCE), 0.5 * (self.height - _CLEARANCE)
+        x = self.distance + 0.5 * _THICKNESS + moved
+        return np.array([[x, 0.0, z, 0.5 * _THICKNESS, 0.5 * self.width, half_height]])
+
     def add_to(self, mujoco: Any, spec: Any, surface: dict[str, Any]) -> None:
         """Add the cart to a `mujoco.MjSpec`; `surface` holds geom attributes.
 
         Its joint is called "cart". The body "cart_base" is to be placed where the robot starts.
         """
         base = spec.worldbody.add_body(name="cart_base", mocap=True)
-        body = base.add_body(name="cart", pos=[self.distance + 0.5 * _THICKNESS, 0.0, 0.0])
+        box = self.boxes()[0]
+        body = base.add_body(name="cart", pos=[box[0], 0.0, 0.0])
         joint = body.add_joint(name="cart", type=mujoco.mjtJoint.mjJNT_SLIDE)
         joint.axis = [1.0, 0.0, 0.0]
         joint.damping[0] = self.damping
         joint.frictionloss = self.rolling_resistance
-        half = [0.5 * _THICKNESS, 0.5 * self.width, 0.5 * (self.height - _CLEARANCE)]
         body.add_geom(
             name="cart",
             type=mujoco.mjtGeom.mjGEOM_BOX,
-            pos=[0.0, 0.0, 0.5 * (self.height + _CLEARANCE)],
-            size=half,
+            pos=[0.0, 0.0, box[2]],
+            size=box[3:],
             mass=self.mass,
             **surface | {"friction": [self.friction, 0.0, 0.0], "priority": 1},
         )

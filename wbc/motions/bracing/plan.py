@@ -20,6 +20,7 @@ from wbc.walking.hand_contacts import axes_about
 
 _APPROACH = 0.05  # m before the surface, from where on the hand feels its way
 _SPARE = 0.08  # m beyond the surface that the hand must be able to reach
+_CLEAR = 0.35  # of the length of the other arm, by which its hand goes back
 _HEIGHTS = (-0.3, -0.2, -0.1, 0.0)  # of the touching point above the shoulder, in arm lengths
 _ASIDE = (0.0, 0.25)  # outward of the shoulder, in arm lengths
 _TOLERANCE = 0.02  # m
@@ -84,7 +85,7 @@ def plan_brace(robot: Robot, side: str, towards: float, distance: float) -> Brac
             f"({100.0 * nearest:.0f} cm short)"
         )
     force, posture, point = max(found, key=lambda one: one[0])
-    posture = _shifted(ik, arm, posture, _APPROACH * normal)
+    posture = _shifted(ik, arm, posture, _APPROACH * normal, keep_clear=True)
     paths = ArmPaths(ik)
     return BracePlan(
         paths.between(ik.standing, posture),
@@ -96,11 +97,24 @@ def plan_brace(robot: Robot, side: str, towards: float, distance: float) -> Brac
 
 
 def _shifted(
-    ik: PostureIK, arm: Arm, posture: PostureSolution, shift: np.ndarray
+    ik: PostureIK,
+    arm: Arm,
+    posture: PostureSolution,
+    shift: np.ndarray,
+    *,
+    keep_clear: bool = False,
 ) -> PostureSolution:
-    """Return the posture near another one whose hand is shifted, m."""
-    hand = ik.frame_position(arm.hand, posture.q) + shift
-    objective = PostureObjective(hands={arm.hand: hand}, strict_trunk=True, strict_com=True)
+    """Return the posture near another one whose hand is shifted, m.
+
+    To keep clear of the wall, the other hand goes back from where it hangs.
+    """
+    hands = {arm.hand: ik.frame_position(arm.hand, posture.q) + shift}
+    if keep_clear:
+        away = _CLEAR * shift / np.linalg.norm(shift)
+        for other in ik.upper_body.arms:
+            if other.side != arm.side:
+                hands[other.hand] = ik.frame_position(other.hand) + other.length * away
+    objective = PostureObjective(hands=hands, strict_trunk=True, strict_com=True)
     return ik.solve(objective, posture.q, restarts=0)
 
 
