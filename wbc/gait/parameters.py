@@ -21,6 +21,9 @@ _GRAVITY = float(-pin.Model.gravity981[2])  # m/s², that of every Pinocchio mod
 _NO_LIMITS = VelocityLimits()
 _DCM_GAIN = 4.0  # 1/s
 _LARGE = 0.45  # m: with the centre of mass below this, the feedback is as much quicker as the robot
+# Share of the widest step and of the largest turn that steady walking uses. What is left is for
+# step adjustment: at the very limit it only takes way off, and the robot is slower than told.
+_STEADY = 0.92
 _CLEARANCE = 0.02  # m between the soles at the narrowest step
 # Durations of swing, transfer and first transfer times ω. Points have no area on which the weight
 # could be moved slowly, so that their steps are quick.
@@ -96,8 +99,8 @@ class GaitParameters:
         steps = VelocityLimits(
             self.max_step / T,
             self.max_step / T,
-            self.max_side_step / (2.0 * T),
-            self.max_turn / (2.0 * T),
+            _STEADY * self.max_side_step / (2.0 * T),
+            _STEADY * self.max_turn / (2.0 * T),
         )
         found = self.velocity_limits
         limits = steps.within(found)
