@@ -152,7 +152,7 @@ function pushSection() {
     const reach = 16 + 28 * size.get() / largest;
     const x = -Math.sin(angle), y = -Math.cos(angle);
     const at = (r, side) => `${(r * x - side * y).toFixed(1)} ${(r * y + side * x).toFixed(1)}`;
-    pad.innerHTML = '<circle r="50" fill="#fff" stroke="#c9d1d9"/>' +
+    pad.innerHTML = '<circle r="50" style="fill: var(--field); stroke: var(--edge)"/>' +
       '<circle r="33" fill="none" stroke="#eceff2"/><circle r="17" fill="none" stroke="#eceff2"/>' +
       '<ellipse cx="-7" rx="4" ry="9" fill="#c3ccd5"/><ellipse cx="7" rx="4" ry="9" fill="#c3ccd5"/>' +
       '<text y="-37" text-anchor="middle" font-size="9" fill="#8a949e">front</text>' +

@@ -14,7 +14,7 @@ const slider = make("input", {id: "review", type: "range", min: 0, max: 1, step:
 const ticks = make("div", {id: "event-marks"});
 const clock = make("output", {id: "review-clock"});
 const stretch = make("select", {id: "stretch", title: "what is saved, up to the time shown"},
-  ...[["window", "window of the strips"], ["30", "last 30 s"], ["120", "last 2 min"], ["600", "last 10 min"], ["all", "all that is kept"]]
+  ...[["window", "as drawn"], ["30", "last 30 s"], ["120", "last 2 min"], ["600", "last 10 min"], ["all", "all"]]
     .map(([value, textContent]) => make("option", {value, textContent})));
 const logButton = make("button", {id: "save-log", textContent: "Save log", title: "the stretch as a log, for wbc plot and wbc replay", onclick: () => save("log")});
 const filmButton = make("button", {id: "save-film", textContent: "Save film", title: "the stretch as a page that plays offline", onclick: () => save("film")});
