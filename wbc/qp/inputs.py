@@ -123,13 +123,15 @@ def pack_inputs(structure: Mapping[str, Any], values: np.ndarray, words: int) ->
 
 
 def packed_text(words: np.ndarray) -> bytes:
-    """Return the structure in packed inputs, as JSON."""
+    """Return the structure in packed inputs, as JSON; empty when there are none."""
     size = int(words[0]) if np.isfinite(words[0]) else 0
     return np.ascontiguousarray(words[_HEAD : _HEAD + -(-size // 8)]).tobytes()[:size]
 
 
 def packed_values(words: np.ndarray) -> np.ndarray:
-    """Return the values in packed inputs."""
+    """Return the values in packed inputs; none when there are none."""
+    if not np.isfinite(words[0]):
+        return np.empty(0)
     start = _HEAD + -(-int(words[0]) // 8)
     values: np.ndarray = words[start : start + int(words[1])]
     return values
