@@ -18,7 +18,13 @@ from wbc.ik import InverseKinematics, InverseKinematicsError, NoSolutionFound
 from wbc.ik.compiled_program import CompiledVelocityProgram
 from wbc.ik.configuration_kinematics import ConfigurationKinematics
 from wbc.ik.velocity_program import Unknown, VelocityProblemLayout, VelocityProgram
-from wbc.limits import JointAccelerationLimit, JointPositionLimit, JointVelocityLimit, LimitSet
+from wbc.limits import (
+    JointAccelerationLimit,
+    JointJerkLimit,
+    JointPositionLimit,
+    JointVelocityLimit,
+    LimitSet,
+)
 from wbc.tasks import AngularMomentumTask, JointTorqueTask
 
 DT = 0.005
@@ -165,6 +171,19 @@ def test_joint_limits_hold_whatever_is_asked_for_and_an_inadmissible_start_comes
         assert (now <= np.maximum(beyond, 0.0) + 1e-6).all()
     if dt > 0.01:
         assert now.max() < 1e-2
+
+
+def test_accelerations_change_by_no_more_than_the_jerk_limit():
+    one = panda()
+    ik = InverseKinematics(one, joints=one.joint_names[:7], limits=[JointJerkLimit(one, 50.0)])
+    ik.add(wbc.PostureTask(one, one.q_nominal[7:] + 0.3, kp=10.0, kd=1.0))
+    q, v, a = one.q_nominal.copy(), np.zeros(one.nv), np.zeros(one.nv)
+    for _ in range(20):
+        velocity = ik.step(q, DT, v)
+        acceleration = (velocity - v) / DT
+        assert np.abs(acceleration - a).max() <= 50.0 * DT + 1e-6
+        q, v, a = pin.integrate(one.model, q, DT * velocity), velocity, acceleration
+    assert np.abs(a).max() > 1.0
 
 
 def test_infeasible_tasks_raise_an_error_that_names_them():

@@ -13,7 +13,7 @@ from wbc.ik.configuration_kinematics import ConfigurationKinematics
 from wbc.ik.errors import InverseKinematicsError, NoSolutionFound
 from wbc.ik.reach import ReachSearch, ReachSolution
 from wbc.ik.velocity_program import Unknown, VelocityProblemLayout, VelocityProgram
-from wbc.limits import AnyLimit, JointPositionLimit, JointVelocityLimit, LimitSet
+from wbc.limits import AnyLimit, JointJerkLimit, JointPositionLimit, JointVelocityLimit, LimitSet
 from wbc.qp import Outcome, Problem, Solver, explain, load_qp_kernels, resolve_solver
 from wbc.qp.priorities import PriorityOrder
 from wbc.robot import Coupling, FixedBaseRobot, RobotModel
@@ -120,6 +120,7 @@ class InverseKinematics(TaskCollection):
         self._positions = tuple(
             bound for bound in self._limit_set.bounds if isinstance(bound, JointPositionLimit)
         )
+        self._limits_jerks = any(isinstance(b, JointJerkLimit) for b in self._limit_set.bounds)
         self._reach_limits = LimitSet(None, self._positions, self._limit_set.inequalities)
 
     def step(self, q: np.ndarray, dt: float, v: np.ndarray | None = None) -> np.ndarray:
@@ -154,7 +155,8 @@ class InverseKinematics(TaskCollection):
         self.problem = problem
         velocity = np.zeros(self.robot.nv)
         velocity[self._columns] = self._solve(problem)
-        self.kinematics.previous_acceleration = (velocity - previous) / dt
+        if self._limits_jerks:
+            self.kinematics.previous_acceleration = (velocity - previous) / dt
         return velocity
 
     def reach(
