@@ -603,8 +603,10 @@ def test_a_fallen_robot_is_reset_from_the_page_after_its_status_reports_the_fall
         page.request("pause", True)  # and so it ends: a run that is paused can be stopped
         until(lambda g: g["mode"] == "paused")
     said = ["the robot is falling", "fell", "reset", "reset"]
-    assert [line.split(":")[0] for line in messages][1:] == said
-    assert "press Reset (R) on the page" in messages[2]
+    # On a busy machine the page may fall silent for longer than a velocity lasts.
+    told = [line for line in messages[1:] if not line.startswith("nothing more came")]
+    assert [line.split(":")[0] for line in told] == said
+    assert "press Reset (R) on the page" in told[1]
 
 
 def test_the_page_receives_the_past_of_signals_and_saves_a_stretch(
