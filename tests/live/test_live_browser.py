@@ -130,20 +130,20 @@ def pass_time(page, seconds):
     page.wait_for_function(f"wbc.time > wbc.from + {seconds}")
 
 
-def watch(page, gauge):
-    """Keep the largest value of a gauge from now on, as `wbc.most`; returns the robot's time.
+def watch(page, quantity):
+    """Keep the largest value of a quantity from now on, as `wbc.most`; returns the robot's time.
 
     Of all that the page is told: one that draws slowly is told several things at once.
     """
     return page.evaluate(
-        """(gauge) => {
+        """(quantity) => {
           let now = wbc.live.status;
           wbc.most = 0;
           Object.defineProperty(wbc.live, "status", {configurable: true, get: () => now,
-            set: (told) => { now = told; wbc.most = Math.max(wbc.most, told[gauge]); }});
+            set: (told) => { now = told; wbc.most = Math.max(wbc.most, told[quantity]); }});
           return now.time;
         }""",
-        gauge,
+        quantity,
     )
 
 
