@@ -15,8 +15,9 @@ from wbc.view import Recording, Video, VideoFormat
 from wbc.view.video import encoder
 
 HERE = Path(__file__).parent
-RATE = 12.5  # Hz
-FORMAT = VideoFormat((400, 360), RATE, camera=(-35.0, 12.0, 4.2))
+RATE = 10.0  # Hz
+SIZE = (360, 320)  # pixels
+DISTANCES = {"g1": 3.4, "talos": 4.6}  # m, of the camera
 #: Robot, time of each push, s, and its impulse in N·s per kg of the robot.
 PUSHES = {
     "g1": ((1.5, (0.0, 0.5, 0.0)), (4.0, (0.6, 0.0, 0.0))),
@@ -35,7 +36,8 @@ def film(name: str, path: Path) -> None:
     report = wbc.run(walker, plant, DURATION, observers=[recording])
     if not report.survived:
         raise SystemExit(f"{name} fell: {report.fell_why}")
-    Video(path, FORMAT).render(recording, lambda k, n: print(f"{name}: frame {k} of {n}"))
+    video_format = VideoFormat(SIZE, RATE, camera=(-35.0, 12.0, DISTANCES[name]))
+    Video(path, video_format).render(recording, lambda k, n: print(f"{name}: frame {k} of {n}"))
 
 
 def main() -> None:
@@ -45,7 +47,7 @@ def main() -> None:
         for name, path in zip(PUSHES, films, strict=True):
             film(name, path)
         inputs = [argument for path in films for argument in ("-i", str(path))]
-        chain = "hstack,split[a][b];[a]palettegen=64[p];[b][p]paletteuse=dither=none"
+        chain = "hstack,split[a][b];[a]palettegen=48[p];[b][p]paletteuse=dither=none"
         command = [encoder(), "-y", "-loglevel", "error", *inputs, "-filter_complex", chain]
         subprocess.run([*command, "-loop", "0", str(HERE / "pushes.gif")], check=True)
 
