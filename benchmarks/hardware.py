@@ -333,7 +333,8 @@ def _real_time_row(player: MotionPlayer, seed: int, distance: float) -> Row:
     ):
         report = wbc.run(player, plant, duration, before_tick=command)
         connection, latency = plant.connection, plant.latency.seconds
-    period = np.percentile(np.diff(begun[:ticks]), (50, 99, 100)) if ticks > 1 else np.zeros(3)
+    periods = np.diff(begun[1:ticks])  # the first one has the start in it
+    period = np.percentile(periods, (50, 99, 100)) if ticks > 2 else np.zeros(3)
     return _row("g1 over DDS in real time", seed, report) | {
         "aborted_motions": report.aborted_motions,
         "duration_s": round(report.duration_s, 1),
