@@ -19,8 +19,9 @@ class Estimate:
     Attributes:
         state: estimated configuration and velocity.
         contacts: names of the soles that stand on the ground.
-        loads: sole name -> normal force as a share of the robot's weight; None when the
-            robot has no foot sensors.
+        loads: sole name -> measured normal force as a share of the robot's weight; None when
+            the robot has no foot sensors: `contacts` may be inferred then, and controllers go
+            by the time of their plan.
         foot_wrenches: sole name -> (6,) measured force then moment that the ground exerts on
             the foot, at the sole's centre, in sole axes; N, N·m. Finite; empty when the robot
             has no foot sensors.

@@ -38,9 +38,10 @@ class Estimator:
     simulator goes through `GroundTruthEstimator`.
 
     Which soles stand is decided from the foot forces by `trigger`. A robot without foot sensors
-    whose joint torques are measured has those of a `WrenchObserver`. Without either it is what
-    `contacts` says, and without that the soles that the estimate places lowest: good for standing
-    and slow walking on flat floor, not for running or stairs.
+    whose joint torques are measured has those of a `WrenchObserver`. They correct the base but are
+    no foot loads of the estimate: a controller then times its contacts by its plan. Without either
+    it is what `contacts` says, and without that the soles that the estimate places lowest: good for
+    standing and slow walking on flat floor, not for running or stairs.
 
     At any tick `copy.deepcopy` and `pickle` give an estimator that goes on bit-identically,
     in this process or another.
@@ -186,6 +187,9 @@ class Estimator:
         if due or stands != before:
             self._correct(before, stands, due)
             write_state(self.filter.record, self._legs.poses, self._joints.state, q, v)
+        if not measurement.foot_wrenches:
+            # Observed loads lag and chatter: steps that are timed by them become shorter.
+            loads = None
         return Estimate(State(q, v), detector.contacts, loads, measurement.foot_wrenches)
 
     def _observed_wrenches(self, measurement: Measurement) -> Mapping[str, np.ndarray]:
