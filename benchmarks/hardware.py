@@ -191,9 +191,17 @@ def _shuffle(fields: np.ndarray) -> None:
 
 def faults(options: argparse.Namespace) -> list[Row]:
     """Inject faults into a standing robot: time to detection and from there to damping."""
-    stand_in, transport, plant = _started()
-    report = wbc.run(wbc.Walker(stand_in.robot), plant, 1.2)
+    started = _started()
+    under_control: list[tuple[G1StandIn, LockstepTransport, SafeHardware]] = []
+
+    def copy_under_control(time: float) -> None:  # the end of the run damps the joints
+        if time > 1.2:
+            under_control.append(copy.deepcopy(started))
+            raise RunComplete
+
+    report = wbc.run(wbc.Walker(started[0].robot), started[2], 2.0, before_tick=copy_under_control)
     assert report.survived
+    stand_in, transport, plant = under_control[0]
     zero = np.zeros(stand_in.robot.na)
     command = wbc.Command(zero, np.zeros(zero.size + 6), {}, stand_in.robot.q_nominal[7:], zero)
     rows = []

@@ -7,11 +7,13 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from hardwaretools import HardwareRun, changed_state, flipped_bit
 
+import wbc
 from wbc.hardware import HardwareError, SafetyLimits, SafetyState, UnitreeG1
 from wbc.hardware.safety.command_filter import CommandFilter
 from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
@@ -20,6 +22,8 @@ from wbc.hardware.unitree.stand_in_server import serve
 from wbc.measurement import Measurement
 from wbc.robot import load
 from wbc.runtime.loop import StopRun
+from wbc.runtime.report import Report
+from wbc.runtime.statistics import RunStatistics
 from wbc.servo import ServoCommand
 
 
@@ -54,6 +58,37 @@ def test_it_goes_from_damping_over_the_posture_to_control_and_ends_in_damping(st
     ]
     run.transport.advance()
     assert run.stand_in.damping
+
+
+@pytest.mark.parametrize("error", [None, RuntimeError])
+def test_the_end_of_a_run_damps_the_joints_before_anything_else_is_done(
+    standing, monkeypatch, error
+) -> None:
+    run, walker = copy.deepcopy(standing), wbc.Walker(standing.robot)
+    damped_at_report: list[bool] = []
+    report = RunStatistics.report
+
+    def recorded(*arguments: Any) -> Report:
+        run.transport.advance()
+        damped_at_report.append(run.stand_in.damping)
+        return report(*arguments)
+
+    def fail(time: float) -> None:
+        if error is not None:
+            raise error
+
+    monkeypatch.setattr(RunStatistics, "report", recorded)
+    if error is None:
+        assert wbc.run(walker, run.plant, 0.004).survived
+        assert damped_at_report == [True]
+    else:
+        with pytest.raises(error):
+            wbc.run(walker, run.plant, 0.004, before_tick=fail)
+        run.transport.advance()
+        assert run.stand_in.damping
+    assert run.plant.transitions[-1].reason == "the run is over"
+    with pytest.raises(StopRun, match="connect to the robot anew"):
+        run.measure()
 
 
 def test_it_walks_with_10_ms_of_latency_and_5_percent_of_the_messages_lost(standing) -> None:

@@ -22,6 +22,7 @@ from wbc.runtime.protocols import (
     Observer,
     Plant,
     StateEstimator,
+    StoppablePlant,
     StreamObserver,
     TelemetrySource,
 )
@@ -70,7 +71,8 @@ def run(
 
     Each control period: `plant.measure()` → `estimator.update` → `controller.step` →
     `plant.step`; then the observers see the tick. The run starts from where the plant is: a
-    simulator from its last reset.
+    simulator from its last reset. However it ends, a `StoppablePlant` is stopped before anything
+    else is done.
 
     Args:
         controller: e.g. a `Walker`.
@@ -125,6 +127,8 @@ def run(
             on_conditions(granted)
             conditions = granted.describe()
             clock = Clock(plant.dt, ticks)
+        if isinstance(plant, StoppablePlant):
+            stack.callback(plant.stop)  # the last entry of the stack is the first to be left
         statistics = RunStatistics(plant.robot, start, plant.time, ticks)
         try:
             index = 0

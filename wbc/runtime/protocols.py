@@ -78,7 +78,7 @@ class TelemetrySource(Protocol):
 class Plant(Protocol):
     """A plant, which can be measured and commanded.
 
-    A plant may also be a `GroundTruthSource`.
+    A plant may also be a `GroundTruthSource` or a `StoppablePlant`.
     """
 
     robot: Robot
@@ -105,6 +105,17 @@ class GroundTruthSource(Protocol):
 
     def ground_truth(self) -> State:
         """Return the true state now."""
+
+
+@runtime_checkable
+class StoppablePlant(Protocol):
+    """A plant that must not go on with the last command when the run is over."""
+
+    def stop(self) -> None:
+        """Bring the robot into a safe state at once, because no command follows.
+
+        Called right after the last tick, however the run ends; a second time does nothing.
+        """
 
 
 @runtime_checkable

@@ -47,8 +47,9 @@ class SafeHardware(Closeable):
 
     It starts by `start`, which the first `measure` calls: damping, then slowly to the nominal
     posture, which it holds. The controller then takes over within half a second. Any fault, the end
-    of the run and `close` lead back to damping, in the same tick; after a fault nothing but damping
-    is sent. A run with a fault ends with its reason. No option switches any of this off.
+    of the run (`stop`) and `close` lead back to damping, in the same tick; from then on nothing but
+    damping is sent: another run takes another connection. A run with a fault ends with its reason.
+    No option switches any of this off.
 
     The loop is locked to the robot's clock: `measure` waits for the next state message. A message
     that was lost is replaced by an extrapolation, so that every period has one measurement; further
@@ -102,7 +103,7 @@ class SafeHardware(Closeable):
         self._robot_time = self._start_time = 0.0
         self._periods = 0
         self._clock_offset = math.inf
-        self._closed = False
+        self._stopped = self._closed = False
 
     @property
     def connection(self) -> ConnectionState:
@@ -192,7 +193,7 @@ class SafeHardware(Closeable):
 
         Raises:
             HardwareError: see `start`, which the first call calls.
-            StopRun: a fault was found; the joints are damped.
+            StopRun: a fault was found, or the run is over; the joints are damped.
         """
         if not self.transitions:
             self.start()
@@ -203,10 +204,9 @@ class SafeHardware(Closeable):
         """Send a command, within the limits.
 
         Raises:
-            StopRun: a fault was found; the joints are damped.
+            StopRun: a fault was found, or the run is over; the joints are damped.
         """
-        if self.fault:
-            raise StopRun(self.fault)
+        self._check_running()
         if self.state is SafetyState.DAMPING:
             self._fail("a command came before the robot was started")
         if self.state is SafetyState.POSTURE:
@@ -233,8 +233,7 @@ class SafeHardware(Closeable):
 
     def _next(self) -> Measurement:
         """Return the measurement of the next period of the robot's clock."""
-        if self.fault:
-            raise StopRun(self.fault)
+        self._check_running()
         while True:
             reading, self._pending = self._pending, None
             reading = reading or self._hardware.receive(self._limits.silence)
@@ -258,6 +257,10 @@ class SafeHardware(Closeable):
         self._measurement = reading.measurement
         self.latency.measured(self._measurement)
         return self._measurement
+
+    def _check_running(self) -> None:
+        if self.fault or self._stopped:
+            raise StopRun(self.fault or "the run is over: connect to the robot anew")
 
     def _extrapolated(self) -> Measurement:
         m = self._measurement
@@ -301,12 +304,19 @@ class SafeHardware(Closeable):
         self._enter(SafetyState.DAMPING, reason)
         raise StopRun(reason)
 
+    def stop(self) -> None:
+        """Damp the joints for good; `wbc.run` does it right after the last tick."""
+        if self._stopped:
+            return
+        self._stopped = True
+        self._hardware.damp()
+        if self.state is not SafetyState.DAMPING:
+            self._enter(SafetyState.DAMPING, "the run is over")
+
     def close(self) -> None:
         """Damp the joints and end the connection."""
         if self._closed:
             return
         self._closed = True
-        self._hardware.damp()
-        if self.state is not SafetyState.DAMPING:
-            self._enter(SafetyState.DAMPING, "the run is over")
+        self.stop()
         self._hardware.close()
