@@ -633,8 +633,11 @@ def test_the_page_receives_the_past_of_signals_and_saves_a_stretch(
         marks = []
         while "push" not in [mark["kind"] for mark in marks]:
             marks += page.receive("events")["events"]
+        end = marks[-1]["time"] + 0.1
+        while page.receive("status")["status"]["session"] < end + 0.1:
+            pass
         page.request("save", {"as": "log", "from": -math.inf, "to": 1})
-        page.request("save", {"as": "log", "from": 0, "to": marks[-1]["time"] + 0.1})
+        page.request("save", {"as": "log", "from": 0, "to": end})
         assert "out of range" in page.receive("error")["error"]
         address = page.receive("saved")["saved"]
         with urllib.request.urlopen(live.url.replace("static/", address)) as answer:

@@ -121,7 +121,7 @@ def test_tick_time_plot_shows_period_median_and_failures(folder):
     axes = Figure().subplots()
     draw_tick_time(axes, LoggedRun.read(path))
     texts = {text.get_text() for text in axes.texts}
-    assert texts == {"period 2000 µs", "median 250 µs", "p99 250 µs"}
+    assert texts == {"budget 2000 µs", "median 250 µs", "p99 250 µs"}
     assert "3 ticks without a solution" in axes.get_title(loc="left") + axes.get_title()
     (mark,) = axes.patches
     assert mark.get_x() == pytest.approx(0.02)

@@ -129,7 +129,7 @@ def compare(case: Case, tick: int, known: Reference, command: wbc.Command) -> Co
         if known.problem_class is ProblemClass.INFEASIBLE:
             if command.status is not Status.INFEASIBLE:
                 comparison.fault = f"infeasible, but status {command.status.name}"
-            elif "cannot hold" not in command.explanation:
+            elif "these constraints conflict — " not in command.explanation:
                 comparison.fault = f"no explanation of the conflict: '{command.explanation}'"
         return comparison
     if command.status is not Status.OK:
