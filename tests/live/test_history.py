@@ -1,13 +1,16 @@
 """The last minutes of a session: samples, the extremes between them, and files of them."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
 import wbc
-from wbc.live.history import History
+from wbc.live.history import PERIOD, History
 from wbc.live.saving import Stretch
 from wbc.live.signals import signal_limits, signal_places
 from wbc.log import LoggedRun
+from wbc.runtime.controller_inputs import NAME, controller_inputs
 from wbc.runtime.mode import Mode
 from wbc.runtime.quantities import QUANTITIES
 from wbc.runtime.schema import Schema, declared_columns
@@ -98,3 +101,59 @@ def test_limits_of_signals_are_those_of_the_joints_and_the_period(robot, schema)
     assert limits[f"q: {name}, m, rad"] == (robot.q_min[3], robot.q_max[3])
     assert "q: x, m, rad" not in limits
     assert set(limits) <= set(signal_places(schema))
+
+
+def noisy(robot, schema, times, generator):
+    """Ticks in which every number is noise, which hardly compresses."""
+    records = ticks(robot, schema, times)
+    for column in schema.numbers:
+        if column.name not in ("time", "run", "mode"):
+            shape = records[column.name].shape
+            records[column.name] = generator.standard_normal(shape)
+    if NAME in schema.by_name:
+        records[NAME] = np.sin(np.arange(records[NAME].shape[1]))
+    return records
+
+
+def test_ten_minutes_take_less_than_100_mb():
+    robot = wbc.load("talos")
+    quantities = (*QUANTITIES, controller_inputs(robot))
+    schema = Schema(tuple(column for column, _ in declared_columns(robot, quantities)))
+    history, generator = History(robot, PERIOD), np.random.default_rng(0)
+    sizes = []
+    tracemalloc.start()
+    for block in range(24):
+        times = 2.0 * block + PERIOD * np.arange(100)
+        history.add(noisy(robot, schema, times, generator), schema)
+        sizes.append(tracemalloc.get_traced_memory()[0])
+    tracemalloc.stop()
+    start, growth = sizes[-1], (sizes[-1] - sizes[-5]) / 400
+    assert start + 30_000 * growth < 100e6
+
+
+def test_old_samples_are_those_that_were_added(robot, schema):
+    history = History(robot, PERIOD)
+    generator = np.random.default_rng(0)
+    added = noisy(robot, schema, PERIOD * np.arange(2500), generator)
+    added["contact_names"][:, 0], added["text"] = b"left_sole", b"walking"
+    history.add(added, schema)
+    kept, times = history.stretch(0.0, 100.0)
+    assert times == pytest.approx(added["time"])
+    for name in schema.dtype.names:
+        column = schema.by_name.get(name)
+        same = added[name] if column is None or not column.single else added[name].astype("f4")
+        old = slice(None, 2400) if column is not None and column.single else slice(None)
+        np.testing.assert_array_equal(kept[name][old], same[old])
+    assert history.at(3.0).text == "walking"
+    np.testing.assert_array_equal(history.at(3.0).q, added["q"][150])
+    place = signal_places(schema)["dcm_error, m"]
+    (series,) = history.series([place], 0, 10_000)
+    assert series.time[-1] == times[-1]
+    assert (np.diff(series.time) > 0).all()
+    for values, extreme in ((series.low, np.min), (series.high, np.max)):
+        # By tenths of a second, of which older points comprise one each.
+        of_series = values[: (series.time < 10.0).sum()]
+        expected = extreme(added["dcm_error"][:500].reshape(-1, 5), axis=1).astype("f4")
+        np.testing.assert_array_equal(of_series, expected)
+    (new,) = history.series([place], 2450, 10_000)
+    assert len(new.time) == 50

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wbc.live.sample_block import SAMPLES, Layout, SampleBlock
 from wbc.runtime.mode import Mode
 from wbc.runtime.schema import Schema
 from wbc.runtime.snapshot import Snapshot
@@ -19,7 +20,8 @@ if TYPE_CHECKING:
 
 DURATION = 720.0  # s that are kept at least
 PERIOD = 0.02  # s between two samples
-_BLOCK = 500  # samples
+#: Blocks whose extremes are kept for each sample; those of older ones are joined.
+_RECENT = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,17 +40,6 @@ class Series:
 
 
 @dataclass(eq=False)
-class _Block:
-    """Consecutive samples: records, session times, least and largest values."""
-
-    records: np.ndarray
-    time: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    used: int = 0
-
-
-@dataclass(eq=False)
 class _Waiting:
     """Ticks that are not yet a sample, as rows of numbers, and their session times, s."""
 
@@ -59,6 +50,10 @@ class _Waiting:
 
 class History:
     """Samples of the ticks of the last minutes, with the extremes of what lies between them.
+
+    Older samples are compressed: those of a robot with 32 joints take less than 3 kB each, with
+    the inputs of the controller's QP. Of the extremes, those of the last half minute are kept for
+    each sample, and older ones ten times a second.
 
     Its time is that of the session: plant time, continued over resets, as in a log. It is a
     `wbc.view.Timeline`.
@@ -76,10 +71,12 @@ class History:
     def __init__(self, robot: Robot, dt: float, duration: float = DURATION) -> None:
         self._stamps = BatchMaker(robot)
         self._every = max(1, round(PERIOD / dt))  # ticks per sample
-        self._blocks: deque[_Block] = deque(
-            maxlen=1 + int(np.ceil(duration / (self._every * dt * _BLOCK)))
+        self._blocks: deque[SampleBlock] = deque(
+            maxlen=1 + int(np.ceil(duration / (self._every * dt * SAMPLES)))
         )
         self._schema = Schema(())
+        self._layout = Layout(self._schema)
+        self._shown: tuple[SampleBlock, np.ndarray] | None = None  # and its records
         self._waiting = _Waiting()
         self.count = 0
         self.starts: dict[int, float] = {}
@@ -96,8 +93,9 @@ class History:
             schema: Their schema; samples of another one are forgotten.
         """
         if schema is not self._schema:
-            self._schema, self._waiting = schema, _Waiting()
+            self._schema, self._layout, self._waiting = schema, Layout(schema), _Waiting()
             self._blocks.clear()
+            self._shown = None
         running = ticks[ticks["mode"] == Mode.RUNNING]
         if len(running):
             time = 1e-9 * self._stamps.batch(running).stamps
@@ -117,36 +115,28 @@ class History:
             self._sample(np.concatenate(waiting.words), np.concatenate(waiting.time), ended)
 
     def _sample(self, words: np.ndarray, time: np.ndarray, ended: bool) -> None:
-        records = words.view(self._schema.dtype)[:, 0]
-        whole = len(records) - len(records) % self._every
+        count = len(words)
+        whole = count - count % self._every
         ends = list(range(self._every, whole + 1, self._every))
-        if ended and whole < len(records):
-            ends.append(len(records))
-        elif whole < len(records):
-            rest = slice(whole, None)
-            self._waiting = _Waiting([words[rest]], [time[rest]], len(records) - whole)
-        columns = sum(column.size for column in self._schema.numbers)
+        if ended and whole < count:
+            ends.append(count)
+        elif whole < count:
+            self._waiting = _Waiting([words[whole:]], [time[whole:]], count - whole)
         start = 0
         for end in ends:
-            block = self._block_with_room(records.dtype, columns)
-            at, block.used = block.used, block.used + 1
-            block.records[at], block.time[at] = records[end - 1], time[end - 1]
-            # fmin and fmax pass over values that are not known.
-            np.fmin.reduce(words[start:end, :columns], axis=0, out=block.low[at])
-            np.fmax.reduce(words[start:end, :columns], axis=0, out=block.high[at])
+            self._block_with_room().append(words[start:end], float(time[end - 1]))
             self.count += 1
             start = end
 
-    def _block_with_room(self, dtype: np.dtype, columns: int) -> _Block:
-        if not self._blocks or self._blocks[-1].used == _BLOCK:
-            extremes = (_BLOCK, columns)
-            self._blocks.append(
-                _Block(
-                    np.empty(_BLOCK, dtype), np.empty(_BLOCK),
-                    np.empty(extremes, "f4"), np.empty(extremes, "f4"),
-                )
-            )  # fmt: skip
-        return self._blocks[-1]
+    def _block_with_room(self) -> SampleBlock:
+        blocks = self._blocks
+        if not blocks or blocks[-1].full:
+            if blocks:
+                blocks[-1].compress_records()
+            if len(blocks) >= _RECENT:
+                blocks[-_RECENT].compress_extremes()
+            blocks.append(SampleBlock(self._layout))
+        return blocks[-1]
 
     @property
     def start(self) -> float:
@@ -170,20 +160,28 @@ class History:
                 break
             block = later
         index = int(np.searchsorted(block.time[: block.used], time + 1e-9, "right")) - 1
-        return Snapshot.of_record(block.records[max(index, 0)])
+        if block is self._blocks[-1]:
+            return Snapshot.of_record(block.records()[max(index, 0)])
+        if self._shown is None or self._shown[0] is not block:
+            self._shown = block, block.records()
+        return Snapshot.of_record(self._shown[1][max(index, 0)])
 
     def stretch(self, start: float, end: float) -> tuple[np.ndarray, np.ndarray]:
         """Return copies of the records between two times (s), and their session times, s."""
-        records, times = [], []
-        for block in self._blocks:
-            time = block.time[: block.used]
-            within = slice(*np.searchsorted(time, (start - 1e-9, end + 1e-9)).tolist())
-            records.append(block.records[: block.used][within].view("f8"))
-            times.append(time[within].copy())
-        if not records:
-            return np.empty(0, self._schema.dtype), np.empty(0)
-        words = np.concatenate(records).reshape(-1, self._schema.size)
-        return words.view(self._schema.dtype)[:, 0], np.concatenate(times)
+        slices = [
+            slice(*np.searchsorted(block.time[: block.used], (start - 1e-9, end + 1e-9)).tolist())
+            for block in self._blocks
+        ]
+        count = sum(one.stop - one.start for one in slices)
+        words, times = np.empty((count, self._schema.size)), np.empty(count)
+        at = 0
+        for block, within in zip(self._blocks, slices, strict=True):
+            if within.start < within.stop:
+                rows = slice(at, at + within.stop - within.start)
+                words[rows] = block.records().view("f8").reshape(block.used, -1)[within]
+                times[rows] = block.time[within]
+                at = rows.stop
+        return words.view(self._schema.dtype)[:, 0], times
 
     def series(self, places: Sequence[int], since: int, points: int) -> list[Series]:
         """Return quantities over time, of which those long ago are joined to fewer points.
@@ -194,14 +192,17 @@ class History:
             points: Largest number of points of the older half and of the newer half each.
         """
         skipped = max(since - (self.count - len(self)), 0)
-        times, lows, highs = [], [], []
+        times: list[np.ndarray] = []
+        lows: list[np.ndarray] = []
+        highs: list[np.ndarray] = []
         for block in self._blocks:
             first = min(skipped, block.used)
             skipped -= first
-            rows = slice(first, block.used)
-            times.append(block.time[rows])
-            lows.append(block.low[rows][:, places])
-            highs.append(block.high[rows][:, places])
+            if first < block.used:
+                for joined, part in zip(
+                    (times, lows, highs), block.extremes(places, first), strict=True
+                ):
+                    joined.append(part)
         if not times:
             return [Series(np.empty(0), np.empty(0), np.empty(0)) for _ in places]
         time, low, high = np.concatenate(times), np.concatenate(lows), np.concatenate(highs)
