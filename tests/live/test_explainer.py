@@ -1,11 +1,14 @@
-"""The page is told why the present tick is what it is, from the tick's record alone."""
+"""The page is told why a tick is what it is, from the tick's record alone."""
 
 import numpy as np
 import pytest
 
 import wbc
 from wbc.live.explainer import TickExplainer
-from wbc.runtime.controller_inputs import NAME
+from wbc.live.history import PERIOD, History
+from wbc.runtime.controller_inputs import NAME, controller_inputs
+from wbc.runtime.quantities import QUANTITIES
+from wbc.runtime.schema import Schema, declared_columns
 
 
 @pytest.fixture(scope="module")
@@ -49,3 +52,20 @@ def test_a_tick_without_a_qp_is_answered_with_the_reason(robot):
     tick, _ = record(robot, lift=1.0, exact=False)
     tick[NAME] = np.full(2000, np.nan)
     assert "comes from no QP" in TickExplainer(robot).explain(tick)["error"]
+
+
+def test_a_tick_that_is_kept_in_the_history_is_explained_like_the_present_one(robot):
+    tick, _ = record(robot, lift=300.0, exact=False)
+    inputs = controller_inputs(robot)
+    columns = declared_columns(robot, (*QUANTITIES, inputs))
+    schema = Schema(tuple(column for column, _ in columns))
+    records = np.zeros(300, schema.dtype)
+    records["time"], records["run"] = PERIOD * np.arange(300), 1
+    for name in ("q", "v"):
+        records[name] = tick[name]
+    records[NAME] = tick[NAME][: records[NAME].shape[1]]
+    history = History(robot, PERIOD)
+    history.add(records, schema)
+    explainer = TickExplainer(robot)
+    kept, present = (explainer.explain(one) for one in (history.record_at(1.5), tick))
+    assert kept == present

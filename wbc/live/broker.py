@@ -112,7 +112,7 @@ class RequestBroker:
             request = decode(message)
             match request.control:
                 case "why":
-                    self._explain(page)
+                    self._explain(request.value, page)
                     return
                 case "signals":
                     self._select_signals(request.value, page)
@@ -281,12 +281,16 @@ class RequestBroker:
         self._saving.add(task)  # a task that nobody holds may be collected
         task.add_done_callback(self._saving.discard)
 
-    def _explain(self, page: PageClient) -> None:
+    def _explain(self, value: Any, page: PageClient) -> None:
+        """Explain the present tick (None) or the sample at a session time, s."""
         if self._last is None or NAME not in self._schema.by_name:
             raise CommandRefused(
                 "ticks can be explained while they are logged: start  wbc live --log FILE"
             )
-        self._explainer.request(self._last, page)
+        record = self._last
+        if value is not None and len(self._history):
+            record = self._history.record_at(check_number("why", value, 0.0, _LONGEST, "s"))
+        self._explainer.request(record, page)
 
     def _send_status(self, ticks: np.ndarray) -> None:
         self._last = ticks[-1]

@@ -1,4 +1,4 @@
-"""Explains the present tick to the pages: it is solved again alone, beside the loop."""
+"""Explains a tick to the pages: it is solved again alone, beside the loop."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -154,6 +154,14 @@ class History:
         Raises:
             IndexError: There is no sample yet.
         """
+        return Snapshot.of_record(self.record_at(time))
+
+    def record_at(self, time: float) -> Any:
+        """Return the record of the last sample at or before a time (s), or of the first.
+
+        Raises:
+            IndexError: There is no sample yet.
+        """
         block = self._blocks[0]
         for later in self._blocks:
             if later.time[0] > time + 1e-9:
@@ -161,10 +169,10 @@ class History:
             block = later
         index = int(np.searchsorted(block.time[: block.used], time + 1e-9, "right")) - 1
         if block is self._blocks[-1]:
-            return Snapshot.of_record(block.records()[max(index, 0)])
+            return block.records()[max(index, 0)]
         if self._shown is None or self._shown[0] is not block:
             self._shown = block, block.records()
-        return Snapshot.of_record(self._shown[1][max(index, 0)])
+        return self._shown[1][max(index, 0)]
 
     def stretch(self, start: float, end: float) -> tuple[np.ndarray, np.ndarray]:
         """Return copies of the records between two times (s), and their session times, s."""

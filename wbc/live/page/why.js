@@ -1,4 +1,4 @@
-// Why the present tick is what it is: on request the server solves it again, beside the loop.
+// Why the tick that is shown is what it is: on request the server solves it again, beside the loop.
 "use strict";
 (() => {
 const {make} = wbc;
@@ -6,7 +6,7 @@ const answer = make("div", {id: "why"});
 
 function section(send) {
   const button = make("button", {textContent: "Explain this tick",
-    title: "what each task asked for and got, and which limits stand in its way", onclick: () => send("why", true)});
+    title: "what each task asked for and got, and which limits stand in its way", onclick: () => send("why", wbc.reviewed ?? null)});
   button.dataset.action = "why";
   return make("details", {}, make("summary", {textContent: "Why"}), button, answer);
 }
