@@ -113,6 +113,21 @@ def test_formulations_agree_and_every_level_is_optimal(name, contacts, seed):
     assert max(stationarity(control.problem, x)) < 1e-7
 
 
+@pytest.mark.parametrize("contacts", CONTACT_SETS[1:])
+@pytest.mark.parametrize("name", ["talos", "g1"])
+def test_a_humanoid_has_the_same_optimum_whatever_the_start(name, contacts):
+    bot = robot(name)
+    warm = HierarchicalSolver()
+    for seed in range(3):
+        control = stack(bot, contacts, (1, 2, 3))
+        control.step(standing_state(bot, seed))
+        problem, solver = control.problem, HierarchicalSolver()
+        cold = solver.solve(problem).x
+        assert max(stationarity(problem, cold)) < 1e-8
+        for x in (solver.solve(problem).x, warm.solve(problem).x):
+            np.testing.assert_allclose(x, cold, atol=1e-6 * (1.0 + np.abs(cold).max()))
+
+
 def test_the_formulation_with_all_unknowns_has_the_same_solution():
     bot = robot("talos")
     state = standing_state(bot, 1)

@@ -39,6 +39,8 @@ from wbc.qp.kernels.working_set import (
 
 SOLVED, INFEASIBLE, ITERATION_LIMIT, NOT_CONVEX, NOT_EXACT = 0, 1, 2, 3, 4
 
+NEGLIGIBLE = 1e-13  # share of the largest multiplier that rounding errors may have
+
 SOLVER_GROUPS = (WorkingSet, Workspace)
 _read_working_set = reader(SOLVER_GROUPS, WorkingSet)
 _read_workspace = reader(SOLVER_GROUPS, Workspace)
@@ -75,15 +77,22 @@ def most_violated(rows: Inequality, work: RowMemory, tolerance: float) -> tuple[
 
 @subkernel
 def first_to_vanish(
-    active: WorkingSet, target: np.ndarray, size: int, is_equality: np.ndarray
+    active: WorkingSet,
+    target: np.ndarray,
+    size: int,
+    is_equality: np.ndarray,
+    negligible: float,
 ) -> tuple[int, float]:
-    """Return which multiplier changes sign first on the way to the target, and at what share."""
+    """Return which multiplier changes sign first on the way to the target, and at what share.
+
+    Negative ones count from the negligible share of the largest on.
+    """
     largest = 0.0
     for k in range(size):
         largest = max(largest, abs(target[k]))
     at, share = -1, 1.0
     for k in range(size):
-        if is_equality[active.row[k]] or target[k] >= -1e-13 * largest:
+        if is_equality[active.row[k]] or target[k] >= -negligible * largest:
             continue
         s = active.multiplier[k] / (active.multiplier[k] - target[k])
         if s < share:
@@ -175,7 +184,7 @@ def solve(
         for k in range(size):
             target[k] = -active.d[k]
         solve_factored(active.F, target, size)
-        at, share = first_to_vanish(active, target, size, is_equality)
+        at, share = first_to_vanish(active, target, size, is_equality, NEGLIGIBLE)
         if at >= 0:
             for k in range(size):
                 active.multiplier[k] += share * (target[k] - active.multiplier[k])

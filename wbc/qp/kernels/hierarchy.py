@@ -16,8 +16,8 @@ In coordinates p of equal cost (`wbc.qp.kernels.null_space`) a level is a least-
 solved by the dual active-set method of `wbc.qp.kernels.dual_active_set` from the working set that
 the level had in the last tick; a row that may be violated has 1/ω on the diagonal of K. Directions
 that a level is indifferent to get a small proximal cost around the last solution, and the centre
-moves until it no longer matters. Rows with a positive multiplier are then held where they are:
-moving off them would cost the level something.
+moves until the multipliers that come from this cost alone have vanished. Rows with a positive
+multiplier are then held where they are: moving off them would cost the level something.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from wbc.jit.compile import kernel, subkernel
 from wbc.qp.kernels.dual_active_set import (
     INFEASIBLE,
     ITERATION_LIMIT,
+    NEGLIGIBLE,
     NOT_CONVEX,
     NOT_EXACT,
     SOLVED,
@@ -62,12 +63,17 @@ from wbc.qp.kernels.working_set import (
     value_of,
 )
 
-_PROXIMAL = 1e-8  # cost of directions that a level is indifferent to, its rows being of norm one
-_SCALE = 1.0 / math.sqrt(_PROXIMAL)
+_SCALE = 1e4  # of directions that a level is indifferent to, its rows being of norm one: least
+_LARGEST_SCALE = 1e6
+_ABOVE_SENSITIVE = 100.0  # scale of these directions for the largest of the others
 _PROXIMAL_STEPS = 30
-_INDIFFERENT = 1e-9  # gradient of the proximal cost that no longer matters
+_CONVERGED = 1e-9  # error of the multipliers that no longer matters, for the largest of them
+_ROUNDED = 1e-5  # share of itself by which rounding changes a multiplier
+_NEGLIGIBLE = 1e-10  # as `NEGLIGIBLE`, where a proximal cost determines small multipliers
+_SENSITIVITY = 1e5  # multipliers per gradient of the proximal cost, before a step has shown it
 _DETERMINED = 1e-9  # share of a row that must be left to count as free
-_FORCED = 1e-7  # multiplier of a row that a level holds on to
+_FORCED = 1e-7  # multiplier of a row that a level holds on to, for the largest of them
+_LEAST_LARGEST = 1e-2  # what counts as the largest multiplier when all are small
 _CONSISTENT = 1e-8  # by how much equalities that follow from others may miss
 _SLACK = 1e-6  # by how much a row that higher levels determine may be violated by rounding
 
@@ -214,6 +220,35 @@ def largest_of(values: np.ndarray) -> float:
 
 
 @subkernel
+def largest_multiplier(active: WorkingSet, work: LevelWorkspace, size: int) -> float:
+    """Return the largest multiplier of rows of norm one, or `_LEAST_LARGEST`."""
+    largest = _LEAST_LARGEST
+    for k in range(size):
+        largest = max(largest, abs(active.multiplier[k] / work.scale[active.row[k]]))
+    return largest
+
+
+@subkernel
+def keep(active: WorkingSet, work: LevelWorkspace, k: int, size: int) -> float:
+    """Keep the working set of a level.
+
+    Returns:
+        By how much a multiplier differs from the one kept before; infinity for another set.
+    """
+    change = 0.0 if work.kept_size[k] == size else np.inf
+    for i in range(size):
+        row, multiplier = active.row[i], active.multiplier[i]
+        if work.kept_row[k, i] != row or work.kept_side[k, i] != active.side[i]:
+            change = np.inf
+        moved = abs(multiplier - work.kept_multiplier[k, i]) - _ROUNDED * abs(multiplier)
+        change = max(change, moved / work.scale[row])
+        work.kept_row[k, i], work.kept_side[k, i] = row, active.side[i]
+        work.kept_multiplier[k, i] = multiplier
+    work.kept_size[k] = size
+    return change
+
+
+@subkernel
 def is_determined(active: WorkingSet, work: LevelWorkspace, at: Coordinates, k: int) -> bool:
     """Return whether nothing that is left to the level changes the row at place k."""
     row, s, t = active.row[k], 0.0, 0.0
@@ -324,12 +359,13 @@ def least_distance(
 ) -> tuple[int, int]:
     """Solve `min ½ |p|²` from a working set; returns the outcome and the working set's size."""
     target = work.target
+    negligible = NEGLIGIBLE if at.rank < 0 else _NEGLIGIBLE
     for _ in range(limit):
         work.iterations[0] += 1
         for k in range(size):
             target[k] = -active.d[k]
         solve_factored(active.F, target, size)
-        gone, share = first_to_vanish(active, target, size, rows.is_equality)
+        gone, share = first_to_vanish(active, target, size, rows.is_equality, negligible)
         if gone >= 0:
             for k in range(size):
                 active.multiplier[k] += share * (target[k] - active.multiplier[k])
@@ -370,10 +406,10 @@ def recentre(
     work: LevelWorkspace,
     linear: LevelRows,
     size: int,
-    stop: int,
+    at: Coordinates,
 ) -> float:
     """Move the centre of the proximal cost to x; returns the gradient that it had there."""
-    n, z, norm2 = work.x.size, linear.y, 0.0
+    n, z, norm2, stop = work.x.size, linear.y, 0.0, at.stop
     for i in range(n):
         z[i] = work.x[i] - linear.center[i]
     reflect(linear, z, 0, stop)
@@ -388,7 +424,7 @@ def recentre(
         row = active.row[k]
         value = value_of(rows, row, linear.center)
         active.d[k] = rows.ub[row] - value if active.side[k] > 0 else value - rows.lb[row]
-    return _PROXIMAL * math.sqrt(norm2)
+    return math.sqrt(norm2) / (at.indifferent * at.indifferent)
 
 
 @subkernel
@@ -402,13 +438,11 @@ def close_level(
 ) -> int:
     """Hold the rows that the level leans on; returns the first direction that is left."""
     n = work.x.size
-    largest = 0.0
-    for k in range(size):
-        largest = max(largest, active.multiplier[k] / work.scale[active.row[k]])
+    forced = _FORCED * largest_multiplier(active, work, size)
     for k in range(size):
         row, force = active.row[k], active.multiplier[k]
         work.used[row] = 0
-        if force / work.scale[row] > _FORCED + 1e-9 * largest:
+        if force / work.scale[row] > forced:
             work.used[row] = 2
             if first < n:
                 copy_row(rows, row, work.scale[row], linear.y)
@@ -502,7 +536,9 @@ def solve_levels(
             sensitive = 1.0
             for c in range(rank):
                 sensitive = max(sensitive, 1.0 / abs(linear.A[c, first + c]))
-            at = Coordinates(first, stop, rank, count > rank, _SCALE, sensitive)
+            # The proximal cost must be small beside that of the level's weakest rows, too.
+            indifferent = min(max(_SCALE, _ABOVE_SENSITIVE * sensitive), _LARGEST_SCALE)
+            at = Coordinates(first, stop, rank, count > rank, indifferent, sensitive)
         else:
             if not reduce_cost(linear, H, g, first):
                 return NOT_CONVEX
@@ -515,21 +551,22 @@ def solve_levels(
                 work.used[row] = 0
                 work.softness[row] = 1.0 / (weight[row] * unit * unit)
         size = start_level(rows, active, work, linear, at, k - 1)
-        outcome = SOLVED
-        for _ in range(_PROXIMAL_STEPS):
+        outcome, gradient = SOLVED, 0.0
+        for proximal_step in range(_PROXIMAL_STEPS):
             outcome, size = least_distance(rows, active, work, linear, at, size, tolerance, limit)
-            if outcome != SOLVED or k == last:
+            if outcome != SOLVED:
+                work.kept_size[k - 1] = 0
+                return outcome
+            change = keep(active, work, k - 1, size)
+            if k == last:
                 break
-            largest = largest_of(active.multiplier[:size])
-            if recentre(rows, active, work, linear, size, stop) <= _INDIFFERENT * largest:
+            before, gradient = gradient, recentre(rows, active, work, linear, size, at)
+            error = _SENSITIVITY * gradient
+            if proximal_step > 0 and gradient < before:  # which converges linearly
+                error = min(error, change * gradient / (before - gradient))
+            if error <= _CONVERGED * largest_multiplier(active, work, size):
                 break
-        if outcome != SOLVED:
-            work.kept_size[k - 1] = 0
-            return outcome
-        work.kept_size[k - 1], work.unit[k - 1] = size, unit
-        for i in range(size):
-            work.kept_row[k - 1, i], work.kept_side[k - 1, i] = active.row[i], active.side[i]
-            work.kept_multiplier[k - 1, i] = active.multiplier[i]
+        work.unit[k - 1] = unit
         for i in range(n):
             linear.center[i] = work.x[i]
         if k < last:
