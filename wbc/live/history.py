@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wbc.live.sample_block import SAMPLES, Layout, SampleBlock
+from wbc.live.sample_block import SAMPLES, SampleBlock, SampleLayout
 from wbc.runtime.mode import Mode
 from wbc.runtime.schema import Schema
 from wbc.runtime.snapshot import Snapshot
@@ -75,7 +75,7 @@ class History:
             maxlen=1 + int(np.ceil(duration / (self._every * dt * SAMPLES)))
         )
         self._schema = Schema(())
-        self._layout = Layout(self._schema)
+        self._layout = SampleLayout(self._schema)
         self._shown: tuple[SampleBlock, np.ndarray] | None = None  # and its records
         self._waiting = _Waiting()
         self.count = 0
@@ -93,7 +93,7 @@ class History:
             schema: Their schema; samples of another one are forgotten.
         """
         if schema is not self._schema:
-            self._schema, self._layout, self._waiting = schema, Layout(schema), _Waiting()
+            self._schema, self._layout, self._waiting = schema, SampleLayout(schema), _Waiting()
             self._blocks.clear()
             self._shown = None
         running = ticks[ticks["mode"] == Mode.RUNNING]

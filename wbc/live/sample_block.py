@@ -17,7 +17,7 @@ _LEVEL = 1  # of zlib: higher ones take several times as long and save a few per
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class SampleLayout:
     """Where the words of a record go when it is compressed.
 
     Quantities that a log holds in single precision are held so here, too: a log of the samples
@@ -47,14 +47,14 @@ class SampleBlock:
     """Consecutive samples: records, session times, and the extremes since the sample before.
 
     Args:
-        layout: Layout of the records.
+        layout: layout of the records.
 
     Attributes:
         time: Session times, s; the first `used` of them are valid.
         used: Number of samples.
     """
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: SampleLayout) -> None:
         self._layout = layout
         self.time = np.empty(SAMPLES)
         self.used = 0
