@@ -3,7 +3,7 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from coretools import few, hand, random_state, robot, robots, seeds
+from coretools import along_velocity, few, hand, random_state, robot, robots, seeds
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -47,10 +47,7 @@ def test_jacobian_and_bias_are_the_derivatives_of_the_barrier(name, kind, seed):
     limit = make(kind, bot, state, seed)
     limit.bind(bot)
     h = 1e-5
-    before, now, after = (
-        rows_at(limit, bot, wbc.State(pin.integrate(bot.model, state.q, t * state.v), state.v))
-        for t in (-h, 0.0, h)
-    )
+    before, now, after = along_velocity(bot, state, h, lambda at: rows_at(limit, bot, at))
     used = np.isfinite(now.h)
     assert used.any()
     rate = (after.h[used] - before.h[used]) / (2.0 * h)

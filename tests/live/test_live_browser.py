@@ -305,6 +305,7 @@ def test_signals_are_drawn_with_their_past_and_zoomed(page):
 
 def test_a_fall_is_unmistakable_stays_in_reach_and_one_key_resets(page):
     largest = page.evaluate("wbc.live.status.run")
+    page.wait_for_function("wbc.live.status.time > 2")  # a second before the fall is of this run
     page.locator("[aria-label='size of the push']").evaluate(
         "(slider) => { slider.value = 1; slider.oninput(); }"
     )

@@ -5,7 +5,7 @@ import copy
 import numpy as np
 import pinocchio as pin
 import pytest
-from coretools import controller, few, hand, random_state, robot, robots, seeds
+from coretools import along_velocity, controller, few, hand, random_state, robot, robots, seeds
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -59,10 +59,7 @@ def test_jacobian_and_bias_are_the_derivatives_of_the_error(name, kind, seed):
     task = make(kind, bot, state, seed)
     task.bind(bot)
     h = 1e-4
-    before, now, after = (
-        rows_at(task, bot, wbc.State(pin.integrate(bot.model, state.q, t * state.v), state.v))
-        for t in (-h, 0.0, h)
-    )
+    before, now, after = along_velocity(bot, state, h, lambda at: rows_at(task, bot, at))
     rate = -(after.error - before.error) / (2.0 * h)
     np.testing.assert_allclose(now.J @ state.v, rate, rtol=1e-4, atol=1e-4)
     # In constant generalised velocity the rate of J v is the bias: exact for a rotation's rate too.

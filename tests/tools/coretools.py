@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 import pinocchio as pin
@@ -67,6 +68,18 @@ def hand(robot: wbc.Robot) -> str:
     return next(
         f.name for f in model.frames if f.parentJoint == last and f.type == pin.FrameType.BODY
     )
+
+
+T = TypeVar("T")
+
+
+def along_velocity(
+    robot: wbc.Robot, state: wbc.State, h: float, evaluate: Callable[[wbc.State], T]
+) -> tuple[T, T, T]:
+    """What `evaluate` gives h s before, in, and h s after a state, at constant velocity."""
+    q = [pin.integrate(robot.model, state.q, t * state.v) for t in (-h, 0.0, h)]
+    before, now, after = (evaluate(wbc.State(at, state.v)) for at in q)
+    return before, now, after
 
 
 def sole_contact(
