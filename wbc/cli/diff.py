@@ -7,8 +7,8 @@ from pathlib import Path
 
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.formatting import paragraph, table
+from wbc.cli.logged_run import SpanOptions, read_run
 from wbc.log.diff import Difference, Divergence, compare
-from wbc.log.run import LoggedRun
 from wbc.runtime.event import RunEvent
 
 #: What follows if a stage of the tick is the first that differs. The log holds measurements in
@@ -25,7 +25,7 @@ _FOLLOWS = {
 }
 
 
-def diff(log1: Path, log2: Path, *, tolerance: float = 0.0) -> ExitCode:
+def diff(log1: Path, log2: Path, span: SpanOptions, *, tolerance: float = 0.0) -> ExitCode:
     """Compare two logs tick by tick: when they diverge, in which quantity first, and by how much.
 
     Exit code 0: the logs are equal; 1: they differ.
@@ -33,10 +33,11 @@ def diff(log1: Path, log2: Path, *, tolerance: float = 0.0) -> ExitCode:
     Args:
         log1: path of a log.
         log2: path of the other log.
+        span: part of the runs.
         tolerance: largest difference to ignore, in SI units, e.g. 1e-6 for the rounding of another
             machine.
     """
-    first, second = LoggedRun.read(log1), LoggedRun.read(log2)
+    first, second = (read_run(log, span.span()) for log in (log1, log2))
     difference = compare(first, second, tolerance)
     print(f"1  {first.log.path}: {first.title}\n2  {second.log.path}: {second.title}\n")
     if any(difference.commands):

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Annotated
 
 from wbc.cli.argument_types import Argument, RobotName, number
+from wbc.cli.logged_run import read_run
 from wbc.command import Status
 from wbc.log.logged_robot import logged_robot
 from wbc.log.logged_tick import LoggedTick
-from wbc.log.run import LoggedRun
 
 
 def explain(
@@ -24,7 +24,7 @@ def explain(
         at: time of the tick, s.
         robot: the robot, if it cannot be found by its name in the log.
     """
-    run = LoggedRun.read(log)
+    run = read_run(log)
     loaded = None if robot is None else logged_robot(run.robot_info, robot)
     tick = LoggedTick(run, at, loaded)
     print(f"{log}: tick at {tick.time:.3f} s, {tick.status.value}", end="")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from wbc.cli.argument_types import OutputFile
 from wbc.cli.formatting import table
+from wbc.cli.progress import ProgressBar
 from wbc.errors import WbcError
 from wbc.log import recovery
 from wbc.log.reader import Log
@@ -33,7 +34,8 @@ def log(log: Path, *, repair: bool = False, out: OutputFile | None = None) -> No
     if repair or out is not None:
         print(_repair(log, out))
         return
-    contents = Log(log)
+    with ProgressBar(f"reading {log.name}") as bar:
+        contents = Log(log, progress=bar.show)
     print(_title(contents))
     topics = [(name, one.type_name, str(len(one))) for name, one in contents.topics.items()]
     print(f"\n{table(('topic', 'type', 'messages'), topics, right=(2,))}")

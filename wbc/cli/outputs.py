@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,15 +10,12 @@ import numpy as np
 
 from wbc.cli.argument_types import LogFile, OutputFile, VideoCamera, VideoFile, VideoSize
 from wbc.cli.output import OutputError, writing_results
-from wbc.cli.progress import ProgressLine
+from wbc.cli.progress import ProgressBar
 from wbc.log import FlightRecorder
 from wbc.robot import Robot
 from wbc.runtime.protocols import Observer
 from wbc.runtime.report import Report
 from wbc.view import Recording, Video, VideoFormat
-
-_BAR_LENGTH = 30  # characters
-_PERIOD = 10.0  # s between two lines of progress if they are not rewritten
 
 
 @dataclass(frozen=True)
@@ -127,15 +123,6 @@ def write_recording(recording: Recording, html: Path | None, video: Video | None
         if html is not None:
             print(f"recording: {recording.save(html).resolve()}")
         if video is not None:
-            with ProgressLine(_PERIOD) as line:
-                start = time.monotonic()
-
-                def show(done: int, frames: int) -> None:
-                    elapsed = time.monotonic() - start
-                    full = round(_BAR_LENGTH * done / frames)
-                    bar = "█" * full + "·" * (_BAR_LENGTH - full)
-                    left = elapsed / done * (frames - done)
-                    line.show(f"[{bar}] frame {done} of {frames}, {left:.0f} s left", elapsed)
-
-                path = video.render(recording, show)
+            with ProgressBar(f"rendering {video.path.name}") as bar:
+                path = video.render(recording, lambda done, frames: bar.show(done / frames))
             print(f"video: {path.resolve()}")

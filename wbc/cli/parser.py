@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import importlib
 import inspect
 import math
 import re
@@ -52,15 +53,50 @@ class _HelpFormatter(argparse.RawDescriptionHelpFormatter):
         return textwrap.indent("\n\n".join(wrapped), indent)
 
 
-class Parser(argparse.ArgumentParser):
-    """An argument parser that reports errors in one line."""
+class DeferredCommand(NamedTuple):
+    """A command whose module takes long to import: only its own use and help import it.
 
-    def __init__(self, **settings: Any) -> None:
+    Attributes:
+        module: name of the module.
+        function: name of the function in it.
+        summary: what the command does, for the list of verbs.
+    """
+
+    module: str
+    function: str
+    summary: str
+
+    def load(self) -> Function:
+        """Import the module, and return the function."""
+        function: Function = getattr(importlib.import_module(self.module), self.function)
+        return function
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser that reports errors in one line.
+
+    Args:
+        deferred: command to run, whose arguments are added when the parser is used.
+        settings: see `argparse.ArgumentParser`.
+    """
+
+    def __init__(self, *, deferred: DeferredCommand | None = None, **settings: Any) -> None:
         super().__init__(**{"formatter_class": _HelpFormatter, "allow_abbrev": False, **settings})
+        self._deferred = deferred
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse arguments; see `argparse.ArgumentParser.parse_known_args`."""
+        if self._deferred is not None:
+            set_command(self, self._deferred.load())
+        return super().parse_known_args(args, namespace)
 
     def error(self, message: str) -> NoReturn:
         """Exit with the message; see `argparse.ArgumentParser.error`."""
         self.exit(ExitCode.BAD_INPUT, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+#: What a verb names: a function, one in a module not yet imported, or verbs of its own.
+Command = Function | DeferredCommand | Mapping[str, Function]
 
 
 def set_command(parser: Parser, command: Function, **types: type) -> None:
@@ -76,13 +112,15 @@ def set_command(parser: Parser, command: Function, **types: type) -> None:
     parser.set_defaults(execute=lambda namespace: _call(command, namespace, types))
 
 
-def set_commands(parser: Parser, commands: Mapping[str, Function | Mapping[str, Function]]) -> None:
+def set_commands(parser: Parser, commands: Mapping[str, Command]) -> None:
     """Have a parser run the function that a verb names; a verb may have verbs of its own."""
     verbs = parser.add_subparsers(title="verbs", metavar="VERB", required=True)
     for name, command in commands.items():
         if isinstance(command, Mapping):
             own = verbs.add_parser(name, help=", ".join(command))
             set_commands(own, command)
+        elif isinstance(command, DeferredCommand):
+            verbs.add_parser(name, help=command.summary, deferred=command)
         else:
             summary = " ".join((command.__doc__ or "").partition(".\n")[0].split())
             set_command(verbs.add_parser(name, help=summary[:1].lower() + summary[1:]), command)
@@ -175,7 +213,7 @@ def _settings(parameter: _Parameter) -> dict[str, Any]:
         text += "; repeatable"
     elif isinstance(argument.metavar, tuple):
         settings["nargs"] = len(argument.metavar)
-    if type(default) in (int, float, str) and default not in ("", math.inf):
+    if type(default) in (int, float, str) and default not in ("", math.inf, -math.inf):
         text += f" (default: {f'{default:g}' if isinstance(default, float) else default})"
     return {**settings, "help": text.replace("%", "%%")}
 

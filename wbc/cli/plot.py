@@ -6,12 +6,13 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from wbc.cli.argument_types import Argument
+from wbc.cli.logged_run import SpanOptions, read_run
 from wbc.log import plots
-from wbc.log.run import LoggedRun
 
 
 def plot(
     log: Path,
+    span: SpanOptions,
     *,
     out: Annotated[Path | None, Argument("FOLDER", Path)] = None,
     format: Literal["png", "pdf", "svg"] = "png",
@@ -23,11 +24,12 @@ def plot(
 
     Args:
         log: path of a log, see --log of the other subcommands.
+        span: part of the run.
         out: folder of the plots (default: the folder of the log).
         format: file format.
         signal: plot this quantity of the tick over time instead of the standard plots, e.g. tau
             or foot_wrench/left_sole.
     """
-    run, folder = LoggedRun.read(log), out or log.parent
+    run, folder = read_run(log, span.span()), out or log.parent
     for path in plots.plot(run, folder, f".{format}", signal):
         print(path.resolve())

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from wbc.cli.argument_types import Port, RobotName
 from wbc.cli.outputs import RecordingOptions, write_recording
+from wbc.cli.progress import ProgressBar
 from wbc.log.logged_robot import logged_robot
-from wbc.log.run import LoggedRun
+from wbc.log.timeline import LoggedTimeline
 from wbc.runtime.event import FALL, RESET
 from wbc.view import Recording, Replay, TimeSeries
 from wbc.view.recording import Marker
@@ -35,7 +36,9 @@ def replay(
         port: port of the page (default: the first free one from 7000 on).
     """
     renderer = files.renderer()
-    run = LoggedRun.read(log)
+    with ProgressBar(f"reading {log.name}") as bar:
+        timeline = LoggedTimeline(log, bar.show)
+    run = timeline.overview
     loaded = logged_robot(run.robot_info, robot)
     boxes = run.log.boxes()
     markers = [
@@ -45,7 +48,8 @@ def replay(
     ]
     if files.html is not None or renderer is not None:
         recording = Recording(loaded, boxes=boxes)
-        record(run, recording)
+        with ProgressBar("recording") as bar:
+            record(timeline, recording, bar.show)
         recording.markers = markers
         write_recording(recording, files.html, renderer)
         return
@@ -59,4 +63,4 @@ def replay(
         TimeSeries("DCM error, mm", run.time, 1e3 * run["dcm_error"]),
         TimeSeries("controller, µs", run.time, 1e6 * run["controller_time"]),
     ]
-    Replay(loaded, run, port=port, boxes=boxes, series=series, markers=markers).serve(ready)
+    Replay(loaded, timeline, port=port, boxes=boxes, series=series, markers=markers).serve(ready)

@@ -12,6 +12,8 @@ from wbc.log.reader import Log
 from wbc.log.recorder import FlightRecorder
 from wbc.log.recovery import RepairedLog, repair
 from wbc.log.run import LoggedRun
+from wbc.log.time_span import TimeSpan
+from wbc.log.timeline import LoggedTimeline
 from wbc.log.topic_table import TopicTable
 
 __all__ = [
@@ -22,7 +24,9 @@ __all__ = [
     "LogError",
     "LoggedRun",
     "LoggedTick",
+    "LoggedTimeline",
     "RepairedLog",
+    "TimeSpan",
     "TopicTable",
     "compare",
     "logged_robot",

@@ -16,10 +16,12 @@ from wbc.log.record_reader import (
     Block,
     Damage,
     SummarySection,
+    block_at,
     blocks,
     check_magic,
     chunk_content,
 )
+from wbc.log.time_span import WHOLE_RUN, TimeSpan
 
 
 class Gap(NamedTuple):
@@ -40,6 +42,37 @@ class Gap(NamedTuple):
         )
 
 
+class ChunkPlace(NamedTuple):
+    """Where a chunk is, and when.
+
+    Attributes:
+        offset: Offset of its record, bytes.
+        start: Time of its first message, ns.
+        end: Time of its last message, ns.
+    """
+
+    offset: int
+    start: int
+    end: int
+
+    @staticmethod
+    def of(block: Block, chunk: records.Chunk) -> ChunkPlace:
+        """Return the place of a chunk that a block holds."""
+        return ChunkPlace(block.start, chunk.message_start_time, chunk.message_end_time)
+
+
+def read_chunk(file: IO[bytes], place: ChunkPlace) -> bytes:
+    """Return the records of a chunk, not compressed.
+
+    Raises:
+        ValueError: There is no whole chunk at that place any more.
+    """
+    block = block_at(file, place.offset)
+    if block is None or block.opcode != Opcode.CHUNK:
+        raise ValueError("the file has changed")
+    return chunk_content(block.parse())
+
+
 class ChunkBlock(NamedTuple):
     """A chunk that is whole.
 
@@ -52,7 +85,8 @@ class ChunkBlock(NamedTuple):
     content: bytes
 
 
-#: What a block holds; None for an index of messages, which is not parsed.
+#: What a block holds; None for an index of messages, which is not parsed, and for a chunk beyond
+#: the span that is read.
 Content: TypeAlias = ChunkBlock | records.Attachment | records.Metadata | None
 
 
@@ -61,6 +95,7 @@ class DataSection:
 
     Args:
         file: File open for reading.
+        span: Part of the run to read; chunks beyond it are not looked into.
 
     Attributes:
         summary: The file's summary section.
@@ -72,9 +107,9 @@ class DataSection:
         LogError: The file is not an MCAP file.
     """
 
-    def __init__(self, file: IO[bytes]) -> None:
+    def __init__(self, file: IO[bytes], span: TimeSpan = WHOLE_RUN) -> None:
         check_magic(file)
-        self._file = file
+        self._file, self._span = file, span
         self.summary = SummarySection(file)
         self.finished = self.summary.found
         self.gaps: list[Gap] = []
@@ -93,6 +128,10 @@ class DataSection:
             try:
                 record = block.parse()
                 if isinstance(record, records.Chunk):
+                    start, end = record.message_start_time, record.message_end_time
+                    if not self._span.overlaps(start, end):
+                        last, damaged = 1e-9 * end, False
+                        continue
                     record = ChunkBlock(record, chunk_content(record))
             except ValueError:
                 damaged |= block.opcode == Opcode.CHUNK

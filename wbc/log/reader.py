@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Container, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,10 +13,13 @@ import numpy as np
 from wbc.errors import did_you_mean
 from wbc.log.errors import LogError, require_packages
 from wbc.log.robot_info import RobotInfo
+from wbc.log.time_span import WHOLE_RUN, TimeSpan
 from wbc.log.topic_table import TopicTable
 
 if TYPE_CHECKING:
-    from wbc.log.data_section import Gap
+    from mcap.records import Channel, Schema
+
+    from wbc.log.data_section import ChunkPlace, Gap
 
 
 class Log:
@@ -27,9 +31,13 @@ class Log:
 
     Args:
         path: Path of the file.
+        span: Part of the run to read.
+        topics: Names of the topics to read; all by default.
+        progress: Called with the share of the file that has been read, 0 to 1.
 
     Attributes:
         path: Path of the file.
+        span: Part of the run that was read.
         complete: Whether the log was finished; otherwise it ends with its last whole chunk.
         gaps: What is missing because the file is damaged.
         tables: Parameters and versions; maps each table name to its names and values.
@@ -41,16 +49,25 @@ class Log:
         MissingExtra: `mcap` or `rosbags` is not installed.
     """
 
-    def __init__(self, path: str | Path) -> None:
+    def __init__(
+        self,
+        path: str | Path,
+        *,
+        span: TimeSpan = WHOLE_RUN,
+        topics: Container[str] | None = None,
+        progress: Callable[[float], None] = lambda share: None,
+    ) -> None:
         require_packages()
-        self.path = Path(path)
+        self.path, self.span = Path(path), span
         self.complete = False
         self.gaps: tuple[Gap, ...] = ()
         self.tables: dict[str, dict[str, str]] = {}
         self.files: dict[str, str] = {}
         self.topics: dict[str, TopicTable] = {}
+        self._chunks: list[ChunkPlace] = []
+        self._descriptions: list[Schema | Channel] = []
         try:
-            self._read()
+            self._read(span, topics, progress)
         except OSError as error:
             raise LogError(f"cannot read {self.path}: {error.strerror}") from error
 
@@ -95,36 +112,101 @@ class Log:
         except (ValueError, AttributeError) as error:
             raise LogError(f"{self.path}: the terrain cannot be parsed: {error}") from error
 
-    def _read(self) -> None:
-        from mcap.records import Attachment, Channel, Message, Metadata, Schema
+    def between(self, span: TimeSpan, topics: Container[str] | None = None) -> Log:
+        """Return the log with the messages of a part of the run only.
 
-        from wbc.log.data_section import ChunkBlock, DataSection
-        from wbc.log.record_reader import chunk_records
+        It takes as long as the part is: the file is not read from its beginning.
 
-        schemas: dict[int, str] = {}
-        channels: dict[int, TopicTable] = {}
+        Args:
+            span: Part of the run.
+            topics: Names of the topics to read; all by default.
 
-        def describe(record: Schema | Channel) -> None:
-            if isinstance(record, Schema):
-                schemas[record.id] = record.name
-            elif record.message_encoding == "cdr":
-                table = TopicTable(record.topic, schemas.get(record.schema_id, ""))
-                channels[record.id] = self.topics.setdefault(record.topic, table)
+        Raises:
+            LogError: The file cannot be read.
+        """
+        from wbc.log.data_section import read_chunk
 
+        part, messages = copy.copy(self), _Messages(span, topics)
+        for description in self._descriptions:
+            messages.describe(description)
+        try:
+            with self.path.open("rb") as file:
+                for place in self._chunks:
+                    if span.overlaps(place.start, place.end):
+                        messages.add(read_chunk(file, place))
+        except (OSError, ValueError) as error:
+            raise LogError(f"cannot read {self.path} any more: {error}") from error
+        part.span, part.topics = span, messages.by_topic()
+        return part
+
+    def _read(
+        self,
+        span: TimeSpan,
+        topics: Container[str] | None,
+        progress: Callable[[float], None],
+    ) -> None:
+        from mcap.records import Attachment, Metadata
+
+        from wbc.log.data_section import ChunkBlock, ChunkPlace, DataSection
+
+        messages = _Messages(span, topics)
+        size = max(self.path.stat().st_size, 1)
         with self.path.open("rb") as file:
-            section = DataSection(file)
+            section = DataSection(file, span)
             for one in section.summary.descriptions:
-                describe(one)
-            for _, content in section:
+                messages.describe(one)
+            for block, content in section:
                 if isinstance(content, ChunkBlock):
-                    for record in chunk_records(content.content):
-                        if not isinstance(record, Message):
-                            describe(record)
-                        elif record.channel_id in channels:
-                            channels[record.channel_id].add(record.log_time, record.data)
+                    messages.add(content.content)
+                    self._chunks.append(ChunkPlace.of(block, content.record))
+                    progress(block.end / size)
                 elif isinstance(content, Metadata):
                     self.tables[content.name] = content.metadata
                 elif isinstance(content, Attachment):
                     self.files[content.name] = content.data.decode("utf-8", "replace")
         self.complete, self.gaps = section.finished, tuple(section.gaps)
-        self.topics = {name: table for name, table in sorted(self.topics.items()) if len(table)}
+        self._descriptions = messages.descriptions
+        self.topics = messages.by_topic()
+
+
+class _Messages:
+    """Sorts the messages of chunks by topic.
+
+    Attributes:
+        descriptions: Schemas and channels so far.
+    """
+
+    def __init__(self, span: TimeSpan, topics: Container[str] | None) -> None:
+        self._whole, self._first, self._last = span.whole, 1e9 * span.start, 1e9 * span.end
+        self._wanted = topics
+        self._schemas: dict[int, str] = {}
+        self._channels: dict[int, TopicTable] = {}
+        self._topics: dict[str, TopicTable] = {}
+        self.descriptions: list[Schema | Channel] = []
+
+    def describe(self, record: Schema | Channel) -> None:
+        """Learn a schema, or a channel, whose messages are kept from now on."""
+        from mcap.records import Schema
+
+        self.descriptions.append(record)
+        if isinstance(record, Schema):
+            self._schemas[record.id] = record.name
+        elif record.message_encoding == "cdr" and (
+            self._wanted is None or record.topic in self._wanted
+        ):
+            table = TopicTable(record.topic, self._schemas.get(record.schema_id, ""))
+            self._channels[record.id] = self._topics.setdefault(record.topic, table)
+
+    def add(self, content: bytes) -> None:
+        """Add the messages of a chunk with a content."""
+        from wbc.log.record_reader import TimedMessage, chunk_records
+
+        for record in chunk_records(content, self._channels):
+            if not isinstance(record, TimedMessage):
+                self.describe(record)
+            elif self._whole or self._first <= record.log_time <= self._last:
+                self._channels[record.channel].add(record.log_time, record.data)
+
+    def by_topic(self) -> dict[str, TopicTable]:
+        """Return the messages of each topic that has some, by topic name."""
+        return {name: table for name, table in sorted(self._topics.items()) if len(table)}

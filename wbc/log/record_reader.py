@@ -14,7 +14,7 @@ import math
 import struct
 import zlib
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from io import BytesIO
 from typing import IO, Any, NamedTuple
 
@@ -33,8 +33,8 @@ _DAMAGE = (
     McapError, ZstdError, RuntimeError, struct.error, ValueError, OverflowError, MemoryError,
 )  # fmt: skip  # RuntimeError: lz4
 _HEAD = struct.Struct("<BQ")  # opcode, length of the content
-_MESSAGE = struct.Struct("<HIQQ")  # channel, sequence number, log time, publish time
-_CHANNEL_AND_TIME = struct.Struct("<H4xQ")
+_CHANNEL_AND_TIME = struct.Struct("<H4xQ")  # of a message, with its sequence number between them
+_MESSAGE_SIZE = _CHANNEL_AND_TIME.size + 8  # bytes before its data: the publish time follows
 _FOOTER_SIZE = _HEAD.size + 20 + len(MCAP0_MAGIC)  # bytes, with the magic bytes at the end
 _TYPES: dict[int, Any] = {
     Opcode.HEADER: records.Header,
@@ -179,15 +179,36 @@ def chunk_content(chunk: records.Chunk) -> bytes:
     return content
 
 
+class TimedMessage(NamedTuple):
+    """A serialized message.
+
+    Attributes:
+        channel: Number of its channel.
+        log_time: Log time, ns.
+        data: Serialized message.
+    """
+
+    channel: int
+    log_time: int
+    data: bytes
+
+
 def chunk_records(
-    content: bytes,
-) -> Iterator[records.Schema | records.Channel | records.Message]:
-    """Yield the records of a chunk, in a fraction of the time that the package `mcap` takes."""
+    content: bytes, channels: Container[int]
+) -> Iterator[records.Schema | records.Channel | TimedMessage]:
+    """Yield schemas and channels of a chunk, and the messages of some channels.
+
+    It takes a fraction of the time that the package `mcap` takes.
+
+    Args:
+        content: The chunk's records.
+        channels: Numbers of the channels, which may become more when a channel was yielded.
+    """
     for opcode, start, end in _places(content):
         if opcode == Opcode.MESSAGE:
-            channel, sequence, log_time, publish_time = _MESSAGE.unpack_from(content, start)
-            data = content[start + _MESSAGE.size : end]
-            yield records.Message(channel, log_time, data, publish_time, sequence)
+            channel, log_time = _CHANNEL_AND_TIME.unpack_from(content, start)
+            if channel in channels:
+                yield TimedMessage(channel, log_time, content[start + _MESSAGE_SIZE : end])
         elif opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             yield Block(opcode, 0, content[start:end]).parse()
 
@@ -225,6 +246,11 @@ def _places(content: bytes) -> Iterator[tuple[int, int, int]]:
         start = end + _HEAD.size
         end = start + length
         yield opcode, start, end
+
+
+def block_at(file: IO[bytes], start: int) -> Block | None:
+    """Return the record that begins at an offset, bytes; None if none does, or it is not whole."""
+    return _block(file, start, file.seek(0, 2))
 
 
 def _block(file: IO[bytes], start: int, size: int) -> Block | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +13,7 @@ from wbc.errors import did_you_mean
 from wbc.log.errors import LogError
 from wbc.log.reader import Log
 from wbc.log.robot_info import RobotInfo
+from wbc.log.time_span import WHOLE_RUN, TimeSpan
 from wbc.messages import Message
 from wbc.runtime.event import FALL, RESET, RunEvent
 from wbc.runtime.quantities import STATUSES
@@ -75,20 +76,30 @@ class LoggedRun:
         self.log = log
         self.robot_info: RobotInfo = log.robot_info()
         if _STATE not in log:
-            raise LogError(f"{log.path} holds no tick")
+            part = "" if log.span.whole else f" from {log.span}"
+            raise LogError(f"{log.path} holds no tick{part}")
         self.stamps = log[_STATE].stamps
         self.time = 1e-9 * self.stamps
         self._values: dict[str, np.ndarray] = {}
 
     @staticmethod
-    def read(path: str | Path) -> LoggedRun:
+    def read(
+        path: str | Path,
+        span: TimeSpan = WHOLE_RUN,
+        progress: Callable[[float], None] = lambda share: None,
+    ) -> LoggedRun:
         """Read the run in a file.
+
+        Args:
+            path: Path of the log.
+            span: Part of the run to read.
+            progress: Called with the share of the file that has been read, 0 to 1.
 
         Raises:
             LogError: See `Log` and `LoggedRun`.
             MissingExtra: `mcap` or `rosbags` is not installed.
         """
-        return LoggedRun(Log(path))
+        return LoggedRun(Log(path, span=span, progress=progress))
 
     def __len__(self) -> int:
         """Return the number of ticks."""
@@ -144,7 +155,10 @@ class LoggedRun:
     @property
     def title(self) -> str:
         """Robot, duration and outcome of the run, with its falls and resets."""
-        text = f"{self.robot_info.name}, {self.time[-1]:.1f} s"
+        text = f"{self.robot_info.name}, "
+        if not self.log.span.whole:
+            text += f"{self.time[0]:.1f} s to "
+        text += f"{self.time[-1]:.1f} s"
         report = self.log.tables.get("report")
         if report is None:
             text += ", interrupted"

@@ -6,6 +6,7 @@ import copy
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import coal
 import numpy as np
 import pinocchio as pin
 
@@ -93,9 +94,15 @@ def load_geometry(
                 if shape is not None:
                     _add_color(urdf, element, shape, defined)
                     link.append(shape)
+    # What is only drawn needs no tree for distances, which takes most of the time and memory.
+    tree = coal.NODE_TYPE.BV_OBB if kind == pin.VISUAL else coal.NODE_TYPE.BV_OBBRSS
     try:
         return pin.buildGeomFromUrdfString(
-            model, ET.tostring(robot, encoding="unicode"), kind, package_dirs=["/"]
+            model,
+            ET.tostring(robot, encoding="unicode"),
+            kind,
+            package_dirs=["/"],
+            mesh_loader=coal.MeshLoader(tree),
         )
     except Exception as error:
         raise RobotDescriptionError(

@@ -126,7 +126,7 @@ class _ReplayPage(ScenePage):
     async def open(self, *_: str, **__: str) -> None:
         scene, timeline = self._replay_scene.scene, self._replay_scene.timeline
         times = {"start": timeline.start, "end": timeline.end}
-        await self.send_objects(scene, list(scene.commands()), **self._described, **times)
+        await self.send_objects(scene, scene.commands(), **self._described, **times)
 
     def on_message(self, message: str | bytes) -> None:
         try:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -44,11 +44,22 @@ class TimeSeries:
     values: np.ndarray
 
 
-def record(timeline: Timeline, recording: Recording) -> None:
-    """Record a whole timeline at the recording's frame rate."""
+def record(
+    timeline: Timeline,
+    recording: Recording,
+    progress: Callable[[float], None] = lambda share: None,
+) -> None:
+    """Record a whole timeline at the recording's frame rate.
+
+    Args:
+        timeline: Run to record.
+        recording: Recording to add the frames to.
+        progress: Called with the share that has been recorded, 0 to 1.
+    """
     steps = max(round((timeline.end - timeline.start) * recording.rate), 1)
-    for time in np.linspace(timeline.start, timeline.end, steps + 1):
+    for k, time in enumerate(np.linspace(timeline.start, timeline.end, steps + 1)):
         recording.show(timeline.at(float(time)))
+        progress(k / steps)
 
 
 def up_to(timeline: Timeline, time: float, last: float | None, memory: float) -> Iterator[Snapshot]:

@@ -7,7 +7,7 @@ import errno
 import hmac
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -80,7 +80,7 @@ class Text(GuardedHandler):
 class ScenePage(GuardedHandler, tornado.websocket.WebSocketHandler):
     """The web socket of a page that shows a scene: its objects first, then frames."""
 
-    async def send_objects(self, scene: Scene, commands: Sequence[bytes], **more: object) -> None:
+    async def send_objects(self, scene: Scene, commands: Iterable[bytes], **more: object) -> None:
         """Send the commands that create the objects, then the paths of the nodes and `more`."""
         self.set_nodelay(True)
         self._sent = np.full_like(scene.poses, np.inf)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from wbc.cli.parser import Command, DeferredCommand, Parser, set_commands
+from wbc.cli.ros2 import actions, graph, parameters, services, topics
 
-from wbc.cli.parser import Function, Parser, set_commands
-from wbc.cli.ros2 import actions, graph, parameters, run, services, topics
+_RUN = "wbc.cli.ros2.run"  # imports simulator and controller
 
 _DESCRIPTION = """\
 Run ROS 2 nodes over DDS (Cyclone DDS) and inspect the ROS graph, without a ROS installation. The
@@ -17,9 +17,11 @@ ROS_STATIC_PEERS, CYCLONEDDS_URI. A ROS 2 system looks for nodes in the subnet: 
 ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST there, or CYCLONEDDS_URI to what `wbc ros2 uri` prints.
 """
 
-VERBS: dict[str, Function | Mapping[str, Function]] = {
-    "walk": run.walk,
-    "joint-publisher": run.joint_publisher,
+VERBS: dict[str, Command] = {
+    "walk": DeferredCommand(_RUN, "walk", "simulate a robot that a ROS 2 system drives"),
+    "joint-publisher": DeferredCommand(
+        _RUN, "joint_publisher", "publish a pattern of fifteen joints"
+    ),
     "uri": graph.uri,
     "node": {"list": graph.list_nodes, "info": graph.print_node},
     "topic": {
