@@ -22,6 +22,7 @@ from processtools import wait_until
 import wbc
 from wbc.live import Live, LiveError
 from wbc.live.controls import MAX_LENGTH, Controls, decode
+from wbc.live.uploads import Uploads
 from wbc.log import LoggedRun
 from wbc.motions import MOTIONS, MotionPlayer, Reach, Squat
 from wbc.runtime.loop import StopRun
@@ -125,8 +126,13 @@ def capabilities(player, plant):
 
 
 @pytest.fixture
-def controls(capabilities):
-    return Controls(capabilities)
+def uploads(tmp_path):
+    return Uploads(tmp_path)
+
+
+@pytest.fixture
+def controls(capabilities, uploads):
+    return Controls(capabilities, uploads)
 
 
 def parsed(controls, message):

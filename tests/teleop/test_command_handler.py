@@ -26,7 +26,9 @@ from wbc.teleop import (
     PauseCommand,
     PushCommand,
     ResetCommand,
+    SessionChoices,
     StandCommand,
+    StartSessionCommand,
     TimeScaleCommand,
     VelocityCommand,
 )
@@ -290,6 +292,46 @@ def test_a_reset_before_the_first_tick_is_done_at_once(handler):
     assert run.report.survived
     assert len(run.time) == 50
     assert run.outcomes_of(ResetCommand()) == [ACCEPTED, DONE]
+
+
+OTHER_SESSION = StartSessionCommand("talos", "flat", 1)
+
+
+def with_sessions(player, plant):
+    choices = SessionChoices(("talos",), ("flat",), OTHER_SESSION)
+    return new_handler(player, plant, sessions=choices)
+
+
+def test_another_session_ends_this_one_also_where_it_is_paused_or_has_fallen(player, plant):
+    for before in ([], [PauseCommand()], [PushCommand((0.0, 2.0 * player.robot.mass, 0.0))]):
+        with with_sessions(player, plant) as handler:
+            if not before:
+                run = Run(handler, 3.0, [(0.1, OTHER_SESSION)])
+                assert run.time[-1] == pytest.approx(0.098)
+            else:
+                wanted = client(lambda _, it=handler: it.submit(OTHER_SESSION))
+                run = Run(handler, 3.0, [(0.1, command) for command in before], clients=[wanted])
+            assert handler.next_session == OTHER_SESSION
+            assert run.report is not None
+
+
+@pytest.mark.parametrize(
+    ("command", "why"),
+    [
+        (StartSessionCommand("tallos", "flat", 1), "'talos'"),
+        (StartSessionCommand("talos", "sea", 1), "no terrain 'sea'"),
+        (StartSessionCommand("talos", "flat", -1), "seed = -1"),
+        (StartSessionCommand("talos", "flat", 1.5), "seed = 1.5"),
+    ],
+)
+def test_a_session_that_cannot_be_started_is_refused(player, plant, command, why):
+    with with_sessions(player, plant) as handler, pytest.raises(CommandRefused, match=why):
+        handler.submit(command)
+
+
+def test_without_choices_no_other_session_is_started(handler):
+    with pytest.raises(CommandRefused, match="no other session"):
+        handler.submit(OTHER_SESSION)
 
 
 def test_a_gain_keeps_the_ratios_of_its_rows(handler, player):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -61,6 +61,23 @@ class OutputOptions:
     recording: RecordingOptions
     log: LogFile | None = None
     json: OutputFile | None = None
+
+    def numbered(self, number: int) -> OutputOptions:
+        """Return the options for a run of a number: later files do not replace the first ones.
+
+        Args:
+            number: number of the run, counted from 1; its files end with it, from 2 on.
+        """
+        if number == 1:
+            return self
+
+        def renamed(path: Path | None) -> Path | None:
+            return path and path.with_stem(f"{path.stem}_{number}")
+
+        recording = replace(
+            self.recording, html=renamed(self.recording.html), video=renamed(self.recording.video)
+        )
+        return OutputOptions(recording, log=renamed(self.log), json=renamed(self.json))
 
 
 class RunOutputs:

@@ -6,9 +6,9 @@ import contextlib
 import math
 import warnings
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, cast
 
 import wbc
 from wbc.cli.argument_types import Argument, RobotName
@@ -21,7 +21,11 @@ from wbc.errors import PlantError
 from wbc.runtime.protocols import Observer
 from wbc.runtime.report import Report
 from wbc.sim import Cart, Flat, JointServos, Mujoco, Ramp, Terrain, Tiles, Wall
+from wbc.teleop import StartSessionCommand
 from wbc.teleop.gains_file import apply_gains
+
+#: Name of a terrain.
+TerrainName = Literal["flat", "tiles", "ramp", "wall", "cart"]
 
 _MAX_SPEED = 1.5  # m/s, by which the extent of the tiles is chosen
 _TILE_MARGIN = 2.0  # m
@@ -52,10 +56,26 @@ class SimulationOptions:
     robot: RobotName = "talos"
     solver: Annotated[str | None, Argument("NAME")] = None
     planner: Literal["dcm", "preview", "mpc", "placo"] = "dcm"
-    terrain: Literal["flat", "tiles", "ramp", "wall", "cart"] = "flat"
+    terrain: TerrainName = "flat"
     seed: int = 0
     actuation: Literal["torque", "servo"] = "torque"
     gains: Annotated[Path | None, Argument("FILE", Path)] = None
+
+    def for_session(self, wanted: StartSessionCommand, number: int) -> SimulationOptions:
+        """Return the options of another session, whose files bear its number.
+
+        What was stated about the robot holds for this robot only: properties of its model, gains.
+        """
+        same = wanted.robot == self.robot
+        return replace(
+            self,
+            outputs=self.outputs.numbered(number),
+            model=self.model if same else ModelOptions(),
+            robot=wanted.robot,
+            terrain=cast(TerrainName, wanted.terrain),
+            seed=wanted.seed,
+            gains=self.gains if same else None,
+        )
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ def run(
     *,
     owns_clock: bool = True,
     real_time: bool = True,
+    sessions: teleop.SessionChoices | None = None,
 ) -> ExitCode:
     """Simulate a robot until the duration is over or Ctrl-C; print the report, write the files.
 
@@ -29,6 +30,7 @@ def run(
         connect: opens the client that drives the robot; it may add observers to the session.
         owns_clock: see `wbc.teleop.CommandHandler`.
         real_time: see `wbc.teleop.run`.
+        sessions: see `wbc.teleop.CommandHandler`.
 
     Raises:
         WbcError: bad input, or a file cannot be written.
@@ -37,7 +39,9 @@ def run(
 
     def execute(session: Session) -> Report | None:
         handler = session.stack.enter_context(
-            teleop.CommandHandler(player, simulation.plant, owns_clock=owns_clock)
+            teleop.CommandHandler(
+                player, simulation.plant, owns_clock=owns_clock, sessions=sessions
+            )
         )
         return teleop.run(
             handler,

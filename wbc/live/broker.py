@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import time
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,6 +19,7 @@ from wbc.live.history import History
 from wbc.live.run_events import RunEvents
 from wbc.live.saving import FileKind, SavedFiles, Stretch
 from wbc.live.signals import signal_limits, signal_places
+from wbc.live.uploads import Uploads
 from wbc.live.walk_to import WalkTo
 from wbc.motions import Motion
 from wbc.runtime.controller_inputs import NAME
@@ -32,6 +34,7 @@ from wbc.teleop import (
     KeepVelocityCommand,
     ResetCommand,
     StandCommand,
+    StartSessionCommand,
     VelocityCommand,
 )
 from wbc.teleop.capabilities import check_number
@@ -69,20 +72,27 @@ class RequestBroker:
         reader: Reader of the loop's ticks.
         history: Keeps the ticks of the last minutes.
         files: Writes them to files.
+        uploads: The files that pages have sent.
     """
 
     def __init__(
-        self, config: LiveServerConfig, reader: TickReader, history: History, files: SavedFiles
+        self,
+        config: LiveServerConfig,
+        reader: TickReader,
+        history: History,
+        files: SavedFiles,
+        uploads: Uploads,
     ) -> None:
         capabilities = config.channel.capabilities
         self._config, self._history, self._files = config, history, files
+        self._uploads = uploads
         self._events = RunEvents(config.events, history)
         self._walk_to = WalkTo(config.robot, capabilities.max_velocity)
         self._walker: PageClient | None = None  # the page that has set the target
         self._saving: set[asyncio.Task[None]] = set()
         self._client = CommandClient(config.robot, config.channel, "page", capabilities.motions)
         self._client.on_motion_sent = self._on_motion_sent
-        self._controls = Controls(capabilities)
+        self._controls = Controls(capabilities, uploads)
         self._pages: dict[PageClient, list[str]] = {}  # with the signals that each draws
         self._reader = reader
         self._limiter = RateLimiter(config.rate)
@@ -143,6 +153,8 @@ class RequestBroker:
             self._end_walk_to()
         if isinstance(command, (StandCommand, ResetCommand)):
             self._zero_velocity()
+        if isinstance(command, StartSessionCommand):
+            self._broadcast({"starting": f"{Path(command.robot).stem}, {command.terrain}"})
         self._announce_planning(page)
 
     def _advance_walk_to(self, tick: np.void) -> None:
@@ -218,8 +230,14 @@ class RequestBroker:
         page.send({"controls": self._controls.describe(), "page": self._opened})
         page.send({"values": self._controls.values, "infeasible": self._client.infeasible})
         self._offer_signals(page)
-        page.send({"events": self._events.all})
+        page.send({"events": self._events.all, "files": self._uploads.names})
+        if self._config.notice:
+            page.send({"error": self._config.notice})
         self._pages[page] = []
+
+    def announce_files(self) -> None:
+        """Send the pages the names of the files that they may name."""
+        self._broadcast({"files": self._uploads.names})
 
     def remove_page(self, page: PageClient) -> None:
         """Forget a page that has been closed."""

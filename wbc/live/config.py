@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from wbc.teleop import ChannelConfig
 from wbc.view.config import ViewerConfig
@@ -18,6 +19,8 @@ class LiveServerConfig(ViewerConfig):
         token: What the address of the page must contain; empty for nothing.
         dt: Control period, s.
         events: File descriptor of the queue of events.
+        uploads: Folder for the files that pages send.
+        notice: What the pages show at first; empty for nothing.
     """
 
     channel: ChannelConfig
@@ -25,3 +28,5 @@ class LiveServerConfig(ViewerConfig):
     token: str
     dt: float
     events: int
+    uploads: Path
+    notice: str

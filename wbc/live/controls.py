@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from wbc.errors import MotionError, did_you_mean, short_repr
+from wbc.live.uploads import ROBOT_SUFFIXES, Uploads
 from wbc.motions.engine import create_motion, describe_motion
 from wbc.teleop import (
     Capabilities,
@@ -20,6 +21,7 @@ from wbc.teleop import (
     PushCommand,
     ResetCommand,
     StandCommand,
+    StartSessionCommand,
     TeleopCommand,
     TimeScaleCommand,
     TunableParameter,
@@ -29,7 +31,10 @@ from wbc.teleop.capabilities import unknown_motion
 from wbc.teleop.parameters import GAIT, TIME, VELOCITY
 
 MAX_LENGTH = 4000  # characters of a message
-_ACTIONS = ("push", "pull", "walk_to", "signals", "save", "motion", "pause", "stand", "reset")
+_ACTIONS = (
+    "push", "pull", "walk_to", "signals", "save", "motion", "pause", "stand", "reset",
+    "start_session",
+)  # fmt: skip
 _SOURCES = ("page", "keyboard")
 _PUSH_SHARE = 0.3  # of the largest push; the robot hardly ever survives a larger one
 
@@ -54,24 +59,36 @@ class Controls:
 
     Args:
         capabilities: Commands that the robot accepts.
+        uploads: The files that requests may name.
 
     Attributes:
         values: Maps the name of each parameter to its present value.
         max_impulse: Largest push that the page offers, N·s.
     """
 
-    def __init__(self, capabilities: Capabilities) -> None:
-        self._capabilities = capabilities
+    def __init__(self, capabilities: Capabilities, uploads: Uploads) -> None:
+        self._capabilities, self._uploads = capabilities, uploads
         self.values = {p.name: p.default for p in capabilities.parameters}
         self.max_impulse = float(f"{_PUSH_SHARE * capabilities.max_impulse:.2g}")
 
     def describe(self) -> dict[str, Any]:
-        """Return the parameters, motions and largest push for the page, as JSON."""
+        """Return the parameters, motions, sessions and largest push for the page, as JSON."""
         return {
             "parameters": [asdict(p) for p in self._capabilities.parameters],
             "motions": [describe_motion(motion) for motion in self._capabilities.motions],
             "max_impulse": self.max_impulse,
+            "sessions": self._describe_sessions(),
         }
+
+    def _describe_sessions(self) -> dict[str, Any] | None:
+        """Return what another session may be started with; files are named without their folder."""
+        choices = self._capabilities.sessions
+        if choices is None:
+            return None
+        present = asdict(choices.present)
+        if present["robot"] not in choices.robots:
+            present["robot"] = Path(present["robot"]).name
+        return {"robots": choices.robots, "terrains": choices.terrains, "present": present}
 
     def command(self, request: Request) -> TeleopCommand:
         """Return the command of a request.
@@ -96,6 +113,8 @@ class Controls:
                 return StandCommand()
             case "reset":
                 return ResetCommand()
+            case "start_session":
+                return self._session_command(value)
         names = [*self.values, *_ACTIONS]
         raise CommandRefused(f"no control {short_repr(name)}{did_you_mean(name, names)}")
 
@@ -141,18 +160,32 @@ class Controls:
         name, parameters = value, {}
         if isinstance(value, dict) and value.keys() == {"name", "parameters"}:
             name, parameters = value["name"], value["parameters"]
-        file = parameters.get("file") if isinstance(parameters, dict) else None
-        if isinstance(file, str) and Path(file).name != file:
-            raise CommandRefused(
-                f"file is {short_repr(file)}; name a file in the folder where wbc was started"
-            )
         for motion in self._capabilities.motions:
             if motion.name == name:
+                if isinstance(parameters, dict):
+                    files = {p.name: p.suffixes for p in motion.parameters() if p.suffixes}
+                    named = [name for name in files if parameters.get(name, "") != ""]
+                    found = {p: str(self._uploads.find(parameters[p], files[p])) for p in named}
+                    parameters = {**parameters, **found}
                 try:
                     return MotionCommand(create_motion(motion, parameters))
                 except MotionError as error:
                     raise CommandRefused(str(error)) from error
         raise unknown_motion(name, self._capabilities.motions)
+
+    def _session_command(self, value: Any) -> StartSessionCommand:
+        """Return the start of a session; its robot is a name, or a file that a page may name."""
+        if not isinstance(value, dict) or value.keys() != {"robot", "terrain", "seed"}:
+            raise CommandRefused(
+                f'start_session is {short_repr(value)}; it is {{"robot": name, "terrain": name, '
+                '"seed": number}'
+            )
+        robot, choices = value["robot"], self._capabilities.sessions
+        if choices is not None and robot not in choices.robots:
+            present = choices.present.robot
+            same = isinstance(robot, str) and Path(present).name == robot
+            robot = present if same else str(self._uploads.find(robot, ROBOT_SUFFIXES))
+        return StartSessionCommand(robot, value["terrain"], value["seed"])
 
 
 def _push_command(value: Any) -> PushCommand:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import logging
 import secrets
+import tempfile
+from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
 
 import numpy as np
 
@@ -48,10 +51,14 @@ class Live(ProcessObserver):
         token: What the address of the page must contain, so that nobody else drives the robot;
             by default random where others could reach the page, over the network or as users of
             this machine, and empty elsewhere.
+        uploads: Folder for the files that pages send; by default one that is removed at the end.
+        notice: What the pages show at first; empty for nothing.
 
     Attributes:
         reset_hint: How a person resets the robot on the page.
         url: Address of the page.
+        port: Port of the page.
+        token: See above.
         stream: Stream that the page reads, see `wbc.runtime.protocols.StreamObserver`.
 
     Raises:
@@ -69,20 +76,27 @@ class Live(ProcessObserver):
         boxes: np.ndarray | None = None,
         announce: bool = True,
         token: str | None = None,
+        uploads: Path | None = None,
+        notice: str = "",
     ) -> None:
         if token is None:
             token = secrets.token_urlsafe(16) if needs_token(host) else ""
+        self.token = token
+        self._own_uploads = tempfile.TemporaryDirectory(prefix="wbc-") if uploads is None else None
+        folder = uploads if self._own_uploads is None else Path(self._own_uploads.name)
+        assert folder is not None
         robot = handler.player.robot
         self._handler = handler
         channel = handler.open_channel().config
         self._events = EventQueue()
         config = LiveServerConfig(
             robot, port, _RATE, checked_boxes(boxes), channel, host, token, handler.player.dt,
-            self._events.descriptor,
+            self._events.descriptor, folder, notice,
         )  # fmt: skip
         descriptors = (*channel.descriptors, self._events.descriptor)
         super().__init__(ChildProcess("wbc.live.server", descriptors, title="the live page"))
         self.url = str(self._configure(config, LiveError, "the live page: ")["url"])
+        self.port = int(urlsplit(self.url).port or 0)
         if announce:
             print(f"Live: {self.url}", flush=True)
             if not is_local(host):
@@ -101,3 +115,5 @@ class Live(ProcessObserver):
         """End the process."""
         super().close()
         self._events.close()
+        if self._own_uploads is not None:
+            self._own_uploads.cleanup()

@@ -11,24 +11,28 @@ import json
 import sys
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote, urlsplit
 
 import tornado.websocket
 
 from wbc.live.address import allowed_hosts, check_host, is_local, url_host
 from wbc.live.broker import RequestBroker
 from wbc.live.config import LiveServerConfig
+from wbc.live.description_check import examined
 from wbc.live.history import History
 from wbc.live.review import ReviewPage
 from wbc.live.saving import SavedFiles
+from wbc.live.uploads import ROBOT_SUFFIXES, Uploads
 from wbc.motions.engine import SWITCH_INTERVAL
 from wbc.process import ParentConnection
+from wbc.teleop import CommandRefused
 from wbc.view.server import SceneServer
 from wbc.view.web import GuardedHandler, Text, listen
 
 _HERE = Path(__file__).parent / "page"
 _FILES = (
-    "uPlot.iife.js", "uPlot.min.css", "elements.js", "parameters.js", "strips.js", "timeline.js",
-    "camera.js", "pointer.js", "keys.js", "why.js",
+    "uPlot.iife.js", "uPlot.min.css", "elements.js", "session.js", "parameters.js", "strips.js",
+    "timeline.js", "camera.js", "pointer.js", "keys.js", "why.js",
     "panel.js", "panel.css",
 )  # fmt: skip
 _MAX_SIZE = 1 << 16  # bytes; a longer message ends the connection
@@ -94,6 +98,32 @@ class SavedFile(GuardedHandler):
         self.finish(path.read_bytes())
 
 
+class Upload(GuardedHandler):
+    """The handler that takes a file from a page, and answers with its name and findings."""
+
+    def initialize(self, broker: RequestBroker, uploads: Uploads) -> None:
+        self._broker, self._uploads = broker, uploads
+
+    def prepare(self) -> None:
+        super().prepare()
+        # A page of another origin can send a request here, with the browser's cookies.
+        origin = urlsplit(self.request.headers.get("Origin", "")).netloc
+        if not self._finished and origin != self.request.host:
+            self.send_error(403)
+
+    async def post(self, name: str) -> None:
+        try:
+            found = self._uploads.save(unquote(name), self.request.body)
+        except (CommandRefused, OSError) as error:
+            self.finish({"error": str(error)})
+            return
+        findings = []
+        if found.endswith(ROBOT_SUFFIXES):
+            findings = await examined(self._uploads.find(found, ROBOT_SUFFIXES))
+        self.finish({"name": found, "findings": findings})
+        self._broker.announce_files()
+
+
 class LiveServer(SceneServer):
     """Serves the scene and the controls until the parent process ends.
 
@@ -106,7 +136,8 @@ class LiveServer(SceneServer):
         self._host, self._token = config.host, config.token
         self._history = History(config.robot, config.dt)
         self._files = SavedFiles(config.robot.name)
-        self._broker = RequestBroker(config, self.reader, self._history, self._files)
+        self._uploads = Uploads(config.uploads)
+        self._broker = RequestBroker(config, self.reader, self._history, self._files, self._uploads)
 
     def listen(self) -> str:
         check_host(self._host)
@@ -129,6 +160,7 @@ class LiveServer(SceneServer):
             (r"/alive", AliveSocket, broker),
             (r"/static/alive.js", Text, worker),
             (r"/saved/([0-9a-f]+)/([\w.-]+)", SavedFile, {"files": self._files}),
+            (r"/upload/([^/]+)", Upload, {**broker, "uploads": self._uploads}),
             *super().handlers(),
         ]
 

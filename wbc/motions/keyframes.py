@@ -28,7 +28,7 @@ class Keyframes(Motion):
     name: ClassVar[str] = "keyframes"
     summary: ClassVar[str] = "play postures and positions of the hands from a CSV or YAML file"
 
-    file: str = parameter("", "path of the .csv, .yaml or .yml file")
+    file: str = parameter("", "path of the file", suffixes=(".csv", ".yaml", ".yml"))
     hold: float = parameter(0.5, "pause at the last keyframe, s")
 
     def check(self, robot: Robot) -> None:

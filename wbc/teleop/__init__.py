@@ -16,12 +16,14 @@ from wbc.teleop.commands import (
     ResetCommand,
     SentCommand,
     StandCommand,
+    StartSessionCommand,
     TeleopCommand,
     TimeScaleCommand,
     VelocityCommand,
 )
 from wbc.teleop.parameters import TunableParameter
 from wbc.teleop.session import TeleopClient, run
+from wbc.teleop.session_choices import SessionChoices
 
 __all__ = [
     "Acknowledgement",
@@ -42,7 +44,9 @@ __all__ = [
     "PushCommand",
     "ResetCommand",
     "SentCommand",
+    "SessionChoices",
     "StandCommand",
+    "StartSessionCommand",
     "TeleopClient",
     "TeleopCommand",
     "TimeScaleCommand",

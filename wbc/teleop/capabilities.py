@@ -22,6 +22,7 @@ from wbc.teleop.parameters import (
     TunableParameter,
     tunable_parameters,
 )
+from wbc.teleop.session_choices import SessionChoices
 
 _MAX_PUSH = 2.0  # m/s: the largest push changes the robot's velocity by that
 _PUSH_DURATION = (0.01, 2.0)  # s
@@ -43,6 +44,7 @@ class Capabilities:
         leg_joints: names of the joints that the gait needs.
         links: names of the frames that can be pushed.
         can_pull: whether a link can be pulled by a spring.
+        sessions: what another session may be started with; None if none can be.
     """
 
     parameters: tuple[TunableParameter, ...]
@@ -53,10 +55,15 @@ class Capabilities:
     leg_joints: frozenset[str]
     links: frozenset[str] = frozenset()
     can_pull: bool = False
+    sessions: SessionChoices | None = None
 
     @staticmethod
     def of(
-        player: MotionPlayer, plant: Any, motions: Sequence[type[Motion]], time_scale: bool
+        player: MotionPlayer,
+        plant: Any,
+        motions: Sequence[type[Motion]],
+        time_scale: bool,
+        sessions: SessionChoices | None = None,
     ) -> Capabilities:
         """Return the capabilities of a robot in a loop.
 
@@ -65,6 +72,7 @@ class Capabilities:
             plant: may have `push` and `reset`.
             motions: motions that can be played.
             time_scale: whether the loop can run slower than real time.
+            sessions: what another session may be started with.
 
         Raises:
             MotionError: another process could not import a motion.
@@ -87,6 +95,7 @@ class Capabilities:
             leg_joints=frozenset(names[i] for i in legs),
             links=frozenset(frame.name for frame in robot.model.frames[1:]),
             can_pull=hasattr(plant, "pull"),
+            sessions=sessions,
         )
 
     def parameter(self, name: str) -> TunableParameter:
@@ -145,6 +154,10 @@ class Capabilities:
             case commands.ResetCommand():
                 if not self.can_reset:
                     raise CommandRefused("this robot cannot be reset: it is not simulated")
+            case commands.StartSessionCommand():
+                if self.sessions is None:
+                    raise CommandRefused("no other session can be started from here")
+                self.sessions.check(command)
             case commands.StandCommand():
                 pass
             case _:

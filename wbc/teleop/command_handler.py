@@ -24,6 +24,7 @@ from wbc.teleop.channel import CommandChannel
 from wbc.teleop.joint_targets import JointTargets
 from wbc.teleop.parameters import GAIT, set_parameter
 from wbc.teleop.push_counter import PushCounter
+from wbc.teleop.session_choices import SessionChoices
 
 #: Called with every command and what became of it, inside a tick: it must return at once.
 AcknowledgementObserver = Callable[[commands.SentCommand, Acknowledgement], None]
@@ -32,6 +33,12 @@ _IDLE_PERIOD = 0.005  # s between two looks for commands while nothing moves
 #: Values of the quantity `motion_playing` while no motion plays.
 NO_MOTION, RETURNING = -1, -2
 _FALLEN = "the robot has fallen: reset it first"
+_WHILE_FALLEN = (
+    *commands.PARAMETER_COMMANDS,
+    commands.PauseCommand,
+    commands.ResetCommand,
+    commands.StartSessionCommand,
+)
 
 
 class CommandHandler(Closeable):
@@ -48,12 +55,15 @@ class CommandHandler(Closeable):
         motions: motions that can be played; by default all registered motions.
         owns_clock: wait for the wall clock in `before_tick`, so that the loop can run slower than
             real time; otherwise whoever runs the loop keeps the time.
+        sessions: what another session may be started with; whoever runs the loop starts it when
+            `next_session` is set.
 
     Attributes:
         capabilities: commands that are taken, and their bounds.
         mode: whether the loop runs, is paused, or waits for a reset.
         paused: whether the loop is to pause.
         reset_wanted: whether a reset has been accepted since the run began.
+        next_session: the session that is to be started in place of this one; None for none.
         pushes: counter of the pushes that were survived.
         quantities: quantities of the stream of ticks beside those of the library.
         on_idle: called with the mode, every few milliseconds, while there are no ticks.
@@ -71,9 +81,11 @@ class CommandHandler(Closeable):
         *,
         motions: Sequence[type[Motion]] = MOTIONS,
         owns_clock: bool = True,
+        sessions: SessionChoices | None = None,
     ) -> None:
         self.player, self.plant = player, plant
-        self.capabilities = Capabilities.of(player, plant, motions, owns_clock)
+        self.capabilities = Capabilities.of(player, plant, motions, owns_clock, sessions)
+        self.next_session: commands.StartSessionCommand | None = None
         self.mode = Mode.RUNNING
         self.paused = self.reset_wanted = False
         self.pushes = PushCounter()
@@ -162,20 +174,23 @@ class CommandHandler(Closeable):
         """Wait for the tick's time if the clock is owned, then apply the commands.
 
         Raises:
-            StopRun: the robot is to be reset, or the run was stopped while it was paused.
+            StopRun: the robot is to be reset, another session is to be started, or the run was
+                stopped while it was paused.
         """
         if self._clock is not None:
             self._clock.wait()
         self._receive()
         # The first tick of a run is made even when paused: it shows where the robot stands.
         while self.paused and not self._first_tick and not self.reset_wanted:
-            if self.stop():
+            if self.stop() or self.next_session is not None:
                 raise StopRun("stopped")
             self.mode = Mode.PAUSED
             self._idle()
             self._receive()
         if self.reset_wanted:
             raise StopRun("reset")
+        if self.next_session is not None and not self._first_tick:
+            raise StopRun("another session")
         for sent in self._resets:  # with no tick yet, the robot stands where it started
             self._acknowledge(sent, CommandOutcome.DONE)
         self._resets.clear()
@@ -251,8 +266,7 @@ class CommandHandler(Closeable):
         if isinstance(command, commands.PullCommand) and command.link == self._pull.link != "":
             self._set_pull(command, sent.stamp + command.timeout)
             return
-        parameter = isinstance(command, (*commands.PARAMETER_COMMANDS, commands.PauseCommand))
-        if self.mode is Mode.FALLEN and not parameter and command != commands.ResetCommand():
+        if self.mode is Mode.FALLEN and not isinstance(command, _WHILE_FALLEN):
             self._acknowledge(sent, CommandOutcome.REFUSED, _FALLEN)
             return
         self._acknowledge(sent, CommandOutcome.ACCEPTED)
@@ -290,6 +304,8 @@ class CommandHandler(Closeable):
             case commands.ResetCommand():
                 self._resets.append(sent)
                 self.reset_wanted = not self._first_tick
+            case commands.StartSessionCommand():
+                self.next_session = command
 
     def _keep_velocity(
         self, sent: commands.SentCommand, command: commands.KeepVelocityCommand

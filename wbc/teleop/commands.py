@@ -180,6 +180,21 @@ class ResetCommand:
     """Set the robot back to where the run began, on its feet."""
 
 
+@dataclass(frozen=True, slots=True)
+class StartSessionCommand:
+    """End this session, and start another one in its place.
+
+    Attributes:
+        robot: name of a robot, or path of a URDF or robot data file.
+        terrain: name of the terrain.
+        seed: random seed of sensor noise and terrain.
+    """
+
+    robot: str
+    terrain: str
+    seed: int
+
+
 TeleopCommand: TypeAlias = (
     VelocityCommand
     | KeepVelocityCommand
@@ -193,6 +208,7 @@ TeleopCommand: TypeAlias = (
     | TimeScaleCommand
     | PauseCommand
     | ResetCommand
+    | StartSessionCommand
 )
 
 #: Commands that change how the robot is controlled, not what it does: they outlast a reset.

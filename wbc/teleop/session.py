@@ -65,7 +65,8 @@ def run(
 
     Returns:
         The report of the last run between two resets; None when the physics diverged in its first
-        tick. Without clients, which could reset the robot, the run ends with its fall.
+        tick. Without clients, which could reset the robot, the run ends with its fall. It also
+        ends when the handler's `next_session` is set.
     """
 
     def on_progress(now: Progress) -> None:
@@ -81,6 +82,9 @@ def run(
 
     def on_acknowledgement(sent: SentCommand, acknowledgement: Acknowledgement) -> None:
         tell((*clients, *observers), _command_event(sent, acknowledgement))
+
+    def ends() -> bool:
+        return stop() or handler.next_session is not None
 
     handler.stop, handler.on_idle, handler.on_timeout = stop, on_idle, message
     left, resets, told = duration, 0, 0
@@ -126,8 +130,8 @@ def run(
                     return report
                 hints = " or ".join(client.reset_hint for client in clients)
                 message(f"{reason}; to reset it: {hints}")
-                left -= _wait_for_reset(handler, left, stop)
-            if stop() or left <= handler.plant.dt:
+                left -= _wait_for_reset(handler, left, ends)
+            if ends() or left <= handler.plant.dt:
                 return report
             message("reset")
             resets += 1
@@ -146,10 +150,10 @@ def _command_event(sent: SentCommand, acknowledgement: Acknowledgement) -> RunEv
     )
 
 
-def _wait_for_reset(handler: CommandHandler, longest: float, stop: Callable[[], bool]) -> float:
+def _wait_for_reset(handler: CommandHandler, longest: float, ends: Callable[[], bool]) -> float:
     """Wait until a reset is wanted; return how long that took, s."""
     start = time.monotonic()
-    while not (handler.reset_wanted or stop()):
+    while not (handler.reset_wanted or ends()):
         handler.idle_after_fall()
         if time.monotonic() - start >= longest:
             break

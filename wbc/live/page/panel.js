@@ -3,7 +3,7 @@
 // to every page.
 "use strict";
 (() => {
-const {make, text, slider, makeForm, strips, timeline, camera, pointer, keys, why} = wbc;
+const {make, text, slider, makeForm, strips, timeline, camera, pointer, keys, why, session} = wbc;
 const GROUPS = [["robot", "robot"], ["forces", "contact forces"], ["balance", "CoM, DCM, ZMP"],
   ["trail", "CoM trail"], ["support", "support polygon"], ["footsteps", "footsteps"],
   ["swing", "swing path"], ["terrain", "terrain"]];
@@ -256,6 +256,7 @@ function showError(text) {
   element("error").textContent = text;
   errorEnds = performance.now() + 6000;
 }
+wbc.showError = showError;
 
 function bindKeys() {
   const step = (name, share) => () => {
@@ -299,11 +300,11 @@ function bindKeys() {
 }
 
 function build(description) {
-  controls = description;
+  controls = wbc.controls = description;
   const box = make("div", {id: "panel"});
   box.append(walkSection(), motionSection(), pushSection(), timeSection(), showSection(),
     folded("Gait", ...inGroup("gait").map(makeSlider), defaultsButton((parameter) => parameter.group === "gait")),
-    gainSection(), changesSection(), why.section(send));
+    gainSection(), changesSection(), why.section(send), ...session.section(send));
   // A clicked control loses the focus, so that the space key always pauses.
   const blur = (event) => {
     const clicked = event.detail && event.target.closest("button, summary, input[type=checkbox]");
@@ -360,6 +361,8 @@ function open() {
     if (received.status) showStatus(received.status);
     if (received.outcome) wbc.live.outcomes.push(received);
     if (received.why) why.show(received.why);
+    if (received.files) session.receiveFiles(received.files);
+    if (received.starting) wbc.starting = received.starting;
     if (received.error) showError(received.error);
     if ("planning" in received) {
       element("planning").textContent = received.planning ? `Planning: ${received.planning} …` : "";

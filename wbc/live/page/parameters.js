@@ -1,7 +1,7 @@
 // The parameters of a motion: one row each, according to its kind.
 "use strict";
 (() => {
-const {make} = wbc;
+const {make, session} = wbc;
 
 // Returns a form for a motion's parameters; `changed` returns those that differ from the defaults.
 function makeForm(motion, button, play) {
@@ -24,7 +24,7 @@ function makeForm(motion, button, play) {
 // The server refuses values that are not numbers, with an error message.
 const number = (input) => input.value === "" ? null : +input.value;
 
-function makeField(motion, {name, kind, default: initial, about, choices, names}) {
+function makeField(motion, {name, kind, default: initial, about, choices, names, suffixes}) {
   const label = `${motion}.${name}`;
   const box = (type, value, settings = {}) => {
     const input = make("input", {type, defaultValue: value, ...settings});
@@ -38,19 +38,21 @@ function makeField(motion, {name, kind, default: initial, about, choices, names}
     : kind === "vector" ? names.map((axis, i) => numeric(initial?.[i] ?? null, {placeholder: axis}))
     : kind === "choice" ? [make("select", {}, ...choices.map((choice) =>
       make("option", {textContent: choice, defaultSelected: choice === initial})))]
+    : kind === "file" ? [session.fileList(suffixes, [initial]), ...session.uploadButton(suffixes.join(), "…", "send a file",
+      (answer) => { inputs[0].value = answer.name; inputs[0].dispatchEvent(new Event("input", {bubbles: true})); })]
     : kind === "text" ? [box("text", initial)]
     : [numeric(initial, kind === "whole" ? {step: 1} : {})];
-  if (kind === "choice") inputs[0].dataset.parameter = label;
+  if (kind === "choice" || kind === "file") inputs[0].dataset.parameter = label;
   const [input] = inputs;
   return {
     name,
     row: make("label", {className: `field ${kind}`}, make("span", {textContent: name.replaceAll("_", " ")}),
       make("span", {className: "inputs"}, ...inputs), make("small", {textContent: about})),
     changed: () => inputs.some((i) => kind === "switch" ? i.checked !== i.defaultChecked
-      : kind === "choice" ? i.value !== initial : i.value !== i.defaultValue),
+      : kind === "choice" ? i.value !== initial : kind === "file" ? input.value !== initial : i.value !== i.defaultValue),
     value: () => kind === "switch" ? input.checked
       : kind === "vector" ? (inputs.every((i) => i.value === "") ? null : inputs.map(number))
-      : kind === "choice" || kind === "text" ? input.value : number(input),
+      : ["choice", "file", "text"].includes(kind) ? input.value : number(input),
   };
 }
 

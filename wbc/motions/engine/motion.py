@@ -94,6 +94,7 @@ class Motion(ABC):
                     field.metadata.get("description", ""),
                     tuple(field.metadata.get("choices", ())),
                     tuple(field.metadata.get("names", ())),
+                    tuple(field.metadata.get("suffixes", ())),
                 )
             )
         return tuple(found)
@@ -109,6 +110,7 @@ class MotionParameter:
         description: meaning and unit.
         choices: the values that it may have; any when empty.
         names: names of the components of a vector; empty for anything else.
+        suffixes: of the files that it may name; empty unless it is the path of a file.
     """
 
     name: str
@@ -116,10 +118,16 @@ class MotionParameter:
     description: str
     choices: tuple[str, ...]
     names: tuple[str, ...]
+    suffixes: tuple[str, ...] = ()
 
 
 def parameter(
-    default: Any, description: str, *, choices: Sequence[str] = (), names: Sequence[str] = ()
+    default: Any,
+    description: str,
+    *,
+    choices: Sequence[str] = (),
+    names: Sequence[str] = (),
+    suffixes: Sequence[str] = (),
 ) -> Any:
     """Return a dataclass field that is a parameter of a motion.
 
@@ -128,8 +136,14 @@ def parameter(
         description: meaning and unit.
         choices: for a text, the values that it may have.
         names: for a vector, one name per component.
+        suffixes: for the path of a file, the suffixes that it may have, e.g. ".csv".
     """
-    metadata = {"description": description, "choices": tuple(choices), "names": tuple(names)}
+    metadata = {
+        "description": description,
+        "choices": tuple(choices),
+        "names": tuple(names),
+        "suffixes": tuple(suffixes),
+    }
     return dataclasses.field(default=default, metadata=metadata)
 
 

@@ -26,6 +26,7 @@ def describe_motion(motion: type[Motion]) -> dict[str, Any]:
             "about": p.description,
             "choices": p.choices,
             "names": p.names,
+            "suffixes": p.suffixes,
         }
         for p in motion.parameters()
     ]
@@ -106,6 +107,8 @@ def _kind(parameter: MotionParameter) -> str:
         return "choice"
     if parameter.names:
         return "vector"
+    if parameter.suffixes:
+        return "file"
     kinds = ((bool, "switch"), (int, "whole"), (float, "number"))
     return next((name for kind, name in kinds if isinstance(parameter.default, kind)), "text")
 

@@ -1,5 +1,7 @@
 // The live page. It acknowledges each frame, and the next is sent only then: a slow page skips
 // frames and does not lag.
 "use strict";
-const acknowledge = () => liveSocket.send("ready for a frame");
+const acknowledge = () => {
+  if (liveSocket.readyState === WebSocket.OPEN) liveSocket.send("ready for a frame");
+};
 const liveSocket = connect(acknowledge, acknowledge);

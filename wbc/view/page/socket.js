@@ -9,7 +9,9 @@ function disconnected({code}) {
   const known = wbc.lost;
   if (known === "ended") return;
   wbc.lost = code === ENDED ? "ended" : "lost";
-  element("lost").textContent = code === ENDED ? "The run has ended" : "Connection lost; trying to reconnect …";
+  element("lost").textContent = code !== ENDED ? "Connection lost; trying to reconnect …"
+    : wbc.starting ? `Starting ${wbc.starting} …` : "The run has ended";
+  element("lost").classList.toggle("starting", code === ENDED && Boolean(wbc.starting));
   element("status-light").style.background = "#b8c0c8";
   if (known) return;
   const attempts = setInterval(async () => {
