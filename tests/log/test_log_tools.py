@@ -17,7 +17,16 @@ from wbc.log import FlightRecorder, LogError
 from wbc.log.diff import compare
 from wbc.log.logged_robot import logged_robot
 from wbc.log.plots import plot
-from wbc.log.plots.balance import draw_coordinate, draw_dcm_error, draw_top_view, footprints
+from wbc.log.plots.balance import (
+    draw_coordinate,
+    draw_dcm_error,
+    draw_top_view,
+    footprints,
+    top_view_size,
+)
+from wbc.log.plots.forces import draw_friction, draw_normal_forces
+from wbc.log.plots.joint_lines import largest_joints
+from wbc.log.plots.joints import draw_power, draw_tracking, draw_velocities, tracking_error
 from wbc.log.plots.style import spans
 from wbc.log.plots.timing import draw_tick_time
 from wbc.log.plots.torques import draw_torque_peaks, draw_torques
@@ -103,6 +112,53 @@ def test_torque_plots_show_the_peak_of_the_report(walk, axes):
     assert axes.get_yticklabels()[-1].get_text() in run.robot_info.joints
 
 
+def test_force_plot_shows_the_weight_on_the_soles(walk, axes):
+    run, _ = walk
+    draw_normal_forces(axes, run)
+    shown = [line(axes, f"{side}, measured").get_ydata() for side in ("left", "right")]
+    standing = run.time < 0.5
+    total = np.sum(shown, axis=0)[standing]
+    assert np.median(total) == pytest.approx(run.robot_info.weight, rel=0.05)
+    axes = Figure().subplots()
+    draw_friction(axes, run)
+    ratios = np.concatenate([one.get_ydata() for one in axes.get_lines()])
+    assert np.nanmin(ratios) >= 0.0
+    assert np.nanmax(ratios) < 2.0
+
+
+def test_joint_plots_show_tracking_velocities_and_power(walk, axes):
+    run, _ = walk
+    error = tracking_error(run)
+    assert np.isnan(error[0]).all()
+    np.testing.assert_array_equal(error[5], run["joint_position"][5] - run["q_target"][4])
+    assert np.nanpercentile(np.abs(error), 90) < 0.01, "the plant follows its targets"
+    draw_tracking(axes, run)
+    assert len(axes.get_legend().get_texts()) == 6
+    axes = Figure().subplots()
+    draw_velocities(axes, run)
+    shown = [one.get_ydata().max() for one in axes.get_lines() if len(one.get_xdata()) > 2]
+    share = 100.0 * np.abs(run["v"][:, 6:]) / run.robot_info.v_max
+    assert max(shown) == pytest.approx(share.max(), rel=0.1)
+    axes = Figure().subplots()
+    draw_power(axes, run)
+    expected = np.einsum("ti,ti->t", run["tau"], run["v"][:, 6:])
+    np.testing.assert_allclose(line(axes, "all joints").get_ydata(), expected)
+
+
+def test_a_spike_of_one_tick_does_not_choose_the_joints():
+    values = np.zeros((1000, 3))
+    values[0, 0], values[:, 1], values[:, 2] = 1000.0, 2.0, 3.0
+    assert largest_joints(values, 2).tolist() == [2, 1]
+
+
+def test_the_view_from_above_is_as_high_as_its_path(walk):
+    run, _ = walk
+    points = np.vstack([run["com"][:, :2], *(corners for _, corners in footprints(run))])
+    across, along = np.ptp(points, axis=0)
+    width, height = top_view_size(run)
+    assert (height - 1.0) / (width - 2.0) == pytest.approx(along / across, rel=0.05)
+
+
 def test_tick_time_plot_shows_period_median_and_failures(folder):
     humanoid = robot()
     rng = np.random.default_rng(0)
@@ -133,11 +189,11 @@ def test_one_call_makes_all_plots(walk, tmp_path, capsys):
     run, _ = walk
     assert main(["plot", str(run.log.path), "--out", str(tmp_path / "new")]) == 0
     paths = [Path(text) for text in capsys.readouterr().out.split()]
-    names = ["above", "balance", "torques", "timing"]
+    names = ["above", "balance", "forces", "torques", "joints", "timing"]
     assert [p.name for p in paths] == [f"walk_{name}.png" for name in names]
     for path in paths:
         picture = np.asarray(Image.open(path).convert("L"), float)
-        assert picture.shape[1] == 1650
+        assert "above" in path.name or picture.shape[1] == 1650
         assert (picture < 200).mean() > 0.01, "there is hardly anything on it"
 
 
@@ -148,7 +204,7 @@ def test_a_log_without_balance_quantities_is_plotted(tmp_path):
     with StreamedLog(path, humanoid) as log:
         log.record(random_tick(humanoid, rng, 0.0, truth=False))
     paths = plot(LoggedRun.read(path), tmp_path, ".svg")
-    assert [p.suffix for p in paths] == [".svg"] * 4
+    assert [p.suffix for p in paths] == [".svg"] * 6
     assert all(p.stat().st_size > 1000 for p in paths)
 
 

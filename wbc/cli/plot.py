@@ -18,9 +18,11 @@ def plot(
     format: Literal["png", "pdf", "svg"] = "png",
     signal: Annotated[tuple[str, ...], Argument("NAME")] = (),
 ) -> None:
-    """Plot CoM, DCM and ZMP with the footsteps, the torques with their limits, and the tick times.
+    """Plot balance, contact forces, torques, joints and tick times.
 
-    CoM, DCM and ZMP are drawn from above and over time.
+    CoM, DCM and ZMP are drawn with the footsteps, from above and over time; forces with the
+    friction that they use; torques and velocities with their limits; joints with tracking and
+    power.
 
     Args:
         log: path of a log, see --log of the other subcommands.

@@ -52,6 +52,12 @@ class ProgressLine(Closeable):
             self._stream.write("\n")
             self._open = False
 
+    def clear(self) -> None:
+        """Remove the line."""
+        if self._open:
+            self._stream.write("\r\x1b[K")
+            self._open = False
+
     def show_run(self, progress: Progress) -> None:
         """Show the progress of a run."""
         whole = f" / {progress.duration:.1f}" if math.isfinite(progress.duration) else ""
@@ -99,8 +105,8 @@ class ProgressBar(Closeable):
         self._line.show(f"[{bar}] {self._what}, {duration_text(left)} left", elapsed)
 
     def close(self) -> None:
-        """Finish the line."""
-        self._line.close()
+        """Remove the bar."""
+        self._line.clear()
 
 
 def duration_text(seconds: float) -> str:

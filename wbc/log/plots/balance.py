@@ -30,6 +30,8 @@ from wbc.log.run import LoggedRun
 _MIN_LOAD = 0.05  # smallest load of a sole in contact, as a share of the weight
 _SHORTEST = 0.05  # s; shorter contacts are not counted as footsteps
 _MARGIN = 0.12  # m
+_WIDTH, _LEGEND_WIDTH, _TITLES_HEIGHT = 11.0, 2.0, 1.0  # inches
+_FLATTEST, _NARROWEST = 0.35, 0.45  # height over width, width over height, of the drawn area
 _MIN_STRETCH = 2.0  # of one axis, below which both have one scale
 
 
@@ -165,6 +167,19 @@ def _fill_area(axes: Any) -> None:
         ratio = max(stretch, 1.0 / stretch)
         title += f"; {shorter} is drawn {ratio:.1f} times as large as {longer}"
     axes.set_title(title)
+
+
+def top_view_size(run: LoggedRun) -> tuple[float, float]:
+    """Return width and height, inches, in which the view from above uses its area."""
+    corners = [corners for _, corners in footprints(run)]
+    points = np.vstack([run["com"][:, :2], *corners])
+    points = points[np.isfinite(points).all(axis=1)]
+    width, height = np.ptp(points, axis=0) + 1e-3 if len(points) else (1.0, 1.0)
+    ratio = min(max(float(height / width), _FLATTEST), 1.0)
+    # A path along y is as high as the page allows, and needs less width beside its legend.
+    narrow = min(1.0, float(width / height))
+    across = (_WIDTH - _LEGEND_WIDTH) * max(narrow, _NARROWEST)
+    return across + _LEGEND_WIDTH, (_WIDTH - _LEGEND_WIDTH) * ratio + _TITLES_HEIGHT
 
 
 def footprints(run: LoggedRun) -> Iterator[tuple[str, np.ndarray]]:

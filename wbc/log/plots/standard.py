@@ -11,7 +11,14 @@ from typing import Any
 
 from wbc.errors import MissingExtra
 from wbc.log.errors import LogError
-from wbc.log.plots.balance import draw_coordinate, draw_dcm_error, draw_top_view
+from wbc.log.plots.balance import (
+    draw_coordinate,
+    draw_dcm_error,
+    draw_top_view,
+    top_view_size,
+)
+from wbc.log.plots.forces import draw_friction, draw_normal_forces
+from wbc.log.plots.joints import draw_power, draw_tracking, draw_velocities
 from wbc.log.plots.quantity import draw_quantity
 from wbc.log.plots.style import legend, style
 from wbc.log.plots.timing import draw_tick_time
@@ -27,14 +34,14 @@ class Layout:
 
     Attributes:
         name: Name of the figure, which becomes a part of the file's name.
-        size: Width and height, inches.
+        size: Width and height, inches, or a function that returns them for a run.
         panels: Functions that draw a run into axes, from top to bottom.
         heights: Relative heights of the panels.
         share_time: Whether the panels share the axis of time.
     """
 
     name: str
-    size: tuple[float, float]
+    size: tuple[float, float] | Callable[[LoggedRun], tuple[float, float]]
     panels: tuple[Callable[[Any, LoggedRun], None], ...]
     heights: tuple[float, ...] = (1.0,)
     share_time: bool = False
@@ -49,12 +56,48 @@ def _draw_y(axes: Any, run: LoggedRun) -> None:
     draw_coordinate(axes, run, 1)
 
 
-_STANDARD = (
-    Layout("above", (11.0, 6.2), (draw_top_view,)),
+#: The standard plots.
+STANDARD = (
+    Layout("above", top_view_size, (draw_top_view,)),
     Layout("balance", (11.0, 8.0), (_draw_x, _draw_y, draw_dcm_error), (3.0, 3.0, 2.0), True),
+    Layout("forces", (11.0, 6.0), (draw_normal_forces, draw_friction), (3.0, 2.0), True),
     Layout("torques", (11.0, 9.0), (draw_torques, draw_torque_peaks), (2.0, 3.0)),
+    Layout("joints", (11.0, 9.0), (draw_tracking, draw_velocities, draw_power), (1.0,) * 3, True),
     Layout("timing", (11.0, 4.2), (draw_tick_time,)),
 )
+
+
+def draw(run: LoggedRun, layout: Layout, figure_class: Any) -> Any:
+    """Return a figure of a run.
+
+    Args:
+        run: Logged run.
+        layout: What to draw.
+        figure_class: Class of the figure, see `wbc.log.plots.style.style`.
+
+    Raises:
+        LogError: The log does not have a quantity of it.
+    """
+    size = layout.size(run) if callable(layout.size) else layout.size
+    figure = figure_class(figsize=size, layout="constrained")
+    rows = figure.subplots(
+        len(layout.panels), sharex=layout.share_time, height_ratios=layout.heights, squeeze=False
+    )
+    for axes, panel in zip(rows[:, 0], layout.panels, strict=True):
+        panel(axes, run)
+        if layout.share_time and axes is not rows[-1, 0]:
+            axes.set(xlabel=None)
+    return figure
+
+
+def require_matplotlib() -> None:
+    """Check that Matplotlib is installed, without importing it.
+
+    Raises:
+        MissingExtra: It is not installed.
+    """
+    if importlib.util.find_spec("matplotlib") is None:
+        raise MissingExtra("matplotlib", "plots")
 
 
 def plot(
@@ -63,7 +106,8 @@ def plot(
     """Draw the standard plots of a run, or any of its quantities.
 
     The standard plots are `above`: CoM, DCM and ZMP with the footsteps, from above; `balance`: the
-    same over time, with the DCM error; `torques`: torques and limits; `timing`: tick times.
+    same over time, with the DCM error; `forces`: normal forces of the soles, and friction;
+    `torques`: torques and limits; `joints`: tracking, velocities and powers; `timing`: tick times.
 
     Args:
         run: Logged run.
@@ -79,19 +123,11 @@ def plot(
         MissingExtra: `matplotlib` is not installed.
         LogError: A plot cannot be written, or the log has no such quantity.
     """
-    if importlib.util.find_spec("matplotlib") is None:
-        raise MissingExtra("matplotlib", "plots")
+    require_matplotlib()
     folder = Path(folder)
-    with style() as figure_of:
-        figures = {}
-        for layout in [_quantity_layout(name) for name in quantities] or _STANDARD:
-            figures[layout.name] = figure = figure_of(figsize=layout.size, layout="constrained")
-            rows = figure.subplots(
-                len(layout.panels), sharex=layout.share_time, height_ratios=layout.heights,
-                squeeze=False,
-            )  # fmt: skip
-            for axes, draw in zip(rows[:, 0], layout.panels, strict=True):
-                draw(axes, run)
+    with style() as figure_class:
+        layouts = [quantity_layout(name) for name in quantities] or STANDARD
+        figures = {layout.name: draw(run, layout, figure_class) for layout in layouts}
         try:
             folder.mkdir(parents=True, exist_ok=True)
             paths = []
@@ -107,5 +143,6 @@ def plot(
     return paths
 
 
-def _quantity_layout(name: str) -> Layout:
+def quantity_layout(name: str) -> Layout:
+    """Return the layout of a quantity over time."""
     return Layout(name, (11.0, 4.2), (partial(draw_quantity, name=name),))

@@ -6,39 +6,32 @@ from typing import Any
 
 import numpy as np
 
-from wbc.log.plots.style import FAINT, LIMIT, broken_time, legend, thin
+from wbc.log.plots.joint_lines import draw_joint_lines, largest_joints
+from wbc.log.plots.style import FAINT, LIMIT, mark_events
 from wbc.log.run import LoggedRun
 
-_SHOWN = 6  # joints drawn over time
 _LISTED = 34  # joints listed
 
 
 def draw_torques(axes: Any, run: LoggedRun) -> None:
     """Draw the torques closest to their limits over time, as percentages of the limits."""
-    share = shares(run)
-    order = np.argsort(-_sustained(share))[:_SHOWN]
-    every = thin(len(run))
-    for rank, joint in enumerate(order):
-        axes.plot(
-            broken_time(run, every),
-            share[every, joint],
-            color=f"C{rank}",
-            linewidth=0.8,
-            label=f"{run.robot_info.joints[joint]} ({run.robot_info.tau_max[joint]:g})",
-        )
+    share, limits = shares(run), run.robot_info.tau_max
+    draw_joint_lines(
+        axes, run, share, lambda joint: f"{run.robot_info.joints[joint]} ({limits[joint]:g})"
+    )
+    mark_events(axes, run)
     axes.axhline(100.0, color=LIMIT, linewidth=1.0)
     axes.set_ylim(0.0, max(108.0, 1.05 * float(share.max(initial=0.0))))
-    axes.set(ylabel="% of the limit", xlabel="time, s")
+    axes.set(ylabel="% of the limit")
     axes.set_title(
         "Torques of the six joints closest to their limits (N·m; N for prismatic joints)"
     )
-    legend(axes)
 
 
 def draw_torque_peaks(axes: Any, run: LoggedRun) -> None:
     """Draw the median and peak torque of every joint, in percent of its limit."""
     share = shares(run)
-    order = np.argsort(-_sustained(share))[:_LISTED][::-1]
+    order = largest_joints(share, _LISTED)[::-1]
     peak, middle = share.max(axis=0), np.median(share, axis=0)
     places = np.arange(len(order))
     colours = [LIMIT if peak[j] >= 99.9 else "#2f6fb0" for j in order]
@@ -52,12 +45,6 @@ def draw_torque_peaks(axes: Any, run: LoggedRun) -> None:
     axes.set(xlabel="% of the limit")
     axes.set_title("Torque of every joint: median (full), peak (faded)")
     axes.tick_params(axis="y", colors=FAINT, labelcolor="black", length=0)
-
-
-def _sustained(share: np.ndarray) -> np.ndarray:
-    """Return what each joint reaches in one of 200 ticks, so that no single spike ranks it."""
-    found: np.ndarray = np.percentile(share, 99.5, axis=0)
-    return found
 
 
 def shares(run: LoggedRun) -> np.ndarray:
