@@ -10,13 +10,13 @@ from typing import Annotated, Literal
 import pytest
 from clitools import environment
 
-from wbc.cli import diff, doctor, live, log, plot, replay, robots, ros2, stand, view, walk
+from wbc.cli import diff, doctor, live, log, plot, replay, report, robots, ros2, stand, view, walk
 from wbc.cli.argument_types import Argument, Seconds, number
 from wbc.cli.parser import DeferredCommand, Parser, set_command
 
 COMMANDS = [
     *(diff.diff, doctor.doctor, live.live, log.log, plot.plot, replay.replay, robots.robots),
-    *(stand.stand, view.view, walk.walk),
+    *(report.report, stand.stand, view.view, walk.walk),
     *(
         f.load() if isinstance(f, DeferredCommand) else f
         for verb in ros2.VERBS.values()

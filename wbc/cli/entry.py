@@ -25,6 +25,7 @@ _SUBCOMMANDS = {
     "view": "show a robot in the browser",
     "replay": "replay a log in the browser, or write a video of it",
     "plot": "draw the standard plots of a log",
+    "report": "write a log as one page: figures, plots, events, parameters",
     "diff": "find where two logged runs diverge",
     "log": "print the contents of a log, or repair an interrupted one",
     "explain": "say why a tick of a log is what it is",
@@ -55,6 +56,7 @@ examples:
   wbc motion squat --depth 15 --robot g1       squat by 15 % of the leg length
   wbc walk --log walk.mcap                     record every tick, then
   wbc plot walk.mcap                             plot it
+  wbc report walk.mcap                           write figures, plots and events as one page
   wbc replay walk.mcap                           replay it in the browser
   wbc diff walk.mcap other.mcap                  find where two runs diverge
   wbc explain walk.mcap --at 2.5                 see which limits stood in the way of what

@@ -11,9 +11,9 @@ from wbc.cli.formatting import table
 from wbc.cli.progress import ProgressBar
 from wbc.errors import WbcError
 from wbc.log import recovery
+from wbc.log.event_rows import EVENT_COLUMNS, event_rows
 from wbc.log.reader import Log
 from wbc.log.run import LoggedRun
-from wbc.runtime.event import COMMAND, RunEvent
 
 if TYPE_CHECKING:
     from wbc.log.data_section import Gap
@@ -40,8 +40,7 @@ def log(log: Path, *, repair: bool = False, out: OutputFile | None = None) -> No
     topics = [(name, one.type_name, str(len(one))) for name, one in contents.topics.items()]
     print(f"\n{table(('topic', 'type', 'messages'), topics, right=(2,))}")
     if contents.topics and (events := LoggedRun(contents).events):
-        rows = [_event_row(event, count) for event, count in _without_repetitions(events)]
-        print(f"\n{table(('at, s', 'event', 'by', 'outcome', ''), rows, right=(0,))}")
+        print(f"\n{table(EVENT_COLUMNS, event_rows(events), right=(0,))}")
     for name, values in contents.tables.items():
         print(f"\n{table((name, ''), list(values.items()))}")
 
@@ -61,29 +60,6 @@ def _missing(gaps: Sequence[Gap]) -> str:
     if not gaps:
         return ""
     return "\nmissing, because the file is damaged there: " + "; ".join(map(str, gaps))
-
-
-def _without_repetitions(events: Sequence[RunEvent]) -> list[tuple[RunEvent, int]]:
-    """Return events, with the last of equal commands in succession and their number."""
-    found: list[tuple[RunEvent, int]] = []
-    for event in events:
-        kind = (event.kind, event.name, event.source, event.outcome)
-        before = found[-1] if found else None
-        if event.kind == COMMAND and before is not None:
-            last, count = before
-            if kind == (last.kind, last.name, last.source, last.outcome):
-                found[-1] = event, count + 1
-                continue
-        found.append((event, 1))
-    return found
-
-
-def _event_row(event: RunEvent, count: int) -> tuple[str, ...]:
-    what = event.kind if event.kind != COMMAND else event.name.replace("_", " ")
-    if count > 1:
-        what += f" ×{count}"
-    about = ": ".join(filter(None, (event.value, event.reason)))
-    return f"{event.time:.3f}", what, event.source, event.outcome, about
 
 
 def _title(log: Log) -> str:

@@ -140,6 +140,14 @@ def write_recording(recording: Recording, html: Path | None, video: Video | None
         if html is not None:
             print(f"recording: {recording.save(html).resolve()}")
         if video is not None:
-            with ProgressBar(f"rendering {video.path.name}") as bar:
-                path = video.render(recording, lambda done, frames: bar.show(done / frames))
-            print(f"video: {path.resolve()}")
+            print(f"video: {render_video(video, recording).resolve()}")
+
+
+def render_video(video: Video, recording: Recording) -> Path:
+    """Render a video of a recording, and show the progress; return its path.
+
+    Raises:
+        WbcError: it cannot be rendered.
+    """
+    with ProgressBar(f"rendering {video.path.name}") as bar:
+        return video.render(recording, lambda done, frames: bar.show(done / frames))

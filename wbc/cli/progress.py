@@ -12,7 +12,7 @@ from wbc.runtime.statistics import Progress
 
 _BAR_LENGTH = 30  # characters
 _BAR_PERIOD = 10.0  # s between two lines of a bar if they are not rewritten
-_BAR_DELAY = 0.5  # s; what takes less needs no bar
+_BAR_DELAYS = (5.0, 0.5)  # s; what takes less needs no bar; elsewhere than on a terminal, on one
 _MIN_ELAPSED = 1.0  # s, before which the time left cannot be told
 
 
@@ -22,11 +22,14 @@ class ProgressLine(Closeable):
     Args:
         period: time between two lines if they are not rewritten, s.
         clock: returns a time, s.
+
+    Attributes:
+        rewrites: whether standard error is a terminal.
     """
 
     def __init__(self, period: float = 2.0, clock: Callable[[], float] = time.monotonic) -> None:
         self._stream = sys.stderr
-        self._rewrite = self._stream.isatty()
+        self.rewrites = self._stream.isatty()
         self._period, self._clock = period, clock
         self._next = -math.inf
         self._open = False
@@ -35,11 +38,11 @@ class ProgressLine(Closeable):
     def show(self, text: str, time: float) -> None:
         """Show a text that describes the progress at a time, s."""
         before_reset = self._next - self._period > time  # the time of a new run begins at zero
-        if self._rewrite or time >= self._next or before_reset:
+        if self.rewrites or time >= self._next or before_reset:
             self._next = time + self._period - 1e-6
-            self._stream.write(f"\r{text}\x1b[K" if self._rewrite else f"{text}\n")
+            self._stream.write(f"\r{text}\x1b[K" if self.rewrites else f"{text}\n")
             self._stream.flush()
-            self._open = self._rewrite
+            self._open = self.rewrites
 
     def print(self, text: str) -> None:
         """Print a message on a line of its own."""
@@ -97,7 +100,7 @@ class ProgressBar(Closeable):
     def show(self, share: float) -> None:
         """Show what share is done, 0 to 1."""
         elapsed = self._clock() - self._start
-        if elapsed < _BAR_DELAY or share <= 0.0:
+        if elapsed < _BAR_DELAYS[self._line.rewrites] or share <= 0.0:
             return
         full = round(_BAR_LENGTH * share)
         bar = "█" * full + "·" * (_BAR_LENGTH - full)

@@ -31,6 +31,12 @@ def power(run: LoggedRun) -> np.ndarray:
     return found
 
 
+def velocity_shares(run: LoggedRun) -> np.ndarray:
+    """Return |velocity| in percent of its limit, shape (n, na)."""
+    found: np.ndarray = 100.0 * np.abs(run["v"][:, _BASE_V:]) / run.robot_info.v_max
+    return found
+
+
 def draw_tracking(axes: Any, run: LoggedRun) -> None:
     """Draw the deviation of joints from their targets, of those where it is largest."""
     draw_joint_lines(axes, run, 1e3 * tracking_error(run))
@@ -41,8 +47,7 @@ def draw_tracking(axes: Any, run: LoggedRun) -> None:
 
 def draw_velocities(axes: Any, run: LoggedRun) -> None:
     """Draw the joint velocities closest to their limits, in percent of the limits."""
-    limits = run.robot_info.v_max
-    share = 100.0 * np.abs(run["v"][:, _BASE_V:]) / limits
+    limits, share = run.robot_info.v_max, velocity_shares(run)
     draw_joint_lines(
         axes, run, share, lambda joint: f"{run.robot_info.joints[joint]} ({limits[joint]:.3g})"
     )
