@@ -10,7 +10,7 @@ import threading
 import time
 import urllib.error
 import urllib.request
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -79,6 +79,35 @@ def test_seeking_backwards_shows_the_same_frame_as_before(timeline):
     visible = before[:, 7] > 0
     assert ((replay_scene.scene.poses[:, 7] > 0) == visible).all()
     np.testing.assert_allclose(replay_scene.scene.poses[visible], before[visible], atol=1e-9)
+
+
+@dataclass
+class ResetTimeline(LinearTimeline):
+    """The robot was put back to the start at 7 s."""
+
+    def at(self, time):
+        snapshot = super().at(time)
+        if snapshot.time < 7.0:
+            return snapshot
+        return replace(super().at(snapshot.time - 5.0), time=snapshot.time, run=2)
+
+
+def test_the_trail_breaks_at_a_reset(timeline):
+    scene = Replay(timeline.robot, ResetTimeline(timeline.robot)).new_scene()
+    trail = [i for i, path in enumerate(scene.scene.paths) if "/trail/" in path]
+
+    def shown():
+        poses = scene.scene.poses[trail]
+        return poses[poses[:, 7:].min(axis=1) > 0.0]
+
+    scene.show(6.9)
+    before = shown()
+    assert before[:, 0].max() > 4.0
+    scene.show(7.5)  # the history that is rebuilt includes the time before the reset
+    after = shown()
+    assert 5 < len(after) < len(before)
+    assert after[:, 0].max() < 1.0, "no rod leads from where the robot was before"
+    assert after[:, 9].max() < 0.2
 
 
 def test_thinned_time_series_keep_their_peaks():
