@@ -374,6 +374,29 @@ def test_a_clicked_floor_is_walked_to_and_a_link_is_pulled(page):
     kinds = "wbc.timeline.events().map((event) => event.kind)"
     page.wait_for_function(f"{kinds}.includes('pull')")
     page.mouse.up()
+    page.keyboard.press("h")
+    page.wait_for_function("wbc.pointer.handles.size === 2 && wbc.ready")
+    ball = page.evaluate(
+        """() => {
+          const ball = wbc.pointer.handles.get("right").children[0];
+          viewer.camera.updateMatrixWorld();
+          ball.updateWorldMatrix(true, false);
+          const at = new THREE.Vector3().setFromMatrixPosition(ball.matrixWorld);
+          at.project(viewer.camera);
+          const frame = viewer.renderer.domElement.getBoundingClientRect();
+          return [
+            frame.left + (at.x + 1) / 2 * frame.width,
+            frame.top + (1 - at.y) / 2 * frame.height,
+          ];
+        }"""
+    )
+    page.mouse.move(*ball)
+    page.mouse.down()
+    page.mouse.move(ball[0], ball[1] - 10, steps=2)
+    page.wait_for_function("wbc.live.status.hands.right.leads")
+    page.mouse.up()
+    page.keyboard.press("s")
+    page.wait_for_function("!wbc.live.status.hands.right.leads")
     page.evaluate("element('tools').hidden = false")
     page.keyboard.press("v")
 

@@ -20,6 +20,7 @@ from wbc.teleop import (
     CommandRefused,
     GainCommand,
     GaitParameterCommand,
+    HandTargetCommand,
     JointCommand,
     KeepVelocityCommand,
     MotionCommand,
@@ -292,6 +293,41 @@ def test_a_reset_before_the_first_tick_is_done_at_once(handler):
     assert run.report.survived
     assert len(run.time) == 50
     assert run.outcomes_of(ResetCommand()) == [ACCEPTED, DONE]
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.2])
+def test_a_hand_goes_to_its_target_and_walks_along(handler, player, speed):
+    arm = player.context.upper_body.arms[0]
+    origin = player.walker.standing_frame.translation
+    shoulder = player.walker.kinematics.frame(arm.shoulder).translation
+    target = tuple((shoulder + arm.length * np.array([0.5, 0.15, -0.35])).tolist())
+    start = player.walker.kinematics.frame(arm.hand).translation.copy()
+    Run(handler, 2.5, [(0.0, VelocityCommand(speed)), (0.1, HandTargetCommand("left", target))])
+    hand = player.walker.kinematics.frame(arm.hand).translation
+    (quantity,) = (q for q in handler.quantities if q.name == "left_hand_target")
+    now = quantity.source(None)
+    assert np.linalg.norm(hand - now) < 0.02 < np.linalg.norm(start - target)
+    walked = player.walker.standing_frame.translation[0] - origin[0]
+    assert now[0] - target[0] == pytest.approx(walked, abs=0.08)
+    assert (walked > 0.15) == bool(speed)
+
+
+def test_standing_lets_go_of_a_hand_and_a_far_target_is_brought_within_reach(handler, player):
+    arm = player.context.upper_body.arms[0]
+    far = HandTargetCommand("left", (20.0, 0.0, 1.0))
+    Run(handler, 0.5, [(0.0, far)])
+    hands, walker = player.context.hands, player.walker
+    shoulder = walker.kinematics.frame(arm.shoulder).translation
+    source = next(q for q in handler.quantities if q.name == "left_hand_target").source
+    assert np.linalg.norm(source(None) - shoulder) < arm.length
+    assert hands.engaged
+    Run(handler, 1.5, [(0.2, StandCommand())])
+    assert not hands.engaged
+    assert np.isnan(source(None))
+    with pytest.raises(CommandRefused, match="no hand on the side 'up'"):
+        handler.submit(HandTargetCommand("up", None))
+    with pytest.raises(CommandRefused, match="position"):
+        handler.submit(HandTargetCommand("left", (math.nan, 0.0, 0.0)))
 
 
 OTHER_SESSION = StartSessionCommand("talos", "flat", 1)

@@ -15,6 +15,7 @@ from wbc.errors import WbcError, did_you_mean, short_repr
 from wbc.live.config import LiveServerConfig
 from wbc.live.controls import Controls, decode
 from wbc.live.explainer import TickExplainer
+from wbc.live.hand_handles import HandHandles
 from wbc.live.history import History
 from wbc.live.run_events import RunEvents
 from wbc.live.saving import FileKind, SavedFiles, Stretch
@@ -88,6 +89,7 @@ class RequestBroker:
         self._uploads = uploads
         self._events = RunEvents(config.events, history)
         self._walk_to = WalkTo(config.robot, capabilities.max_velocity)
+        self._hand_handles = HandHandles(config.robot)
         self._walker: PageClient | None = None  # the page that has set the target
         self._saving: set[asyncio.Task[None]] = set()
         self._client = CommandClient(config.robot, config.channel, "page", capabilities.motions)
@@ -323,6 +325,7 @@ class RequestBroker:
             "session": round(self._history.end, 4),
             "session_start": round(self._history.start, 4),
             "fall": self._events.fall if status["mode"] == "fallen" else "",
+            "hands": self._hand_handles.describe(ticks[-1]),
         }
         if status["run"] != self._run:
             self._run = status["run"]

@@ -15,6 +15,7 @@ from wbc.teleop import (
     CommandRefused,
     GainCommand,
     GaitParameterCommand,
+    HandTargetCommand,
     MotionCommand,
     PauseCommand,
     PullCommand,
@@ -33,7 +34,7 @@ from wbc.teleop.parameters import GAIT, TIME, VELOCITY
 MAX_LENGTH = 4000  # characters of a message
 _ACTIONS = (
     "push", "pull", "walk_to", "signals", "save", "motion", "pause", "stand", "reset",
-    "start_session",
+    "start_session", "hand",
 )  # fmt: skip
 _SOURCES = ("page", "keyboard")
 _PUSH_SHARE = 0.3  # of the largest push; the robot hardly ever survives a larger one
@@ -77,6 +78,7 @@ class Controls:
             "parameters": [asdict(p) for p in self._capabilities.parameters],
             "motions": [describe_motion(motion) for motion in self._capabilities.motions],
             "max_impulse": self.max_impulse,
+            "hands": self._capabilities.hands,
             "sessions": self._describe_sessions(),
         }
 
@@ -113,6 +115,8 @@ class Controls:
                 return StandCommand()
             case "reset":
                 return ResetCommand()
+            case "hand":
+                return _hand_command(value)
             case "start_session":
                 return self._session_command(value)
         names = [*self.values, *_ACTIONS]
@@ -199,6 +203,20 @@ def _push_command(value: Any) -> PushCommand:
     raise CommandRefused(
         f'push is {short_repr(value)}; it is [forward, left] or {{"link": name, "impulse": '
         "[x, y, z]} in N·s"
+    )
+
+
+def _hand_command(value: Any) -> HandTargetCommand:
+    """Return a target of a hand, or its release."""
+    if isinstance(value, dict) and value.keys() == {"side", "target"}:
+        side, target = value["side"], value["target"]
+        if isinstance(side, str) and target is None:
+            return HandTargetCommand(side)
+        if isinstance(side, str) and isinstance(target, list) and len(target) == 3:
+            return HandTargetCommand(side, tuple(target))  # type: ignore[arg-type]
+    raise CommandRefused(
+        f'hand is {short_repr(value)}; it is {{"side": "left" or "right", "target": [x, y, z] in '
+        "the world in m, or null to let go}"
     )
 
 

@@ -10,7 +10,11 @@ from wbc.runtime.event import COMMAND, FALL
 from wbc.runtime.event_queue import EventQueue, NumberedEvent
 
 _KEPT = 1000
-_UNMARKED = ("velocity", "pause")  # commands without a mark: there are too many of them
+_UNMARKED = (
+    "velocity",
+    "pause",
+    "hand_target",
+)  # commands without a mark: there are too many of them
 
 
 class RunEvents:

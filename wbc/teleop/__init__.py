@@ -7,6 +7,7 @@ from wbc.teleop.command_handler import CommandHandler
 from wbc.teleop.commands import (
     GainCommand,
     GaitParameterCommand,
+    HandTargetCommand,
     JointCommand,
     KeepVelocityCommand,
     MotionCommand,
@@ -36,6 +37,7 @@ __all__ = [
     "CommandRefused",
     "GainCommand",
     "GaitParameterCommand",
+    "HandTargetCommand",
     "JointCommand",
     "KeepVelocityCommand",
     "MotionCommand",

@@ -44,6 +44,7 @@ class Capabilities:
         leg_joints: names of the joints that the gait needs.
         links: names of the frames that can be pushed.
         can_pull: whether a link can be pulled by a spring.
+        hands: sides whose hand can be led to a position.
         sessions: what another session may be started with; None if none can be.
     """
 
@@ -55,6 +56,7 @@ class Capabilities:
     leg_joints: frozenset[str]
     links: frozenset[str] = frozenset()
     can_pull: bool = False
+    hands: tuple[str, ...] = ()
     sessions: SessionChoices | None = None
 
     @staticmethod
@@ -95,6 +97,7 @@ class Capabilities:
             leg_joints=frozenset(names[i] for i in legs),
             links=frozenset(frame.name for frame in robot.model.frames[1:]),
             can_pull=hasattr(plant, "pull"),
+            hands=player.context.hands.sides,
             sessions=sessions,
         )
 
@@ -148,6 +151,11 @@ class Capabilities:
                 self._check_parameter(TIME_SCALE, scale)
             case commands.JointCommand():
                 self._check_joints(command)
+            case commands.HandTargetCommand(side, position):
+                if side not in self.hands:
+                    raise CommandRefused(f"the robot has no hand on the side {short_repr(side)}")
+                if position is not None:
+                    _check_place("position", position)
             case commands.PauseCommand(paused):
                 if not isinstance(paused, bool):
                     raise CommandRefused(f"pause is {short_repr(paused)}; it is true or false")
@@ -189,12 +197,8 @@ class Capabilities:
         if not self.can_pull:
             raise CommandRefused("this robot cannot be pulled: it is not simulated")
         self._check_link(command.link)
-        for name in ("point", "target"):
-            place = getattr(command, name)
-            if np.shape(place) != (3,):
-                raise CommandRefused(f"{name} is {short_repr(place)}; it is (x, y, z) in m")
-            for part in place:
-                check_number(name, part, -_FAR, _FAR, "m")
+        _check_place("point", command.point)
+        _check_place("target", command.target)
         check_number("timeout", command.timeout, 0.0, _MAX_PULL, "s")
 
     def _check_link(self, link: Any) -> None:
@@ -229,6 +233,13 @@ class Capabilities:
             raise CommandRefused("a joint is named twice")
         if not names:
             raise CommandRefused("the command names no joints")
+
+
+def _check_place(name: str, place: Any) -> None:
+    if np.shape(place) != (3,):
+        raise CommandRefused(f"{name} is {short_repr(place)}; it is (x, y, z) in m")
+    for part in place:
+        check_number(name, part, -_FAR, _FAR, "m")
 
 
 def check_number(name: str, value: Any, low: float, high: float, unit: str = "") -> float:

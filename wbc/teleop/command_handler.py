@@ -21,6 +21,7 @@ from wbc.teleop import commands
 from wbc.teleop.acknowledgement import Acknowledgement, CommandOutcome
 from wbc.teleop.capabilities import Capabilities
 from wbc.teleop.channel import CommandChannel
+from wbc.teleop.hand_targets import HandTargets
 from wbc.teleop.joint_targets import JointTargets
 from wbc.teleop.parameters import GAIT, set_parameter
 from wbc.teleop.push_counter import PushCounter
@@ -90,7 +91,7 @@ class CommandHandler(Closeable):
         self.paused = self.reset_wanted = False
         self.pushes = PushCounter()
         self._manager = MotionManager(player)
-        self._joints = JointTargets(player)
+        self._joints, self._hands = JointTargets(player), HandTargets(player)
         self._clock = Clock(player.dt, 1) if owns_clock else None
         self._channels: list[CommandChannel] = []
         self._observers: list[AcknowledgementObserver] = []
@@ -111,6 +112,7 @@ class CommandHandler(Closeable):
             ),
             Quantity("pushes_decided", lambda _: self.pushes.decided, "pushes survived or not"),
             Quantity("pushes_survived", lambda _: self.pushes.survived, "pushes survived"),
+            *self._hands.quantities(),
         )
         self.on_idle: Callable[[Mode], None] = lambda _: None
         self.on_timeout: Callable[[str], None] = lambda _: None
@@ -163,6 +165,7 @@ class CommandHandler(Closeable):
         self._end_motion(CommandOutcome.SUPERSEDED, "the robot was reset")
         self._manager.reset()
         self._joints.clear()
+        self._hands.clear()
         self._velocity, self._velocity_end = None, np.inf
         self._pull, self._pull_end = commands.PullCommand(), np.inf
         self.pushes.on_reset()
@@ -203,6 +206,7 @@ class CommandHandler(Closeable):
         self._manager.update()
         self._track_motion()
         self._joints.advance(time.monotonic())
+        self._hands.advance()
         for impulse in self.player.pop_pushes():
             self._push(impulse)
         self.pushes.on_tick(self.plant.time)
@@ -269,6 +273,9 @@ class CommandHandler(Closeable):
         if self.mode is Mode.FALLEN and not isinstance(command, _WHILE_FALLEN):
             self._acknowledge(sent, CommandOutcome.REFUSED, _FALLEN)
             return
+        if isinstance(command, commands.HandTargetCommand) and (why := self._hands.set(command)):
+            self._acknowledge(sent, CommandOutcome.REFUSED, why)
+            return
         self._acknowledge(sent, CommandOutcome.ACCEPTED)
         match command:
             case commands.VelocityCommand(timeout=timeout):
@@ -291,6 +298,7 @@ class CommandHandler(Closeable):
                 self._motion_end = f"{sent} took its place"
                 self._velocity, self._velocity_end = None, np.inf
                 self._manager.stand()
+                self._hands.stand()
             case commands.GaitParameterCommand(name, value):
                 set_parameter(self.player.walker, f"{GAIT}.{name}", value)
             case commands.GainCommand(task_name, gain, value):

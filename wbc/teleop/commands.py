@@ -154,6 +154,22 @@ class JointCommand:
 
 
 @dataclass(frozen=True, slots=True)
+class HandTargetCommand:
+    """Lead a hand to a position, standing or walking, or let go of it.
+
+    The position is kept relative to the robot: a hand that is led walks along. It is brought within
+    reach of the arm. Playing a motion, standing by a `StandCommand` and a reset let go.
+
+    Attributes:
+        side: "left" or "right".
+        position: of the hand's frame, world axes, m; None lets go.
+    """
+
+    side: str
+    position: tuple[float, float, float] | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class TimeScaleCommand:
     """Run slower than real time.
 
@@ -205,6 +221,7 @@ TeleopCommand: TypeAlias = (
     | GaitParameterCommand
     | GainCommand
     | JointCommand
+    | HandTargetCommand
     | TimeScaleCommand
     | PauseCommand
     | ResetCommand

@@ -8,7 +8,7 @@ const HELP = [
   ["Z, Ctrl Z", "undo the last change of a parameter"],
   [", .", "back, forward in time by 0.1 s (Shift: 2 s)"], ["L", "live: back to the present"],
   ["1 … 6", "camera: start, front, back, left, right, top"], ["F", "camera follows or stays"],
-  ["V W X D", "mouse: view, walk to, push, pull"], ["C", "picture"], ["?", "this table"],
+  ["V W X D H", "mouse: view, walk to, push, pull, lead the hands"], ["C", "picture"], ["?", "this table"],
   ["Gamepad", "left stick: walk; right stick: turn; A: stand; Start: pause; Back: reset"],
 ];
 const DEAD_ZONE = 0.15;

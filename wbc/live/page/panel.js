@@ -233,6 +233,7 @@ function showStatus(now) {
   status = wbc.live.status = now;
   timeline.receiveStatus(now);
   camera.turn(now.heading ?? 0);
+  pointer.showHands(now.hands);
   const [title, reason] = {running: ["", ""], paused: ["Paused", ""],
     fallen: ["Robot fell — press Reset (R)", now.fall]}[now.mode];
   const banner = element("banner");
@@ -276,7 +277,7 @@ function bindKeys() {
     ",": () => timeline.step(-0.1), ".": () => timeline.step(0.1),
     "<": () => timeline.step(-2), ">": () => timeline.step(2), ";": () => timeline.step(-2), ":": () => timeline.step(2),
     l: () => timeline.review(null), f: click("follow"), c: click("screenshot"),
-    v: () => pointer.choose("view"), w: () => pointer.choose("walk"), x: () => pointer.choose("push"), d: () => pointer.choose("pull"),
+    v: () => pointer.choose("view"), w: () => pointer.choose("walk"), x: () => pointer.choose("push"), d: () => pointer.choose("pull"), h: () => pointer.choose("hand"),
     "?": () => help.showModal(), ...Object.fromEntries(views),
   };
   element("help-button").onclick = bound["?"];

@@ -8,11 +8,15 @@ const MODES = {
   walk: ["Walk to", "click the floor; drag to choose where the robot faces there"],
   push: ["Push", "click a link: it is pushed away from you, as far as the slider says"],
   pull: ["Pull", "drag a link with a spring force"],
+  hand: ["Hands", "drag the ball or an arrow of a hand, standing or walking; double click the ball: let go"],
 };
 const PULL_PERIOD = 100;  // ms between two signs that the mouse still pulls
 const TURNS = 0.15;  // m of dragging from which on it chooses a heading
 let send = () => {}, pushSize = () => 0, mode = "view", pressed = null, timer = null;
-const buttons = new Map();
+const buttons = new Map(), handles = new Map();
+const AXES = {x: 0xd1342b, y: 0x1f9d7a, z: 0x2467d6};
+const LET_GO = 400;  // ms between the two clicks that let go of a hand
+let clicked = 0;
 const ray = new THREE.Raycaster();
 
 const world = () => viewer.scene_tree.find(["wbc"]).object;
@@ -93,6 +97,82 @@ function showSpring(from, to) {
   viewer.set_dirty();
 }
 
+// ---- Hands ----
+
+// A ball at a hand, or at its target, and an arrow along each axis of the world.
+function makeHandle(side) {
+  const group = new THREE.Group();
+  const material = (color) => new THREE.MeshBasicMaterial({color, transparent: true, opacity: 0.8, depthTest: false});
+  const part = (geometry, color, axis) => {
+    const mesh = new THREE.Mesh(geometry, material(color));
+    mesh.userData = {side, axis};
+    mesh.renderOrder = 6;
+    group.add(mesh);
+    return mesh;
+  };
+  const scale = wbc.scale / 1.6;  // by the size of the robot
+  part(new THREE.SphereGeometry(0.032 * scale, 20, 14), 0xf0a202, null);
+  for (const [axis, color] of Object.entries(AXES)) {
+    const direction = new THREE.Vector3(...["x", "y", "z"].map((one) => +(one === axis)));
+    const turn = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 1, 0), direction);
+    for (const [geometry, at] of [[new THREE.CylinderGeometry(0.006 * scale, 0.006 * scale, 0.1 * scale), 0.07],
+      [new THREE.ConeGeometry(0.017 * scale, 0.05 * scale, 12), 0.135]]) {
+      const mesh = part(geometry, color, direction);
+      mesh.quaternion.copy(turn);
+      mesh.position.copy(direction).multiplyScalar(at * scale);
+    }
+  }
+  return group;
+}
+
+// Shows the handles where the server says, but the one that is being dragged.
+function showHands(hands) {
+  for (const [side, {at, leads}] of Object.entries(hands ?? {})) {
+    if (!handles.has(side)) {
+      if (mode !== "hand") continue;
+      handles.set(side, makeHandle(side));
+      world().add(handles.get(side));
+    }
+    const handle = handles.get(side);
+    if (handle.visible !== (mode === "hand")) viewer.set_dirty();
+    handle.visible = mode === "hand";
+    handle.children[0].material.opacity = leads ? 0.95 : 0.55;
+    if (pressed?.side !== side) handle.position.fromArray(at);
+  }
+}
+
+function grabHandle() {
+  const [hit] = ray.intersectObjects([...handles.values()].filter((one) => one.visible), true);
+  if (!hit) return null;
+  const {side, axis} = hit.object.userData, start = handles.get(side).position.clone();
+  const now = performance.now(), twice = !axis && now - clicked < LET_GO;
+  clicked = now;
+  if (twice) {
+    send("hand", {side, target: null});
+    return null;
+  }
+  const grip = world().worldToLocal(hit.point.clone());
+  return {side, axis, start, grip, moved: false, distance: grip.distanceTo(worldRay()[0])};
+}
+
+// Moves the handle: along its arrow, or at its distance from the camera.
+function dragHandle() {
+  const [origin, direction] = worldRay(), {axis, grip, start, distance, side} = pressed;
+  let moved;
+  if (axis) {  // the point of the axis that is nearest to the ray
+    const across = grip.clone().sub(origin), b = axis.dot(direction), d = 1 - b * b;
+    if (d < 1e-3) return;
+    moved = axis.clone().multiplyScalar((b * direction.dot(across) - axis.dot(across)) / d);
+  } else moved = origin.addScaledVector(direction, distance).sub(grip);
+  pressed.moved = true;
+  handles.get(side).position.copy(start).add(moved);
+  viewer.set_dirty();
+}
+
+function sendHand() {
+  if (pressed.moved) send("hand", {side: pressed.side, target: handles.get(pressed.side).position.toArray().map((x) => +x.toFixed(4))});
+}
+
 // ---- Gestures ----
 
 function onDown(event) {
@@ -101,6 +181,9 @@ function onDown(event) {
   if (mode === "walk") {
     const point = floorPoint();
     if (point) pressed = {start: point, yaw: null};
+  } else if (mode === "hand") {
+    pressed = grabHandle();
+    if (pressed) timer = setInterval(sendHand, PULL_PERIOD);
   } else {
     const found = linkPoint();
     if (!found) return;
@@ -126,7 +209,8 @@ function onMove(event) {
     const [dx, dy] = [point.x - pressed.start.x, point.y - pressed.start.y];
     pressed.yaw = Math.hypot(dx, dy) > TURNS ? Math.atan2(dy, dx) : null;
     showTarget([pressed.start.x, pressed.start.y, pressed.yaw]);
-  } else {
+  } else if (mode === "hand") dragHandle();
+  else {
     const [origin, direction] = worldRay();
     pressed.target = origin.addScaledVector(direction, pressed.distance);
     showSpring(pressed.world, pressed.target);
@@ -144,6 +228,9 @@ function onUp() {
     const target = [pressed.start.x, pressed.start.y, pressed.yaw];
     showTarget(target);
     send("walk_to", target);
+  } else if (mode === "hand") {
+    clearInterval(timer);
+    sendHand();
   } else {
     clearInterval(timer);
     send("pull", null);
@@ -158,6 +245,7 @@ function choose(name) {
   for (const [one, button] of buttons) button.classList.toggle("on", one === mode);
   if (viewer.controls) viewer.controls.enabled = mode === "view";
   document.body.dataset.pointer = mode;
+  showHands(wbc.live?.status?.hands);
 }
 
 function build(sender, size) {
@@ -179,5 +267,5 @@ function build(sender, size) {
   return box;
 }
 
-wbc.pointer = {build, choose, showTarget, linkPoint: (event) => { aim(event); return linkPoint(); }};
+wbc.pointer = {build, choose, showTarget, showHands, handles, linkPoint: (event) => { aim(event); return linkPoint(); }};
 })();

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 
@@ -14,8 +15,14 @@ from wbc.tasks import PositionTask
 from wbc.walking import Walker
 
 _WEIGHT, _KP = 20.0, 120.0
-_WORLD_WEIGHT = 100.0  # of a hand that is held in the world, against the sway of a gait
+_WORLD_WEIGHT = 100.0  # of a hand that is led while the robot may walk, against the sway
 _ORIGIN, _AXES = np.zeros(3), np.eye(3)
+#: Frame of a hand's reference: the standing frame, the world, or the base frame, which has its
+#: origin at the root link and the axes of the standing frame.
+HandFrame = Literal["standing", "world", "base"]
+_WEIGHTS: dict[HandFrame, float] = {
+    "standing": _WEIGHT, "world": _WORLD_WEIGHT, "base": _WORLD_WEIGHT,
+}  # fmt: skip
 _MAX_ERROR = 0.05  # m: a task that asks for more would make the CoM pay for it
 _ENGAGE_TIME = 0.4  # s within which the task reaches its full weight
 # Share of the posture's weight that is left to joints which other tasks lead.
@@ -31,9 +38,9 @@ class HandReference:
 
     Attributes:
         arm: the arm of the hand.
-        place: (3,) reference position, m; standing frame, or world.
+        place: (3,) reference position in its frame, m.
+        frame: frame of the reference.
         error: distance of the hand from it at the last tick, m.
-        in_world: whether the reference is in the world rather than in the standing frame.
     """
 
     def __init__(self, walker: Walker, arm: Arm) -> None:
@@ -46,7 +53,7 @@ class HandReference:
         self._share = SmoothReference(0.0, speed=10.0, acceleration=100.0)
         self._number = 0
         self._is_target = False
-        self.in_world = False
+        self.frame: HandFrame = "standing"
         self.error = 0.0
 
     def reset(self) -> None:
@@ -54,7 +61,8 @@ class HandReference:
         self.place.reset()
         self._share.reset()
         self._number = 0
-        self._is_target = self.in_world = False
+        self._is_target = False
+        self.frame = "standing"
         self._disengage()
 
     @property
@@ -75,29 +83,33 @@ class HandReference:
         return FrameTarget(self.arm.hand, self.place.value, self._number)
 
     def move_to(
-        self, place: np.ndarray, now: np.ndarray, duration: float, *, is_target: bool
+        self,
+        place: np.ndarray,
+        now: np.ndarray,
+        duration: float,
+        *,
+        is_target: bool,
+        frame: HandFrame = "standing",
     ) -> None:
         """Lead the hand to a position.
 
         Args:
-            place: (3,) standing frame, m.
+            place: (3,) m.
             now: (3,) where the hand is, in case it has not been led so far, m.
             duration: s, at least.
             is_target: whether the position is a target that evaluators compare with.
+            frame: frame of both positions.
         """
-        self._engage(now)
-        if self.in_world:
-            self.in_world = False
-            self.place.start_from(now, np.zeros(3))
+        self._engage(now, frame)
         self.place.move_to(place, duration)
         self._is_target = is_target
         self._number += is_target
 
     def hold_in_world(self, now: np.ndarray) -> None:
         """Hold the hand where it is in the world, (3,) m, from now on."""
-        self._engage(now)
+        self._engage(now, "world")
         self.place.start_from(now, np.zeros(3))
-        self._is_target, self.in_world = False, True
+        self._is_target = False
 
     def follow(self, path: Path, now: np.ndarray) -> None:
         """Lead the hand along a path.
@@ -106,17 +118,18 @@ class HandReference:
             path: time, s -> (3,) standing frame, m.
             now: (3,) where the hand is, in case it has not been led so far, m.
         """
-        self._engage(now)
-        if self.in_world:
-            self.in_world = False
-            self.place.start_from(now, np.zeros(3))
+        self._engage(now, "standing")
         self._is_target = False
         self.place.follow(path)
 
-    def _engage(self, now: np.ndarray) -> None:
+    def _engage(self, now: np.ndarray, frame: HandFrame) -> None:
         if not self.engaged:
             self._controller.add(self._task)
-            self.place.start_from(now, np.zeros(3))
+        elif frame == self.frame:
+            self._share.move_to(1.0, _ENGAGE_TIME)
+            return
+        self.frame = frame
+        self.place.start_from(now, np.zeros(3))
         self._share.move_to(1.0, _ENGAGE_TIME)
 
     def hold(self) -> None:
@@ -129,14 +142,14 @@ class HandReference:
         if self.engaged:
             self._share.move_to(0.0, duration)
 
-    def advance(self, dt: float, origin: np.ndarray, axes: np.ndarray, now: np.ndarray) -> None:
+    def advance(self, dt: float, walker: Walker, origin: np.ndarray, axes: np.ndarray) -> None:
         """Advance by a tick, and set the task.
 
         Args:
             dt: control period, s.
-            origin: (3,) of the standing frame in the world, m.
-            axes: (3, 3) of the standing frame in the world.
-            now: (3,) where the hand is in the world, m.
+            walker: the walker, whose last tick tells where the hand is.
+            origin: (3,) of the reference's frame in the world, m.
+            axes: (3, 3) of it.
         """
         if not self.engaged:
             return
@@ -147,19 +160,39 @@ class HandReference:
             self._disengage()
             return
         task = self._task
-        task.weight = (_WORLD_WEIGHT if self.in_world else _WEIGHT) * max(share, 0.0)
-        if self.in_world:
-            origin, axes = _ORIGIN, _AXES
+        task.weight = _WEIGHTS[self.frame] * max(share, 0.0)
+        now = walker.kinematics.frame(self.arm.hand).translation
         place = origin + axes @ self.place.value
         error = place - now
         self.error = distance = math.sqrt(float(error @ error))
         task.target = place if distance < _MAX_ERROR else now + (_MAX_ERROR / distance) * error
         task.velocity = axes @ self.place.velocity
+        if self.frame == "base":
+            task.velocity += _base_velocity(walker, place - origin)
         task.acceleration = axes @ self.place.acceleration
 
     def _disengage(self) -> None:
         if self.engaged:
             self._controller.remove(self._task)
+
+
+def frame_of_hands(walker: Walker, frame: HandFrame) -> tuple[np.ndarray, np.ndarray]:
+    """Return origin (3,), m, and axes (3, 3) of a frame of hand references in the world."""
+    if frame == "world":
+        return _ORIGIN, _AXES
+    standing = walker.standing_frame
+    if frame == "standing":
+        return standing.translation, standing.rotation
+    return walker.kinematics.base.translation, standing.rotation
+
+
+def _base_velocity(walker: Walker, lever: np.ndarray) -> np.ndarray:
+    """Return the velocity (3,) of a point that turns and moves with the base frame, m/s."""
+    kin = walker.kinematics
+    rotation = kin.base.rotation
+    velocity = rotation @ kin.state.v[:3]
+    turn = float(rotation[2] @ kin.state.v[3:6])
+    return np.asarray(velocity + np.array([-turn * lever[1], turn * lever[0], 0.0]))
 
 
 class HandReferences:
@@ -179,6 +212,7 @@ class HandReferences:
         self._weights = walker.posture.weight.copy()
         self._weights[list(upper_body.waist)] *= _LED_WAIST
         walker.posture.weight = self._weights
+        self._left = np.ones_like(self._weights)  # share of them that is left to the posture
         self._shares: tuple[float, ...] = ()
 
     def reset(self) -> None:
@@ -209,8 +243,9 @@ class HandReferences:
         duration: float = 1.0,
         *,
         is_target: bool = False,
+        frame: HandFrame = "standing",
     ) -> None:
-        """Lead a hand to a position in the standing frame; `release` lets go of it.
+        """Lead a hand to a position; `release` lets go of it.
 
         Args:
             side: "left" or "right".
@@ -218,13 +253,17 @@ class HandReferences:
             duration: s, at least.
             is_target: whether the position, once reached, is a target that evaluators compare
                 with.
+            frame: frame of the position. A hand that is led in the base frame walks along, without
+                the steps of the standing frame, which lies between the feet.
 
         Raises:
             MotionError: the robot has no such arm.
         """
         hand = self._hand(side)
+        origin, axes = frame_of_hands(self._walker, frame)
+        now = axes.T @ (self._walker.kinematics.frame(hand.arm.hand).translation - origin)
         place = np.asarray(place, dtype=float)
-        hand.move_to(place, self.position(side), duration, is_target=is_target)
+        hand.move_to(place, now, duration, is_target=is_target, frame=frame)
 
     def follow(self, side: str, path: Path) -> None:
         """Lead a hand along a path: time, s -> (3,) position in the standing frame, m.
@@ -280,14 +319,19 @@ class HandReferences:
     def advance(self, dt: float) -> None:
         """Advance by a tick, s; set tasks and the posture's weight."""
         if self.engaged:
-            frame, kin = self._walker.standing_frame, self._walker.kinematics
+            frames = {
+                frame: frame_of_hands(self._walker, frame)
+                for frame in {hand.frame for hand in self._hands.values()}
+            }
             for hand in self._hands.values():
-                now = kin.frame(hand.arm.hand).translation
-                hand.advance(dt, frame.translation, frame.rotation, now)
+                hand.advance(dt, self._walker, *frames[hand.frame])
         shares = tuple(hand.share for hand in self._hands.values())
         if shares != self._shares:
             self._shares = shares
-            weights = self._weights.copy()
+            left = np.ones_like(self._left)
             for hand in self._hands.values():
-                weights[list(hand.arm.joints)] *= 1.0 - (1.0 - _LED_ARM) * hand.share
-            self._walker.posture.weight = weights
+                left[list(hand.arm.joints)] *= 1.0 - (1.0 - _LED_ARM) * hand.share
+            posture = self._walker.posture
+            if not np.array_equal(posture.weight, self._weights * self._left):  # set by others
+                self._weights = posture.weight / self._left
+            posture.weight, self._left = self._weights * left, left

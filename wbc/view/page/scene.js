@@ -13,6 +13,7 @@ const element = (id) => document.getElementById(id);
 var wbc = {frames: 0, ready: false, time: null, lost: ""};
 
 function makeSurroundings(scale) {
+  wbc.scale = scale;
   for (const path of [["Lights"], ["Grid"], ["Axes"]]) {
     viewer.scene_tree.find(path).object.visible = false;
   }
