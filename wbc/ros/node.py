@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from functools import cached_property
 from typing import Any
@@ -39,6 +39,8 @@ class Node(Closeable):
         node_name: name of the node.
         namespace: namespace of the node, in which its relative names are resolved.
         network: DDS domain and network interface; `Network.from_environment()` by default.
+        remappings: new names of topics, services and actions by their names, both absolute,
+            relative or private.
 
     Attributes:
         name: name of the node.
@@ -51,10 +53,19 @@ class Node(Closeable):
     """
 
     def __init__(
-        self, node_name: str, *, namespace: str = "/", network: Network | None = None
+        self,
+        node_name: str,
+        *,
+        namespace: str = "/",
+        network: Network | None = None,
+        remappings: Mapping[str, str] | None = None,
     ) -> None:
         self.name = names.validate_node_name(node_name)
         self.namespace = names.normalize_namespace(namespace)
+        self._remappings = {
+            self._absolute_name(old): self._absolute_name(new)
+            for old, new in (remappings or {}).items()
+        }
         self.network = network or Network.from_environment()
         self.participant = Participant(self.namespace, self.name, self.network)
         self._executor = Executor(self.participant.dds)
@@ -70,8 +81,12 @@ class Node(Closeable):
         return f"{self.namespace.rstrip('/')}/{self.name}"
 
     def resolve_topic_name(self, topic: str) -> str:
-        """Return the full name of a topic or service, see `wbc.ros.names.resolve_name`."""
-        return names.resolve_name(topic, self.name, self.namespace)
+        """Return the full, remapped name of a topic or service; see `names.resolve_name`."""
+        name = self._absolute_name(topic)
+        return self._remappings.get(name, name)
+
+    def _absolute_name(self, name: str) -> str:
+        return names.resolve_name(name, self.name, self.namespace)
 
     def create_publisher(
         self, msg_type: str | type[Message], topic: str, qos_profile: QoSProfile | int = DEFAULT

@@ -70,7 +70,7 @@ def walk(
         mesh_files: name the files of meshes in robot_description, which RViz on this machine finds
             without the packages of the robot.
         ros_args: the rest of the line is as for nodes of ROS 2, e.g. -r __node:=legs
-            -p state_rate:=100.0.
+            -r cmd_vel:=/teleop/cmd_vel -p state_rate:=100.0.
         duration: duration, s.
     """
     given = RosArguments.parse(ros_args)
@@ -86,6 +86,7 @@ def walk(
             name=given.name or name,
             namespace=given.namespace or namespace,
             parameters=given.parameters,
+            remappings=given.remappings,
             mesh_files=mesh_files,
             network=network.network(),
             update_rate=rate,

@@ -36,6 +36,7 @@ class Bridge(ProcessObserver):
         use_sim_time: Whether messages carry plant time instead of system time; initial value of
             the node's parameter.
         parameters: Initial values of the node's parameters by their names, as `-p` gives them.
+        remappings: New names of topics, services and actions by their names, as `-r` gives them.
         mesh_files: Whether `robot_description` names meshes by `file://` addresses, which RViz on
             this machine finds without the packages of the robot's description.
         topics: Additional topics beside those of `wbc.ros.bridge.node_topics`.
@@ -63,6 +64,7 @@ class Bridge(ProcessObserver):
         update_rate: float = 50.0,
         use_sim_time: bool = False,
         parameters: Mapping[str, Any] | None = None,
+        remappings: Mapping[str, str] | None = None,
         mesh_files: bool = False,
         topics: Sequence[NodeTopic] = (),
     ) -> None:
@@ -83,6 +85,7 @@ class Bridge(ProcessObserver):
             dt=dt,
             topics=tuple(topics),
             parameters=dict(parameters or {}),
+            remappings=dict(remappings or {}),
             mesh_files=mesh_files,
         )
         super().__init__(

@@ -29,6 +29,7 @@ class NodeConfig:
         dt: control period, s.
         topics: additional topics of the node.
         parameters: initial values of parameters by their names, which replace the defaults.
+        remappings: new names of topics, services and actions by their names.
         mesh_files: whether `robot_description` names the files of meshes instead of packages.
     """
 
@@ -42,4 +43,5 @@ class NodeConfig:
     dt: float
     topics: tuple[NodeTopic, ...] = ()
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    remappings: Mapping[str, str] = field(default_factory=dict)
     mesh_files: bool = False

@@ -27,7 +27,12 @@ def main() -> None:
     reader = TickReader()
     with contextlib.ExitStack() as stack:
         try:
-            node = Node(config.name, namespace=config.namespace, network=config.network)
+            node = Node(
+                config.name,
+                namespace=config.namespace,
+                network=config.network,
+                remappings=config.remappings,
+            )
             stack.enter_context(node)
             stack.enter_context(log_to_rosout(node))
             robot_node = RobotNode(node, config, reader)
