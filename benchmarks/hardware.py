@@ -15,6 +15,7 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import argparse
 import copy
+import itertools
 import json
 import signal
 import subprocess
@@ -29,6 +30,7 @@ from typing import Any
 import numpy as np
 
 import wbc
+from wbc.estimation import LatencyCompensation
 from wbc.gait import VelocityLimits
 from wbc.geometry.planar import Placement
 from wbc.hardware import SafeHardware, UnitreeG1
@@ -122,24 +124,37 @@ def _started(
     return stand_in, transport, plant
 
 
+def _compensated(plant: SafeHardware) -> LatencyCompensation:
+    """Return an estimator of the state that a command will find, by the measured latency."""
+    estimator, robot = wbc.Estimator(plant.robot, plant.dt), plant.robot
+    return LatencyCompensation(
+        estimator, robot, plant.dt, latency=lambda: plant.latency.beyond_ideal
+    )
+
+
 def latency(options: argparse.Namespace) -> list[Row]:
     """Walk with latency from reading to torque, and messages lost in both directions."""
     rows = []
-    for delay, loss in ((0.0, 0.0), (0.008, 0.05), (0.013, 0.1)):
-        for seed in range(options.seeds):
-            random = np.random.default_rng(seed)
+    cases = [(0.0, 0.0), (0.008, 0.05), (0.013, 0.1), (0.018, 0.05), (0.028, 0.05)]
+    runs = itertools.product(cases, ("as read", "predicted"), range(options.seeds))
+    for (delay, loss), state, seed in runs:
+        random = np.random.default_rng(seed)
 
-            def lossy(
-                time: float, data: bytes, random: Any = random, loss: float = loss
-            ) -> list[bytes]:
-                return [] if random.random() < loss else [data]
+        def lossy(
+            time: float, data: bytes, random: Any = random, loss: float = loss
+        ) -> list[bytes]:
+            return [] if random.random() < loss else [data]
 
-            _, _, plant = _started(seed, delay, lossy)
-            report = _walk(plant, 0.35, options.distance, PERIOD)
-            measured = plant.latency.seconds or 0.0
-            what = f"g1, {1e3 * delay + 2.0:.0f} ms, {100.0 * loss:g} % lost in each direction"
-            lost = {"measured_latency_ms": round(1e3 * measured, 1), "states_lost": plant.lost}
-            rows.append(_row(what, seed, report) | lost)
+        _, _, plant = _started(seed, delay, lossy)
+        estimator = _compensated(plant) if state == "predicted" else None
+        report = _walk(plant, 0.35, options.distance, PERIOD, estimator=estimator)
+        measured = plant.latency.seconds or 0.0
+        what = (
+            f"g1, {1e3 * delay + 2.0:.0f} ms, {100.0 * loss:g} % lost in each direction, "
+            f"state {state}"
+        )
+        lost = {"measured_latency_ms": round(1e3 * measured, 1), "states_lost": plant.lost}
+        rows.append(_row(what, seed, report) | lost)
     return rows
 
 
@@ -339,7 +354,8 @@ def _real_time_row(player: MotionPlayer, seed: int, distance: float) -> Row:
         SafeHardware(connect("lo", player.robot)) as plant,
         real_time_thread(RealTime()) as granted,
     ):
-        report = wbc.run(player, plant, duration, before_tick=command)
+        estimator = _compensated(plant)
+        report = wbc.run(player, plant, duration, estimator=estimator, before_tick=command)
         connection, latency = plant.connection, plant.latency.seconds
     periods = np.diff(begun[1:ticks])  # the first one has the start in it
     period = np.percentile(periods, (50, 99, 100)) if ticks > 2 else np.zeros(3)

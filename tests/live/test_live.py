@@ -615,10 +615,7 @@ def test_a_fallen_robot_is_reset_from_the_page_after_its_status_reports_the_fall
     assert "press Reset (R) on the page" in told[1]
 
 
-def test_the_page_receives_the_past_of_signals_and_saves_a_stretch(
-    live, handler, monkeypatch, tmp_path
-):
-    monkeypatch.setattr("wbc.teleop.command_handler.Clock.wait", lambda clock: None)
+def test_the_page_receives_the_past_of_signals_and_saves_a_stretch(live, handler, tmp_path):
     page = Client(live.url)
     with commanded(live, handler, 1000.0):
         while "com: z, m" not in (offered := page.receive("signals"))["signals"]:

@@ -54,3 +54,8 @@ class LatencyEstimator:
         if not self._errors.any():
             return None
         return (int(np.argmin(self._errors)) + 1) * self._dt
+
+    @property
+    def beyond_ideal(self) -> float:
+        """The latency beyond the one period of an ideal robot, s; 0 as long as it is unknown."""
+        return max((self.seconds or 0.0) - self._dt, 0.0)
