@@ -29,6 +29,7 @@ def url(browser, tmp_path_factory):
     root = Path(__file__).resolve().parents[2]
     log, html = (tmp_path_factory.mktemp("kept") / name for name in ("live.mcap", "live.html"))
     arguments = ["-m", "wbc", "live", "--robot", "simple_humanoid", "--port", "0"]
+    arguments += ["--priority", "40"]  # also where the tests are niced
     arguments += ["--log", str(log), "--html", str(html)]
     process = subprocess.Popen(
         [sys.executable, *arguments], stdout=subprocess.PIPE, text=True, cwd=root

@@ -142,6 +142,7 @@ def test_refused_requests_are_reported_with_their_cure_and_the_run_continues(rob
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})  # with one it is not asked for
     monkeypatch.setattr(os, "sched_setscheduler", refuse)
     monkeypatch.setattr(os, "setpriority", refuse)
+    monkeypatch.setattr(os, "getpriority", lambda *_: 0)
     told: list[LoopConditions] = []
     report, _ = run(robot, real_time=True, on_conditions=told.append)
     assert report.survived
@@ -155,9 +156,23 @@ def test_refused_requests_are_reported_with_their_cure_and_the_run_continues(rob
 def test_real_time_priority_is_refused_on_a_single_processor(monkeypatch):
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0})
     policy = os.sched_getscheduler(0)
-    with real_time_thread(RealTime()) as conditions:
+    with real_time_thread(RealTime(40)) as conditions:
         assert os.sched_getscheduler(0) == policy
     assert "SCHED_FIFO 40" in conditions.refused
+
+
+@linux
+def test_a_niced_process_gets_no_real_time_priority_unless_it_asks_for_one(monkeypatch):
+    monkeypatch.setattr(os, "getpriority", lambda *_: 5)
+    asked = []
+    monkeypatch.setattr(os, "sched_setscheduler", lambda *given: asked.append(given))
+    with real_time_thread(RealTime()) as conditions:
+        assert asked == []
+    assert "SCHED_FIFO 40 (the process has nice 5" in conditions.describe()
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})
+    with real_time_thread(RealTime(30)) as conditions:
+        assert asked
+    assert "SCHED_FIFO 30" in conditions.granted
 
 
 @linux
@@ -175,7 +190,7 @@ def test_priority_and_memory_lock_are_not_requested_when_disabled():
 
 @linux
 def test_processes_that_the_loop_starts_have_ordinary_priority():
-    with real_time_thread(RealTime()) as conditions:
+    with real_time_thread(RealTime(40)) as conditions:
         if "SCHED_FIFO 40" not in conditions.granted:
             pytest.skip("no permission for real-time priority")
         assert os.sched_getparam(0).sched_priority == 40

@@ -36,6 +36,7 @@ def walk_on_hardware(
     interface: str,
     command_topic: str,
     duration: float,
+    priority: int,
     make_schedule: Callable[[VelocityLimits], Schedule],
 ) -> ExitCode:
     """Start a robot, walk according to a schedule, and damp its joints.
@@ -46,6 +47,7 @@ def walk_on_hardware(
         interface: network interface that leads to a Unitree robot.
         command_topic: topic of the efforts of a `ros2_control` robot.
         duration: duration of the run after the start, s.
+        priority: real-time priority of the loop, see `wbc.RealTime`.
         make_schedule: returns the schedule for the velocities that the gait can walk at.
 
     Raises:
@@ -79,7 +81,7 @@ def walk_on_hardware(
         )
         stack.enter_context(plant)
         stack.enter_context(garbage_collection_paused())
-        line.print(stack.enter_context(real_time_thread(RealTime())).describe())
+        line.print(stack.enter_context(real_time_thread(RealTime(priority))).describe())
 
         def command(time: float) -> None:
             if interrupted:

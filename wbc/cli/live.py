@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Annotated, get_args
 
 from wbc.cli import teleoperated_run
-from wbc.cli.argument_types import Argument, Port, Seconds
+from wbc.cli.argument_types import Argument, Port, Priority, Seconds
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.simulation import Session, Simulation, SimulationOptions, TerrainName
 from wbc.errors import WbcError
 from wbc.live import Live
 from wbc.robot import available
+from wbc.runtime.real_time import RealTime
 from wbc.teleop import CommandHandler, SessionChoices, StartSessionCommand
 
 
@@ -25,6 +26,7 @@ def live(
     port: Port | None = None,
     host: Annotated[str, Argument("ADDRESS")] = "127.0.0.1",
     open: bool = False,
+    priority: Priority | None = None,
     duration: Seconds = teleoperated_run.DURATION,
 ) -> ExitCode:
     """Simulate a robot in MuJoCo under torque control and serve a page that shows and drives it.
@@ -39,10 +41,12 @@ def live(
         host: address to listen on; only this machine reaches the default; who reaches the page
             can drive the robot.
         open: open the page in the browser.
+        priority: real-time priority of the loop (SCHED_FIFO), 0 for none (default: 40, but none in
+            a niced process); what the system grants is printed.
         duration: duration of all sessions together, s.
     """
     with tempfile.TemporaryDirectory(prefix="wbc-") as uploads:
-        server = _Sessions(simulation, port, host, Path(uploads), open)
+        server = _Sessions(simulation, port, host, Path(uploads), open, RealTime(priority))
         return server.run(duration)
 
 
@@ -55,11 +59,19 @@ class _Sessions:
         host: see `live`.
         uploads: folder for the files that pages send.
         opens: whether to open the page in the browser.
+        real_time: requests of the loop to the system.
     """
 
     def __init__(
-        self, simulation: SimulationOptions, port: int | None, host: str, uploads: Path, opens: bool
+        self,
+        simulation: SimulationOptions,
+        port: int | None,
+        host: str,
+        uploads: Path,
+        opens: bool,
+        real_time: RealTime,
     ) -> None:
+        self._real_time = real_time
         self._first, self._host, self._uploads, self._opens = simulation, host, uploads, opens
         self._port = port
         self._token: str | None = None  # of the page, once it is served
@@ -107,7 +119,9 @@ class _Sessions:
             self._handler, self._port, self._token = handler, page.port, page.token
             return page
 
-        return teleoperated_run.run(simulated, duration, connect, sessions=choices)
+        return teleoperated_run.run(
+            simulated, duration, connect, real_time=self._real_time, sessions=choices
+        )
 
 
 def _command(options: SimulationOptions) -> StartSessionCommand:

@@ -8,6 +8,7 @@ from wbc import teleop
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.simulation import Session, Simulation
 from wbc.motions import MotionPlayer
+from wbc.runtime.real_time import RealTime
 from wbc.runtime.report import Report
 
 DURATION = 3600.0  # s, by default
@@ -19,7 +20,7 @@ def run(
     connect: Callable[[teleop.CommandHandler, Session], teleop.TeleopClient],
     *,
     owns_clock: bool = True,
-    real_time: bool = True,
+    real_time: bool | RealTime = True,
     sessions: teleop.SessionChoices | None = None,
 ) -> ExitCode:
     """Simulate a robot until the duration is over or Ctrl-C; print the report, write the files.

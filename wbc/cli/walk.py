@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from wbc.cli.argument_types import Argument, Seconds, number
+from wbc.cli.argument_types import Argument, Priority, Seconds, number
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.scripted_run import RunOptions, Schedule, ScriptedRun, Velocity
 from wbc.errors import WbcError
 from wbc.gait import VelocityLimits
+from wbc.runtime.real_time import DEFAULT_PRIORITY
 
 _DURATION = 10.0  # s
 _DEFAULT_SPEED = 0.3  # m/s, but at most
@@ -36,6 +37,7 @@ def walk(
     hardware: Literal["unitree", "ros2_control"] | None = None,
     interface: Annotated[str, Argument("IFACE")] = "lo",
     command_topic: Annotated[str, Argument("TOPIC")] = "/effort_controller/commands",
+    priority: Priority = DEFAULT_PRIORITY,
 ) -> ExitCode:
     """Simulate a walking robot in MuJoCo under torque control and print a report.
 
@@ -52,6 +54,8 @@ def walk(
             take efforts from ros2_control.
         interface: network interface that leads to a Unitree robot.
         command_topic: topic of ros2_control that takes the efforts, in the order of the model.
+        priority: real-time priority of the loop with --hardware (SCHED_FIFO), 0 for none; what the
+            system grants is printed.
     """
     if tour and velocity is not None:
         raise WbcError("--tour and --velocity exclude each other; give one of them")
@@ -66,7 +70,9 @@ def walk(
     if hardware is not None:
         from wbc.cli.hardware_run import walk_on_hardware
 
-        return walk_on_hardware(run, hardware, interface, command_topic, duration, schedule)
+        return walk_on_hardware(
+            run, hardware, interface, command_topic, duration, priority, schedule
+        )
     scripted = ScriptedRun(run, duration)
     return scripted.walk(schedule(scripted.walker.gait.max_velocity))
 

@@ -29,6 +29,8 @@ from wbc.runtime.loop_conditions import LoopConditions, SystemRequest
 _PR_SET_TIMERSLACK, _PR_GET_TIMERSLACK = 29, 30  # <linux/prctl.h>
 _MCL_CURRENT, _MCL_ONFAULT = 1, 4  # <sys/mman.h>
 _NICE = -20
+#: Priority under SCHED_FIFO of a loop that is not told another.
+DEFAULT_PRIORITY = 40
 _LIMITS = "/etc/security/limits.conf"
 
 Restore = Callable[[], object]
@@ -39,9 +41,9 @@ class RealTime:
     """The requests of a real-time loop to the system; the loop runs without what is refused.
 
     Attributes:
-        priority: priority of the thread under SCHED_FIFO, 1 to 99; 0 requests none. The
-            kernel's interrupt threads have 50: below that the loop cannot keep the network or
-            the disk from working.
+        priority: priority of the thread under SCHED_FIFO, 1 to 99; 0 requests none. None requests
+            40, but none in a niced process, which is to give way to others. The kernel's interrupt
+            threads have 50: below that the loop cannot keep the network or the disk from working.
         lock_memory: keep the pages in memory that are there.
         switch_interval: after which another Python thread has to give way, s.
 
@@ -49,12 +51,12 @@ class RealTime:
         WbcError: a value is out of its range.
     """
 
-    priority: int = 40
+    priority: int | None = None
     lock_memory: bool = True
     switch_interval: float = 2e-4
 
     def __post_init__(self) -> None:
-        if not 0 <= self.priority <= 99:
+        if self.priority is not None and not 0 <= self.priority <= 99:
             raise WbcError(f"priority = {self.priority} must be 1 to 99, or 0 for none")
         if not self.switch_interval > 0.0:
             raise WbcError(f"switch_interval = {self.switch_interval} s must be positive")
@@ -77,7 +79,13 @@ def real_time_thread(wanted: RealTime) -> Iterator[LoopConditions]:
 
         if wanted.lock_memory:
             request("memory locked", _lock_memory, f"needs 'memlock unlimited' in {_LIMITS}")
-        level = wanted.priority
+        level, niceness = wanted.priority, os.getpriority(os.PRIO_PROCESS, 0)
+        if level is None and niceness > 0:
+            cure = f"the process has nice {niceness}; ask for a priority to have it nevertheless"
+            requests.append(SystemRequest(f"SCHED_FIFO {DEFAULT_PRIORITY}", False, cure))
+            level = 0
+        elif level is None:
+            level = DEFAULT_PRIORITY
         fifo = level and request(
             f"SCHED_FIFO {level}", lambda: _set_fifo(level), f"needs 'rtprio {level}' in {_LIMITS}"
         )

@@ -40,7 +40,7 @@ def run(
     estimator: StateEstimator | None = None,
     observers: Sequence[Observer] = (),
     quantities: Sequence[Quantity] = (),
-    real_time: bool = True,
+    real_time: bool | RealTime = True,
     before_tick: Callable[[float], None] = lambda _: None,
     stop: Callable[[], bool] = lambda: False,
     progress: Callable[[Progress], None] | None = None,
@@ -55,7 +55,8 @@ def run(
         estimator: see `wbc.run`.
         observers: beside the clients, see `wbc.run`; they see every run between two resets.
         quantities: see `wbc.run`.
-        real_time: run by the wall clock; a handler that owns its clock does so in any case.
+        real_time: run by the wall clock, see `wbc.run`; a handler that owns its clock does so in
+            any case.
         before_tick: called with the plant's time before the commands are applied; a script submits
             its commands here.
         stop: asked several times per second whether to end the run.
@@ -101,7 +102,8 @@ def run(
         handler.add_observer(on_acknowledgement)
         stack.callback(handler.remove_observer, on_acknowledgement)
         if handler.owns_clock:
-            message(stack.enter_context(real_time_thread(RealTime())).describe())
+            wanted = real_time if isinstance(real_time, RealTime) else RealTime()
+            message(stack.enter_context(real_time_thread(wanted)).describe())
         while True:
             handler.plant.reset()
             report: Report | None = None
@@ -114,7 +116,7 @@ def run(
                     estimator=estimator,
                     observers=(*clients, *observers),
                     quantities=(*quantities, *handler.quantities),
-                    real_time=real_time and not handler.owns_clock,
+                    real_time=False if handler.owns_clock else real_time,
                     on_falling=lambda text: message(f"the robot is {text}"),
                     before_tick=on_tick,
                     progress=on_progress,

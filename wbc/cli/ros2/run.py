@@ -7,7 +7,7 @@ import math
 from typing import Annotated
 
 from wbc.cli import teleoperated_run
-from wbc.cli.argument_types import Argument, Seconds
+from wbc.cli.argument_types import Argument, Priority, Seconds
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.interrupt import graceful_interrupt
 from wbc.cli.ros2.network import NetworkOptions, Rate
@@ -18,6 +18,7 @@ from wbc.ros.arguments import RosArguments
 from wbc.ros.bridge import Bridge
 from wbc.ros.joint_publisher import JointPublisher
 from wbc.ros.rosout import log_to_rosout
+from wbc.runtime.real_time import RealTime
 from wbc.teleop import CommandHandler
 from wbc.view import Meshcat
 
@@ -48,6 +49,7 @@ def walk(
     rate: Rate = 50.0,
     view: bool = False,
     as_fast_as_possible: bool = False,
+    priority: Priority | None = None,
     sim_time: bool = False,
     name: str = "wbc",
     namespace: str = "/",
@@ -63,6 +65,8 @@ def walk(
         rate: rate of /joint_states, 1 to 500 Hz; the node's parameter update_rate.
         view: show the robot in the browser.
         as_fast_as_possible: run faster than real time.
+        priority: real-time priority of the loop (SCHED_FIFO), 0 for none (default: 40, but none in
+            a niced process); what the system grants is printed.
         sim_time: stamp messages with the time of /clock, for nodes with use_sim_time; the node's
             parameter use_sim_time.
         name: name of the node.
@@ -101,6 +105,5 @@ def walk(
         return bridge
 
     # The loop keeps the time, which need not be that of the wall clock.
-    return teleoperated_run.run(
-        simulated, duration, connect, owns_clock=False, real_time=not as_fast_as_possible
-    )
+    real_time = not as_fast_as_possible and RealTime(priority)
+    return teleoperated_run.run(simulated, duration, connect, owns_clock=False, real_time=real_time)
