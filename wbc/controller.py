@@ -304,17 +304,19 @@ class WholeBodyController(TaskCollection):
         return inputs.pack(words, self._working_set(problem))
 
     def _working_set(self, problem: Problem) -> np.ndarray:
-        """Return where the solver ended: from there it solves the tick again to the same bits."""
-        working_set = getattr(self.solver, "working_set", None)
-        if working_set is None or problem.levels is not None:
+        """Return from where the solver solves the tick again to the same bits."""
+        solver = self.solver if problem.levels is None else self._priority_solver()
+        working_set = getattr(solver, "working_set", None)
+        if working_set is None:
             return np.empty(0)
         return np.asarray(working_set(problem))
 
     def start_from(self, working_set: np.ndarray) -> None:
-        """Start the first solve from where that of a recorded tick ended."""
-        start = getattr(self.solver, "start_from", None)
-        if start is not None:
-            start(working_set)
+        """Start the first solve from the working set of a recorded tick."""
+        for solver in (self.solver, self._level_solver):
+            start = getattr(solver, "start_from", None)
+            if start is not None:
+                start(working_set)
 
     def _new_inputs(self, assembly: Any) -> ProgramInputs:
         settings = {

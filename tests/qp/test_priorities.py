@@ -115,11 +115,15 @@ def test_formulations_agree_and_every_level_is_optimal(name, contacts, seed):
 
 @pytest.mark.parametrize("contacts", CONTACT_SETS[1:])
 @pytest.mark.parametrize("name", ["talos", "g1"])
-def test_a_humanoid_has_the_same_optimum_whatever_the_start(name, contacts):
+@pytest.mark.parametrize("one_level_each", [False, True])
+def test_a_humanoid_has_the_same_optimum_whatever_the_start(name, contacts, one_level_each):
     bot = robot(name)
     warm = HierarchicalSolver()
     for seed in range(3):
         control = stack(bot, contacts, (1, 2, 3))
+        if one_level_each:
+            for k, task in enumerate(control.tasks):
+                task.priority = k + 1
         control.step(standing_state(bot, seed))
         problem, solver = control.problem, HierarchicalSolver()
         cold = solver.solve(problem).x

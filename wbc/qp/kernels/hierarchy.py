@@ -9,21 +9,22 @@ Wieber, Kinematic control of redundant manipulators: generalizing the task-prior
 inequality tasks, IEEE T-RO 2011; Escande, Mansard and Wieber, Hierarchical quadratic programming:
 fast online humanoid-robot motion generation, IJRR 2014).
 
-In coordinates p of equal cost (`wbc.qp.kernels.null_space`) a level is a least-distance problem
+A level first tries the working set that it had in the last tick. If that is not the optimum's, in
+coordinates p of equal cost (`wbc.qp.kernels.null_space`) it is a least-distance problem
 
     min ½ |p|²   subject to   lb ≤ C x(p) + w ≤ ub,
 
-solved by the dual active-set method of `wbc.qp.kernels.dual_active_set` from the working set that
-the level had in the last tick; a row that may be violated has 1/ω on the diagonal of K. Directions
-that a level is indifferent to get a small proximal cost around the last solution, and the centre
-moves until the multipliers that come from this cost alone have vanished. Rows with a positive
-multiplier are then held where they are: moving off them would cost the level something.
+solved by the dual active-set method of `wbc.qp.kernels.dual_active_set`; a row that may be
+violated has 1/ω on the diagonal of K. Directions that a level is indifferent to get a small cost
+there. From that point a primal method, which does without this cost, goes on to the optimum
+(`wbc.qp.kernels.level_optimum`). Rows with a positive multiplier are then held where they are:
+moving off them would cost the level something.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,20 +40,24 @@ from wbc.qp.kernels.dual_active_set import (
     most_violated,
 )
 from wbc.qp.kernels.factors import factor_row, solve_factored
+from wbc.qp.kernels.level_memory import LevelWorkspace, copy_row
+from wbc.qp.kernels.level_optimum import (
+    close_level,
+    move_to_optimum,
+    put_costs,
+    repeat_level,
+)
 from wbc.qp.kernels.null_space import (
     LevelRows,
-    add_reflection,
     factor_rows,
     from_coordinates,
     least_squares,
     put_row,
     reduce_cost,
-    reflect,
-    reflect_back,
     square,
     to_coordinates,
 )
-from wbc.qp.kernels.schema import integers, reader, reals
+from wbc.qp.kernels.schema import reader
 from wbc.qp.kernels.working_set import (
     Inequality,
     WorkingSet,
@@ -63,54 +68,11 @@ from wbc.qp.kernels.working_set import (
     value_of,
 )
 
-_SCALE = 1e4  # of directions that a level is indifferent to, its rows being of norm one: least
-_LARGEST_SCALE = 1e6
-_ABOVE_SENSITIVE = 100.0  # scale of these directions for the largest of the others
-_PROXIMAL_STEPS = 30
-_CONVERGED = 1e-9  # error of the multipliers that no longer matters, for the largest of them
-_ROUNDED = 1e-5  # share of itself by which rounding changes a multiplier
-_NEGLIGIBLE = 1e-10  # as `NEGLIGIBLE`, where a proximal cost determines small multipliers
-_SENSITIVITY = 1e5  # multipliers per gradient of the proximal cost, before a step has shown it
+_SCALE = 100.0  # of directions that a level is indifferent to, its rows being of norm one: a
+# larger one costs precision, and the primal method makes good what a smaller one misses
 _DETERMINED = 1e-9  # share of a row that must be left to count as free
-_FORCED = 1e-7  # multiplier of a row that a level holds on to, for the largest of them
-_LEAST_LARGEST = 1e-2  # what counts as the largest multiplier when all are small
 _CONSISTENT = 1e-8  # by how much equalities that follow from others may miss
 _SLACK = 1e-6  # by how much a row that higher levels determine may be violated by rounding
-
-
-class LevelWorkspace(NamedTuple):
-    """Memory of one solve; `x` and the kept working sets carry over to the next.
-
-    Attributes:
-        x: the solution.
-        scale: one over the norm of each row.
-        used: 1 for rows that are not to be added: active, determined, or of a lower level.
-        target: multipliers at which the working set meets its bounds.
-        residual: by how much it misses them.
-        step: p, or a correction of x.
-        lower, upper: bounds, moved by what higher levels had to concede.
-        softness: 1/ω of the rows of the present level; 0 for those that hold exactly.
-        kept_size: number of rows of each level's working set.
-        kept_row, kept_side, kept_multiplier: working set of each level.
-        unit: scale of each level's rows, the root of that of its cost and multipliers.
-        iterations: of all levels.
-    """
-
-    x: Annotated[np.ndarray, reals("unknowns")]
-    scale: Annotated[np.ndarray, reals("rows")]
-    used: Annotated[np.ndarray, integers("rows")]
-    target: Annotated[np.ndarray, reals("capacity")]
-    residual: Annotated[np.ndarray, reals("capacity")]
-    step: Annotated[np.ndarray, reals("unknowns")]
-    lower: Annotated[np.ndarray, reals("rows")]
-    upper: Annotated[np.ndarray, reals("rows")]
-    softness: Annotated[np.ndarray, reals("rows")]
-    kept_size: Annotated[np.ndarray, integers("levels")]
-    kept_row: Annotated[np.ndarray, integers("levels", "capacity")]
-    kept_side: Annotated[np.ndarray, integers("levels", "capacity")]
-    kept_multiplier: Annotated[np.ndarray, reals("levels", "capacity")]
-    unit: Annotated[np.ndarray, reals("levels")]
-    iterations: Annotated[np.ndarray, integers(1)]
 
 
 class Coordinates(NamedTuple):
@@ -156,31 +118,15 @@ def put_equalities(
 
 
 @subkernel
-def put_level(linear: LevelRows, G: np.ndarray, begin: int, end: int, first: int) -> float:
-    """Make rows of G those to be met, the largest of norm one; returns the factor."""
-    n, largest = linear.center.size, 0.0
-    for r in range(begin, end):
+def unit_of(G: np.ndarray) -> float:
+    """Return the factor that makes the largest of residual rows one of norm one."""
+    n, largest = G.shape[1] - 1, 0.0
+    for r in range(G.shape[0]):
         s = 0.0
         for c in range(n):
             s += G[r, c] * G[r, c]
         largest = max(largest, s)
-    unit = 1.0 / math.sqrt(largest) if largest > 1e-20 else 1.0
-    for r in range(begin, end):
-        put_row(linear, r - begin, G[r], G[r, n], unit, first)
-    return unit
-
-
-@subkernel
-def copy_row(rows: Inequality, row: int, sign: float, out: np.ndarray) -> None:
-    """out ← the coefficients of x in a row of the constraints."""
-    for i in range(out.size):
-        out[i] = 0.0
-    if row < rows.bounded:
-        out[row] = sign
-    else:
-        c = rows.C[row - rows.bounded]
-        for i in range(out.size):
-            out[i] = sign * c[i]
+    return 1.0 / math.sqrt(largest) if largest > 1e-20 else 1.0
 
 
 @subkernel
@@ -220,32 +166,26 @@ def largest_of(values: np.ndarray) -> float:
 
 
 @subkernel
-def largest_multiplier(active: WorkingSet, work: LevelWorkspace, size: int) -> float:
-    """Return the largest multiplier of rows of norm one, or `_LEAST_LARGEST`."""
-    largest = _LEAST_LARGEST
-    for k in range(size):
-        largest = max(largest, abs(active.multiplier[k] / work.scale[active.row[k]]))
-    return largest
+def keep(active: WorkingSet, work: LevelWorkspace, k: int, size: int) -> None:
+    """Keep the working set of a level for the next solve."""
+    for i in range(size):
+        work.kept_row[k, i], work.kept_side[k, i] = active.row[i], active.side[i]
+        work.kept_multiplier[k, i] = active.multiplier[i]
+    work.kept_size[k] = size
 
 
 @subkernel
-def keep(active: WorkingSet, work: LevelWorkspace, k: int, size: int) -> float:
-    """Keep the working set of a level.
-
-    Returns:
-        By how much a multiplier differs from the one kept before; infinity for another set.
-    """
-    change = 0.0 if work.kept_size[k] == size else np.inf
-    for i in range(size):
-        row, multiplier = active.row[i], active.multiplier[i]
-        if work.kept_row[k, i] != row or work.kept_side[k, i] != active.side[i]:
-            change = np.inf
-        moved = abs(multiplier - work.kept_multiplier[k, i]) - _ROUNDED * abs(multiplier)
-        change = max(change, moved / work.scale[row])
-        work.kept_row[k, i], work.kept_side[k, i] = row, active.side[i]
-        work.kept_multiplier[k, i] = multiplier
-    work.kept_size[k] = size
-    return change
+def put_kept(rows: Inequality, active: WorkingSet, work: LevelWorkspace, k: int) -> int:
+    """Fill the working set with what the level had in the last solve; returns its size."""
+    size = 0
+    for i in range(work.kept_size[k]):
+        row, side = work.kept_row[k, i], work.kept_side[k, i]
+        bound = rows.ub[row] if side > 0 else rows.lb[row]
+        if work.used[row] == 0 and abs(bound) < 1e20:
+            active.row[size], active.side[size] = row, side
+            work.used[row] = 1
+            size += 1
+    return size
 
 
 @subkernel
@@ -347,6 +287,13 @@ def start_level(
 
 
 @subkernel
+def release(active: WorkingSet, work: LevelWorkspace, size: int) -> None:
+    """Empty the working set."""
+    for k in range(size):
+        work.used[active.row[k]] = 0
+
+
+@subkernel
 def least_distance(
     rows: Inequality,
     active: WorkingSet,
@@ -359,13 +306,12 @@ def least_distance(
 ) -> tuple[int, int]:
     """Solve `min ½ |p|²` from a working set; returns the outcome and the working set's size."""
     target = work.target
-    negligible = NEGLIGIBLE if at.rank < 0 else _NEGLIGIBLE
     for _ in range(limit):
         work.iterations[0] += 1
         for k in range(size):
             target[k] = -active.d[k]
         solve_factored(active.F, target, size)
-        gone, share = first_to_vanish(active, target, size, rows.is_equality, negligible)
+        gone, share = first_to_vanish(active, target, size, rows.is_equality, NEGLIGIBLE)
         if gone >= 0:
             for k in range(size):
                 active.multiplier[k] += share * (target[k] - active.multiplier[k])
@@ -400,67 +346,47 @@ def least_distance(
 
 
 @subkernel
-def recentre(
+def solve_level(
     rows: Inequality,
     active: WorkingSet,
     work: LevelWorkspace,
     linear: LevelRows,
-    size: int,
-    at: Coordinates,
-) -> float:
-    """Move the centre of the proximal cost to x; returns the gradient that it had there."""
-    n, z, norm2, stop = work.x.size, linear.y, 0.0, at.stop
-    for i in range(n):
-        z[i] = work.x[i] - linear.center[i]
-    reflect(linear, z, 0, stop)
-    for c in range(stop):
-        z[c] = 0.0
-    for c in range(stop, n):
-        norm2 += z[c] * z[c]
-    reflect_back(linear, z, stop)
-    for i in range(n):
-        linear.center[i] += z[i]
-    for k in range(size):
-        row = active.row[k]
-        value = value_of(rows, row, linear.center)
-        active.d[k] = rows.ub[row] - value if active.side[k] > 0 else value - rows.lb[row]
-    return math.sqrt(norm2) / (at.indifferent * at.indifferent)
-
-
-@subkernel
-def close_level(
-    rows: Inequality,
-    active: WorkingSet,
-    work: LevelWorkspace,
-    linear: LevelRows,
-    size: int,
+    G: np.ndarray,
     first: int,
-) -> int:
-    """Hold the rows that the level leans on; returns the first direction that is left."""
+    unit: float,
+    k: int,
+    tolerance: float,
+    limit: int,
+) -> tuple[int, int, int]:
+    """Solve one level but the last, from any working set.
+
+    Returns:
+        The outcome, the size of the working set, the first coordinate that neither the working
+        set nor the level determines.
+    """
     n = work.x.size
-    forced = _FORCED * largest_multiplier(active, work, size)
-    for k in range(size):
-        row, force = active.row[k], active.multiplier[k]
-        work.used[row] = 0
-        if force / work.scale[row] > forced:
-            work.used[row] = 2
-            if first < n:
-                copy_row(rows, row, work.scale[row], linear.y)
-                reflect(linear, linear.y, 0, first)
-                s = 0.0
-                for c in range(first, n):
-                    s += linear.y[c] * linear.y[c]
-                if s > 1e-14:
-                    add_reflection(linear, linear.y, first, s)
-                    first += 1
-        elif work.softness[row] > 0.0:  # violated by no more than rounding
-            if active.side[k] > 0:
-                rows.ub[row] += work.softness[row] * force
-            else:
-                rows.lb[row] -= work.softness[row] * force
-    for row in range(rows.lb.size):
-        work.softness[row] = 0.0
-    return first
+    for i in range(n):
+        linear.center[i] = work.start[i]
+    count = put_costs(rows, active, work, linear, G, 0, first, unit)
+    rank = factor_rows(linear, count, first)
+    least_squares(linear, count, rank, first)
+    sensitive = 1.0
+    for c in range(rank):
+        sensitive = max(sensitive, 1.0 / abs(linear.A[c, first + c]))
+    at = Coordinates(first, first + rank, rank, count > rank, _SCALE, sensitive)
+    size = start_level(rows, active, work, linear, at, k - 1)
+    outcome, size = least_distance(rows, active, work, linear, at, size, tolerance, limit)
+    if outcome != SOLVED:
+        if k == 1:
+            return outcome, size, first
+        release(active, work, size)
+        size = 0
+        for i in range(n):  # the solution of the level before holds all rows, too
+            work.x[i] = work.start[i]
+    found, size, stop = move_to_optimum(
+        rows, active, work, linear, G, first, size, unit, tolerance, limit
+    )
+    return (SOLVED if found else ITERATION_LIMIT), size, stop
 
 
 @kernel(
@@ -516,59 +442,47 @@ def solve_levels(
     for i in range(n):
         linear.center[i] = work.x[i]
     work.iterations[0] = 0
-    first = 0
-    for k in range(last + 1):
-        unit, stop, rank = 1.0, n, -1
-        if k < last:
-            if k == 0:
-                count = put_equalities(rows, level, work, linear, first)
-            else:
-                count = starts[k] - starts[k - 1]
-                unit = put_level(linear, G, starts[k - 1], starts[k], first)
-            rank = factor_rows(linear, count, first)
-            left = least_squares(linear, count, rank, first)
-            stop = first + rank
-            if k == 0:
-                if left > _CONSISTENT * largest_of(linear.center):
-                    return INFEASIBLE
-                first = stop
-                continue
-            sensitive = 1.0
-            for c in range(rank):
-                sensitive = max(sensitive, 1.0 / abs(linear.A[c, first + c]))
-            # The proximal cost must be small beside that of the level's weakest rows, too.
-            indifferent = min(max(_SCALE, _ABOVE_SENSITIVE * sensitive), _LARGEST_SCALE)
-            at = Coordinates(first, stop, rank, count > rank, indifferent, sensitive)
-        else:
-            if not reduce_cost(linear, H, g, first):
-                return NOT_CONVEX
-            sensitive, left = 0.0, n - first
-            for c in range(left):
-                sensitive = max(sensitive, square(linear.L, left)[c, c])
-            at = Coordinates(first, n, rank, True, 1.0, sensitive)
+    count = put_equalities(rows, level, work, linear, 0)
+    first = factor_rows(linear, count, 0)
+    left = least_squares(linear, count, first, 0)
+    if left > _CONSISTENT * largest_of(linear.center):
+        return INFEASIBLE
+    for k in range(1, last):
+        Gk = G[starts[k - 1] : starts[k]]
+        unit = unit_of(Gk)
         for row in range(lb.size):
             if level[row] == k:
                 work.used[row] = 0
                 work.softness[row] = 1.0 / (weight[row] * unit * unit)
-        size = start_level(rows, active, work, linear, at, k - 1)
-        outcome, gradient = SOLVED, 0.0
-        for proximal_step in range(_PROXIMAL_STEPS):
-            outcome, size = least_distance(rows, active, work, linear, at, size, tolerance, limit)
+        for i in range(n):
+            work.start[i] = linear.center[i]
+        size = put_kept(rows, active, work, k - 1)
+        found, stop = repeat_level(rows, active, work, linear, Gk, first, size, unit, tolerance)
+        if not found:
+            release(active, work, size)
+            outcome, size, stop = solve_level(
+                rows, active, work, linear, Gk, first, unit, k, tolerance, limit
+            )
             if outcome != SOLVED:
                 work.kept_size[k - 1] = 0
                 return outcome
-            change = keep(active, work, k - 1, size)
-            if k == last:
-                break
-            before, gradient = gradient, recentre(rows, active, work, linear, size, at)
-            error = _SENSITIVITY * gradient
-            if proximal_step > 0 and gradient < before:  # which converges linearly
-                error = min(error, change * gradient / (before - gradient))
-            if error <= _CONVERGED * largest_multiplier(active, work, size):
-                break
-        work.unit[k - 1] = unit
+        keep(active, work, k - 1, size)
+        first = close_level(rows, active, work, linear, Gk, first, size, stop, unit)
+        for row in range(lb.size):
+            work.softness[row] = 0.0
         for i in range(n):
             linear.center[i] = work.x[i]
-        if k < last:
-            first = close_level(rows, active, work, linear, size, stop)
-    return SOLVED
+    if not reduce_cost(linear, H, g, first):
+        return NOT_CONVEX
+    sensitive, left_over = 0.0, n - first
+    for c in range(left_over):
+        sensitive = max(sensitive, square(linear.L, left_over)[c, c])
+    for row in range(lb.size):
+        if level[row] == last:
+            work.used[row] = 0
+            work.softness[row] = 1.0 / weight[row]
+    at = Coordinates(first, n, -1, True, 1.0, sensitive)
+    size = start_level(rows, active, work, linear, at, last - 1)
+    outcome, size = least_distance(rows, active, work, linear, at, size, tolerance, limit)
+    keep(active, work, last - 1, size if outcome == SOLVED else 0)
+    return outcome

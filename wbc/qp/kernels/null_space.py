@@ -21,7 +21,7 @@ from wbc.jit.compile import subkernel
 from wbc.qp.kernels.factors import cholesky, solve_lower, solve_lower_transposed
 from wbc.qp.kernels.schema import reals
 
-_RANK = 1e-7  # share of a row that must be left to count as independent of higher levels
+_RANK = 1e-9  # share of a row that must be left to count as independent of higher levels
 _ZERO_NORM = 1e-10  # norm below which a row has no direction
 
 
