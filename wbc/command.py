@@ -47,7 +47,8 @@ class Command:
         q_target: (na,) joint positions one control period ahead, rad.
         v_target: (na,) joint velocities one control period ahead, rad/s.
         status: outcome of the QP.
-        explanation: empty when `status` is OK; otherwise which rows conflict.
+        explanation: which rows conflict; when `status` is OK, which barriers give way (see
+            `wbc.limits.BarrierLimit`), empty for none.
         source: controller whose QP it comes from; None when it comes from no QP, and in copies.
     """
 

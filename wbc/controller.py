@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Sequence
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -38,6 +38,7 @@ from wbc.qp import (
     resolve_solver,
 )
 from wbc.qp.inputs import ProgramInputs, pack_inputs
+from wbc.qp.relaxation import relaxation_text, relaxed_problem
 from wbc.robot import Robot
 from wbc.state import State
 from wbc.tasks import Task, TaskCollection
@@ -138,6 +139,7 @@ class WholeBodyController(TaskCollection):
         self._last_tau = np.zeros(robot.na)
         self._tick = 0
         self._level_solver: Solver | None = None
+        self._relaxed = False
         self._last: _LastTick | None = None
         self._explanation: tuple[Outcome, int, Status, str] | None = None
 
@@ -245,14 +247,15 @@ class WholeBodyController(TaskCollection):
         if not problem.finite:
             reason = non_finite_rows(kin, self.tasks, self._contacts, self._limit_set)
             return self._safe_command(kin, Status.FAILED, reason or "the QP is not finite"), None
-        solver = self.solver if problem.levels is None else self._priority_solver()
-        solution = solver.solve(problem)
+        solution, text = self._solution(problem)
         if solution.outcome is Outcome.SOLVED:
             x = np.asarray(solution.x)
             command = None
             if x.shape == problem.g.shape:
                 command = assembly.recover(x, kin, self.dt, self)
             if command is not None:
+                if text:
+                    command = replace(command, explanation=text)
                 self._last_tau = command.tau
                 kin.previous_acceleration = command.acceleration
                 self._explanation = None
@@ -260,6 +263,26 @@ class WholeBodyController(TaskCollection):
             detail = f"x of shape {x.shape}, {x.size - np.isfinite(x).sum()} entries not finite"
             solution = Solution(x, Outcome.FAILED, detail=detail)
         return self._safe_command(kin, *self._explain(problem, solution)), None
+
+    def _solution(self, problem: Problem) -> tuple[Solution, str]:
+        """Return the solution, and which barriers give way in it.
+
+        Once they had to, they may in the next tick, too: an infeasible solve takes long.
+        """
+        names = self._limit_set.barriers
+        if not (self._relaxed and names):
+            solver = self.solver if problem.levels is None else self._priority_solver()
+            solution = solver.solve(problem)
+            if solution.outcome is not Outcome.INFEASIBLE or not names or not load_qp_kernels():
+                return solution, ""
+        self._relaxed = False
+        relaxed = relaxed_problem(problem, names)
+        solution, text = self._priority_solver().solve(relaxed), ""
+        if solution.outcome is Outcome.SOLVED:
+            self.problem = relaxed
+            text = relaxation_text(relaxed, solution.x, names)
+            self._relaxed = bool(text)
+        return solution, text
 
     def explain(self, command: Command) -> TickExplanation:
         """Explain the last command; see `Command.explain`, which calls this.

@@ -192,3 +192,42 @@ def test_an_obstacle_that_is_moved_must_exist():
     limit = ObstacleLimit(wbc.load_fixed_base("panda"), ball)
     with pytest.raises(LimitError, match=r"no obstacle 'bal'.*did you mean 'ball'"):
         limit.place("bal", pin.SE3.Identity())
+
+
+class Pinched(wbc.limits.BarrierLimit):
+    """The hand is between two walls that are nearer to each other than it is thick."""
+
+    def __init__(self, frame: str) -> None:
+        super().__init__("pinch", 2, labels=("left", "right"))
+        self.frame = frame
+
+    def write_barrier(self, kin: wbc.Kinematics, barrier: BarrierRows) -> None:
+        across = kin.jacobian(self.frame)[1]
+        barrier.h[:] = -0.01
+        barrier.J[:] = across, -across
+
+
+def test_a_pinched_hand_leaves_the_controller_and_inverse_kinematics_a_solution():
+    one = robot("talos")
+    pinch = Pinched(UpperBody.of(one).both_arms()[0].hand)
+    controller = wbc.WholeBodyController(one)
+    controller.set_limits([*controller.limits, pinch])
+    controller.set_contacts([wbc.SurfaceContact.from_sole(sole) for sole in one.soles])
+    com = controller.add(wbc.ComTask())
+    controller.add(wbc.PostureTask(one))
+    state = one.standing()
+    for _ in range(3):
+        command = controller.step(state)
+        assert command.status is wbc.Status.OK, command.explanation
+        assert "pinch [left] by" in command.explanation
+        assert "pinch [right] by" in command.explanation
+        assert np.abs(command.tau).max() > 1.0
+    com.priority, controller.tasks[-1].priority = 1, 2
+    assert controller.step(state).status is wbc.Status.OK
+    controller.set_limits(controller.limits[:-1])
+    command = controller.step(state)
+    assert command.status is wbc.Status.OK
+    assert not command.explanation
+    ik = wbc.InverseKinematics(one)
+    ik.set_limits([*ik.limits, pinch])
+    assert np.isfinite(ik.step(one.q_nominal, 0.01)).all()

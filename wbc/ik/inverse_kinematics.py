@@ -16,6 +16,7 @@ from wbc.ik.velocity_program import Unknown, VelocityProblemLayout, VelocityProg
 from wbc.limits import AnyLimit, JointJerkLimit, JointPositionLimit, JointVelocityLimit, LimitSet
 from wbc.qp import Outcome, Problem, Solver, explain, load_qp_kernels, resolve_solver
 from wbc.qp.priorities import PriorityOrder
+from wbc.qp.relaxation import relaxed_problem
 from wbc.robot import Coupling, FixedBaseRobot, RobotModel
 from wbc.tasks import JointTask, Task, TaskCollection
 
@@ -307,6 +308,10 @@ class InverseKinematics(TaskCollection):
                 "infinite"
             )
         solution = self._solver_of(problem).solve(problem)
+        barriers = self._limit_set.barriers
+        if solution.outcome is Outcome.INFEASIBLE and barriers and load_qp_kernels():
+            relaxed = relaxed_problem(problem, barriers)
+            solution = self._solver_of(relaxed).solve(relaxed)
         x = np.asarray(solution.x)
         solved = solution.outcome is Outcome.SOLVED and x.shape == problem.g.shape
         if solved and math.isfinite(x.dot(x)):

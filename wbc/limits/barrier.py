@@ -47,6 +47,10 @@ class BarrierLimit(Limit):
     is brought back, at most with the recovery velocity: a barrier that asks for more than the
     joints can give would leave the QP without a solution.
 
+    A body that is pinched has rows on both sides that cannot hold together. Then the exact rows of
+    all barriers give way as little as possible (least squares), before anything else does: the
+    robot goes on, and the command or the step says which rows and by how much.
+
     A barrier of your own derives from this and writes its rows in `write_barrier`.
 
     Args:

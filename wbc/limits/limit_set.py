@@ -11,6 +11,7 @@ import numpy as np
 from wbc.errors import LimitError, short_repr
 from wbc.limits.acceleration import JointAccelerationLimit
 from wbc.limits.acceleration_bound import AccelerationBound
+from wbc.limits.barrier import BarrierLimit
 from wbc.limits.jerk import JointJerkLimit
 from wbc.limits.limit import Limit
 from wbc.limits.position import JointPositionLimit
@@ -40,6 +41,13 @@ class LimitSet:
     torque: TorqueLimit | None
     bounds: tuple[AccelerationBound, ...]
     inequalities: tuple[Limit, ...]
+
+    @property
+    def barriers(self) -> tuple[str, ...]:
+        """Names of the exact barriers, which give way where all rows cannot hold."""
+        return tuple(
+            [b.name for b in self.inequalities if isinstance(b, BarrierLimit) and not b.priority]
+        )
 
     @classmethod
     def sort(cls, limits: Sequence[AnyLimit], robot: RobotModel, dt: float) -> LimitSet:
