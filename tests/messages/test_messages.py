@@ -1,5 +1,7 @@
 """Messages have the bytes, the definitions and the hashes that ROS 2 gives them."""
 
+import hashlib
+import json
 import math
 import subprocess
 import sys
@@ -10,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rostools import random_message, used_types
 
-from wbc.messages import MessageError, message_layout, message_type
+from wbc.messages import MessageError, message_layout, message_type, type_description
 
 JointState = message_type("sensor_msgs/msg/JointState")
 Twist = message_type("geometry_msgs/msg/Twist")
@@ -222,3 +224,31 @@ wbc.messages.message_type("std_msgs/msg/String")
 """
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert "pip install 'wbc[ros2]'" in result.stderr
+
+
+def described(one):
+    """The form of a description of which a type's hash is made (REP 2016)."""
+    names = ("type_id", "capacity", "string_capacity", "nested_type_name")
+    fields = [
+        {"name": field.name, "type": {name: getattr(field.type, name) for name in names}}
+        for field in one.fields
+    ]
+    return {"type_name": one.type_name, "fields": fields}
+
+
+@pytest.mark.parametrize("name", used_types())
+def test_the_description_of_a_type_has_its_hash(name):
+    found = type_description(name)
+    content = {
+        "type_description": described(found.type_description),
+        "referenced_type_descriptions": [
+            described(one) for one in found.referenced_type_descriptions
+        ],
+    }
+    digest = hashlib.sha256(json.dumps(content).encode()).hexdigest()
+    assert f"RIHS01_{digest}" == message_type(name).type_hash()
+
+
+def test_an_unknown_type_has_no_description():
+    with pytest.raises(MessageError, match="no message type 'a_msgs/msg/B'"):
+        type_description("a_msgs/msg/B")

@@ -11,6 +11,7 @@ from rostools import TIMEOUT, MessageCollector, PeerProcess, node
 
 from wbc.messages import message_type
 from wbc.ros import QoSProfile, ResponseTimeout, RosError
+from wbc.ros.type_descriptions import serve_type_descriptions
 
 pytest.importorskip("cyclonedds")
 
@@ -95,6 +96,39 @@ def test_a_hundred_calls_at_once_get_their_responses(local_node):
     assert client.wait_for_service(TIMEOUT)
     futures = [client.call_async(client.request_type(data=True)) for _ in range(100)]
     assert local_node.spin_until(lambda: all(future.done() for future in futures), TIMEOUT)
+
+
+def test_a_node_describes_its_types_to_those_who_lack_them(local_node, domain):
+    kind = "wbc_msgs/msg/ControllerState"
+    with node("descriptions", domain) as server:
+        serve_type_descriptions(server)
+        client = local_node.create_client(
+            "type_description_interfaces/srv/GetTypeDescription",
+            "/descriptions/get_type_description",
+        )
+
+        def ask(name, type_hash):
+            request = client.request_type(type_name=name, type_hash=type_hash)
+            future = None
+
+            def answered():
+                nonlocal future
+                server.spin_once(0.0)
+                if future is None and client.service_is_ready():
+                    future = client.call_async(request)
+                return future is not None and future.done()
+
+            assert local_node.spin_until(answered, TIMEOUT)
+            return future.result()
+
+        found = ask(kind, message_type(kind).type_hash())
+        assert found.successful
+        names = [field.name for field in found.type_description.type_description.fields]
+        assert {"dcm_error", "phase"} <= set(names)
+        refused = ask(kind, "RIHS01_0")
+        assert not refused.successful
+        assert message_type(kind).type_hash() in refused.failure_reason
+        assert "a_msgs/msg/B" in ask("a_msgs/msg/B", "").failure_reason
 
 
 def test_missing_server_raises_a_timeout(local_node):

@@ -91,7 +91,7 @@ class McapFile:
             message: The message.
         """
         block = MessageBlock.of(0, message.encode())
-        channel = self._channel(topic, message.type_name, latched=False)
+        channel = self._channel(topic, type(message).type_name, latched=False)
         self._chunk.add_messages(np.array([stamp], np.int64), [(channel, block)])
 
     def commit(self) -> None:

@@ -7,6 +7,14 @@ many of them at once.
 
 from wbc.messages.layout import message_layout
 from wbc.messages.message import Message, MessageError, message_type
+from wbc.messages.type_description import type_description
 from wbc.messages.typestore import typestore
 
-__all__ = ["Message", "MessageError", "message_layout", "message_type", "typestore"]
+__all__ = [
+    "Message",
+    "MessageError",
+    "message_layout",
+    "message_type",
+    "type_description",
+    "typestore",
+]

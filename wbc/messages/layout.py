@@ -72,7 +72,7 @@ def _joined(first: tuple[Any, int] | None, second: tuple[Any, int]) -> tuple[Any
 
 def _numbers(message: Message, prefix: str = "") -> Iterator[_Number]:
     """Iterate over the numbers of a message, in the order in which they are serialized."""
-    for field, desc in typestore().fielddefs[message.type_name][1]:
+    for field, desc in typestore().fielddefs[type(message).type_name][1]:
         value, path = getattr(message, field), prefix + field
         if isinstance(value, Message):
             yield from _numbers(value, f"{path}.")

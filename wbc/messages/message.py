@@ -34,7 +34,7 @@ class Message:
     that does not fit its field is refused with a `MessageError`.
 
     Attributes:
-        type_name: full name of the type, e.g. "geometry_msgs/msg/Point".
+        type_name: full name of the type, e.g. "geometry_msgs/msg/Point"; an attribute of the class.
     """
 
     type_name: ClassVar[str]
@@ -50,13 +50,13 @@ class Message:
             super().__setattr__(name, self._convert[name](value))
         except KeyError:
             known = did_you_mean(name, self._convert)
-            raise MessageError(f"{self.type_name} has no field '{name}'{known}") from None
+            raise MessageError(f"{type(self).type_name} has no field '{name}'{known}") from None
         except (TypeError, ValueError, OverflowError) as error:
-            text = f"{self.type_name}: {name} = {value!r:.100}: {error}"
+            text = f"{type(self).type_name}: {name} = {value!r:.100}: {error}"
             raise MessageError(text) from None
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Message) or other.type_name != self.type_name:
+        if not isinstance(other, Message) or type(other).type_name != type(self).type_name:
             return NotImplemented
         return self.encode() == other.encode()
 
@@ -69,9 +69,9 @@ class Message:
             MessageError: an element of an array does not fit.
         """
         try:
-            return bytes(typestore().serialize_cdr(self, self.type_name, little_endian=True))
+            return bytes(typestore().serialize_cdr(self, type(self).type_name, little_endian=True))
         except (AttributeError, TypeError, ValueError) as error:
-            raise MessageError(f"{self.type_name} cannot be serialized: {error}") from error
+            raise MessageError(f"{type(self).type_name} cannot be serialized: {error}") from error
 
     @classmethod
     def decode(cls: type[MessageT], data: Any) -> MessageT:
@@ -146,16 +146,16 @@ def message_type(name: str) -> type[Message]:
     ]
     namespace = {
         **{constant: value for constant, _, value in constants},
-        "type_name": name,
         "_convert": {field: convert for field, (convert, _) in kinds.items()},
         "__module__": __name__,
     }
     short = name.rpartition("/")[2]
-    made = dataclasses.make_dataclass(
+    made: Any = dataclasses.make_dataclass(
         short, fields, bases=(Message,), namespace=namespace, eq=False
     )
+    made.type_name = name  # set afterwards: some messages have a field of this name
     store.types[name] = made  # what `rosbags` makes on deserialization
-    return made
+    return made  # type: ignore[no-any-return]
 
 
 def _field(desc: FieldDesc) -> tuple[Callable[[Any], Any], Callable[[], Any]]:

@@ -67,14 +67,14 @@ def from_yaml(msg_type: type[MessageT], text: str) -> MessageT:
 def _fill(message: Message, fields: Any) -> None:
     if not isinstance(fields, dict):
         raise MessageError(
-            f"{message.type_name} is given by its fields, e.g. "
+            f"{type(message).type_name} is given by its fields, e.g. "
             f"'{{{next(iter(message.__dataclass_fields__))}: …}}', not by {fields!r}"
         )
     for name, value in fields.items():
         current = getattr(message, str(name), None)
         element = message.element_type(str(name))
         if isinstance(current, Message):
-            if value == "now" and current.type_name == "builtin_interfaces/msg/Time":
+            if value == "now" and type(current).type_name == "builtin_interfaces/msg/Time":
                 setattr(message, name, stamp_now())
             else:
                 _fill(current, value)

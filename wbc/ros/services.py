@@ -199,10 +199,9 @@ class Client(_ServiceEndpoints):
             MessageError: a value does not fit its field.
             RosError: the request is of another type.
         """
-        if request.type_name != self.request_type.type_name:
-            raise RosError(
-                f"{self.service_name} takes {self.request_type.type_name}, not {request.type_name}"
-            )
+        given, expected = type(request).type_name, self.request_type.type_name
+        if given != expected:
+            raise RosError(f"{self.service_name} takes {expected}, not {given}")
         data = request.encode()
         self._number += 1
         future = self._futures[self._number] = Future()

@@ -54,10 +54,9 @@ class Publisher:
             RosError: the message is of another type.
         """
         if isinstance(msg, Message):
-            if msg.type_name != self.msg_type.type_name:
-                raise RosError(
-                    f"{self.topic_name} carries {self.msg_type.type_name}, not {msg.type_name}"
-                )
+            given, expected = type(msg).type_name, self.msg_type.type_name
+            if given != expected:
+                raise RosError(f"{self.topic_name} carries {expected}, not {given}")
             msg = msg.encode()
         self.writer.write(msg)
 

@@ -27,7 +27,7 @@ class NumericTopic(MessageTopic):
     """
 
     def __init__(self, name: str, message: Message, values: Values, period: float = 0.0) -> None:
-        super().__init__(name, message.type_name)
+        super().__init__(name, type(message).type_name)
         self._template = MessageTemplate(message)
         self._values = values
         self._period = round(1e9 * period)

@@ -53,7 +53,7 @@ class LatchedTopic(MessageTopic):
     """
 
     def __init__(self, name: str, message: Message) -> None:
-        super().__init__(name, message.type_name)
+        super().__init__(name, type(message).type_name)
         self.data = message.encode()
         self._sent = False
 

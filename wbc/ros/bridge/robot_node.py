@@ -20,6 +20,7 @@ from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.bridge.tick_topics import TickTopics
 from wbc.ros.bridge.tunable_parameters import TunableParameters
 from wbc.ros.node import Node
+from wbc.ros.type_descriptions import serve_type_descriptions
 from wbc.runtime.mode import Mode
 from wbc.runtime.stream import TickReader
 from wbc.teleop import CommandClient
@@ -61,6 +62,7 @@ class RobotNode:
         self._follow = FollowJointTrajectory(node, self._joint_topics, robot)
         TunableParameters(node, client)
         GraphMonitor(node)
+        serve_type_descriptions(node)
         NodeTopics(node, robot, (*TOPICS, *config.topics), lambda: self._latest)
         for name, value in config.parameters.items():
             node.set_parameter(name, value)
