@@ -287,3 +287,12 @@ def test_repr_of_the_walker_states_phase_and_velocity() -> None:
         "Walker(talos, DcmPlanner, phase STAND, support left, 0 steps, "
         "velocity (0.3 m/s, 0 m/s, 0 rad/s), dt 0.002 s)"
     )
+
+
+def test_a_foot_whose_leg_lacks_joints_is_held_by_a_weight():
+    lacking = wbc.load("g1", fixed_joints=("*_hip_yaw_joint", "*_ankle_roll_joint"))
+    for robot, exact in ((wbc.load("g1"), True), (lacking, False)):
+        walker = wbc.Walker(robot)
+        assert walker.step(wbc.Estimate(robot.standing())).status is wbc.Status.OK
+        support = walker.controller.contacts[0]
+        assert (support.motion_weight is None) is exact

@@ -24,7 +24,9 @@ class ContactManager:
 
     The support foot is held exactly, so that it carries the QP's elimination; the other one
     in double support by a high weight, because two exact feet and a stretched knee may have
-    no solution. Towards the end of double support the leaving foot is unloaded.
+    no solution. A foot whose leg has fewer joints than that takes is always held by the weight:
+    the leg cannot turn it against all moments of the robot's motion, which would need a wrench
+    beyond the sole's edges. Towards the end of double support the leaving foot is unloaded.
 
     Args:
         robot: the robot.
@@ -45,13 +47,16 @@ class ContactManager:
         self._gains = gains
         self._weight = robot.weight
         self._contacts: dict[str, Contact] = {}
+        self._support_weight: dict[str, float | None] = {}
         self._swing_tasks: dict[str, SwingTask] = {}
         self._soles: dict[str, Sole] = {sole.side: sole for sole in robot.soles}
         self._tracking: SwingTask | None = None
-        for sole in robot.soles:
+        for sole, leg in zip(robot.soles, robot.legs, strict=True):
             contact = _contact(sole, gains)
             contact.bind(robot)
             self._contacts[sole.side] = contact
+            lacks_joints = len(leg) < contact.motion_size
+            self._support_weight[sole.side] = gains.second_contact_weight if lacks_joints else None
             self._swing_tasks[sole.side] = SwingTask(
                 sole.name, weight=_swing_weight(sole, gains), kp=gains.swing_kp
             )
@@ -65,7 +70,7 @@ class ContactManager:
         """Set contacts and swing task for the present phase."""
         support = self._contacts[state.support]
         other = self._contacts[state.swing_side]
-        support.motion_weight = None
+        support.motion_weight = self._support_weight[state.support]
         support.max_force = other.max_force = math.inf
         self._track_swing(state)
         if state.phase is Phase.SWING:
