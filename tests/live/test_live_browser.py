@@ -275,7 +275,15 @@ def test_the_tuner_lists_the_tasks_and_a_gain_reaches_every_page(url, page):
         turn(other, "com.weight", 0.6)
         page.wait_for_function(f"wbc.live.values['com.weight'] < 0.9 * {weight}")
     pass_time(page, 0.2)
+    page.locator("[data-task='angular momentum']").uncheck()
+    page.wait_for_function("wbc.live.values['angular momentum.weight'] === 0")
+    page.select_option("[data-choose=frame]", "left_hand")
+    page.click("[data-action='add task']")
+    page.wait_for_function("wbc.live.frameTasks.length === 1")
+    page.click(".frame-task button")
+    page.wait_for_function("wbc.live.frameTasks.length === 0")
     page.click("details[open] >> text=Reset to defaults")
+    page.wait_for_function("document.querySelector(\"[data-task='angular momentum']\").checked")
     assert page.evaluate("wbc.live.values['com.weight']") == pytest.approx(3000.0)
 
 

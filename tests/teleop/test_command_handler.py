@@ -18,6 +18,7 @@ from wbc.teleop import (
     CommandHandler,
     CommandOutcome,
     CommandRefused,
+    FrameTaskCommand,
     GainCommand,
     GaitParameterCommand,
     HandTargetCommand,
@@ -328,6 +329,53 @@ def test_standing_lets_go_of_a_hand_and_a_far_target_is_brought_within_reach(han
         handler.submit(HandTargetCommand("up", None))
     with pytest.raises(CommandRefused, match="position"):
         handler.submit(HandTargetCommand("left", (math.nan, 0.0, 0.0)))
+
+
+def test_an_added_task_holds_a_link_until_it_is_removed(handler, player):
+    """Beside it a task is switched off, and on again with the ratios of its rows."""
+    walker, posture = player.walker, player.walker.posture
+    ratios = posture.weight / posture.weight.max()
+    held = FrameTaskCommand("left_hand", "position", 50.0)
+    seen = []
+
+    def base_to_hand():
+        hand = walker.kinematics.frame("left_hand").translation - walker.kinematics.base.translation
+        return walker.standing_frame.rotation.T @ hand
+
+    def added():
+        return [t.name for t in walker.controller.tasks if t.name.endswith("held")]
+
+    def note(now):
+        if len(seen) < 2 and now >= (0.1, 1.4)[len(seen)]:
+            seen.append((base_to_hand(), added()))
+
+    script = [
+        (0.0, VelocityCommand(0.0, 0.0, 0.3)),
+        (0.1, held),
+        (0.1, GainCommand("posture", "weight", 0.0)),
+        (1.45, GainCommand("posture", "weight", 2.0)),
+        (1.45, FrameTaskCommand("left_hand", "position", 0.0)),
+    ]
+
+    def submit_due(now):
+        note(now)
+        while script and now >= script[0][0] - 1e-9:
+            handler.submit(script.pop(0)[1])
+
+    report = wbc.teleop.run(handler, 1.5, real_time=False, before_tick=submit_due)
+    assert report.survived
+    assert report.qp_failures == 0
+    (before, none), (after, one) = seen
+    assert np.linalg.norm(after - before) < 0.01
+    assert (none, one, added()) == ([], ["left_hand position, held"], [])
+    np.testing.assert_allclose(posture.weight, 2.0 * ratios)
+    handler.submit(held)
+    handler.before_tick(0.0)
+    assert added() == one
+    handler.begin()  # a reset removes it
+    assert added() == []
+    with pytest.raises(CommandRefused, match="no task can hold 'left_foot'"):
+        handler.submit(FrameTaskCommand("left_foot", "position", 1.0))
 
 
 OTHER_SESSION = StartSessionCommand("talos", "flat", 1)

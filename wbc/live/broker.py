@@ -32,13 +32,14 @@ from wbc.teleop import (
     CommandClient,
     CommandOutcome,
     CommandRefused,
+    FrameTaskCommand,
     KeepVelocityCommand,
     ResetCommand,
     StandCommand,
     StartSessionCommand,
     VelocityCommand,
 )
-from wbc.teleop.capabilities import check_number
+from wbc.teleop.number_checks import check_number
 
 _MAX_TICKS = 4096  # in one status message
 _MAX_SIGNALS = 64  # of a page
@@ -149,6 +150,9 @@ class RequestBroker:
             del self._senders[next(iter(self._senders))]
         if changes := self._controls.apply(command):
             self._broadcast({"values": changes}, but=page)
+        if isinstance(command, FrameTaskCommand):
+            self._controls.apply_frame_task(command)
+            self._announce_frame_tasks()
         if isinstance(command, VelocityCommand):
             self._velocity = number
             self._drivers[page] = time.monotonic()
@@ -231,6 +235,7 @@ class RequestBroker:
         self._numbers[str(self._opened)] = page
         page.send({"controls": self._controls.describe(), "page": self._opened})
         page.send({"values": self._controls.values, "infeasible": self._client.infeasible})
+        page.send({"frame_tasks": self._controls.describe_frame_tasks()})
         self._offer_signals(page)
         page.send({"events": self._events.all, "files": self._uploads.names})
         if self._config.notice:
@@ -330,12 +335,17 @@ class RequestBroker:
         if status["run"] != self._run:
             self._run = status["run"]
             self._zero_velocity()
+            self._controls.frame_tasks.clear()
+            self._announce_frame_tasks()
         since, self._sent = self._sent, self._history.count
         for page, labels in tuple(self._pages.items()):
             message: dict[str, Any] = {"status": status}
             if labels and since < self._sent:
                 message["points"] = self._series(labels, since)
             page.send(message)
+
+    def _announce_frame_tasks(self) -> None:
+        self._broadcast({"frame_tasks": self._controls.describe_frame_tasks()})
 
     def _broadcast(self, message: dict[str, Any], but: PageClient | None = None) -> None:
         for page in tuple(self._pages):

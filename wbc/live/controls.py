@@ -13,6 +13,7 @@ from wbc.motions.engine import create_motion, describe_motion
 from wbc.teleop import (
     Capabilities,
     CommandRefused,
+    FrameTaskCommand,
     GainCommand,
     GaitParameterCommand,
     HandTargetCommand,
@@ -34,7 +35,7 @@ from wbc.teleop.parameters import GAIT, TIME, VELOCITY
 MAX_LENGTH = 4000  # characters of a message
 _ACTIONS = (
     "push", "pull", "walk_to", "signals", "save", "motion", "pause", "stand", "reset",
-    "start_session", "hand",
+    "start_session", "hand", "frame_task",
 )  # fmt: skip
 _SOURCES = ("page", "keyboard")
 _PUSH_SHARE = 0.3  # of the largest push; the robot hardly ever survives a larger one
@@ -64,12 +65,14 @@ class Controls:
 
     Attributes:
         values: Maps the name of each parameter to its present value.
+        frame_tasks: Maps link and kind of each added task to its weight.
         max_impulse: Largest push that the page offers, N·s.
     """
 
     def __init__(self, capabilities: Capabilities, uploads: Uploads) -> None:
         self._capabilities, self._uploads = capabilities, uploads
         self.values = {p.name: p.default for p in capabilities.parameters}
+        self.frame_tasks: dict[tuple[str, str], float] = {}
         self.max_impulse = float(f"{_PUSH_SHARE * capabilities.max_impulse:.2g}")
 
     def describe(self) -> dict[str, Any]:
@@ -79,6 +82,7 @@ class Controls:
             "motions": [describe_motion(motion) for motion in self._capabilities.motions],
             "max_impulse": self.max_impulse,
             "hands": self._capabilities.hands,
+            "task_frames": self._capabilities.task_frames,
             "sessions": self._describe_sessions(),
         }
 
@@ -115,6 +119,8 @@ class Controls:
                 return StandCommand()
             case "reset":
                 return ResetCommand()
+            case "frame_task":
+                return _frame_task_command(value)
             case "hand":
                 return _hand_command(value)
             case "start_session":
@@ -138,6 +144,19 @@ class Controls:
                 return {}
         self.values.update(changes)
         return changes
+
+    def apply_frame_task(self, command: FrameTaskCommand) -> None:
+        """Note a task that is added, weighted or removed."""
+        self.frame_tasks.pop((command.frame, command.kind), None)
+        if command.weight > 0.0:
+            self.frame_tasks[command.frame, command.kind] = command.weight
+
+    def describe_frame_tasks(self) -> list[dict[str, Any]]:
+        """Return the added tasks as JSON."""
+        return [
+            {"frame": frame, "kind": kind, "weight": weight}
+            for (frame, kind), weight in self.frame_tasks.items()
+        ]
 
     def zero_velocity(self) -> dict[str, float]:
         """Set the velocity sliders to zero, as the loop has done; return their values."""
@@ -203,6 +222,16 @@ def _push_command(value: Any) -> PushCommand:
     raise CommandRefused(
         f'push is {short_repr(value)}; it is [forward, left] or {{"link": name, "impulse": '
         "[x, y, z]} in N·s"
+    )
+
+
+def _frame_task_command(value: Any) -> FrameTaskCommand:
+    """Return a task that holds a link."""
+    if isinstance(value, dict) and value.keys() == {"frame", "kind", "weight"}:
+        return FrameTaskCommand(value["frame"], value["kind"], value["weight"])
+    raise CommandRefused(
+        f'frame_task is {short_repr(value)}; it is {{"frame": link, "kind": "position" or '
+        '"orientation", "weight": number, 0 to remove it}'
     )
 
 

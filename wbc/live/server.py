@@ -32,7 +32,7 @@ from wbc.view.web import GuardedHandler, Text, listen
 _HERE = Path(__file__).parent / "page"
 _FILES = (
     "uPlot.iife.js", "uPlot.min.css", "elements.js", "session.js", "parameters.js", "strips.js",
-    "timeline.js", "camera.js", "pointer.js", "keys.js", "why.js",
+    "timeline.js", "camera.js", "pointer.js", "keys.js", "why.js", "tasks.js",
     "panel.js", "panel.css",
 )  # fmt: skip
 _MAX_SIZE = 1 << 16  # bytes; a longer message ends the connection

@@ -11,7 +11,7 @@ from wbc.geometry.planar import Placement
 from wbc.robot.attitude import heading
 from wbc.state import State
 from wbc.teleop import CommandRefused
-from wbc.teleop.capabilities import check_number
+from wbc.teleop.number_checks import check_number
 from wbc.walking import WaypointFollower
 
 if TYPE_CHECKING:

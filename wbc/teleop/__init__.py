@@ -5,6 +5,7 @@ from wbc.teleop.capabilities import Capabilities
 from wbc.teleop.channel import ChannelConfig, CommandChannel, CommandClient
 from wbc.teleop.command_handler import CommandHandler
 from wbc.teleop.commands import (
+    FrameTaskCommand,
     GainCommand,
     GaitParameterCommand,
     HandTargetCommand,
@@ -35,6 +36,7 @@ __all__ = [
     "CommandHandler",
     "CommandOutcome",
     "CommandRefused",
+    "FrameTaskCommand",
     "GainCommand",
     "GaitParameterCommand",
     "HandTargetCommand",

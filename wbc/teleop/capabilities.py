@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 
 from wbc.errors import did_you_mean, short_repr
 from wbc.gait import VelocityLimits
 from wbc.motions import Motion, MotionPlayer
 from wbc.motions.engine import check_importable
+from wbc.robot import Robot
 from wbc.teleop import commands
 from wbc.teleop.acknowledgement import CommandRefused
+from wbc.teleop.frame_tasks import MAX_WEIGHT
+from wbc.teleop.number_checks import check_number, check_place
 from wbc.teleop.parameters import (
     GAIT,
     TIME_SCALE,
@@ -26,7 +30,6 @@ from wbc.teleop.session_choices import SessionChoices
 
 _MAX_PUSH = 2.0  # m/s: the largest push changes the robot's velocity by that
 _PUSH_DURATION = (0.01, 2.0)  # s
-_FAR = 1e4  # m, from the origin
 _MAX_PULL = 10.0  # s without a new command
 _ROUNDING = 1e-6  # what a bound may be exceeded by, as a share or in rad
 
@@ -44,6 +47,7 @@ class Capabilities:
         leg_joints: names of the joints that the gait needs.
         links: names of the frames that can be pushed.
         can_pull: whether a link can be pulled by a spring.
+        task_frames: names of the links that a task can hold; not those of the legs.
         hands: sides whose hand can be led to a position.
         sessions: what another session may be started with; None if none can be.
     """
@@ -56,6 +60,7 @@ class Capabilities:
     leg_joints: frozenset[str]
     links: frozenset[str] = frozenset()
     can_pull: bool = False
+    task_frames: tuple[str, ...] = ()
     hands: tuple[str, ...] = ()
     sessions: SessionChoices | None = None
 
@@ -97,6 +102,7 @@ class Capabilities:
             leg_joints=frozenset(names[i] for i in legs),
             links=frozenset(frame.name for frame in robot.model.frames[1:]),
             can_pull=hasattr(plant, "pull"),
+            task_frames=_upper_links(robot, legs),
             hands=player.context.hands.sides,
             sessions=sessions,
         )
@@ -155,7 +161,16 @@ class Capabilities:
                 if side not in self.hands:
                     raise CommandRefused(f"the robot has no hand on the side {short_repr(side)}")
                 if position is not None:
-                    _check_place("position", position)
+                    check_place("position", position)
+            case commands.FrameTaskCommand(frame, kind, weight):
+                if frame not in self.task_frames:
+                    near = did_you_mean(frame, self.task_frames) if isinstance(frame, str) else ""
+                    raise CommandRefused(f"no task can hold {short_repr(frame)}{near}")
+                if kind not in ("position", "orientation"):
+                    raise CommandRefused(
+                        f"kind is {short_repr(kind)}; it is 'position' or 'orientation'"
+                    )
+                check_number("weight", weight, 0.0, MAX_WEIGHT)
             case commands.PauseCommand(paused):
                 if not isinstance(paused, bool):
                     raise CommandRefused(f"pause is {short_repr(paused)}; it is true or false")
@@ -172,8 +187,7 @@ class Capabilities:
                 raise CommandRefused(f"{short_repr(command)} is not a command of wbc.teleop")
 
     def _check_parameter(self, name: str, value: Any) -> None:
-        parameter = self.parameter(name)
-        check_number(name, value, parameter.low, parameter.high, parameter.unit)
+        self.parameter(name).check(value)
 
     def _check_push(self, command: commands.PushCommand) -> None:
         if not self.max_impulse:
@@ -197,8 +211,8 @@ class Capabilities:
         if not self.can_pull:
             raise CommandRefused("this robot cannot be pulled: it is not simulated")
         self._check_link(command.link)
-        _check_place("point", command.point)
-        _check_place("target", command.target)
+        check_place("point", command.point)
+        check_place("target", command.target)
         check_number("timeout", command.timeout, 0.0, _MAX_PULL, "s")
 
     def _check_link(self, link: Any) -> None:
@@ -235,26 +249,21 @@ class Capabilities:
             raise CommandRefused("the command names no joints")
 
 
-def _check_place(name: str, place: Any) -> None:
-    if np.shape(place) != (3,):
-        raise CommandRefused(f"{name} is {short_repr(place)}; it is (x, y, z) in m")
-    for part in place:
-        check_number(name, part, -_FAR, _FAR, "m")
+def _upper_links(robot: Robot, legs: Collection[int]) -> tuple[str, ...]:
+    """Return the names of the links that no joint of a leg moves alone, sorted.
 
-
-def check_number(name: str, value: Any, low: float, high: float, unit: str = "") -> float:
-    """Return a number if it is one and within its bounds.
-
-    Raises:
-        CommandRefused: it is not.
+    Args:
+        robot: the robot.
+        legs: indices of the legs' joints into (na,) vectors.
     """
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise CommandRefused(f"{name} is {short_repr(value)}; it is a number")
-    # Compared before any conversion: an integer may be too large for a float.
-    if not low <= value <= high:
-        bounds = f"{low:g} to {high:g} {unit}".strip()
-        raise CommandRefused(f"{name} = {short_repr(value)} is out of range: {bounds}")
-    return float(value)
+    leg_joints = {robot.model.getJointId(robot.joint_names[i]) for i in legs}
+    return tuple(
+        sorted(
+            frame.name
+            for frame in robot.model.frames
+            if frame.type == pin.BODY and frame.parentJoint not in leg_joints | {0}
+        )
+    )
 
 
 def unknown_motion(name: Any, motions: Sequence[type[Motion]]) -> CommandRefused:

@@ -21,6 +21,7 @@ from wbc.teleop import commands
 from wbc.teleop.acknowledgement import Acknowledgement, CommandOutcome
 from wbc.teleop.capabilities import Capabilities
 from wbc.teleop.channel import CommandChannel
+from wbc.teleop.frame_tasks import FrameTasks
 from wbc.teleop.hand_targets import HandTargets
 from wbc.teleop.joint_targets import JointTargets
 from wbc.teleop.parameters import GAIT, set_parameter
@@ -92,6 +93,7 @@ class CommandHandler(Closeable):
         self.pushes = PushCounter()
         self._manager = MotionManager(player)
         self._joints, self._hands = JointTargets(player), HandTargets(player)
+        self._frame_tasks = FrameTasks(player)
         self._clock = Clock(player.dt, 1) if owns_clock else None
         self._channels: list[CommandChannel] = []
         self._observers: list[AcknowledgementObserver] = []
@@ -166,6 +168,7 @@ class CommandHandler(Closeable):
         self._manager.reset()
         self._joints.clear()
         self._hands.clear()
+        self._frame_tasks.clear()
         self._velocity, self._velocity_end = None, np.inf
         self._pull, self._pull_end = commands.PullCommand(), np.inf
         self.pushes.on_reset()
@@ -207,6 +210,7 @@ class CommandHandler(Closeable):
         self._track_motion()
         self._joints.advance(time.monotonic())
         self._hands.advance()
+        self._frame_tasks.advance()
         for impulse in self.player.pop_pushes():
             self._push(impulse)
         self.pushes.on_tick(self.plant.time)
@@ -303,6 +307,8 @@ class CommandHandler(Closeable):
                 set_parameter(self.player.walker, f"{GAIT}.{name}", value)
             case commands.GainCommand(task_name, gain, value):
                 set_parameter(self.player.walker, f"{task_name}.{gain}", value)
+            case commands.FrameTaskCommand():
+                self._frame_tasks.set(command)
             case commands.JointCommand():
                 self._joints.set(command, sent.stamp)
             case commands.TimeScaleCommand(scale):

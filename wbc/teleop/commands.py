@@ -136,6 +136,23 @@ class GainCommand:
 
 
 @dataclass(frozen=True, slots=True)
+class FrameTaskCommand:
+    """Add a task that holds a link where it is relative to the robot, weight it, or remove it.
+
+    A reset removes it.
+
+    Attributes:
+        frame: name of a link above the legs.
+        kind: "position" of its origin, or "orientation".
+        weight: weight of the task; 0 removes it.
+    """
+
+    frame: str
+    kind: Literal["position", "orientation"]
+    weight: float
+
+
+@dataclass(frozen=True, slots=True)
 class JointCommand:
     """Move joints of arms, trunk and head to positions; the gait alone moves the legs.
 
@@ -220,6 +237,7 @@ TeleopCommand: TypeAlias = (
     | StandCommand
     | GaitParameterCommand
     | GainCommand
+    | FrameTaskCommand
     | JointCommand
     | HandTargetCommand
     | TimeScaleCommand

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from wbc.errors import did_you_mean
 from wbc.teleop.acknowledgement import CommandRefused
-from wbc.teleop.capabilities import check_number
 from wbc.teleop.parameters import VELOCITY, set_parameter, tunable_parameters
 from wbc.walking import Walker
 
@@ -41,7 +40,7 @@ def apply_gains(walker: Walker, path: Path) -> None:
             raise CommandRefused(f"{path}: no parameter '{name}'{did_you_mean(name, known)}")
         parameter = known[name]
         try:
-            check_number(name, value, parameter.low, parameter.high, parameter.unit)
+            parameter.check(value)
         except CommandRefused as error:
             raise CommandRefused(f"{path}: {error}") from None
     for name, value in values.items():

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from wbc.teleop.number_checks import check_number
 from wbc.walking import Walker
 
 VELOCITY, TIME, GAIT = "velocity", "time", "gait"  # groups; the others are names of tasks
@@ -25,6 +26,7 @@ _GAIT = (
 _VELOCITY = (("forward", "Forward", "m/s"), ("left", "Left", "m/s"), ("turn", "Turn left", "rad/s"))
 _GAINS = {"weight": ("Weight", ""), "kp": ("kp", "1/s²"), "kd": ("kd", "1/s")}
 _GAIN_RANGE = 10.0  # gains go from a tenth to ten times their value
+_OFF = 1e-9  # of a weight; zero would lose the ratios of a task's rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +42,7 @@ class TunableParameter:
         high: largest value.
         default: value at the start.
         logarithmic: whether equal ratios, not differences, make equal steps of a slider.
+        switchable: whether 0 is possible beside the values from `low` on: it switches a task off.
     """
 
     name: str
@@ -50,6 +53,16 @@ class TunableParameter:
     high: float
     default: float
     logarithmic: bool = False
+    switchable: bool = False
+
+    def check(self, value: Any) -> float:
+        """Return a value if it is a number and within the bounds.
+
+        Raises:
+            CommandRefused: it is not.
+        """
+        low = 0.0 if self.switchable and value == 0 else self.low
+        return check_number(self.name, value, low, self.high, self.unit)
 
 
 def tunable_parameters(walker: Walker, time_scale: bool) -> tuple[TunableParameter, ...]:
@@ -83,7 +96,11 @@ def tunable_parameters(walker: Walker, time_scale: bool) -> tuple[TunableParamet
             if value > 0.0:
                 bounds = (value / _GAIN_RANGE, value * _GAIN_RANGE)
                 name = f"{task.name}.{gain}"
-                found.append(TunableParameter(name, task.name, label, unit, *bounds, value, True))
+                switchable = gain == "weight"
+                parameter = TunableParameter(
+                    name, task.name, label, unit, *bounds, value, True, switchable
+                )
+                found.append(parameter)
     return tuple(found)
 
 
@@ -94,7 +111,7 @@ def set_parameter(walker: Walker, name: str, value: float) -> None:
         walker: the walker.
         name: name of a `TunableParameter`, e.g. "gait.swing_height" or "com.weight".
         value: its value; of a gain with several rows that of the largest row, to which the other
-            rows keep their ratios.
+            rows keep their ratios. A weight of 0 leaves the task a billionth of 1.
     """
     group, _, field = name.rpartition(".")
     if group == GAIT:
@@ -103,4 +120,4 @@ def set_parameter(walker: Walker, name: str, value: float) -> None:
         return
     task = next(task for task in walker.tasks if task.name == group)
     rows = np.array(getattr(task, field))
-    setattr(task, field, value * (rows / np.max(rows)))
+    setattr(task, field, max(value, _OFF) * (rows / np.max(rows)))

@@ -26,7 +26,7 @@ function slider(low, high, logarithmic) {
       return logarithmic ? low * Math.exp(x * ratio) : low + x * (high - low);
     },
     set: (value) => {
-      input.value = logarithmic ? Math.log(value / low) / ratio : (value - low) / (high - low);
+      input.value = logarithmic ? Math.log(Math.max(value, low) / low) / ratio : (value - low) / (high - low);
     },
   };
 }

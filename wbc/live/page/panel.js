@@ -3,7 +3,7 @@
 // to every page.
 "use strict";
 (() => {
-const {make, text, slider, makeForm, strips, timeline, camera, pointer, keys, why, session} = wbc;
+const {make, text, slider, makeForm, strips, timeline, camera, pointer, keys, why, session, tasks} = wbc;
 const GROUPS = [["robot", "robot"], ["forces", "contact forces"], ["balance", "CoM, DCM, ZMP"],
   ["trail", "CoM trail"], ["support", "support polygon"], ["footsteps", "footsteps"],
   ["swing", "swing path"], ["terrain", "terrain"]];
@@ -30,6 +30,7 @@ function makeSlider(parameter) {
     output.textContent = text(value, parameter.unit);
     row.classList.toggle("changed", Math.abs(value - parameter.default) > 1e-3 * (parameter.high - parameter.low));
     wbc.live.values[parameter.name] = value;
+    tasks.receiveWeight(parameter.name, value);
   };
   const change = (value) => {
     remember(parameter.name, wbc.live.values[parameter.name]);
@@ -49,7 +50,8 @@ function makeSlider(parameter) {
     parameter,
     set: (value) => { if (document.activeElement !== move.input) move.set(value); show(value); },
     change: (value) => {
-      const clamped = Math.min(Math.max(value, parameter.low), parameter.high);
+      const off = parameter.switchable && value === 0;
+      const clamped = off ? 0 : Math.min(Math.max(value, parameter.low), parameter.high);
       move.set(clamped);
       change(clamped);
     },
@@ -205,9 +207,11 @@ function showSection() {
 
 function gainSection() {
   const others = new Set(["velocity", "time", "gait"]);
-  const tasks = [...new Set(controls.parameters.map((parameter) => parameter.group))].filter((g) => !others.has(g));
-  return folded("Tasks: weights and gains", ...tasks.flatMap((task) =>
-    [make("h3", {textContent: task}), ...inGroup(task).map(makeSlider)]),
+  const names = [...new Set(controls.parameters.map((parameter) => parameter.group))].filter((g) => !others.has(g));
+  return folded("Tasks: weights and gains", ...names.flatMap((task) => {
+    const rows = inGroup(task).map(makeSlider);
+    return [tasks.title(task, sliders.get(`${task}.weight`), wbc.live.values), ...rows];
+  }), ...tasks.adder(send),
     defaultsButton((parameter) => !others.has(parameter.group)));
 }
 
@@ -362,6 +366,7 @@ function open() {
     if (received.status) showStatus(received.status);
     if (received.outcome) wbc.live.outcomes.push(received);
     if (received.why) why.show(received.why);
+    if (received.frame_tasks) tasks.receive(received.frame_tasks);
     if (received.files) session.receiveFiles(received.files);
     if (received.starting) wbc.starting = received.starting;
     if (received.error) showError(received.error);
