@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import wbc
-from wbc.gait import Phase
+from wbc.gait import DcmReference, Phase
 from wbc.sim import Mujoco
 
 pytest.importorskip("mujoco")
@@ -81,11 +81,11 @@ def pushed_run(
 
 
 @pytest.mark.parametrize("direction", DIRECTIONS)
-@pytest.mark.parametrize("name", ["g1", "talos"])
+@pytest.mark.parametrize(("name", "size"), [("g1", 0.4), ("talos", 0.6)])
 def test_a_standing_robot_steps_when_pushed_and_stands_again_with_its_feet_side_by_side(
-    name, direction
+    name, size, direction
 ):
-    run = pushed_run(name, 4.4, direction=direction, size=0.4)
+    run = pushed_run(name, 4.4, direction=direction, size=size)
     assert run.report.survived
     walker = run.walker
     assert walker.steps > 0
@@ -93,6 +93,20 @@ def test_a_standing_robot_steps_when_pushed_and_stands_again_with_its_feet_side_
     assert not walker.gait_state.recovering
     between = walker.feet.left.to_local(walker.feet.right.point)
     assert abs(between - complex(0.0, -walker.gait.step_width)) < 0.03
+
+
+@pytest.mark.parametrize("name", ["g1", "talos", "simple_humanoid"])
+def test_mirrored_pushes_make_a_standing_robot_step_with_mirrored_feet(name):
+    walker = wbc.Walker(wbc.load(name))
+    state, middle = walker.gait_state, walker.feet.middle
+    planned = DcmReference(middle, 0j, middle)
+    for shift in (0.1, 0.15, 0.2):
+        first = []
+        for sign in (1.0, -1.0):
+            state.dcm = middle + complex(0.0, sign * shift)
+            walker.stabilizer.push_recovery.update_standing(state, planned)
+            first.append(state.requested_swing)
+        assert sorted(first) == ["left", "right"]
 
 
 @pytest.mark.parametrize(("direction", "size"), [("left", 0.4), ("right", 0.4), ("forward", 0.6)])

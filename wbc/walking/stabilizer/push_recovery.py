@@ -8,7 +8,7 @@ from collections.abc import Callable
 from wbc.gait import DcmReference, GaitState, Placement, SwingFoot
 from wbc.gait.footsteps import clamp_footstep, lateral_sign, other_side
 from wbc.geometry.planar import planar_rotation
-from wbc.walking.stabilizer.step_adjustment import uncaught_dcm_error
+from wbc.walking.stabilizer.step_adjustment import footstep_adjustment, uncaught_dcm_error
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 _LEAST_REMAINING = 0.1  # s that a shortened swing has left, at least
@@ -20,6 +20,9 @@ _USED_SUPPORT = 0.5  # share of the way to the support's edge that the DCM may g
 _LOOKAHEAD = 0.07  # s for which a push is taken to last on, of a robot on both feet
 _NO_PUSH = 0.5  # m/s by which noise and settling seem to move the DCM
 _USED_SOLE = 0.9  # the same on one leg
+_HOLD = 0.01  # s by which a transfer is prolonged at a time
+_LONGEST_HOLD = 1.0  # s
+_INSIDE = 0.04  # share of the CoM height by which the DCM has to be within the sole, to wait there
 _PREVIEW = 3  # steps looked ahead to choose the foot that steps out of standing
 
 #: The wanted DCM for a landing place of the swing foot, or, given None, for the planned one.
@@ -33,7 +36,7 @@ class PushRecovery:
     phase, and whether the next footstep can make up for it. If not,
 
     - a swing is shortened, and lands where it catches most;
-    - a transfer is shortened;
+    - a transfer is shortened, that of a quick step prolonged as long as both feet catch the DCM;
     - a robot that stands steps with the foot that catches more, or with the one it holds up.
 
     The steps that follow are planned with the recovery gait, until a swing can end so that the
@@ -97,10 +100,25 @@ class PushRecovery:
         return planned, shift
 
     def update_transfer(
-        self, state: GaitState, planned: DcmReference, reference: Reference
+        self,
+        state: GaitState,
+        planned: DcmReference,
+        reference: Reference,
+        ankles: tuple[float, float],
     ) -> DcmReference:
-        """Shorten the transfer if no ZMP within the support catches the DCM; see `update_swing`."""
+        """Shorten the transfer if no ZMP within the support catches the DCM; see `update_swing`.
+
+        That of a quick step is prolonged while both feet together catch the DCM.
+
+        Args:
+            state: whose `gait` and `duration` it sets.
+            planned: DCM and ZMP without any adjustment.
+            reference: see `update_swing`.
+            ankles: see `update_swing`.
+        """
         quick = state.recovery_gait
+        if state.recovering and not state.starting:
+            return self._update_recovery_transfer(state, planned, reference, ankles)
         if quick is state.gait or abs(state.dcm - planned.dcm) <= _LEAST_ERROR or state.on_stairs:
             return planned
         # The ZMP moves on to the support foot: half the way is its mean.
@@ -110,6 +128,43 @@ class PushRecovery:
         state.gait, state.shortened = quick, True
         state.duration = min(state.duration, max(quick.double_support, state.time))
         return reference(None)
+
+    def _update_recovery_transfer(
+        self,
+        state: GaitState,
+        planned: DcmReference,
+        reference: Reference,
+        ankles: tuple[float, float],
+    ) -> DcmReference:
+        """Choose at the end of a quick transfer what follows; see `update_transfer`.
+
+        If the ankles alone catch the DCM in a step of the normal gait, that is the next one. Else,
+        if the DCM is not beyond the support sole, the robot stays on both feet until they do: a
+        foot that comes back from a wide step moves the pivot towards itself by `κ a` (see
+        `SwingMomentum`), which drives the DCM away by more than a quick step with the ZMP at the
+        sole's edge takes back.
+        """
+        if state.remaining > _HOLD:
+            return planned
+        quick = state.gait
+        state.gait = normal = state.normal_gait
+        held = reference(None)
+        error = state.dcm - held.dcm
+        local = error * planar_rotation(-state.stance.yaw)
+        if footstep_adjustment(local, normal.omega, normal.single_support, ankles) == 0j:
+            return held
+        state.gait = quick
+        # The other foot carries little by now: the ZMP is on the support sole.
+        dcm, inside = state.stance.to_local(state.dcm), _INSIDE * normal.com_height
+        along, across = self._support.zmp_range(state.support, 1.0)
+        if (
+            state.time > _LONGEST_HOLD
+            or math.copysign(dcm.real, dcm.real * local.real) > along - inside
+            or math.copysign(dcm.imag, dcm.imag * local.imag) > across - inside
+        ):
+            return planned
+        state.duration = state.time + _HOLD
+        return held
 
     def update_standing(self, state: GaitState, planned: DcmReference) -> None:
         """Request a step if the DCM is near the edge of the support; see `update_swing`."""
@@ -130,8 +185,12 @@ class PushRecovery:
         if lifted:
             state.requested_swing = state.swing_side
         else:
-            left, right = (self._lateral_error_after(state, side) for side in ("left", "right"))
-            state.requested_swing = "left" if left < right else "right"
+            # Mirrored pushes have mirrored answers: if either foot catches it, the one that is away
+            # from the push's side, which bears little, steps first.
+            sides = ("right", "left") if error.imag > 0.0 else ("left", "right")
+            state.requested_swing = min(
+                sides, key=lambda side: self._lateral_error_after(state, side)
+            )
         state.gait = state.recovery_gait
 
     def _least_time(self, state: GaitState, shift: complex) -> float:

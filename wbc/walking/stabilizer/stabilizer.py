@@ -130,7 +130,8 @@ class Stabilizer:
         if state.may_choose_side:
             recovery.update_standing(state, planned)
         else:
-            planned = recovery.update_transfer(state, planned, reference)
+            ankles = self.support.zmp_range(state.support, self._gains.ankle_share)
+            planned = recovery.update_transfer(state, planned, reference, ankles)
         return planned, state.landing
 
     def _adjust_swing(
