@@ -23,7 +23,7 @@ demo: .venv/run.stamp
 	$(BIN)/wbc walk --tour --real-time --html out/demo.html
 
 test: .venv/dev.stamp
-	$(BIN)/python -m pytest -n 2 --dist loadfile $(ARGS)
+	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder $(ARGS)
 
 lint: .venv/dev.stamp
 	$(BIN)/ruff check .

@@ -22,10 +22,10 @@ import subprocess
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -46,6 +46,7 @@ from wbc.sim import JointServos, Mujoco
 from wbc.walking.waypoint_follower import WaypointFollower
 
 Row = dict[str, Any]
+Case = TypeVar("Case")
 _MOTIONS = (Wave(), Squat())
 _STAND, _STOP = 2.0, 3.0  # s at the beginning and the end of a walk
 
@@ -124,20 +125,11 @@ def _started(
     return stand_in, transport, plant
 
 
-def _compensated(plant: SafeHardware) -> LatencyCompensation:
-    """Return an estimator of the state that a command will find, by the measured latency."""
-    estimator, robot = wbc.Estimator(plant.robot, plant.dt), plant.robot
-    return LatencyCompensation(
-        estimator, robot, plant.dt, latency=lambda: plant.latency.beyond_ideal
-    )
-
-
 def latency(options: argparse.Namespace) -> list[Row]:
-    """Walk with latency from reading to torque, and messages lost in both directions."""
+    """Walk with latency, messages lost on the wire, and the state as read or predicted."""
     rows = []
-    cases = [(0.0, 0.0), (0.008, 0.05), (0.013, 0.1), (0.018, 0.05), (0.028, 0.05)]
-    runs = itertools.product(cases, ("as read", "predicted"), range(options.seeds))
-    for (delay, loss), state, seed in runs:
+    cases = [(0.0, 0.0), (0.008, 0.05), (0.018, 0.05), (0.028, 0.05)]
+    for (delay, loss), state, seed in _each(cases, options.seeds):
         random = np.random.default_rng(seed)
 
         def lossy(
@@ -146,16 +138,33 @@ def latency(options: argparse.Namespace) -> list[Row]:
             return [] if random.random() < loss else [data]
 
         _, _, plant = _started(seed, delay, lossy)
-        estimator = _compensated(plant) if state == "predicted" else None
+        estimator = None
+        if state == "predicted":
+            estimator = LatencyCompensation(
+                wbc.Estimator(plant.robot, PERIOD), plant.robot, PERIOD,
+                latency=lambda p=plant: p.latency.beyond_ideal,
+            )  # fmt: skip
         report = _walk(plant, 0.35, options.distance, PERIOD, estimator=estimator)
         measured = plant.latency.seconds or 0.0
-        what = (
-            f"g1, {1e3 * delay + 2.0:.0f} ms, {100.0 * loss:g} % lost in each direction, "
-            f"state {state}"
-        )
+        what = f"g1, servos, {1e3 * delay + 2.0:.0f} ms, {100.0 * loss:g} % lost, state {state}"
         lost = {"measured_latency_ms": round(1e3 * measured, 1), "states_lost": plant.lost}
         rows.append(_row(what, seed, report) | lost)
+    robot = wbc.load("g1")
+    for delay, state, seed in _each((0.0, 0.01, 0.02, 0.03), options.seeds):
+        torque = Mujoco(robot, dt=PERIOD, latency=delay, seed=seed)
+        estimator = None
+        if state == "predicted":
+            estimator = LatencyCompensation(
+                wbc.Estimator(robot, PERIOD), robot, PERIOD, latency=delay
+            )
+        report = _walk(torque, 0.35, options.distance, PERIOD, estimator=estimator)
+        what = f"g1, torques, {1e3 * delay + 2.0:.0f} ms, state {state}"
+        rows.append(_row(what, seed, report))
     return rows
+
+
+def _each(cases: Iterable[Case], seeds: int) -> Iterable[tuple[Case, str, int]]:
+    return itertools.product(cases, ("as read", "predicted"), range(seeds))
 
 
 def _changed(change: Callable[[np.ndarray], None], dtype: Any = LOW_STATE) -> Disturbance:
@@ -354,8 +363,7 @@ def _real_time_row(player: MotionPlayer, seed: int, distance: float) -> Row:
         SafeHardware(connect("lo", player.robot)) as plant,
         real_time_thread(RealTime()) as granted,
     ):
-        estimator = _compensated(plant)
-        report = wbc.run(player, plant, duration, estimator=estimator, before_tick=command)
+        report = wbc.run(player, plant, duration, before_tick=command)
         connection, latency = plant.connection, plant.latency.seconds
     periods = np.diff(begun[1:ticks])  # the first one has the start in it
     period = np.percentile(periods, (50, 99, 100)) if ticks > 2 else np.zeros(3)

@@ -10,6 +10,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+LONG = ("20_trials", "21_stairs")
 SAYS = {
     "01_kinematics": "free fall, CoM at",
     "02_stand": "left_sole carries",
@@ -55,7 +56,13 @@ def run(script: Path, folder: Path) -> str:
     return done.stdout
 
 
-@pytest.mark.parametrize("script", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "script",
+    [
+        pytest.param(path, id=path.stem, marks=[pytest.mark.slow] if path.stem in LONG else [])
+        for path in EXAMPLES
+    ],
+)
 def test_example_runs(script, tmp_path):
     said = run(script, tmp_path)
     assert SAYS[script.stem] in said

@@ -16,6 +16,11 @@ from wbc.motions.registry import MOTIONS
 
 pytestmark = pytest.mark.browser
 
+# Rendering in software takes most of the time of these tests.
+TEN_FRAMES_A_SECOND = """
+window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 100);
+window.cancelAnimationFrame = clearTimeout;
+"""
 TIMEOUT = 60_000  # ms; software rendering on a busy machine is slow
 _BETWEEN_SESSIONS = "ERR_CONNECTION_REFUSED"  # until the next one is served
 
@@ -75,6 +80,7 @@ def new_page(context, url, ready):
 def shared(browser, url):
     # Waiting for expressions needs the `eval` that the page's policy refuses.
     context = browser.new_context(viewport={"width": 480, "height": 320}, bypass_csp=True)
+    context.add_init_script(TEN_FRAMES_A_SECOND)
     with new_page(context, url, "wbc.ready && wbc.live.status") as page:
         yield page
 
@@ -107,6 +113,11 @@ def turn(page, control, share):
         " slider.dispatchEvent(new Event('input')); slider.dispatchEvent(new Event('change')); }",
         share,
     )
+
+
+def press(page, selector):
+    """A click by a script: the browser's own waits for frames, seconds long on a busy machine."""
+    page.locator(selector).first.evaluate("(element) => element.click()")
 
 
 def silhouette(page):
@@ -275,12 +286,12 @@ def test_the_tuner_lists_the_tasks_and_a_gain_reaches_every_page(url, page):
         turn(other, "com.weight", 0.6)
         page.wait_for_function(f"wbc.live.values['com.weight'] < 0.9 * {weight}")
     pass_time(page, 0.2)
-    page.locator("[data-task='angular momentum']").uncheck()
+    press(page, "[data-task='angular momentum']")
     page.wait_for_function("wbc.live.values['angular momentum.weight'] === 0")
     page.select_option("[data-choose=frame]", "left_hand")
-    page.click("[data-action='add task']")
+    press(page, "[data-action='add task']")
     page.wait_for_function("wbc.live.frameTasks.length === 1")
-    page.click(".frame-task button")
+    press(page, ".frame-task button")
     page.wait_for_function("wbc.live.frameTasks.length === 0")
     page.click("details[open] >> text=Reset to defaults")
     page.wait_for_function("document.querySelector(\"[data-task='angular momentum']\").checked")
@@ -335,8 +346,13 @@ def test_a_fall_is_unmistakable_stays_in_reach_and_one_key_resets(page):
     page.locator("[aria-label='size of the push']").evaluate(
         "(slider) => { slider.value = 1; slider.oninput(); }"
     )
-    for _ in range(6):  # pushes at once add up
-        page.keyboard.press("p")
+    # Pushes at once add up; one after the fall would be refused.
+    page.evaluate(
+        """() => {
+          for (let count = 0; count < 6; ++count)
+            document.body.dispatchEvent(new KeyboardEvent("keydown", {key: "p", bubbles: true}));
+        }"""
+    )
     page.wait_for_function("wbc.live.status.mode === 'fallen'")
     banner = "document.querySelector('#banner').innerText"
     page.wait_for_function(f"{banner}.includes('Robot fell — press Reset (R)')")
@@ -358,6 +374,51 @@ def test_a_fall_is_unmistakable_stays_in_reach_and_one_key_resets(page):
     page.click("#tabs >> text=Controls")
 
 
+def drag(page, place, by, done):
+    """Drags what is at a place, (x, y) by a script, until a condition holds.
+
+    Robot and camera move: it may be elsewhere when the mouse arrives.
+    """
+    from playwright.sync_api import TimeoutError as NotYet
+
+    for timeout in (*[3000] * 9, TIMEOUT):
+        x, y = page.evaluate(place)
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + by[0], y + by[1], steps=2)
+        try:
+            page.wait_for_function(done, timeout=timeout)
+        except NotYet:
+            if timeout == TIMEOUT:
+                raise
+        else:
+            return
+        finally:
+            page.mouse.up()
+
+
+A_LINK = """() => {
+  const frame = viewer.renderer.domElement.getBoundingClientRect(), hits = [];
+  for (let y = 0.3; y < 0.7; y += 0.04) for (let x = 0.4; x < 0.6; x += 0.01) {
+    const at = [frame.left + x * frame.width, frame.top + y * frame.height];
+    if (wbc.pointer.linkPoint({clientX: at[0], clientY: at[1]})) hits.push(at);
+  }
+  return hits[hits.length >> 1];
+}"""
+THE_RIGHT_HAND = """() => {
+  const ball = wbc.pointer.handles.get("right").children[0];
+  viewer.camera.updateMatrixWorld();
+  ball.updateWorldMatrix(true, false);
+  const at = new THREE.Vector3().setFromMatrixPosition(ball.matrixWorld);
+  at.project(viewer.camera);
+  const frame = viewer.renderer.domElement.getBoundingClientRect();
+  return [
+    frame.left + (at.x + 1) / 2 * frame.width,
+    frame.top + (1 - at.y) / 2 * frame.height,
+  ];
+}"""
+
+
 def test_a_clicked_floor_is_walked_to_and_a_link_is_pulled(page):
     page.keyboard.press("w")
     page.evaluate("element('tools').hidden = true")
@@ -367,43 +428,11 @@ def test_a_clicked_floor_is_walked_to_and_a_link_is_pulled(page):
     page.keyboard.press("s")
     page.wait_for_function("wbc.live.status.velocity.every((x) => x === 0)")
     page.keyboard.press("d")
-    place = page.evaluate(
-        """() => {
-          const frame = viewer.renderer.domElement.getBoundingClientRect(), hits = [];
-          for (let y = 0.3; y < 0.7; y += 0.04) for (let x = 0.4; x < 0.6; x += 0.01) {
-            const at = [frame.left + x * frame.width, frame.top + y * frame.height];
-            if (wbc.pointer.linkPoint({clientX: at[0], clientY: at[1]})) hits.push(at);
-          }
-          return hits[hits.length >> 1];
-        }"""
-    )
-    page.mouse.move(*place)
-    page.mouse.down()
-    page.mouse.move(place[0] + 5, place[1])
     kinds = "wbc.timeline.events().map((event) => event.kind)"
-    page.wait_for_function(f"{kinds}.includes('pull')")
-    page.mouse.up()
+    drag(page, A_LINK, (5, 0), f"{kinds}.includes('pull')")
     page.keyboard.press("h")
     page.wait_for_function("wbc.pointer.handles.size === 2 && wbc.ready")
-    ball = page.evaluate(
-        """() => {
-          const ball = wbc.pointer.handles.get("right").children[0];
-          viewer.camera.updateMatrixWorld();
-          ball.updateWorldMatrix(true, false);
-          const at = new THREE.Vector3().setFromMatrixPosition(ball.matrixWorld);
-          at.project(viewer.camera);
-          const frame = viewer.renderer.domElement.getBoundingClientRect();
-          return [
-            frame.left + (at.x + 1) / 2 * frame.width,
-            frame.top + (1 - at.y) / 2 * frame.height,
-          ];
-        }"""
-    )
-    page.mouse.move(*ball)
-    page.mouse.down()
-    page.mouse.move(ball[0], ball[1] - 10, steps=2)
-    page.wait_for_function("wbc.live.status.hands.right.leads")
-    page.mouse.up()
+    drag(page, THE_RIGHT_HAND, (0, -10), "wbc.live.status.hands.right.leads")
     page.keyboard.press("s")
     page.wait_for_function("!wbc.live.status.hands.right.leads")
     page.evaluate("element('tools').hidden = false")

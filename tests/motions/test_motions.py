@@ -239,6 +239,7 @@ def answer(player: MotionPlayer, order: Callable[[], None], estimate: wbc.Estima
     return torque
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="a tick is tried out in a forked process")
 def test_interrupting_or_blending_any_motion_keeps_torque_steps_within_the_bound():
     one, random, asked = robot("simple_humanoid"), np.random.default_rng(7), {}

@@ -56,7 +56,6 @@ def walk_on_hardware(
     if options.push or options.ground_truth:
         raise WbcError("--push and --ground-truth are for the simulator; leave them out")
     with exit_on_interrupt():
-        from wbc.estimation import LatencyCompensation
         from wbc.hardware import SafeHardware
 
         name = "g1" if hardware == "unitree" else options.simulation.robot
@@ -92,13 +91,8 @@ def walk_on_hardware(
         def progress(now: Progress) -> None:
             line.show_run(now)
 
-        estimator = LatencyCompensation(
-            wbc.Estimator(robot, plant.dt), robot, plant.dt,
-            latency=lambda: plant.latency.beyond_ideal,
-        )  # fmt: skip
         report = wbc.run(
-            walker, plant, duration, estimator=estimator, observers=observers,
-            before_tick=command, progress=progress,
+            walker, plant, duration, observers=observers, before_tick=command, progress=progress,
             on_falling=lambda text: line.print(f"the robot is {text}"),
         )  # fmt: skip
         latency = plant.latency.seconds

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from dataclasses import replace
 
 from wbc import teleop
 from wbc.cli.exit_code import ExitCode
@@ -51,7 +53,8 @@ def run(
             observers=session.observers,
             real_time=real_time,
             stop=lambda: bool(session.interrupted),
-            progress=session.line.show_run,
+            # Resets, pauses and slow motion make a time left meaningless.
+            progress=lambda now: session.line.show_run(replace(now, duration=math.inf)),
             message=session.line.print,
         )
 

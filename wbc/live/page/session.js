@@ -32,7 +32,10 @@ function uploadButton(accept, label, title, received) {
     button.disabled = false;
     button.textContent = label;
     if (answer.error) wbc.showError(answer.error);
-    else received(answer);
+    else {
+      receiveFiles([...new Set([...files, answer.name])]);  // the list of all may come later
+      received(answer);
+    }
   };
   return [button, input];
 }
