@@ -328,14 +328,14 @@ def test_a_message_of_a_megabyte_closes_only_its_senders_connection(live, take, 
 def test_pages_show_the_same_values_when_others_close_or_reconnect(live, take):
     one, two = Client(live.url), Client(live.url)
     two.receive("values")
-    one.request("velocity.forward", 0.1)
-    assert two.receive("values")["values"] == {"velocity.forward": 0.1}
+    one.request("com.weight", 2000.0)
+    assert two.receive("values")["values"] == {"com.weight": 2000.0}
     one.close()
     take(1)
-    two.request("velocity.turn", 0.2)
+    two.request("gait.swing_height", 0.04)
     take(2)
     again = Client(live.url).receive("values")["values"]
-    assert (again["velocity.forward"], again["velocity.turn"]) == (0.1, 0.2)
+    assert (again["com.weight"], again["gait.swing_height"]) == (2000.0, 0.04)
 
 
 def test_an_infeasible_motion_is_refused_and_never_reaches_the_loop(live, take):

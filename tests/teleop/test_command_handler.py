@@ -650,7 +650,7 @@ def test_commands_of_other_threads_are_all_applied(still, player):
         (PushCommand((1.0, 0.0, 0.0), frame="torso"), "'world' or 'heading'"),
         (GaitParameterCommand("swing_hight", 0.1), "did you mean 'gait.swing_height'"),
         (GaitParameterCommand("swing_height", -0.1), "out of range: 0.0"),
-        (GainCommand("com", "weight", 0.0), "com.weight = 0.0 is out of range: 300 to 30000"),
+        (GainCommand("com", "weight", 1.0), "com.weight = 1.0 is out of range: 300 to 30000"),
         (GainCommand("comm", "weight", 1.0), "no parameter 'comm.weight'; did you mean"),
         (GainCommand("gait", "swing_height", 0.08), "'gait' is not a task"),
         (GainCommand("velocity", "forward", 0.1), "'velocity' is not a task"),
