@@ -49,6 +49,7 @@ def test_schedule_restarts_after_a_long_delay(lateness):
     assert np.delete(late, 50) == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_loop_benchmark_measures_every_observer(tmp_path):
     out, plot = tmp_path / "loop.json", tmp_path / "loop.png"
     flags = ["--robot", "simple_humanoid", "--rate", "500", "--duration", "0.4"]

@@ -17,9 +17,13 @@ from wbc.motions.registry import MOTIONS
 pytestmark = pytest.mark.browser
 
 # Rendering in software takes most of the time of these tests.
-TEN_FRAMES_A_SECOND = """
-window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 100);
+FIVE_FRAMES_A_SECOND = """
+window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 200);
 window.cancelAnimationFrame = clearTimeout;
+"""
+NO_SHADOWS = """
+viewer.renderer.shadowMap.enabled = false;
+viewer.scene.traverse((object) => { if (object.material) object.material.needsUpdate = true; });
 """
 TIMEOUT = 60_000  # ms; software rendering on a busy machine is slow
 _BETWEEN_SESSIONS = "ERR_CONNECTION_REFUSED"  # until the next one is served
@@ -69,6 +73,7 @@ def new_page(context, url, ready):
     )
     page.goto(url)
     page.wait_for_function(ready)
+    page.evaluate(NO_SHADOWS)
     yield page
     refusals = page.evaluate("wbc.live.errors")
     page.close()
@@ -80,7 +85,7 @@ def new_page(context, url, ready):
 def shared(browser, url):
     # Waiting for expressions needs the `eval` that the page's policy refuses.
     context = browser.new_context(viewport={"width": 480, "height": 320}, bypass_csp=True)
-    context.add_init_script(TEN_FRAMES_A_SECOND)
+    context.add_init_script(FIVE_FRAMES_A_SECOND)
     with new_page(context, url, "wbc.ready && wbc.live.status") as page:
         yield page
 

@@ -31,7 +31,7 @@ def keeps_limits(report: Report) -> bool:
     )
 
 
-@pytest.mark.parametrize("name", ["talos", "g1"])
+@pytest.mark.parametrize("name", [pytest.param("talos", marks=pytest.mark.slow), "g1"])
 def test_robot_jumps_with_the_clearance_and_lands_standing(name):
     report = run_motions(robot(name), [JUMP], seed=3)
     assert report.survived

@@ -133,6 +133,7 @@ def test_hands_wave_above_the_shoulders_while_it_walks():
     assert sum(a > 0.0 for a in above) * 0.002 > 2.0
 
 
+@pytest.mark.slow
 def test_hands_reach_positions_and_a_note_names_those_out_of_reach():
     report = run_motions(
         robot("simple_humanoid"), [Reach(random=2, place_seed=5, hold=0.4)], seed=2

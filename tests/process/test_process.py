@@ -135,8 +135,12 @@ def commands(folder):
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="looks for children in /proc")
 @pytest.mark.parametrize(
     ("sign", "code", "early"),
-    [(signal.SIGKILL, -signal.SIGKILL, True), (signal.SIGINT, 130, False)],
-    ids=["killed at its first child", "interrupted at its last"],
+    [
+        pytest.param(signal.SIGKILL, -signal.SIGKILL, True, id="killed at its first child"),
+        pytest.param(
+            signal.SIGINT, 130, False, id="interrupted at its last", marks=pytest.mark.slow
+        ),
+    ],
 )
 def test_a_parent_that_ends_while_starting_a_child_leaves_no_child_and_no_traceback(
     tmp_path, sign, code, early
