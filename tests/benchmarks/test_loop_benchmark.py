@@ -68,6 +68,7 @@ def test_loop_benchmark_measures_every_observer(tmp_path):
     assert plot.stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_startup_benchmark_measures_every_row(tmp_path):
     out = tmp_path / "startup.json"
     flags = ["--robot", "simple_humanoid", "--repeat", "1", "--json", str(out)]

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from logtools import StreamedLog, random_tick, robot, telemetry
+from needs import need_browser
 
 from wbc.cli import main
 from wbc.command import Status
@@ -94,6 +95,7 @@ def test_a_missing_package_is_named_with_its_extra(run, monkeypatch):
 @pytest.mark.browser
 @pytest.mark.parametrize("width", [390, 1280])
 def test_the_page_fits_the_width_of_the_screen(run, page, tmp_path: Path, width):
+    need_browser()
     from wbc.view.browser import new_page
 
     path = tmp_path / "report.html"
