@@ -269,12 +269,15 @@ class WholeBodyController(TaskCollection):
 
         Once they had to, they may in the next tick, too: an infeasible solve takes long.
         """
-        names = self._limit_set.barriers
-        if not (self._relaxed and names):
+        limits = self._limit_set
+        if not (self._relaxed and limits.barriers):
             solver = self.solver if problem.levels is None else self._priority_solver()
             solution = solver.solve(problem)
-            if solution.outcome is not Outcome.INFEASIBLE or not names or not load_qp_kernels():
+            if solution.outcome is not Outcome.INFEASIBLE:
                 return solution, ""
+            if not limits.barriers or not load_qp_kernels():
+                return solution, ""
+        names = limits.barriers
         self._relaxed = False
         relaxed = relaxed_problem(problem, names)
         solution, text = self._priority_solver().solve(relaxed), ""

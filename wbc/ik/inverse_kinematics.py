@@ -308,10 +308,11 @@ class InverseKinematics(TaskCollection):
                 "infinite"
             )
         solution = self._solver_of(problem).solve(problem)
-        barriers = self._limit_set.barriers
-        if solution.outcome is Outcome.INFEASIBLE and barriers and load_qp_kernels():
-            relaxed = relaxed_problem(problem, barriers)
-            solution = self._solver_of(relaxed).solve(relaxed)
+        if solution.outcome is Outcome.INFEASIBLE:
+            barriers = self._limit_set.barriers
+            if barriers and load_qp_kernels():
+                relaxed = relaxed_problem(problem, barriers)
+                solution = self._solver_of(relaxed).solve(relaxed)
         x = np.asarray(solution.x)
         solved = solution.outcome is Outcome.SOLVED and x.shape == problem.g.shape
         if solved and math.isfinite(x.dot(x)):
