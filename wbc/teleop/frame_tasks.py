@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.motions import MotionPlayer
-from wbc.motions.engine.hands import frame_of_hands
+from wbc.motions.engine.hands import base_velocity, frame_of_hands, turn_rate
 from wbc.tasks import OrientationTask, PositionTask
 from wbc.teleop.commands import FrameTaskCommand
 
@@ -72,14 +72,10 @@ class _HeldFrame:
     def advance(self) -> None:
         """Set the target to where the robot has moved."""
         origin, axes = frame_of_hands(self._walker, "base")
-        kin = self._walker.kinematics
-        rotation, velocity = kin.base.rotation, kin.state.v
-        turn = float(rotation[2] @ velocity[3:6])
         if isinstance(self.task, PositionTask):
             lever = axes @ self._place
             self.task.target = origin + lever
-            along = np.array([-turn * lever[1], turn * lever[0], 0.0])
-            self.task.velocity = rotation @ velocity[:3] + along
+            self.task.velocity = base_velocity(self._walker, lever)
         else:
             self.task.target = axes @ self._rotation
-            self.task.velocity = np.array([0.0, 0.0, turn])
+            self.task.velocity = np.array([0.0, 0.0, turn_rate(self._walker)])

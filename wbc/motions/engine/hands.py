@@ -168,7 +168,7 @@ class HandReference:
         task.target = place if distance < _MAX_ERROR else now + (_MAX_ERROR / distance) * error
         task.velocity = axes @ self.place.velocity
         if self.frame == "base":
-            task.velocity += _base_velocity(walker, place - origin)
+            task.velocity += base_velocity(walker, place - origin)
         task.acceleration = axes @ self.place.acceleration
 
     def _disengage(self) -> None:
@@ -186,12 +186,21 @@ def frame_of_hands(walker: Walker, frame: HandFrame) -> tuple[np.ndarray, np.nda
     return walker.kinematics.base.translation, standing.rotation
 
 
-def _base_velocity(walker: Walker, lever: np.ndarray) -> np.ndarray:
-    """Return the velocity (3,) of a point that turns and moves with the base frame, m/s."""
+def turn_rate(walker: Walker) -> float:
+    """Return the base's angular velocity about the vertical, rad/s."""
     kin = walker.kinematics
-    rotation = kin.base.rotation
-    velocity = rotation @ kin.state.v[:3]
-    turn = float(rotation[2] @ kin.state.v[3:6])
+    return float(kin.base.rotation[2] @ kin.state.v[3:6])
+
+
+def base_velocity(walker: Walker, lever: np.ndarray) -> np.ndarray:
+    """Return the velocity (3,) of a point that turns and moves with the base frame, m/s.
+
+    Args:
+        walker: the walker.
+        lever: (3,) from the base's origin to the point, world axes, m.
+    """
+    kin, turn = walker.kinematics, turn_rate(walker)
+    velocity = kin.base.rotation @ kin.state.v[:3]
     return np.asarray(velocity + np.array([-turn * lever[1], turn * lever[0], 0.0]))
 
 
