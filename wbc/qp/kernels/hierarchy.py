@@ -43,8 +43,8 @@ from wbc.qp.kernels.factors import factor_row, solve_factored
 from wbc.qp.kernels.level_memory import LevelWorkspace, copy_row
 from wbc.qp.kernels.level_optimum import (
     close_level,
+    minimize_costs,
     move_to_optimum,
-    put_costs,
     repeat_level,
 )
 from wbc.qp.kernels.null_space import (
@@ -367,9 +367,7 @@ def solve_level(
     n = work.x.size
     for i in range(n):
         linear.center[i] = work.start[i]
-    count = put_costs(rows, active, work, linear, G, 0, first, unit)
-    rank = factor_rows(linear, count, first)
-    least_squares(linear, count, rank, first)
+    count, rank = minimize_costs(rows, active, work, linear, G, 0, first, unit)
     sensitive = 1.0
     for c in range(rank):
         sensitive = max(sensitive, 1.0 / abs(linear.A[c, first + c]))

@@ -115,6 +115,32 @@ def put_costs(
 
 
 @subkernel
+def minimize_costs(
+    rows: Inequality,
+    active: WorkingSet,
+    work: LevelWorkspace,
+    linear: LevelRows,
+    G: np.ndarray,
+    size: int,
+    stop: int,
+    unit: float,
+) -> tuple[int, int]:
+    """Move `linear.center` to the nearest least-squares solution of the level's costs.
+
+    Args:
+        rows, active, work, linear, G, size, unit: see `move_to_optimum`.
+        stop: first coordinate that is free.
+
+    Returns:
+        The number of costs, and their rank in the free coordinates.
+    """
+    count = put_costs(rows, active, work, linear, G, size, stop, unit)
+    rank = factor_rows(linear, count, stop)
+    least_squares(linear, count, rank, stop)
+    return count, rank
+
+
+@subkernel
 def find_multipliers(
     rows: Inequality,
     active: WorkingSet,
@@ -256,9 +282,7 @@ def repeat_level(
     reflect_back(linear, z, stop)
     for i in range(n):
         linear.center[i] = work.x[i] + z[i]
-    count = put_costs(rows, active, work, linear, G, size, stop, unit)
-    rank = factor_rows(linear, count, stop)
-    least_squares(linear, count, rank, stop)
+    _, rank = minimize_costs(rows, active, work, linear, G, size, stop, unit)
     for i in range(n):
         work.x[i] = linear.center[i]
     if most_violated(rows, work, tolerance)[0] >= 0:
@@ -305,9 +329,7 @@ def move_to_optimum(
         stop = hold_rows(rows, active, work, linear, first, size, _FREE)
         for i in range(n):
             linear.center[i] = x[i]
-        count = put_costs(rows, active, work, linear, G, size, stop, unit)
-        rank = factor_rows(linear, count, stop)
-        least_squares(linear, count, rank, stop)
+        _, rank = minimize_costs(rows, active, work, linear, G, size, stop, unit)
         for i in range(n):
             d[i] = linear.center[i] - x[i]
         row, side, place, share = first_to_block(rows, active, work, size, tolerance)
