@@ -264,6 +264,10 @@ class Client:
             if message is None or key in message:
                 return message
 
+    def received(self):
+        """Return the messages that have come and were not returned yet."""
+        return [self._received.get() for _ in range(self._received.qsize())]
+
     def close(self):
         self._loop.call_soon_threadsafe(self._socket.close)
 
@@ -380,6 +384,23 @@ def test_a_motion_whose_planning_fails_is_reported_and_the_page_continues(live, 
     assert "FileNotFoundError" in page.receive("error")["error"]
     page.send(motion("waiting", duration=0.3))
     take(1)
+
+
+def test_every_command_of_a_flood_is_answered(live, handler):
+    page = Client(live.url)
+    for k in range(600):
+        page.request("com.weight", 1000.0 + k)
+    messages = []
+    wait_until(
+        lambda: (
+            handler.before_tick(0.0)
+            or messages.extend(m for m in page.received() if "outcome" in m or "error" in m)
+            or len(messages) == 600
+        )
+    )
+    accepted = [message["id"] for message in messages if "outcome" in message]
+    assert len(accepted) > 1
+    assert accepted == sorted(set(accepted))
 
 
 def test_a_loop_that_takes_no_commands_is_reported(live):

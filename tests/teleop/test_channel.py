@@ -66,10 +66,11 @@ def poll(client, count):
 
 
 def received_by(handler):
-    """The commands that the handler takes before its next tick."""
+    """The commands that the handler takes before its next two ticks."""
     received = []
     handler.add_observer(lambda sent, _: received.append(sent))
-    handler.before_tick(0.0)
+    for _ in range(2):
+        handler.before_tick(0.0)
     return received
 
 
@@ -89,6 +90,15 @@ def test_commands_arrive_whole_and_in_order_and_are_acknowledged(handler, client
     assert {sent.source for sent in received} == {"test"}
     assert all(before <= sent.stamp <= time.monotonic() for sent in received)
     assert poll(client, 5) == [(number, CommandOutcome.ACCEPTED, "") for number in numbers]
+
+
+def test_a_flood_of_commands_is_spread_over_ticks_and_none_is_lost(handler, client):
+    numbers = [client.send(GainCommand("com", "weight", 1000.0 + k)) for k in range(30)]
+    received = received_by(handler)
+    assert 0 < len(received) < 10
+    for _ in range(8):
+        handler.before_tick(0.0)
+    assert [sent.id for sent in received] == numbers
 
 
 def test_an_invalid_command_never_reaches_the_loop(handler, client):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -11,15 +10,17 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from wbc.errors import WbcError, did_you_mean, short_repr
+from wbc.errors import WbcError, short_repr
 from wbc.live.config import LiveServerConfig
 from wbc.live.controls import Controls, decode
+from wbc.live.driving_pages import TIMEOUT, DrivingPage, DrivingPages
 from wbc.live.explainer import TickExplainer
 from wbc.live.hand_handles import HandHandles
 from wbc.live.history import History
 from wbc.live.run_events import RunEvents
 from wbc.live.saving import FileKind, SavedFiles, Stretch
-from wbc.live.signals import signal_limits, signal_places
+from wbc.live.signal_streams import SignalStreams
+from wbc.live.tick_status import tick_status
 from wbc.live.uploads import Uploads
 from wbc.live.walk_to import WalkTo
 from wbc.motions import Motion
@@ -33,37 +34,28 @@ from wbc.teleop import (
     CommandOutcome,
     CommandRefused,
     FrameTaskCommand,
-    KeepVelocityCommand,
+    MotionCommand,
     ResetCommand,
     StandCommand,
     StartSessionCommand,
+    TeleopCommand,
     VelocityCommand,
 )
 from wbc.teleop.number_checks import check_number
 
 _MAX_TICKS = 4096  # in one status message
-_MAX_SIGNALS = 64  # of a page
 _LONGEST = 1e9  # s
-_POINTS = 1500  # of the older and of the newer half of a signal's past
-_MAX_UNANSWERED = 1000  # commands whose sender is remembered
-_TIMEOUT = 0.5  # s within which the robot stops when the last page that drives is gone
-_KEEP_PERIOD = 0.1  # s between two commands that keep the velocity
-#: Silence of a page that drives after which it counts as gone, s. Those on this machine
-#: close their connection when they end; one may be silent for long because its machine is busy.
-_SILENCE, _LOCAL_SILENCE = 0.5, 3.0
+_LASTING = (MotionCommand, ResetCommand, VelocityCommand)  # another outcome follows "accepted"
 
 
-class PageClient(Protocol):
-    """An open page.
-
-    Attributes:
-        local: Whether its browser runs on this machine.
-    """
-
-    local: bool
+class PageClient(DrivingPage, Protocol):
+    """An open page."""
 
     def send(self, message: dict[str, Any]) -> None:
         """Send it a message; never waits."""
+
+    def send_status(self, message: dict[str, Any]) -> None:
+        """Send it a message that may be dropped if it reads too slowly."""
 
 
 class RequestBroker:
@@ -96,23 +88,20 @@ class RequestBroker:
         self._client = CommandClient(config.robot, config.channel, "page", capabilities.motions)
         self._client.on_motion_sent = self._on_motion_sent
         self._controls = Controls(capabilities, uploads)
-        self._pages: dict[PageClient, list[str]] = {}  # with the signals that each draws
+        self._pages: list[PageClient] = []
+        self._driving = DrivingPages(self._client)
         self._reader = reader
         self._limiter = RateLimiter(config.rate)
         self._explainer: TickExplainer[PageClient] = TickExplainer(config.robot)
         self._last: Any = None  # record of the last tick
-        self._schema = reader.schema
-        self._places: dict[str, int] = {}  # of the signals
-        self._sent = 0  # number of the samples that the pages have received
+        self._signals: SignalStreams[PageClient] = SignalStreams(config.robot, config.dt, history)
         self._run = 0
-        self._senders: dict[int, PageClient] = {}  # by the number of the command
+        #: By the number of the command, until nothing more follows.
+        self._senders: dict[int, tuple[PageClient, TeleopCommand]] = {}
+        self._accepted_velocity = 0  # number of the last one
         self._infeasible = 0  # number of infeasible motions that the pages know of
         self._planning: tuple[Motion, PageClient] | None = None
         self._numbers: dict[str, PageClient] = {}
-        #: When the pages that have commanded velocities since standing gave their last sign, s.
-        self._drivers: dict[PageClient, float] = {}
-        self._kept = 0.0  # s, when the velocity was last kept
-        self._velocity = 0  # number of the velocity command in force
         self._opened = 0  # pages so far
 
     def start_planning(self) -> None:
@@ -128,7 +117,8 @@ class RequestBroker:
                     self._explain(request.value, page)
                     return
                 case "signals":
-                    self._select_signals(request.value, page)
+                    if past := self._signals.choose(page, request.value):
+                        page.send(past)
                     return
                 case "save":
                     self._save(request.value, page)
@@ -140,22 +130,19 @@ class RequestBroker:
                     return
             command = self._controls.command(request)
             if isinstance(command, VelocityCommand):
-                command = replace(command, timeout=_TIMEOUT)
+                command = replace(command, timeout=TIMEOUT)
             number = self._client.send(command, request.source)
         except CommandRefused as error:
             page.send({"error": str(error)})
             return
-        self._senders[number] = page
-        if len(self._senders) > _MAX_UNANSWERED:
-            del self._senders[next(iter(self._senders))]
+        self._senders[number] = page, command
         if changes := self._controls.apply(command):
             self._broadcast({"values": changes}, but=page)
         if isinstance(command, FrameTaskCommand):
             self._controls.apply_frame_task(command)
             self._announce_frame_tasks()
         if isinstance(command, VelocityCommand):
-            self._velocity = number
-            self._drivers[page] = time.monotonic()
+            self._driving.on_velocity(page, number)
             self._end_walk_to()
         if isinstance(command, (StandCommand, ResetCommand)):
             self._zero_velocity()
@@ -171,14 +158,14 @@ class RequestBroker:
         velocity = self._walk_to.velocity(tick)
         if velocity is None:
             return
-        command = VelocityCommand(*velocity, timeout=_TIMEOUT)
+        command = VelocityCommand(*velocity, timeout=TIMEOUT)
         try:
-            self._velocity = self._client.send(command, "page")
+            number = self._client.send(command, "page")
         except CommandRefused as error:
             page.send({"error": str(error)})
             self._end_walk_to()
             return
-        self._drivers.setdefault(page, time.monotonic())
+        self._driving.on_walk_to(page, number)
         self._broadcast({"values": self._controls.apply(command)})
         if self._walk_to.target is None:
             self._end_walk_to()
@@ -190,25 +177,12 @@ class RequestBroker:
 
     def on_alive(self, page: str) -> None:
         """Note that the page with a number is there."""
-        driver = self._numbers.get(page)
-        if driver is not None and driver in self._drivers:
-            self._drivers[driver] = time.monotonic()
-
-    def _keep_velocity(self, now: float) -> None:
-        """Keep the velocity in force while a page that drives is there."""
-        ends = [
-            seen + (_LOCAL_SILENCE if page.local else _SILENCE)
-            for page, seen in self._drivers.items()
-        ]
-        left = max(ends, default=now) - now
-        if left > 0.0 and now >= self._kept + _KEEP_PERIOD:
-            self._kept = now
-            with contextlib.suppress(CommandRefused):  # a loop that takes none at the moment
-                self._client.send(KeepVelocityCommand(self._velocity, min(left, _TIMEOUT)))
+        if page in self._numbers:
+            self._driving.on_alive(self._numbers[page])
 
     def advance(self) -> None:
         """Forward acknowledgements, and send the status to the pages if it is due."""
-        self._keep_velocity(time.monotonic())
+        self._driving.advance(time.monotonic())
         for page, why in self._explainer.answers():
             page.send({"why": why})
         for acknowledgement in self._client.poll():
@@ -236,11 +210,11 @@ class RequestBroker:
         page.send({"controls": self._controls.describe(), "page": self._opened})
         page.send({"values": self._controls.values, "infeasible": self._client.infeasible})
         page.send({"frame_tasks": self._controls.describe_frame_tasks()})
-        self._offer_signals(page)
+        page.send(self._signals.offer())
         page.send({"events": self._events.all, "files": self._uploads.names})
         if self._config.notice:
             page.send({"error": self._config.notice})
-        self._pages[page] = []
+        self._pages.append(page)
 
     def announce_files(self) -> None:
         """Send the pages the names of the files that they may name."""
@@ -248,39 +222,14 @@ class RequestBroker:
 
     def remove_page(self, page: PageClient) -> None:
         """Forget a page that has been closed."""
-        self._pages.pop(page, None)
-        self._drivers.pop(page, None)
+        if page in self._pages:
+            self._pages.remove(page)
+        self._signals.remove(page)
+        self._driving.remove(page)
+        self._senders = {n: sent for n, sent in self._senders.items() if sent[0] is not page}
         if page is self._walker:
             self._end_walk_to()
         self._numbers = {number: one for number, one in self._numbers.items() if one is not page}
-
-    def _offer_signals(self, page: PageClient) -> None:
-        limits = signal_limits(self._schema, self._config.robot, self._config.dt)
-        page.send({"signals": list(self._places), "limits": limits})
-
-    def _select_signals(self, labels: Any, page: PageClient) -> None:
-        """Send a page the past of the signals that it draws; from now on it receives the rest."""
-        if not isinstance(labels, list) or not all(isinstance(label, str) for label in labels):
-            raise CommandRefused(f"signals are {short_repr(labels)}; they are a list of names")
-        if len(labels) > _MAX_SIGNALS:
-            raise CommandRefused(f"a page draws at most {_MAX_SIGNALS} signals")
-        for label in labels:
-            if label not in self._places:
-                near = did_you_mean(label, self._places)
-                raise CommandRefused(f"no signal {short_repr(label)}{near}")
-        self._pages[page] = labels
-        if labels:
-            page.send({"past": self._series(labels, 0)})
-
-    def _series(self, labels: list[str], since: int) -> dict[str, Any]:
-        """Return signals over time, from the sample of a number on, as JSON."""
-        places = [self._places[label] for label in labels]
-        found = self._history.series(places, since, _POINTS)
-        values = {
-            label: [_numbers(one.low), _numbers(one.high)]
-            for label, one in zip(labels, found, strict=True)
-        }
-        return {"time": np.round(found[0].time, 4).tolist() if found else [], "values": values}
 
     def _save(self, value: Any, page: PageClient) -> None:
         """Write a stretch of the session to a file, and send the page its address."""
@@ -291,7 +240,7 @@ class RequestBroker:
         events = self._events.between(float(times[0]), float(times[-1]))
         config = self._config
         stretch = Stretch(
-            config.robot, config.boxes, self._schema, records, times,
+            config.robot, config.boxes, self._signals.schema, records, times,
             tuple(one for _, one in events), tuple(time for time, _ in events),
         )  # fmt: skip
 
@@ -308,7 +257,7 @@ class RequestBroker:
 
     def _explain(self, value: Any, page: PageClient) -> None:
         """Explain the present tick (None) or the sample at a session time, s."""
-        if self._last is None or NAME not in self._schema.by_name:
+        if self._last is None or NAME not in self._signals.schema.by_name:
             raise CommandRefused(
                 "ticks can be explained while they are logged: start  wbc live --log FILE"
             )
@@ -319,13 +268,10 @@ class RequestBroker:
 
     def _send_status(self, ticks: np.ndarray) -> None:
         self._last = ticks[-1]
-        if self._reader.schema is not self._schema:
-            self._schema = self._reader.schema
-            self._places = signal_places(self._schema)
-            for page in tuple(self._pages):
-                self._pages[page] = [x for x in self._pages[page] if x in self._places]
-                self._offer_signals(page)
-        status = _status(ticks)
+        if self._reader.schema is not self._signals.schema:
+            self._signals.change_schema(self._reader.schema)
+            self._broadcast(self._signals.offer())
+        status = tick_status(ticks)
         status |= {
             "session": round(self._history.end, 4),
             "session_start": round(self._history.start, 4),
@@ -337,12 +283,9 @@ class RequestBroker:
             self._zero_velocity()
             self._controls.frame_tasks.clear()
             self._announce_frame_tasks()
-        since, self._sent = self._sent, self._history.count
-        for page, labels in tuple(self._pages.items()):
-            message: dict[str, Any] = {"status": status}
-            if labels and since < self._sent:
-                message["points"] = self._series(labels, since)
-            page.send(message)
+        points = self._signals.new_points()
+        for page in tuple(self._pages):
+            page.send_status({"status": status, **points.get(page, {})})
 
     def _announce_frame_tasks(self) -> None:
         self._broadcast({"frame_tasks": self._controls.describe_frame_tasks()})
@@ -355,14 +298,17 @@ class RequestBroker:
     def _forward(self, acknowledgement: Acknowledgement) -> None:
         """Send the page that sent a command the outcome."""
         number, outcome = acknowledgement.id, acknowledgement.outcome
-        if number == self._velocity and outcome is CommandOutcome.ABORTED:
+        if self._driving.is_in_force(number) and outcome is CommandOutcome.ABORTED:
             self._zero_velocity()
             self._broadcast({"error": acknowledgement.reason})
-        page = self._senders.get(number)
-        if page is None:
+        if number not in self._senders:
             return
-        if outcome is not CommandOutcome.ACCEPTED:  # nothing follows
+        page, command = self._senders[number]
+        if outcome is not CommandOutcome.ACCEPTED or not isinstance(command, _LASTING):
             del self._senders[number]
+        elif isinstance(command, VelocityCommand):
+            self._senders.pop(self._accepted_velocity, None)
+            self._accepted_velocity = number
         page.send({"outcome": outcome.value, "reason": acknowledgement.reason, "id": number})
         if outcome is CommandOutcome.REFUSED:
             page.send({"error": acknowledgement.reason})
@@ -372,7 +318,7 @@ class RequestBroker:
             self._zero_velocity()
 
     def _zero_velocity(self) -> None:
-        self._drivers.clear()
+        self._driving.clear()
         self._end_walk_to()
         self._broadcast({"values": self._controls.zero_velocity()})
 
@@ -400,36 +346,3 @@ def _stretch_of(value: Any) -> tuple[FileKind, float, float]:
         check_number(name, value.get(name), -_LONGEST, _LONGEST, "s") for name in ("from", "to")
     )
     return value["as"], start, end
-
-
-def _numbers(values: np.ndarray) -> list[float | None]:
-    """Return numbers for JSON, to seven digits; None for unknown ones."""
-    return [float(f"{x:.7g}") if np.isfinite(x) else None for x in values.tolist()]
-
-
-def _status(ticks: np.ndarray) -> dict[str, Any]:
-    """Return the last tick's status, with the largest DCM error and tick time of all ticks."""
-    last = ticks[-1]
-    running = ticks[ticks["mode"] == Mode.RUNNING]
-    times = running["estimator_time"] + running["controller_time"]
-    return {
-        "stamp": round(time.monotonic(), 3),
-        "time": round(float(last["time"]), 4),
-        "mode": Mode(int(last["mode"])).name.lower(),
-        "dcm_error": _largest(running["dcm_error"]),
-        "tick_time": _largest(times),
-        "velocity": [_finite(x) for x in last["velocity_command"]],
-        "heading": _finite(last["heading"]),
-        "playing": int(last["motion_playing"]),
-        "pushes": int(last["pushes_decided"]),
-        "survived": int(last["pushes_survived"]),
-        "run": int(last["run"]),
-    }
-
-
-def _largest(values: np.ndarray) -> float | None:
-    return _finite(np.max(values, initial=0.0, where=np.isfinite(values)))
-
-
-def _finite(value: float) -> float | None:
-    return round(float(value), 6) if np.isfinite(value) else None

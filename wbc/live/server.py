@@ -36,7 +36,8 @@ _FILES = (
     "panel.js", "panel.css",
 )  # fmt: skip
 _MAX_SIZE = 1 << 16  # bytes; a longer message ends the connection
-_MAX_UNSENT = 100  # messages to a page that does not read; further ones are dropped
+_MAX_UNSENT_STATUS = 100  # messages to a page that does not read; further statuses are dropped
+_MAX_UNSENT = 10_000  # messages, among them answers, after which such a page is disconnected
 
 
 class ControlSocket(GuardedHandler, tornado.websocket.WebSocketHandler):
@@ -51,17 +52,24 @@ class ControlSocket(GuardedHandler, tornado.websocket.WebSocketHandler):
         self.set_nodelay(True)
         self._broker.add_page(self)
 
-    def on_message(self, message: str | bytes) -> None:
+    async def on_message(self, message: str | bytes) -> None:
         self._broker.handle(message, self)
+        await asyncio.sleep(0)  # a page that sends much does not keep the others waiting
 
     def send(self, message: dict[str, Any]) -> None:
-        """Send a message as JSON, unless the page is closed or reads too slowly."""
+        """Send a message as JSON; a page that reads nothing for long is disconnected."""
         if self._unsent > _MAX_UNSENT:
+            self.close()
             return
         with contextlib.suppress(tornado.websocket.WebSocketClosedError):
             self._unsent += 1
             written = self.write_message(json.dumps(message, separators=(",", ":")))
             written.add_done_callback(self._on_sent)
+
+    def send_status(self, message: dict[str, Any]) -> None:
+        """Send a message as JSON, unless the page reads too slowly."""
+        if self._unsent <= _MAX_UNSENT_STATUS:
+            self.send(message)
 
     def _on_sent(self, written: asyncio.Future[None]) -> None:
         self._unsent -= 1

@@ -9,7 +9,9 @@ from typing import NamedTuple
 from wbc.process import BlobQueue, BlobQueueFull, BlobTooLarge
 from wbc.runtime.event import RunEvent
 
-_SLOTS, _SIZE = 512, 1 << 13  # messages that may wait; size of the largest one, bytes
+#: Messages that may wait, those of a flood of commands while the other process is busy for a
+#: second; and the size of the largest one, bytes.
+_SLOTS, _SIZE = 2048, 1 << 13
 _LONGEST = 900  # characters of a text, of up to four bytes each
 
 
