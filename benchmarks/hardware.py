@@ -14,7 +14,6 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
 
 import argparse
-import copy
 import itertools
 import json
 import signal
@@ -28,6 +27,7 @@ from time import perf_counter
 from typing import Any, TypeVar
 
 import numpy as np
+from shared.hardware_faults import Row, fault_rows
 
 import wbc
 from wbc.estimation import LatencyCompensation
@@ -36,16 +36,14 @@ from wbc.geometry.planar import Placement
 from wbc.hardware import SafeHardware, UnitreeG1
 from wbc.hardware.unitree.connect import connect
 from wbc.hardware.unitree.lockstep import Disturbance, LockstepTransport, undisturbed
-from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
 from wbc.hardware.unitree.stand_in import PERIOD, G1StandIn
 from wbc.motions import MotionPlayer, Squat, Wave
-from wbc.runtime.loop import RunComplete, StopRun
+from wbc.runtime.loop import RunComplete
 from wbc.runtime.real_time import RealTime, real_time_thread
 from wbc.runtime.report import Report
 from wbc.sim import JointServos, Mujoco
 from wbc.walking.waypoint_follower import WaypointFollower
 
-Row = dict[str, Any]
 Case = TypeVar("Case")
 _MOTIONS = (Wave(), Squat())
 _STAND, _STOP = 2.0, 3.0  # s at the beginning and the end of a walk
@@ -167,133 +165,9 @@ def _each(cases: Iterable[Case], seeds: int) -> Iterable[tuple[Case, str, int]]:
     return itertools.product(cases, ("as read", "predicted"), range(seeds))
 
 
-def _changed(change: Callable[[np.ndarray], None], dtype: Any = LOW_STATE) -> Disturbance:
-    def disturb(time: float, data: bytes) -> list[bytes]:
-        buffer = MessageBuffer(dtype)
-        assert buffer.decode(data)
-        change(buffer.fields)
-        return [buffer.encode()]
-
-    return disturb
-
-
-def _set_motor(name: str, value: float) -> Disturbance:
-    def change(fields: np.ndarray) -> None:
-        fields["motor_state"][name][0, 3] = value
-
-    return _changed(change)
-
-
-def _freeze() -> Disturbance:
-    kept: list[np.ndarray] = []
-
-    def change(fields: np.ndarray) -> None:
-        kept.extend([] if kept else [fields["imu_state"].copy()])
-        fields["imu_state"] = kept[0]
-
-    return _changed(change)
-
-
-def _flip(time: float, data: bytes) -> list[bytes]:
-    damaged = bytearray(data)
-    damaged[500] ^= 1
-    return [bytes(damaged)]
-
-
-def _set_tilt(fields: np.ndarray) -> None:
-    fields["imu_state"]["quaternion"][0] = (np.cos(0.5), np.sin(0.5), 0.0, 0.0)
-
-
-def _set_machine(fields: np.ndarray) -> None:
-    fields["mode_machine"] = 4
-
-
-def _shuffle(fields: np.ndarray) -> None:
-    order = [*range(19, 29), *range(19)]
-    fields["motor_cmd"][0, :29] = fields["motor_cmd"][0, order]
-
-
 def faults(options: argparse.Namespace) -> list[Row]:
-    """Inject faults into a standing robot: time to detection and from there to damping."""
-    started = _started()
-    under_control: list[tuple[G1StandIn, LockstepTransport, SafeHardware]] = []
-
-    def copy_under_control(time: float) -> None:  # the end of the run damps the joints
-        if time > 1.2:
-            under_control.append(copy.deepcopy(started))
-            raise RunComplete
-
-    report = wbc.run(wbc.Walker(started[0].robot), started[2], 2.0, before_tick=copy_under_control)
-    assert report.survived
-    stand_in, transport, plant = under_control[0]
-    zero = np.zeros(stand_in.robot.na)
-    command = wbc.Command(zero, np.zeros(zero.size + 6), {}, stand_in.robot.q_nominal[7:], zero)
-    rows = []
-    cases: dict[str, Disturbance] = {
-        "frozen IMU": _freeze(),
-        "NaN of an encoder": _set_motor("q", float("nan")),
-        "encoder jump": _set_motor("q", 1.2),
-        "joint beyond its velocity": _set_motor("dq", 40.0),
-        "tilt": _changed(_set_tilt),
-        "state messages lost": lambda time, data: [],
-        "bits flipped": _flip,
-    }
-    for name, disturb in cases.items():
-        robot, wire, safe = copy.deepcopy((stand_in, transport, plant))
-        wire.on_state = disturb
-        begin = wire.now()
-        try:
-            while True:
-                safe.measure()
-                safe.step(command)
-        except StopRun:
-            detected = wire.now()
-        rows.append(_fault_row(name, begin, detected, robot, wire, safe.fault))
-    robot, wire, safe = copy.deepcopy((stand_in, transport, plant))
-    begin = wire.now()
-    for _ in range(10):
-        wire.advance()
-    try:
-        while True:
-            safe.measure()
-            safe.step(command)
-    except StopRun:
-        detected = wire.now()
-    rows.append(_fault_row("pause of 20 ms", begin, detected, robot, wire, safe.fault))
-    robot, wire, _ = copy.deepcopy((stand_in, transport, plant))
-    begin = wire.now()
-    rows.append(
-        _fault_row("controller killed", begin, begin + 0.02, robot, wire, "no command for 20 ms")
-    )
-    for name, on_state, on_command in (
-        ("another robot", _changed(_set_machine), undisturbed),
-        ("commands to other motors", undisturbed, _changed(_shuffle, LOW_COMMAND)),
-    ):
-        robot = G1StandIn()
-        wire = LockstepTransport(robot)
-        wire.on_state, wire.on_command = on_state, on_command
-        safe = SafeHardware(UnitreeG1(robot.robot, wire), on_transition=lambda change: None)
-        try:
-            safe.start()
-            reason = "not found"
-        except wbc.WbcError as error:
-            reason = str(error)
-        rows.append(_fault_row(f"{name} (start)", 0.0, wire.now(), robot, wire, reason))
-    return rows
-
-
-def _fault_row(
-    name: str, begin: float, detected: float, robot: G1StandIn, wire: LockstepTransport, reason: str
-) -> Row:
-    while not robot.damping or wire.now() < detected:
-        wire.advance()
-    return {
-        "what": name,
-        "detected_ms": round(1e3 * (detected - begin), 1),
-        "damping_after_ms": round(1e3 * max(wire.now() - detected, 0.0), 1),
-        "final": "damping" if robot.damping else "commanded",
-        "reason": reason,
-    }
+    """Inject faults: time to their detection, from there to damping, and the final state."""
+    return fault_rows()
 
 
 def _session(distance: float) -> list[tuple[float, Callable[[MotionPlayer], object]]]:

@@ -18,6 +18,7 @@ from wbc.cli.progress import ProgressLine
 from wbc.cli.scripted_run import RunOptions, Schedule
 from wbc.errors import WbcError
 from wbc.gait import VelocityLimits
+from wbc.hardware.safety.foot_load import feet_carry
 from wbc.runtime.loop import StopRun
 from wbc.runtime.real_time import RealTime, garbage_collection_paused, real_time_thread
 from wbc.runtime.statistics import Progress
@@ -55,30 +56,33 @@ def walk_on_hardware(
     """
     if options.push or options.ground_truth:
         raise WbcError("--push and --ground-truth are for the simulator; leave them out")
-    with exit_on_interrupt():
-        from wbc.hardware import SafeHardware
-
-        name = "g1" if hardware == "unitree" else options.simulation.robot
-        robot = options.simulation.model.load(name)
-        walker = wbc.Walker(
-            robot, planner=options.simulation.planner, solver=options.simulation.solver
-        )
-        outputs = RunOutputs(options.simulation.outputs, robot, np.zeros((0, 6)))
-        _warm_up(walker)
-    schedule = list(make_schedule(walker.gait.max_velocity))
     with contextlib.ExitStack() as stack:
         line = stack.enter_context(ProgressLine())
+        with exit_on_interrupt():
+            from wbc.hardware import SafeHardware
+
+            name = "g1" if hardware == "unitree" else options.simulation.robot
+            robot = options.simulation.model.load(name)
+            outputs = RunOutputs(options.simulation.outputs, robot, np.zeros((0, 6)))
+            simulated = hardware == "unitree" and interface == "lo"
+            plant = SafeHardware(
+                _connect(hardware, robot, interface, command_topic),
+                ready=_feet() if simulated else _operator_and_feet(),
+                on_transition=lambda change: line.print(str(change)),
+            )
+            stack.enter_context(plant)
+            walker = wbc.Walker(
+                robot,
+                plant.dt,
+                planner=options.simulation.planner,
+                solver=options.simulation.solver,
+            )
+            _warm_up(walker)
+        schedule = list(make_schedule(walker.gait.max_velocity))
         observers = outputs.open_observers(stack)
         if options.view:
             observers.append(stack.enter_context(Meshcat(robot)))
         interrupted = stack.enter_context(graceful_interrupt())
-        simulated = hardware == "unitree" and interface == "lo"
-        plant = SafeHardware(
-            _connect(hardware, robot, interface, command_topic),
-            ready=_asked_operator() if not simulated else lambda: True,
-            on_transition=lambda change: line.print(str(change)),
-        )
-        stack.enter_context(plant)
         stack.enter_context(garbage_collection_paused())
         line.print(stack.enter_context(real_time_thread(RealTime(priority))).describe())
 
@@ -135,15 +139,39 @@ def _warm_up(walker: wbc.Walker) -> None:
     walker.velocity = (0.0, 0.0, 0.0)
 
 
-def _asked_operator() -> Callable[[], bool]:
+def _operator_and_feet() -> Callable[[float | None], bool]:
     """Return a question to the operator that does not wait for the answer."""
     asked = False
 
-    def ready() -> bool:
+    def ready(load: float | None) -> bool:
         nonlocal asked
         if not asked:
             asked = True
             print("Lower the robot until its feet carry it, then press Enter.", file=sys.stderr)
-        return bool(select.select([sys.stdin], [], [], 0.0)[0])
+        if not select.select([sys.stdin], [], [], 0.0)[0]:
+            return False
+        if not feet_carry(load):
+            sys.stdin.readline()
+            print(
+                f"Its feet carry {100.0 * (load or 0.0):.0f} % of its weight. Lower it further, "
+                "then press Enter.",
+                file=sys.stderr,
+            )
+            return False
+        return True
+
+    return ready
+
+
+def _feet() -> Callable[[float | None], bool]:
+    """Return whether the feet of a simulated robot carry it, and say so if they do not."""
+    told = False
+
+    def ready(load: float | None) -> bool:
+        nonlocal told
+        if not (told or feet_carry(load)):
+            told = True
+            print("Lower the robot until its feet carry it.", file=sys.stderr)
+        return feet_carry(load)
 
     return ready

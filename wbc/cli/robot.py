@@ -11,7 +11,6 @@ import numpy as np
 from wbc.cli.argument_types import Argument, OutputFile, Pushes, Seconds, number
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.interrupt import exit_on_interrupt, graceful_interrupt
-from wbc.ros.network import Network
 
 
 def robot(
@@ -44,10 +43,10 @@ def robot(
     with exit_on_interrupt():  # it imports and compiles
         from wbc.hardware.unitree.stand_in import G1StandIn
         from wbc.hardware.unitree.stand_in_server import serve
-        from wbc.hardware.unitree.transport import DdsTransport
+        from wbc.hardware.unitree.transport import DdsTransport, unitree_network
 
         stand_in = G1StandIn(seed=seed, latency=latency)
-        transport = DdsTransport(Network.from_environment(0, interface, {}), robot_side=True)
+        transport = DdsTransport(unitree_network(interface), robot_side=True)
     for at, impulse in push:
         stand_in.schedule_push(at, impulse)
     changes: list[tuple[float, str]] = []

@@ -15,7 +15,6 @@ from wbc.robot import Robot
 
 _LOCAL = pin.ReferenceFrame.LOCAL
 _SMOOTHING = 0.008  # s, time constant of the low-pass
-_FORCE, _LEVER = 0.02, 0.03  # error of the whole robot's force and moment: shares of the weight, m
 _TORQUE = 0.03  # error of a joint's torque, mostly friction: a share of its limit
 
 
@@ -38,17 +37,22 @@ class WrenchObserver:
     Args:
         robot: the robot.
         dt: period of `update`, s.
+        force_error: error of the whole robot's force, as a share of its weight: of the masses and
+            the IMU, or what else than the ground may carry the robot.
+        moment_error: error of the whole robot's moment, as a lever of its weight, m.
     """
 
-    def __init__(self, robot: Robot, dt: float) -> None:
+    def __init__(
+        self, robot: Robot, dt: float, *, force_error: float = 0.02, moment_error: float = 0.03
+    ) -> None:
         self._robot, model = robot, robot.model
         self._gravity = np.array(model.gravity.linear)
         self._data = model.createData()
         self._imu = robot.frame_id(robot.imu)
         self._imu_on_base = model.frames[self._imu].parentJoint == 1
         self._soles = [(sole.name, robot.frame_id(sole.name)) for sole in robot.soles]
-        force, lever = _FORCE * robot.weight, _LEVER * robot.weight
-        deviation = np.concatenate(([force] * 3, [lever] * 3, _TORQUE * np.array(robot.tau_max)))
+        force, moment = force_error * robot.weight, moment_error * robot.weight
+        deviation = np.concatenate(([force] * 3, [moment] * 3, _TORQUE * np.array(robot.tau_max)))
         self._weight = 1.0 / np.square(deviation)
         self._dt, self._share = dt, min(dt / _SMOOTHING, 1.0)
         self._q = pin.neutral(model)

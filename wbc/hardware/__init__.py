@@ -2,6 +2,7 @@
 
 from wbc.hardware.errors import HardwareError
 from wbc.hardware.hardware import ConnectionState, Hardware, Reading
+from wbc.hardware.safety.foot_load import feet_carry
 from wbc.hardware.safety.limits import SafetyLimits
 from wbc.hardware.safety.safe_hardware import SafeHardware
 from wbc.hardware.safety.transitions import SafetyState, Transition
@@ -17,4 +18,5 @@ __all__ = [
     "SafetyState",
     "Transition",
     "UnitreeG1",
+    "feet_carry",
 ]

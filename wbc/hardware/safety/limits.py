@@ -26,6 +26,7 @@ class SafetyLimits:
         start_distance: largest distance of a joint from the nominal posture at the start, rad.
         start_velocity: largest velocity of a joint at the start, rad/s.
         tracking: largest distance of a joint from its reference on the way to the posture, rad.
+        posture_error: the same once the posture is held, rad.
 
     Raises:
         HardwareError: a limit that is not positive and finite.
@@ -43,6 +44,7 @@ class SafetyLimits:
     start_distance: float = 1.0
     start_velocity: float = 0.5
     tracking: float = 0.5
+    posture_error: float = 0.3
 
     def __post_init__(self) -> None:
         for name in self.__slots__:

@@ -15,6 +15,7 @@ from wbc.hardware.errors import HardwareError
 from wbc.hardware.hardware import ConnectionState, Hardware, Reading
 from wbc.hardware.latency import LatencyEstimator
 from wbc.hardware.safety.command_filter import CommandFilter
+from wbc.hardware.safety.foot_load import FootLoad, feet_carry
 from wbc.hardware.safety.limits import SafetyLimits
 from wbc.hardware.safety.reading_monitor import ReadingMonitor
 from wbc.hardware.safety.transitions import (
@@ -30,16 +31,13 @@ from wbc.servo_reference import ServoReference
 
 _CONNECT_TIMEOUT = 5.0  # s
 _DAMPING_TIME, _REST_TIMEOUT = 0.3, 5.0  # s, least and longest damping before the robot moves
-_POSTURE_FREQUENCY = 20.0  # Hz, of the servos that hold the posture
+_POSTURE_FREQUENCY, _CONTROL_FREQUENCY = 20.0, 10.0  # Hz, of the servos, at most
+_CYCLES = 0.04  # of the servos per period: a servo may close its loop only when a command comes
 _POSTURE_SPEED = 0.4  # rad/s
 _LEAST_RAMP = 2.0  # s
 _HOLD_TIME = 2.0  # s, least time to hold the posture
 _BLEND_TIME = 0.5  # s from the posture to the controller
 _CLOCK_DRIFT = 1e-4  # s per s by which the clocks may differ
-
-
-def _always() -> bool:
-    return True
 
 
 class SafeHardware(Closeable):
@@ -58,9 +56,11 @@ class SafeHardware(Closeable):
     Args:
         hardware: the robot.
         limits: the limits.
-        gains: gains of the servos while the controller commands; `ServoGains.for_robot` by default.
-        ready: asked in every period while the posture is held whether the robot's feet carry it
-            now, so that the controller may take over.
+        gains: gains of the servos while the controller commands; those of
+            `ServoGains.for_robot` by default, lower for a period beyond 4 ms.
+        ready: called in every period while the posture is held with the share of the weight that
+            the feet carry, None if the robot does not measure joint torques; returns whether the
+            controller may take over. By default it may when they carry half of it.
         on_transition: called with every transition; logs it by default.
 
     Attributes:
@@ -80,7 +80,7 @@ class SafeHardware(Closeable):
         *,
         limits: SafetyLimits | None = None,
         gains: ServoGains | None = None,
-        ready: Callable[[], bool] = _always,
+        ready: Callable[[float | None], bool] = feet_carry,
         on_transition: OnTransition = log_transition,
     ) -> None:
         self.robot = hardware.robot
@@ -95,9 +95,13 @@ class SafeHardware(Closeable):
         self._limits = limits or SafetyLimits()
         self._monitor = ReadingMonitor(self.robot, self._limits)
         self._filter = CommandFilter(self.robot, self._limits, self.dt)
-        self._reference = ServoReference(gains or ServoGains.for_robot(self.robot), self.dt)
+        control, posture = (
+            ServoGains.for_robot(self.robot, min(frequency, _CYCLES / self.dt))
+            for frequency in (_CONTROL_FREQUENCY, _POSTURE_FREQUENCY)
+        )
+        self._reference = ServoReference(gains or control, self.dt)
         self._ready, self._on_transition = ready, on_transition
-        self._posture_gains = ServoGains.for_robot(self.robot, _POSTURE_FREQUENCY)
+        self._posture_gains = posture
         self._pending: Reading | None = None
         self._measurement: Measurement | None = None
         self._robot_time = self._start_time = 0.0
@@ -169,20 +173,24 @@ class SafeHardware(Closeable):
         duration = max(_LEAST_RAMP, float(np.abs(goal - start).max()) / _POSTURE_SPEED)
         self._enter(SafetyState.POSTURE, f"to the nominal posture in {duration:.1f} s")
         begin, still, gains = self._robot_time, np.zeros(self.robot.na), self._posture_gains
+        foot_load = FootLoad(self.robot, self.dt)
+        load: float | None = None
         while True:
             elapsed = self._robot_time - begin
-            if elapsed > duration + _HOLD_TIME and self._ready():
+            if elapsed > duration + _HOLD_TIME and self._ready(load):
                 return
             m = self._next()
+            load = foot_load.update(m)
             share = 0.5 - 0.5 * math.cos(math.pi * min(elapsed / duration, 1.0))
             target = start + share * (goal - start)
             error = np.abs(m.joint_position - target)
             worst = int(np.argmax(error))
-            if error[worst] > self._limits.tracking:
+            held = elapsed > duration + 0.5 * _HOLD_TIME
+            if error[worst] > (self._limits.posture_error if held else self._limits.tracking):
                 self._fail(
                     f"joint '{self.robot.joint_names[worst]}' is {error[worst]:.2f} rad from its "
-                    "reference on the way to the posture: it is blocked or weak, or the motors "
-                    "have another order than the model's joints"
+                    f"reference {'in' if held else 'on the way to'} the posture: it is blocked or "
+                    "weak, or the motors have another order than the model's joints"
                 )
             self._send(ServoCommand(target, still, still, min(1.0, elapsed) * gains.kp, gains.kd))
 

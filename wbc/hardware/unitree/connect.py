@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
+from wbc.hardware.errors import HardwareError
 from wbc.hardware.hardware import Reading
+from wbc.hardware.period import measured_period
 from wbc.hardware.unitree.g1 import UnitreeG1
 from wbc.hardware.unitree.guard import DampingMessage, GuardConfig
-from wbc.hardware.unitree.transport import DdsTransport
+from wbc.hardware.unitree.motors import G1_MACHINES, SIMULATOR_MACHINE
+from wbc.hardware.unitree.transport import DdsTransport, unitree_network
 from wbc.process import ChildProcess
 from wbc.robot import Robot, load
 from wbc.ros.network import Network
@@ -17,18 +22,27 @@ class GuardedG1(UnitreeG1):
     Args:
         robot: its model.
         network: DDS domain and network interface.
+        machines: see `UnitreeG1`.
 
     Raises:
+        HardwareError: there is no robot, or not the expected one.
         MissingExtra: `cyclonedds` is not installed.
         RosError: the domain cannot be joined.
         ProcessStartError: the second process did not start.
     """
 
-    def __init__(self, robot: Robot, network: Network) -> None:
-        super().__init__(robot, DdsTransport(network))
+    def __init__(
+        self, robot: Robot, network: Network, machines: Collection[int] = G1_MACHINES
+    ) -> None:
+        super().__init__(robot, DdsTransport(network), machines=machines)
         self._guard = ChildProcess("wbc.hardware.unitree.guard", title="the guard")
         self._guard.configure(GuardConfig(network))
         self._knows_damping = False
+        try:
+            self.period = measured_period(self)
+        except HardwareError:
+            self.close()
+            raise
 
     def receive(self, timeout: float) -> Reading | None:
         """See `UnitreeG1.receive`; the first reading makes the guard ready."""
@@ -55,7 +69,8 @@ def connect(interface: str = "lo", robot: Robot | None = None) -> GuardedG1:
     Raises:
         MissingExtra: `cyclonedds` is not installed.
         RosError: the DDS domain cannot be joined over the interface.
-        HardwareError: the model is not that of a G1 with 29 joints.
+        HardwareError: the model is not that of a G1 with 29 joints, there is no robot, or it is
+            another one.
     """
-    network = Network.from_environment(0, interface, {})
-    return GuardedG1(robot or load("g1"), network)
+    machines = (*G1_MACHINES, SIMULATOR_MACHINE) if interface == "lo" else G1_MACHINES
+    return GuardedG1(robot or load("g1"), unitree_network(interface), machines)

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from wbc.hardware.errors import HardwareError
 from wbc.hardware.hardware import ConnectionState, Reading, tilt_of
 from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
-from wbc.hardware.unitree.motors import G1_MACHINES, SERIES_MODE, motor_of_joint
+from wbc.hardware.unitree.motors import (
+    G1_MACHINES,
+    SERIES_MODE,
+    SIMULATOR_MACHINE,
+    motor_of_joint,
+)
 from wbc.hardware.unitree.transport import Transport
 from wbc.measurement import Measurement
 from wbc.robot import Robot
@@ -26,6 +33,9 @@ class UnitreeG1:
         robot: its model.
         transport: the wire.
         period: period of the state messages, s.
+        machines: values of `mode_machine` that are accepted. `SIMULATOR_MACHINE` among them admits
+            simulators, also such as state no checksum and no time: their messages are timed by
+            their arrival.
 
     Attributes:
         robot: its model.
@@ -36,7 +46,13 @@ class UnitreeG1:
         HardwareError: the model is not that of a G1 with 29 joints.
     """
 
-    def __init__(self, robot: Robot, transport: Transport, period: float = 0.002) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        transport: Transport,
+        period: float = 0.002,
+        machines: Collection[int] = G1_MACHINES,
+    ) -> None:
         self.robot = robot
         self.period = period
         self.connection = ConnectionState()
@@ -45,8 +61,11 @@ class UnitreeG1:
         self._state, self._command = MessageBuffer(LOW_STATE), MessageBuffer(LOW_COMMAND)
         self._command.fields["motor_cmd"]["mode"][0, self._motors] = 1  # servo on
         self._command.fields["mode_pr"] = SERIES_MODE
+        self._machines = machines
         self._tick: int | None = None
         self._ticks = 0
+        self._arrived: float | None = None  # s, of a message without a time
+        self._timed_by_arrival = 0.0  # s
 
     def now(self) -> float:
         """Return the time of the clock of this computer, s."""
@@ -63,24 +82,43 @@ class UnitreeG1:
             data = self._transport.receive(max(end - self.now(), 0.0))
             if data is None:
                 return None
-            if not self._state.decode(data):
+            if not self._decode(data):
                 self.connection.corrupt += 1
             elif self._advance_clock():
                 self.connection.received += 1
                 return self._reading()
 
+    def _decode(self, data: bytes) -> bool:
+        """Take in a state message; return whether it is whole."""
+        if self._state.decode(data):
+            return True
+        return (
+            SIMULATOR_MACHINE in self._machines
+            and self._state.decode_without_checksum(data)
+            and self._state.fields["mode_machine"][0] == SIMULATOR_MACHINE
+        )
+
     def _advance_clock(self) -> bool:
         """Take in the robot's clock; return whether the message is newer than all before it."""
         state = self._state.fields
         machine = int(state["mode_machine"][0])
-        if machine not in G1_MACHINES:
+        if machine not in self._machines:
+            what = (
+                "a simulator; connect over the interface 'lo'"
+                if machine == SIMULATOR_MACHINE
+                else "another robot, and its motors have another order; disconnect it"
+            )
             raise HardwareError(
                 f"the robot reports mode_machine {machine}, a G1 with 29 joints "
-                f"{' or '.join(map(str, G1_MACHINES))}: this is another robot, and its motors have "
-                "another order; disconnect it"
+                f"{' or '.join(map(str, G1_MACHINES))}: this is {what}"
             )
         self._command.fields["mode_machine"] = machine
         tick = int(state["tick"][0])
+        if tick == 0 and machine == SIMULATOR_MACHINE:
+            now = self.now()
+            self._timed_by_arrival += 0.0 if self._arrived is None else now - self._arrived
+            self._arrived, self._tick = now, 0
+            return True
         if self._tick is not None:
             later = (tick - self._tick) % _WRAP
             if later == 0 or later > _WRAP // 2:
@@ -94,7 +132,7 @@ class UnitreeG1:
         imu = self._state.fields["imu_state"][0]
         states = self._state.fields["motor_state"][0]
         measurement = Measurement(
-            time=_TICK * self._ticks,
+            time=_TICK * self._ticks + self._timed_by_arrival,
             joint_position=states["q"][self._motors].astype(float),
             joint_velocity=states["dq"][self._motors].astype(float),
             gyro=imu["gyroscope"].astype(float),

@@ -121,15 +121,32 @@ class MessageBuffer:
 
     def decode(self, data: bytes) -> bool:
         """Take in a received message; return whether its size and checksum are right."""
-        if len(data) != self._body.size or data[1] not in (1, 7):  # little-endian
-            return False
-        at = self._first_motor + 2  # on the wire, where the CDR header takes 4 bytes
-        structure = b"".join((data[4:at], b"\0\0", data[at : at + 2], b"\0\0", data[at + 2 :]))
-        body = np.frombuffer(structure, np.uint8) * _meaning(self._dtype)
-        if checksum(body.data) != int.from_bytes(data[-4:], "little"):
+        body = self._body_of(data)
+        if body is None or checksum(body.data) != int.from_bytes(data[-4:], "little"):
             return False
         self._body[:] = body
         return True
+
+    def decode_without_checksum(self, data: bytes) -> bool:
+        """Take in a received message whose checksum is 0, which stands for none as in UDP.
+
+        Returns:
+            Whether its size is right and its checksum 0.
+        """
+        body = self._body_of(data)
+        if body is None or any(data[-4:]):
+            return False
+        self._body[:] = body
+        return True
+
+    def _body_of(self, data: bytes) -> np.ndarray | None:
+        """Return the bytes of the structure of a message; None if its size is wrong."""
+        if len(data) != self._body.size or data[1] not in (1, 7):  # little-endian
+            return None
+        at = self._first_motor + 2  # on the wire, where the CDR header takes 4 bytes
+        structure = b"".join((data[4:at], b"\0\0", data[at : at + 2], b"\0\0", data[at + 2 :]))
+        body: np.ndarray = np.frombuffer(structure, np.uint8) * _meaning(self._dtype)
+        return body
 
 
 @cache

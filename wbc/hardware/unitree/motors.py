@@ -20,6 +20,9 @@ G1_JOINTS = (
 )
 #: `mode_machine` of G1s with 29 joints: revision 1.0, and those before it.
 G1_MACHINES = (5, 2)
+#: `mode_machine` that stands for a simulation, by the maker's convention; it may state neither
+#: a checksum nor a time.
+SIMULATOR_MACHINE = 0
 SERIES_MODE = 0  #: `mode_pr`: ankles are commanded in pitch and roll, not by their two motors
 
 

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from wbc.hardware.unitree.messages import COMMAND_TOPIC, STATE_TOPIC, dds_type
 from wbc.ros.dds_endpoints import DdsReader, DdsWriter, EndpointConfig
-from wbc.ros.network import Network
+from wbc.ros.network import DiscoveryRange, Network
 from wbc.ros.qos import QoSProfile, ReliabilityPolicy
 
 #: As the maker's SDK: a lost message is not sent again, because the next one is newer.
@@ -33,6 +33,18 @@ def _thread_configuration() -> str:
         for name in _THREADS
     )
     return f"<CycloneDDS><Domain><Threads>{threads}</Threads></Domain></CycloneDDS>"
+
+
+def unitree_network(interface: str) -> Network:
+    """Return the DDS network of a Unitree robot, domain 0 of an interface.
+
+    The maker's SDK discovers by multicast, on the loopback as well.
+
+    Args:
+        interface: name or address of the interface.
+    """
+    peers = ("127.0.0.1",) if interface == "lo" else ()
+    return Network(0, DiscoveryRange.SUBNET, interface, peers)
 
 
 class Transport(Protocol):
