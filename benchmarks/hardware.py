@@ -99,7 +99,7 @@ def servos(options: argparse.Namespace) -> list[Row]:
     for name in ("talos", "simple_humanoid"):
         robot = wbc.load(name)
         for dt, latency, friction in ((0.002, 0.002, 0.03), (0.004, 0.004, 0.05)):
-            for seed in range(options.seeds):
+            for seed in _seeds(options):
                 plant = Mujoco(
                     robot, dt=dt, latency=latency, seed=seed, servos=JointServos(friction=friction)
                 )
@@ -127,7 +127,7 @@ def latency(options: argparse.Namespace) -> list[Row]:
     """Walk with latency, messages lost on the wire, and the state as read or predicted."""
     rows = []
     cases = [(0.0, 0.0), (0.008, 0.05), (0.018, 0.05), (0.028, 0.05)]
-    for (delay, loss), state, seed in _each(cases, options.seeds):
+    for (delay, loss), state, seed in _each(cases, options):
         random = np.random.default_rng(seed)
 
         def lossy(
@@ -148,7 +148,7 @@ def latency(options: argparse.Namespace) -> list[Row]:
         lost = {"measured_latency_ms": round(1e3 * measured, 1), "states_lost": plant.lost}
         rows.append(_row(what, seed, report) | lost)
     robot = wbc.load("g1")
-    for delay, state, seed in _each((0.0, 0.01, 0.02, 0.03), options.seeds):
+    for delay, state, seed in _each((0.0, 0.01, 0.02, 0.03), options):
         torque = Mujoco(robot, dt=PERIOD, latency=delay, seed=seed)
         estimator = None
         if state == "predicted":
@@ -161,8 +161,18 @@ def latency(options: argparse.Namespace) -> list[Row]:
     return rows
 
 
-def _each(cases: Iterable[Case], seeds: int) -> Iterable[tuple[Case, str, int]]:
-    return itertools.product(cases, ("as read", "predicted"), range(seeds))
+def _each(cases: Iterable[Case], options: argparse.Namespace) -> Iterable[tuple[Case, str, int]]:
+    return itertools.product(cases, ("as read", "predicted"), _seeds(options))
+
+
+def _seeds(options: argparse.Namespace) -> range:
+    return range(options.first_seed, options.first_seed + options.seeds)
+
+
+def _steal_time() -> float:
+    """Return the time that the host has taken from this virtual machine so far, s."""
+    fields = Path("/proc/stat").read_text("ascii").split("\n", 1)[0].split()
+    return int(fields[8]) / os.sysconf("SC_CLK_TCK")
 
 
 def faults(options: argparse.Namespace) -> list[Row]:
@@ -193,10 +203,10 @@ def real_time(options: argparse.Namespace) -> list[Row]:
     wbc.run(player, Mujoco(robot, foot_sensors=False), 12.0)  # loads what the first ticks need
     impulse = 0.2 * robot.mass
     rows = []
-    for seed in range(options.seeds):
+    for seed in _seeds(options):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "robot.json"
-            # From when the gantry has let go, a second after the controller has taken over.
+            # From when the gantry has let go, half a second after the controller has taken over.
             pushes = f"30 0 {impulse} 0", f"70 {impulse} 0 0"
             process = subprocess.Popen(
                 [sys.executable, "-m", "wbc", "robot", "unitree-g1", "--seed", str(seed),
@@ -221,14 +231,14 @@ def real_time(options: argparse.Namespace) -> list[Row]:
 
 def _real_time_row(player: MotionPlayer, seed: int, distance: float) -> Row:
     orders = _session(distance)
-    duration = orders[-1][0]
-    begun = np.zeros(round(1.01 * duration / PERIOD))
+    duration, stolen = orders[-1][0], _steal_time()
+    begun, late = np.zeros((2, round(1.01 * duration / PERIOD)))
     ticks = 0
     player.velocity = (0.0, 0.0, 0.0)
 
     def command(time: float) -> None:
         nonlocal ticks
-        begun[ticks] = perf_counter()
+        begun[ticks], late[ticks] = perf_counter(), plant.lateness
         ticks += 1
         while orders and time >= orders[0][0]:
             orders.pop(0)[1](player)
@@ -247,11 +257,14 @@ def _real_time_row(player: MotionPlayer, seed: int, distance: float) -> Row:
         "tick_us": [round(getattr(report, f"tick_{q}_us")) for q in ("p50", "p99", "max")],
         "period_us": [round(1e6 * p) for p in period],
         "latency_ms": None if latency is None else round(1e3 * latency, 1),
+        "lateness_us": [round(1e6 * d) for d in np.percentile(late[1:ticks], (50, 99, 99.9))],
         "max_lateness_ms": round(1e3 * plant.max_lateness, 2),
+        "latest_at_s": round(PERIOD * int(np.argmax(late)), 1),
         "received": connection.received,
         "lost": plant.lost,
         "corrupt": connection.corrupt,
         "reordered": connection.reordered,
+        "steal_time_s": round(_steal_time() - stolen, 2),
         "conditions": granted.describe(),
     }
 
@@ -269,7 +282,8 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("part", choices=_PARTS, help="what to measure")
-    parser.add_argument("--seeds", type=int, default=5, help="seeds of sensor noise")
+    parser.add_argument("--seeds", type=int, default=5, help="number of seeds of sensor noise")
+    parser.add_argument("--first-seed", type=int, default=0, help="the first one")
     parser.add_argument("--distance", type=float, default=10.0, help="m to walk")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows as JSON")
     options = parser.parse_args()

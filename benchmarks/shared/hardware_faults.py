@@ -158,7 +158,7 @@ def _ordered(order: list[int]) -> tuple[Disturbance, Disturbance]:
     """Exchange the motors in states and in commands, as swapped cables do."""
 
     def states(fields: np.ndarray) -> None:
-        fields["motor_state"][0, order] = fields["motor_state"][0, :29]
+        fields["motor_state"][0, order] = fields["motor_state"][0, :29].copy()
 
     def commands(fields: np.ndarray) -> None:
         fields["motor_cmd"][0, :29] = fields["motor_cmd"][0, order]
@@ -194,6 +194,7 @@ def fault_rows() -> list[Row]:
         begin = run.wire.now()
         reason = run.stand(0.1 if name == "end of the run" else _LONGEST)
         if not reason:
+            run.wire.on_state = run.wire.on_command = undisturbed
             begin = run.wire.now()
             run.plant.stop()
         rows.append(run.row(name, begin, reason))

@@ -16,6 +16,7 @@ from hardwaretools import HardwareRun, changed_state, flipped_bit
 import wbc
 from wbc.hardware import HardwareError, SafetyLimits, SafetyState, UnitreeG1
 from wbc.hardware.safety.command_filter import CommandFilter
+from wbc.hardware.unitree.lockstep import Disturbance
 from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
 from wbc.hardware.unitree.motors import G1_JOINTS
 from wbc.hardware.unitree.stand_in_server import serve
@@ -236,8 +237,11 @@ def test_another_robot_is_refused(hanging) -> None:
         UnitreeG1(load("simple_humanoid"), run.transport)
 
 
-def test_motors_in_another_order_are_found_before_the_robot_stands(hanging) -> None:
-    order = [*range(19, 29), *range(19)]
+def exchanged(order: list[int]) -> tuple[Disturbance, Disturbance]:
+    """Motors in another order in the states, and in the commands."""
+
+    def states(state: np.ndarray) -> None:
+        state["motor_state"][0, order] = state["motor_state"][0, :29].copy()
 
     def swap(now: float, data: bytes) -> list[bytes]:
         buffer = MessageBuffer(LOW_COMMAND)
@@ -245,8 +249,22 @@ def test_motors_in_another_order_are_found_before_the_robot_stands(hanging) -> N
         buffer.fields["motor_cmd"][0, :29] = buffer.fields["motor_cmd"][0, order]
         return [buffer.encode()]
 
+    return lambda now, data: [changed_state(data, states)], swap
+
+
+SHIFTED = [*range(19, 29), *range(19)]
+SIDES = [*range(6, 12), *range(6), 12, 13, 14, *range(22, 29), *range(15, 22)]
+
+
+@pytest.mark.parametrize("in_both", [False, True], ids=["in the commands", "in both"])
+@pytest.mark.parametrize("order", [SHIFTED, SIDES], ids=["shifted", "sides exchanged"])
+def test_motors_in_another_order_are_found_before_the_controller_takes_over(
+    order: list[int], in_both: bool, hanging
+) -> None:
     run = copy.deepcopy(hanging)
-    run.transport.on_command = swap
+    on_state, run.transport.on_command = exchanged(order)
+    if in_both:
+        run.transport.on_state = on_state
     with pytest.raises(HardwareError, match=r"another order|moves at|jumped|outside"):
         run.plant.start()
     assert run.plant.state is SafetyState.DAMPING

@@ -6,8 +6,8 @@ from wbc.estimation.wrench_observer import WrenchObserver
 from wbc.measurement import Measurement
 from wbc.robot import Robot
 
-_ENOUGH = 0.5
-_SMOOTHING = 0.1  # s
+_ENOUGH = 0.6
+_SMOOTHING = 0.5  # s: a gantry that is being lowered is slack soon after
 _GANTRY = 10.0  # weights, or levers of the weight, m: what may hang the robot by its base
 
 
@@ -39,5 +39,5 @@ class FootLoad:
 
 
 def feet_carry(load: float | None) -> bool:
-    """Return whether the feet carry half of the weight; True if the robot does not measure it."""
+    """Return whether the feet carry 60 % of the weight; True if the robot does not measure it."""
     return load is None or load > _ENOUGH

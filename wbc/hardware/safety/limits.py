@@ -44,7 +44,7 @@ class SafetyLimits:
     start_distance: float = 1.0
     start_velocity: float = 0.5
     tracking: float = 0.5
-    posture_error: float = 0.3
+    posture_error: float = 0.2
 
     def __post_init__(self) -> None:
         for name in self.__slots__:

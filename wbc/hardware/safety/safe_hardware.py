@@ -60,7 +60,7 @@ class SafeHardware(Closeable):
             `ServoGains.for_robot` by default, lower for a period beyond 4 ms.
         ready: called in every period while the posture is held with the share of the weight that
             the feet carry, None if the robot does not measure joint torques; returns whether the
-            controller may take over. By default it may when they carry half of it.
+            controller may take over. By default it may when they carry 60 % of it.
         on_transition: called with every transition; logs it by default.
 
     Attributes:
@@ -70,7 +70,8 @@ class SafeHardware(Closeable):
         fault: why the joints were damped; empty without a fault.
         transitions: all transitions so far.
         lost: state messages that were replaced by extrapolations.
-        max_lateness: largest delay of a command behind the robot's clock, s.
+        lateness: delay of the last command behind the robot's clock, s.
+        max_lateness: largest such delay so far, s.
         latency: measures the time from a reading to the torque that answers it.
     """
 
@@ -89,7 +90,7 @@ class SafeHardware(Closeable):
         self.fault = ""
         self.transitions: list[Transition] = []
         self.lost = 0
-        self.max_lateness = 0.0
+        self.lateness = self.max_lateness = 0.0
         self.latency = LatencyEstimator(self.robot.na, self.dt)
         self._hardware = hardware
         self._limits = limits or SafetyLimits()
@@ -134,6 +135,8 @@ class SafeHardware(Closeable):
                 f"no valid state message within {_CONNECT_TIMEOUT:g} s: check the cable, the "
                 "network interface, and that the robot is on"
             )
+        while (newer := self._hardware.receive(0.0)) is not None:  # what came before the start
+            first = newer
         self._robot_time = first.measurement.time - self.dt
         self._pending = first
         self._enter(SafetyState.DAMPING, "connected")
@@ -279,7 +282,7 @@ class SafeHardware(Closeable):
 
     def _send(self, servo: ServoCommand) -> None:
         assert self._measurement is not None
-        late = self._lateness()
+        late = self.lateness = self._delay()
         self.max_lateness = max(self.max_lateness, late)
         if late > self._limits.lateness:
             self._fail(f"the controller is {1e3 * late:.0f} ms behind the robot's clock")
@@ -287,7 +290,7 @@ class SafeHardware(Closeable):
         self.latency.commanded(servo)
         self._hardware.send(servo)
 
-    def _lateness(self) -> float:
+    def _delay(self) -> float:
         """Return how far this tick is behind the robot's clock, s."""
         offset = self._hardware.now() - self._robot_time
         # The smallest offset is that of the fastest message; it follows the clocks' drift.
