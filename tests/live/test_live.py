@@ -272,25 +272,51 @@ class Client:
         self._loop.call_soon_threadsafe(self._socket.close)
 
 
-@pytest.fixture
-def handler(player, plant):
+@contextlib.contextmanager
+def page_handler(player, plant):
     motions = (Squat, WaitingMotion, SlowlyPlannedMotion, InfeasibleMotion)
     with CommandHandler(player, plant, motions=motions) as handler:
         yield handler
 
 
+def page_of(handler):
+    return Live(handler, port=0, announce=False, token="")
+
+
+@pytest.fixture
+def handler(player, plant):
+    with page_handler(player, plant) as handler:
+        yield handler
+
+
 @pytest.fixture
 def live(handler):
-    with Live(handler, port=0, announce=False, token="") as live:
+    with page_of(handler) as live:
+        yield live
+
+
+# A server takes seconds to start: one for all the tests that leave it as it was.
+
+
+@pytest.fixture(scope="module")
+def lasting_handler(robot):
+    with page_handler(MotionPlayer(robot), wbc.sim.Mujoco(robot)) as handler:
+        yield handler
+
+
+@pytest.fixture(scope="module")
+def lasting(lasting_handler):
+    with page_of(lasting_handler) as live:
         yield live
 
 
 @pytest.fixture
-def take(handler, live):
+def take(lasting_handler, lasting):
     """Apply commands as the loop does until there were `count`; return them all."""
-    applied = []
-    handler.add_observer(lambda sent, ack: applied.append(sent))
-    handler.stop = lambda: True
+    handler, applied = lasting_handler, []
+
+    def observe(sent, _):
+        applied.append(sent)
 
     def take(count):
         end = time.monotonic() + 20.0
@@ -301,11 +327,15 @@ def take(handler, live):
         assert len(applied) == count
         return applied
 
-    return take
+    handler.begin()
+    handler.stop = lambda: True
+    handler.add_observer(observe)
+    yield take
+    handler.remove_observer(observe)
 
 
-def test_an_invalid_message_is_answered_and_the_next_one_is_applied(live, take, player):
-    page = Client(live.url)
+def test_an_invalid_message_is_answered_and_the_next_one_is_applied(lasting, take, lasting_handler):
+    page = Client(lasting.url)
     offered = page.receive("controls")["controls"]
     assert [motion["name"] for motion in offered["motions"]][-2:] == [
         "slowly_planned",
@@ -316,21 +346,21 @@ def test_an_invalid_message_is_answered_and_the_next_one_is_applied(live, take, 
         assert page.receive("error")["error"]
     page.request("com.weight", 2000.0)
     take(1)
-    assert player.walker.com.weight[0] == 2000.0
+    assert lasting_handler.player.walker.com.weight[0] == 2000.0
 
 
-def test_a_message_of_a_megabyte_closes_only_its_senders_connection(live, take, handler):
-    rude, page = Client(live.url), Client(live.url)
+def test_a_message_of_a_megabyte_closes_only_its_senders_connection(lasting, take, lasting_handler):
+    rude, page = Client(lasting.url), Client(lasting.url)
     rude.send("x" * (1 << 20))
     while rude._received.get(timeout=20.0) is not None:
         pass
     page.request("pause", True)
     take(1)
-    assert handler.paused
+    assert lasting_handler.paused
 
 
-def test_pages_show_the_same_values_when_others_close_or_reconnect(live, take):
-    one, two = Client(live.url), Client(live.url)
+def test_pages_show_the_same_values_when_others_close_or_reconnect(lasting, take):
+    one, two = Client(lasting.url), Client(lasting.url)
     two.receive("values")
     one.request("com.weight", 2000.0)
     assert two.receive("values")["values"] == {"com.weight": 2000.0}
@@ -338,34 +368,36 @@ def test_pages_show_the_same_values_when_others_close_or_reconnect(live, take):
     take(1)
     two.request("gait.swing_height", 0.04)
     take(2)
-    again = Client(live.url).receive("values")["values"]
+    again = Client(lasting.url).receive("values")["values"]
     assert (again["com.weight"], again["gait.swing_height"]) == (2000.0, 0.04)
 
 
-def test_an_infeasible_motion_is_refused_and_never_reaches_the_loop(live, take):
-    page = Client(live.url)
+def test_an_infeasible_motion_is_refused_and_never_reaches_the_loop(lasting, take):
+    page = Client(lasting.url)
     page.request("motion", "infeasible_motion")
     assert "no robot can do it" in page.receive("error")["error"]
     page.request("motion", "waiting")
     take(1)
-    later = Client(live.url)
+    later = Client(lasting.url)
     while "infeasible_motion" not in later.receive("infeasible")["infeasible"]:
         pass  # the checks of all of them take their time
 
 
-def test_a_motion_is_planned_with_its_parameters_before_the_loop_receives_it(live, take, handler):
-    page = Client(live.url)
+def test_a_motion_is_planned_with_its_parameters_before_the_loop_receives_it(
+    lasting, take, lasting_handler
+):
+    page = Client(lasting.url)
     page.send(motion("squat", depth=90.0))
     assert "cannot go down by 90 %" in page.receive("error")["error"]
     page.send(motion("waiting", duration=0.2))
     take(1)
-    assert handler.waiting == WaitingMotion(0.2)
+    assert lasting_handler.waiting == WaitingMotion(0.2)
 
 
 def test_a_motion_that_is_being_planned_is_superseded_by_another_command(
-    live, take, handler, tmp_path
+    lasting, take, lasting_handler, tmp_path
 ):
-    page = Client(live.url)
+    page = Client(lasting.url)
     page.send(motion("slowly_planned", folder=str(tmp_path)))
     assert page.receive("planning")["planning"] == "slowly_planned"
     page.request("stand")
@@ -375,11 +407,11 @@ def test_a_motion_that_is_being_planned_is_superseded_by_another_command(
     assert page.receive("planning")["planning"] == "waiting"
     (tmp_path / "alarm").touch()
     take(2)
-    assert handler.waiting == WaitingMotion(0.3)
+    assert lasting_handler.waiting == WaitingMotion(0.3)
 
 
-def test_a_motion_whose_planning_fails_is_reported_and_the_page_continues(live, take):
-    page = Client(live.url)
+def test_a_motion_whose_planning_fails_is_reported_and_the_page_continues(lasting, take):
+    page = Client(lasting.url)
     page.send(motion("slowly_planned", folder="nowhere"))
     assert "FileNotFoundError" in page.receive("error")["error"]
     page.send(motion("waiting", duration=0.3))
@@ -427,8 +459,8 @@ def test_a_robot_whose_last_driving_page_is_gone_stops_and_others_are_told(
         assert other.receive("error") == {"error": told[0]}
 
 
-def test_no_page_frames_the_page_and_it_loads_nothing_from_elsewhere(live):
-    with urllib.request.urlopen(live.url, timeout=20.0) as answer:
+def test_no_page_frames_the_page_and_it_loads_nothing_from_elsewhere(lasting):
+    with urllib.request.urlopen(lasting.url, timeout=20.0) as answer:
         headers = answer.headers
     assert headers["X-Frame-Options"] == "DENY"
     assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
@@ -454,6 +486,7 @@ def test_a_page_that_others_reach_is_opened_by_its_token_only(handler, caplog):
             assert answer.status == 200
         for path in ("controls", "socket", "alive"):
             assert Client(address, path).refused == 403
+    assert not live.alive
 
 
 @pytest.mark.parametrize(
@@ -471,11 +504,11 @@ def test_a_token_is_needed_where_others_reach_the_page(host, others, expected, m
 
 
 @pytest.mark.parametrize("path", ["controls", "socket", "alive"])
-def test_pages_of_other_origins_are_refused(live, path):
-    assert Client(live.url, path, origin="http://elsewhere.example").refused == 403
-    assert Client(live.url, path, origin="null").refused == 403
-    here = live.url.replace("/static/", "")
-    assert Client(live.url, path, origin=here).refused is None
+def test_pages_of_other_origins_are_refused(lasting, path):
+    assert Client(lasting.url, path, origin="http://elsewhere.example").refused == 403
+    assert Client(lasting.url, path, origin="null").refused == 403
+    here = lasting.url.replace("/static/", "")
+    assert Client(lasting.url, path, origin=here).refused is None
 
 
 @pytest.mark.parametrize(
@@ -486,9 +519,9 @@ def test_pages_of_other_origins_are_refused(live, path):
         ("PUT", {"Origin": "http://elsewhere.example"}, 405),
     ],
 )
-def test_requests_with_another_host_name_or_method_are_refused(live, method, headers, code):
+def test_requests_with_another_host_name_or_method_are_refused(lasting, method, headers, code):
     data = b"{}" if method != "GET" else None
-    request = urllib.request.Request(live.url, data=data, headers=headers, method=method)
+    request = urllib.request.Request(lasting.url, data=data, headers=headers, method=method)
     with pytest.raises(urllib.error.HTTPError) as refusal:
         urllib.request.urlopen(request, timeout=20.0)
     assert refusal.value.code == code
@@ -513,9 +546,9 @@ def test_a_page_on_all_interfaces_accepts_addresses_but_not_any_host_name(listen
     assert bool(re.fullmatch(allowed_hosts(listening), name)) is known
 
 
-def test_the_page_loads_nothing_from_other_servers(live):
+def test_the_page_loads_nothing_from_other_servers(lasting):
     def text_of(name):
-        with urllib.request.urlopen(live.url + name, timeout=20.0) as answer:
+        with urllib.request.urlopen(lasting.url + name, timeout=20.0) as answer:
             return answer.read().decode()
 
     files = re.findall(r'(?:src|href)="(\w+\.(?:js|css))"', text_of(""))
@@ -526,10 +559,10 @@ def test_the_page_loads_nothing_from_other_servers(live):
         assert "https://" not in text
 
 
-def test_a_port_in_use_is_refused_by_number(live, handler):
-    port = int(live.url.split(":")[2].split("/")[0])
+def test_a_port_in_use_is_refused_by_number(lasting, lasting_handler):
+    port = int(lasting.url.split(":")[2].split("/")[0])
     with pytest.raises(LiveError, match=f"port {port} is in use"):
-        Live(handler, port=port, announce=False)
+        Live(lasting_handler, port=port, announce=False)
 
 
 @pytest.mark.parametrize(
@@ -573,23 +606,21 @@ def test_the_run_continues_and_warns_once_when_the_pages_process_dies(
     assert [record.message.count("the live page") for record in caplog.records] == [1]
 
 
-def test_closed_pages_leave_no_resources_open(live, take):
-    files = Path(f"/proc/{live.pid}/fd")
+def test_closed_pages_leave_no_resources_open(lasting, take):
+    files = Path(f"/proc/{lasting.pid}/fd")
     if not files.is_dir():
         pytest.skip("no /proc here")
-    staying = Client(live.url)
+    staying = Client(lasting.url)
     staying.receive("infeasible")
     before = len(list(files.iterdir()))
     for k in range(50):
-        Client(live.url, ("controls", "socket")[k % 2]).close()
+        Client(lasting.url, ("controls", "socket")[k % 2]).close()
     end = time.monotonic() + 20.0
     while len(list(files.iterdir())) > before:
         assert time.monotonic() < end
         time.sleep(0.05)
     staying.request("pause", True)
     take(1)
-    live.close()
-    assert not Path(f"/proc/{live.pid}").exists()
 
 
 @contextlib.contextmanager
