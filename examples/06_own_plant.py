@@ -60,5 +60,5 @@ class SpringFloor:
 robot = wbc.load("simple_humanoid")
 walker = wbc.Walker(robot)
 walker.velocity = (0.2, 0.0, 0.0)
-report = wbc.run(walker, SpringFloor(robot), 3.0, estimator=wbc.GroundTruthEstimator(robot))
+report = wbc.run(walker, SpringFloor(robot), 1.5, estimator=wbc.GroundTruthEstimator(robot))
 print(report.table())

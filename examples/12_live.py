@@ -13,7 +13,7 @@ with (
 ):
     # Sliders, pushes and motions reach the handler through shared memory, before a tick.
     print("motions on the page:", *(motion.name for motion in handler.capabilities.motions))
-    report = wbc.teleop.run(handler, duration=5.0, clients=[live])
+    report = wbc.teleop.run(handler, duration=3.0, clients=[live])
 
 assert report is not None
 print(report.table())
