@@ -111,7 +111,9 @@ def _bare_bodies(robot: RobotModel, shapes: list[CollisionShape]) -> list[int]:
 
 def _shapes_of(robot: RobotModel, source: Literal["collision", "visual"]) -> list[CollisionShape]:
     try:
-        geometry = robot.collision_model if source == "collision" else robot.visual_model
+        geometry = (
+            robot.read_geometry(pin.COLLISION) if source == "collision" else robot.visual_model
+        )
     except RobotDescriptionError as error:
         _log.warning("%s", error)
         return []

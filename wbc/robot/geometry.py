@@ -15,6 +15,8 @@ from wbc.robot.model import normalized_document
 from wbc.robot.packages import resolve, up_axis_rotation
 from wbc.robot.urdf import Urdf
 
+#: Bounding volumes of meshes, see `load_geometry`. Python sees the vertices of these two kinds only.
+VERTICES_ONLY, FOR_DISTANCES = coal.NODE_TYPE.BV_OBB, coal.NODE_TYPE.BV_OBBRSS
 GRAY = "0.6 0.6 0.6 1.0"
 # The sizes that each shape must state, with their number of values.
 SIZES = {
@@ -77,8 +79,18 @@ def load_geometry(
     kind: pin.GeometryType,
     folders: tuple[Path, ...],
     respect_up_axis: bool = False,
+    tree: coal.NODE_TYPE = VERTICES_ONLY,
 ) -> pin.GeometryModel:
     """Return the shapes of a URDF, without broken ones and meshes that are not found.
+
+    Args:
+        model: the robot's model.
+        urdf: the description.
+        kind: the visual or the collision shapes.
+        folders: where packages are looked for.
+        respect_up_axis: turn meshes whose files state an up axis.
+        tree: bounding volumes of the meshes' triangles. `VERTICES_ONLY` are the quickest to make
+            and enough for drawing and hulls, `FOR_DISTANCES` takes most of the time and memory.
 
     Raises:
         RobotDescriptionError: a mesh file exists but cannot be read.
@@ -94,8 +106,6 @@ def load_geometry(
                 if shape is not None:
                     _add_color(urdf, element, shape, defined)
                     link.append(shape)
-    # What is only drawn needs no tree for distances, which takes most of the time and memory.
-    tree = coal.NODE_TYPE.BV_OBB if kind == pin.VISUAL else coal.NODE_TYPE.BV_OBBRSS
     try:
         return pin.buildGeomFromUrdfString(
             model,

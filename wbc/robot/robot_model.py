@@ -7,13 +7,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import coal
 import numpy as np
 import pinocchio as pin
 
 from wbc.errors import FrameNotFound, JointNotFound
 from wbc.robot.couplings import Coupling
 from wbc.robot.finding import Fact, Finding
-from wbc.robot.geometry import load_geometry
+from wbc.robot.geometry import FOR_DISTANCES, VERTICES_ONLY, load_geometry
 from wbc.robot.urdf import Urdf
 
 if TYPE_CHECKING:
@@ -135,12 +136,14 @@ class RobotModel:
     @cached_property
     def visual_model(self) -> pin.GeometryModel:
         """The visual shapes; meshes are read on first use, missing ones left out."""
-        return self._geometry(pin.VISUAL)
+        return self.read_geometry(pin.VISUAL)
 
     @cached_property
     def collision_model(self) -> pin.GeometryModel:
-        """The collision shapes; meshes are read on first use, missing ones left out."""
-        return self._geometry(pin.COLLISION)
+        """The collision shapes, with trees for distances; meshes are read on first use, missing
+        ones left out.
+        """
+        return self.read_geometry(pin.COLLISION, FOR_DISTANCES)
 
     def joint_index(self, name: str) -> int:
         """Index of an actuated joint into (na,) vectors; add 6 for nv, 7 for nq.
@@ -166,8 +169,12 @@ class RobotModel:
         names = [frame.name for frame in self.model.frames[1:]]
         raise FrameNotFound(name, names, f"robot '{self.name}'")
 
-    def _geometry(self, kind: pin.GeometryType) -> pin.GeometryModel:
-        return load_geometry(self.model, self.urdf, kind, self.package_dirs, self.respect_up_axis)
+    def read_geometry(
+        self, kind: pin.GeometryType, tree: coal.NODE_TYPE = VERTICES_ONLY
+    ) -> pin.GeometryModel:
+        """Read the visual or the collision shapes; see `wbc.robot.geometry.load_geometry`."""
+        folders = self.package_dirs
+        return load_geometry(self.model, self.urdf, kind, folders, self.respect_up_axis, tree)
 
 
 _LIMITS = ("effortLimit", "velocityLimit", "lowerPositionLimit", "upperPositionLimit")
