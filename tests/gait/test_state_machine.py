@@ -232,18 +232,3 @@ def test_gait_changed_during_a_quick_step_leaves_it_quick() -> None:
     assert machine.state.normal_gait is higher
     machine.change_gait(GAIT, GAIT)
     assert machine.state.recovery_gait is machine.state.normal_gait
-
-
-def test_a_robot_pushed_at_rest_goes_nowhere_until_it_has_caught_the_push() -> None:
-    quick = replace(GAIT, single_support=0.5 * GAIT.single_support)
-    landings = []
-    for pushed in (False, True):
-        machine = GaitStateMachine(GAIT, SQUARE, DcmPlanner(), quick)
-        state = machine.state
-        if pushed:
-            state.gait, state.requested_swing = quick, "right"
-        while state.phase is not Phase.SWING:
-            machine.update(DT, SQUARE, GaitCommand(WALK), BOTH)
-        landings.append(state.landing.point.real)
-    assert landings[0] > 0.05
-    assert landings[1] == pytest.approx(0.0)

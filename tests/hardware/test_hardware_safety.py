@@ -16,7 +16,7 @@ from hardwaretools import HardwareRun, changed_state, flipped_bit
 import wbc
 from wbc.hardware import HardwareError, SafetyLimits, SafetyState, UnitreeG1
 from wbc.hardware.safety.command_filter import CommandFilter
-from wbc.hardware.unitree.lockstep import Disturbance
+from wbc.hardware.unitree.lockstep import Disturbance, undisturbed
 from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
 from wbc.hardware.unitree.motors import G1_JOINTS
 from wbc.hardware.unitree.stand_in_server import serve
@@ -285,6 +285,18 @@ def test_it_does_not_start_from_a_posture_far_away_or_without_a_robot(hanging) -
         run.transport.on_state = disturb
         with pytest.raises(HardwareError, match=reason):
             run.plant.start()
+
+
+def test_what_came_before_the_start_is_no_loss(hanging) -> None:
+    run = copy.deepcopy(hanging)
+    for on_state in (undisturbed, lambda now, data: [], undisturbed):
+        run.transport.on_state = on_state
+        for _ in range(20):
+            run.transport.advance()
+    run.plant._limits = SafetyLimits(start_distance=1e-3)  # it ends the start early
+    with pytest.raises(HardwareError, match="from the nominal posture"):
+        run.plant.start()
+    assert run.plant.lost == 0
 
 
 def test_a_command_before_the_start_and_one_that_is_not_finite_are_refused(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from wbc.errors import GaitError
-from wbc.gait.footsteps import Velocity, other_side
+from wbc.gait.footsteps import other_side
 from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.planners.planner import Planner
@@ -73,10 +73,6 @@ class GaitStateMachine:
                 then a swing ends at its planned time.
         """
         state, planner, adaptation = self.state, self._planner, self._adaptation
-        if state.steps_out or (state.phase is Phase.STAND and state.requested_swing is not None):
-            # It walks when it has caught the push: steps that also make for the commanded velocity
-            # may catch the DCM at the edge of each sole for ever.
-            command = GaitCommand(Velocity(), command.footsteps)
         if adaptation is not None:
             walking = state.phase is not Phase.STAND
             velocity = adaptation.ramp(command.velocity, dt, walking=walking)
