@@ -15,7 +15,7 @@ from wbc.robot.model import normalized_document
 from wbc.robot.packages import resolve, up_axis_rotation
 from wbc.robot.urdf import Urdf
 
-#: Bounding volumes of meshes, see `load_geometry`. Python sees the vertices of these two kinds only.
+#: Bounding volumes of meshes, see `load_geometry`; the two kinds whose vertices Python can read.
 VERTICES_ONLY, FOR_DISTANCES = coal.NODE_TYPE.BV_OBB, coal.NODE_TYPE.BV_OBBRSS
 GRAY = "0.6 0.6 0.6 1.0"
 # The sizes that each shape must state, with their number of values.
