@@ -176,6 +176,8 @@ class LockstepRobot(Ros2ControlRobot):
         return self.plant.time
 
     def receive(self, timeout: float) -> Reading | None:
+        if timeout == 0.0:  # no state is waiting: it comes when it is waited for
+            return None
         plant, zero = self.plant, np.zeros(self.robot.na)
         commands, sent = self.side.commands, self.connection.sent
         assert self.side.node.spin_until(lambda: len(commands) >= sent, TIMEOUT)
