@@ -32,7 +32,6 @@ from wbc.walking import WaypointFollower
 
 NAME = "navigate_to_pose"
 TYPE = "nav2_msgs/action/NavigateToPose"
-_ODOM_FRAMES = ("", ODOM, "map", "world")
 _BASE_FRAMES = ("base_link", "base_footprint")  # besides the robot's own name of its base
 _VELOCITY_TIMEOUT = 0.5  # s after which the robot stops unless another velocity is sent
 _STANDING_TIME = 0.3  # s for which the gait has to stand
@@ -110,11 +109,10 @@ class NavigateToPose(RobotAction):
             return None
         pose = Placement(complex(p.x, p.y), yaw_of(o))
         frame = stamped.header.frame_id.lstrip("/")
+        # A map of which no transform has come yet is refused: it may be anywhere.
         transformed = self._transforms.transform(pose, frame or ODOM, ODOM)
         if transformed is not None:
             return transformed
-        if frame in _ODOM_FRAMES:
-            return pose
         if frame in (*_BASE_FRAMES, self._robot.base) and self._tick is not None:
             return self._robot_pose(self._tick).compose(pose)
         return None
