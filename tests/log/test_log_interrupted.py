@@ -22,6 +22,7 @@ from wbc.log.errors import LogError
 from wbc.log.reader import Log
 from wbc.log.recovery import complete, repair
 from wbc.log.run import LoggedRun
+from wbc.log.time_span import TimeSpan
 from wbc.messages import message_type
 from wbc.process import ChildProcess, ProcessStartError
 
@@ -225,6 +226,31 @@ def test_only_a_damaged_chunk_is_missing_from_what_is_read_and_from_a_repaired_c
         assert gap.end >= 1e-9 * last
         assert gap.end - gap.start < 1e-9 * (last - first) + 0.005
     assert not Log(copy).gaps
+
+
+def span_of(chunk):
+    return TimeSpan(1e-9 * chunk.message_start_time - 1e-4, 1e-9 * chunk.message_end_time + 1e-4)
+
+
+def test_chunks_beyond_a_span_are_not_read(whole, chunks, tmp_path):
+    data, span = bytearray(whole.read_bytes()), span_of(chunks[1])
+    for chunk in (*chunks[:1], *chunks[2:]):
+        start = chunk.chunk_start_offset
+        data[start : start + chunk.chunk_length] = b"\xff" * chunk.chunk_length
+    path = tmp_path / "damaged.mcap"
+    path.write_bytes(data)
+    assert Log(path).gaps
+    part = Log(path, span=span)
+    assert not part.gaps
+    assert len(part["/controller_state"]) == 30
+    assert part["/odom"].messages() == Log(whole, span=span)["/odom"].messages()
+
+
+def test_a_damaged_chunk_of_a_span_is_a_gap_between_its_neighbours(whole, chunks, tmp_path):
+    path = flipped(whole, tmp_path, chunks[1].chunk_start_offset)
+    (gap,) = Log(path, span=span_of(chunks[1])).gaps
+    assert gap.start == pytest.approx(1e-9 * chunks[0].message_end_time)
+    assert gap.end == pytest.approx(1e-9 * chunks[2].message_start_time)
 
 
 @pytest.mark.parametrize("compression", ["NONE", "LZ4", "ZSTD"])

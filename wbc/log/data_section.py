@@ -95,7 +95,8 @@ class DataSection:
 
     Args:
         file: File open for reading.
-        span: Part of the run to read; chunks beyond it are not looked into.
+        span: Part of the run to read. Chunks beyond it are not read if the summary section says
+            where they are, and else not looked into.
 
     Attributes:
         summary: The file's summary section.
@@ -113,13 +114,14 @@ class DataSection:
         self.summary = SummarySection(file)
         self.finished = self.summary.found
         self.gaps: list[Gap] = []
+        self._last = 0.0  # s, of the last message that was read
 
     def __iter__(self) -> Iterator[tuple[Block, Content]]:
         """Yield chunks, attachments and metadata, each with its block, and indices of messages."""
-        last, damaged = 0.0, False
-        for block in blocks(self._file, self.summary):
+        damage: int | None = None  # where it begins, bytes
+        for block in blocks(self._file, self.summary, self._skipped()):
             if isinstance(block, Damage):
-                damaged = True
+                damage = block.start if damage is None else damage
                 continue
             if block.opcode == Opcode.MESSAGE_INDEX:
                 yield block, None
@@ -130,17 +132,34 @@ class DataSection:
                 if isinstance(record, records.Chunk):
                     start, end = record.message_start_time, record.message_end_time
                     if not self._span.overlaps(start, end):
-                        last, damaged = 1e-9 * end, False
+                        self._last, damage = 1e-9 * end, None
                         continue
                     record = ChunkBlock(record, chunk_content(record))
             except ValueError:
-                damaged |= block.opcode == Opcode.CHUNK
+                if block.opcode == Opcode.CHUNK and damage is None:
+                    damage = block.start
                 continue
             if isinstance(record, ChunkBlock):
-                if damaged:
-                    self.gaps.append(Gap(last, 1e-9 * record.record.message_start_time))
-                damaged = False
-                last = 1e-9 * record.record.message_end_time
+                if damage is not None:
+                    self._add_gap(damage, 1e-9 * record.record.message_start_time)
+                damage = None
+                self._last = 1e-9 * record.record.message_end_time
             yield block, record
-        if damaged and self.finished:
-            self.gaps.append(Gap(last, 1e-9 * self.summary.end_time))
+        if damage is not None and self.finished:
+            beyond = set(self._skipped())
+            chunks = self.summary.chunks.values()
+            following = (c.first for c in chunks if c.start > damage and c.start in beyond)
+            self._add_gap(damage, 1e-9 * min(following, default=self.summary.end_time))
+
+    def _add_gap(self, damage: int, end: float) -> None:
+        """Add the gap of damage that begins at an offset, up to a time, s."""
+        before = (1e-9 * c.last for c in self.summary.chunks.values() if c.end <= damage)
+        self.gaps.append(Gap(max(before, default=self._last), end))
+
+    def _skipped(self) -> dict[int, int]:
+        """Return start and end of the chunks that the span does not need, with their indices."""
+        return {
+            chunk.start: chunk.end
+            for chunk in self.summary.chunks.values()
+            if chunk.end > chunk.start and not self._span.overlaps(chunk.first, chunk.last)
+        }

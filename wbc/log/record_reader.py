@@ -14,8 +14,9 @@ import math
 import struct
 import zlib
 from collections import defaultdict
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterator, Mapping
 from io import BytesIO
+from types import MappingProxyType
 from typing import IO, Any, NamedTuple
 
 from mcap import records
@@ -35,6 +36,8 @@ _DAMAGE = (
 _HEAD = struct.Struct("<BQ")  # opcode, length of the content
 _CHANNEL_AND_TIME = struct.Struct("<H4xQ")  # of a message, with its sequence number between them
 _MESSAGE_SIZE = _CHANNEL_AND_TIME.size + 8  # bytes before its data: the publish time follows
+_INDEXED_CHUNK = struct.Struct("<QQQQI")  # times, offset, length, length of the next field
+_LENGTH = struct.Struct("<Q")
 _FOOTER_SIZE = _HEAD.size + 20 + len(MCAP0_MAGIC)  # bytes, with the magic bytes at the end
 _TYPES: dict[int, Any] = {
     Opcode.HEADER: records.Header,
@@ -101,12 +104,43 @@ class Damage(NamedTuple):
     end: int
 
 
+class IndexedChunk(NamedTuple):
+    """A chunk as the summary section describes it.
+
+    Attributes:
+        start: Offset of its record, bytes.
+        end: Offset of what follows it and the indices of its messages, bytes.
+        first: Time of its first message, ns.
+        last: Time of its last message, ns.
+    """
+
+    start: int
+    end: int
+    first: int
+    last: int
+
+    @staticmethod
+    def of(data: bytes) -> IndexedChunk:
+        """Return what the content of a chunk's index says.
+
+        Raises:
+            ValueError: It is damaged.
+        """
+        try:
+            first, last, start, length, places = _INDEXED_CHUNK.unpack_from(data)
+            (indices,) = _LENGTH.unpack_from(data, _INDEXED_CHUNK.size + places)
+        except struct.error as error:
+            raise ValueError(str(error)) from error
+        return IndexedChunk(start, start + length + indices, first, last)
+
+
 class SummarySection:
     """What the summary section states that data may lack.
 
     Attributes:
         descriptions: Schemas and channels.
         offsets: Offsets of chunks, attachments and metadata, ascending.
+        chunks: Index of each chunk by its offset.
         end_time: Time of the last message, ns; NaN if the file has no summary.
         found: Whether the file has its end.
     """
@@ -114,6 +148,7 @@ class SummarySection:
     def __init__(self, file: IO[bytes]) -> None:
         self.descriptions: list[records.Schema | records.Channel] = []
         self.offsets: list[int] = []
+        self.chunks: dict[int, IndexedChunk] = {}
         self.end_time = math.nan
         self.found = False
         for block in _summary_blocks(file):
@@ -121,7 +156,9 @@ class SummarySection:
                 if block.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
                     self.descriptions.append(block.parse())
                 elif block.opcode == Opcode.CHUNK_INDEX:
-                    self.offsets.append(block.parse().chunk_start_offset)
+                    chunk = IndexedChunk.of(block.data)
+                    self.offsets.append(chunk.start)
+                    self.chunks[chunk.start] = chunk
                 elif block.opcode in (Opcode.ATTACHMENT_INDEX, Opcode.METADATA_INDEX):
                     self.offsets.append(block.parse().offset)
                 elif block.opcode == Opcode.STATISTICS:
@@ -143,16 +180,22 @@ def check_magic(file: IO[bytes]) -> None:
         raise LogError(f"{file.name} is not an MCAP file")
 
 
-def blocks(file: IO[bytes], summary: SummarySection) -> Iterator[Block | Damage]:
+def blocks(
+    file: IO[bytes], summary: SummarySection, skipped: Mapping[int, int] = MappingProxyType({})
+) -> Iterator[Block | Damage]:
     """Yield the records of the data section in order, each as a block.
 
     Args:
         file: The file, which is an MCAP file.
         summary: Its summary section.
+        skipped: Offset of each part that is not read, with the offset of what follows it.
     """
     size = file.seek(0, 2)
     start = len(MCAP0_MAGIC)
     while start < size:
+        if start in skipped:
+            start = skipped[start]
+            continue
         block = _block(file, start, size)
         if block is None:
             following = _next_record(file, summary, start + 1, size)

@@ -86,7 +86,7 @@ def complete(path: Path) -> float:
                 _replace_end(path, size, summary.encode(size))
                 break
             except OSError:
-                if not summary.chunks:
+                if summary.last_chunk is None:
                     raise
                 size = summary.drop_last_chunk()
         return summary.end_time

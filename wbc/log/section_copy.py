@@ -56,11 +56,11 @@ def index_section(file: IO[bytes]) -> tuple[DataSection, Summary, int]:
             _add_chunk(record.record, index, block.start, length, summary)
         elif record is not None:
             summary.add(record, block.start, length)
-        elif summary.chunks:
+        elif summary.last_chunk is not None:
             channel = int.from_bytes(block.data[:2], "little")
             summary.add_message_index(channel, block.start, length)
-    if summary.drop_partial_index():
-        last = summary.chunks[-1]
+    last = summary.last_chunk
+    if last is not None and summary.drop_partial_index():
         size = last.chunk_start_offset + last.chunk_length
     return section, summary, size
 
