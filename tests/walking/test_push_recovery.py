@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import wbc
-from wbc.gait import DcmReference, Phase
+from wbc.gait import DcmReference, Phase, SwingFoot
 from wbc.sim import Mujoco
 
 pytest.importorskip("mujoco")
@@ -163,3 +163,23 @@ def test_another_gait_leaves_a_walker_without_quick_steps_without_them():
     walker = wbc.Walker(robot, gait=gait, recovery_gait=gait)
     walker.change_gait(replace(gait, swing_height=0.08))
     assert walker.recovery_gait is walker.gait
+
+
+@pytest.mark.parametrize(("error", "returns_to_normal"), [(0.09, True), (0.25, False)])
+def test_a_shortened_swing_has_the_time_that_its_foot_needs(error, returns_to_normal):
+    walker = wbc.Walker(wbc.load("g1"))
+    state, gait = walker.gait_state, walker.gait
+    state.phase, state.time, state.duration = Phase.SWING, 0.15, gait.single_support
+    start = state.other_foot._replace(point=state.other_foot.point - 0.15)
+    state.landing = state.other_foot._replace(point=state.other_foot.point + 0.2)
+    swing = state.swing = SwingFoot(
+        start, state.landing, state.duration, gait.swing_height, gait.touchdown_speed
+    )
+    planned = DcmReference(state.stance.point, 0j, state.stance.point)
+    state.dcm = planned.dcm + error
+    walker.stabilizer.push_recovery.update_swing(state, planned, lambda _: planned, (0.0, 0.0))
+    assert state.shortened
+    assert state.recovering is not returns_to_normal
+    assert state.duration < gait.single_support
+    needed = swing.time_to(state.landing.point, 7.0 * gait.gravity)
+    assert state.remaining >= needed > 0.1

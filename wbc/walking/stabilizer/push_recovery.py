@@ -83,21 +83,36 @@ class PushRecovery:
             state.duration = min(usual, state.time + remaining)
         state.shortened = True
         tolerance = _WITHIN_REACH[0 if state.recovering else 1]
+        planned, shift = self._choose_gait(state, tolerance, reference, ankles)
+        if undisturbed:
+            least = self._least_time(state, shift)
+            if least > state.remaining:
+                state.duration = min(usual, state.time + least)
+                planned, shift = self._choose_gait(state, tolerance, reference, ankles)
+        return planned, shift
+
+    def _choose_gait(
+        self, state: GaitState, tolerance: float, reference: Reference, ankles: tuple[float, float]
+    ) -> tuple[DcmReference, complex]:
+        """Set the normal gait if the landing place in it is in reach, else the recovery gait.
+
+        Args:
+            state: whose `gait` it sets.
+            tolerance: by how much the landing place may be out of reach, m.
+            reference: see `update_swing`.
+            ankles: see `update_swing`.
+
+        Returns:
+            See `update_swing`.
+        """
         state.gait = state.normal_gait
         planned = reference(None)
         shift = uncaught_dcm_error(state, planned, ankles)
         if self._missed(state, shift) <= tolerance:
             return planned, shift
-        state.gait = quick
+        state.gait = state.recovery_gait
         planned = reference(None)
-        shift = uncaught_dcm_error(state, planned, ankles)
-        if undisturbed:
-            least = self._least_time(state, shift)
-            if least > state.remaining:
-                state.duration = min(usual, state.time + least)
-                planned = reference(None)
-                shift = uncaught_dcm_error(state, planned, ankles)
-        return planned, shift
+        return planned, uncaught_dcm_error(state, planned, ankles)
 
     def update_transfer(
         self,
