@@ -15,7 +15,9 @@ from hardwaretools import HardwareRun, changed_state, flipped_bit
 
 import wbc
 from wbc.hardware import HardwareError, SafetyLimits, SafetyState, UnitreeG1
+from wbc.hardware.hardware import Hardware, Reading
 from wbc.hardware.safety.command_filter import CommandFilter
+from wbc.hardware.safety.state_stream import StateFault, StateStream
 from wbc.hardware.unitree.lockstep import Disturbance, undisturbed
 from wbc.hardware.unitree.messages import LOW_COMMAND, LOW_STATE, MessageBuffer
 from wbc.hardware.unitree.motors import G1_JOINTS
@@ -214,6 +216,37 @@ def test_the_robot_damps_by_itself_when_its_controller_is_gone(standing) -> None
     assert run.transport.now() - begin < 0.025
 
 
+@pytest.mark.parametrize("lost", [True, False], ids=["lost wire", "motors off"])
+def test_commands_that_the_robot_does_not_answer_end_the_run(lost: bool, standing) -> None:
+    run = copy.deepcopy(standing)
+    run.hold(0.04)  # the torques of these commands are known
+
+    def off(_: float, data: bytes) -> list[bytes]:
+        buffer = MessageBuffer(LOW_COMMAND)
+        assert buffer.decode(data)
+        buffer.fields["motor_cmd"]["mode"] = 0
+        return [] if lost else [buffer.encode()]
+
+    begin, run.transport.on_command = run.transport.now(), off
+    with pytest.raises(StopRun, match="commands do not arrive"):
+        run.hold(0.1)
+    own = 0.02 if lost else 0.0  # s, until the robot damps its joints
+    assert own < run.transport.now() - begin < own + 0.025
+
+
+def test_a_robot_that_floods_holds_neither_the_start_nor_a_tick(hanging) -> None:
+    flooding = FloodingRobot(copy.deepcopy(hanging).plant._hardware)
+    states = StateStream(flooding, SafetyLimits())
+    assert states.start(1.0)
+    states.next()
+    flooding.repeats = True
+    with pytest.raises(StateFault, match="no valid state message"):
+        states.next()
+    rubbish = FloodingTransport()
+    assert UnitreeG1(hanging.robot, rubbish).receive(0.02) is None
+    assert rubbish.time == pytest.approx(0.025, abs=0.001)
+
+
 def test_a_push_of_the_robot_counts_from_when_its_gantry_lets_go(hanging, standing) -> None:
     for run, pushed in ((copy.deepcopy(hanging), False), (copy.deepcopy(standing), True)):
         run.stand_in.schedule_push(0.002, (0.0, 1.0, 0.0))
@@ -329,6 +362,41 @@ def test_commands_beyond_the_limits_are_brought_within_them() -> None:
 def test_the_joints_of_the_motors_are_those_of_the_model() -> None:
     assert len(set(G1_JOINTS)) == 29
     assert set(G1_JOINTS) == set(load("g1").joint_names)
+
+
+class FloodingRobot:
+    """A robot whose next reading always waits.
+
+    Attributes:
+        repeats: whether they are all of the same instant.
+    """
+
+    def __init__(self, hardware: Hardware) -> None:
+        self._hardware, self.robot, self.period = hardware, hardware.robot, hardware.period
+        self._last, self._passed = hardware.receive(1.0), 0.0
+        self.repeats = False
+
+    def now(self) -> float:
+        return self._hardware.now() + self._passed
+
+    def receive(self, timeout: float) -> Reading | None:
+        self._passed += 1e-5
+        if not self.repeats:
+            self._last = self._hardware.receive(1.0)
+        return self._last
+
+
+class FloodingTransport:
+    """A wire on which rubbish waits without end."""
+
+    time = 0.0
+
+    def now(self) -> float:
+        return self.time
+
+    def receive(self, timeout: float) -> bytes:
+        self.time += 1e-4
+        return b"rubbish"
 
 
 class NobodyConnected:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from wbc.measurement import Measurement
@@ -21,6 +23,11 @@ class LatencyEstimator:
     Args:
         joints: number of joints.
         dt: control period, s.
+
+    Attributes:
+        torque: norm of the torques of the command that explains the last reading best, N·m; 0 as
+            long as that is unknown.
+        torque_error: norm of the difference of the measured ones, N·m.
     """
 
     def __init__(self, joints: int, dt: float) -> None:
@@ -28,6 +35,7 @@ class LatencyEstimator:
         self._commands = np.zeros((_DEPTH, 5, joints))
         self._errors = np.zeros(_DEPTH)
         self._count = 0
+        self.torque = self.torque_error = 0.0
 
     def commanded(self, command: ServoCommand) -> None:
         """Take in the command of a period."""
@@ -44,6 +52,9 @@ class LatencyEstimator:
         q, v, tau, kp, kd = self._commands.transpose(1, 0, 2)
         torque = tau + kp * (q - m.joint_position) + kd * (v - m.joint_velocity)
         square = np.square(torque - m.joint_torque).sum(axis=1)
+        best = int(square.argmin())
+        self.torque = math.sqrt(torque[best].dot(torque[best]))
+        self.torque_error = math.sqrt(square[best])
         ages = (self._count - 1 - np.arange(_DEPTH)) % _DEPTH
         self._errors *= _FORGETTING
         self._errors[ages] += square

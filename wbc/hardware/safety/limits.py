@@ -22,6 +22,9 @@ class SafetyLimits:
         tilt: largest angle of the base from the upright, rad.
         silence: time without a valid state message, s.
         frozen: time in which the readings repeat themselves exactly, s.
+        torque_error: norm of the difference of the measured torques from those commanded, as a
+            share of the norm of these.
+        unanswered: time for which that difference may be larger, s.
         lateness: delay of a tick behind the robot's clock, s.
         start_distance: largest distance of a joint from the nominal posture at the start, rad.
         start_velocity: largest velocity of a joint at the start, rad/s.
@@ -40,6 +43,8 @@ class SafetyLimits:
     tilt: float = 0.8
     silence: float = 0.02
     frozen: float = 0.01
+    torque_error: float = 0.6
+    unanswered: float = 0.02
     lateness: float = 0.015
     start_distance: float = 1.0
     start_velocity: float = 0.5

@@ -12,12 +12,12 @@ import numpy as np
 from wbc.closeable import Closeable
 from wbc.command import Command
 from wbc.hardware.errors import HardwareError
-from wbc.hardware.hardware import ConnectionState, Hardware, Reading
-from wbc.hardware.latency import LatencyEstimator
+from wbc.hardware.hardware import ConnectionState, Hardware
 from wbc.hardware.safety.command_filter import CommandFilter
 from wbc.hardware.safety.foot_load import FootLoad, feet_carry
 from wbc.hardware.safety.limits import SafetyLimits
-from wbc.hardware.safety.reading_monitor import ReadingMonitor
+from wbc.hardware.safety.response_monitor import ResponseMonitor
+from wbc.hardware.safety.state_stream import StateFault, StateStream
 from wbc.hardware.safety.transitions import (
     OnTransition,
     SafetyState,
@@ -37,7 +37,6 @@ _POSTURE_SPEED = 0.4  # rad/s
 _LEAST_RAMP = 2.0  # s
 _HOLD_TIME = 2.0  # s, least time to hold the posture
 _BLEND_TIME = 0.5  # s from the posture to the controller
-_CLOCK_DRIFT = 1e-4  # s per s by which the clocks may differ
 
 
 class SafeHardware(Closeable):
@@ -69,7 +68,6 @@ class SafeHardware(Closeable):
         state: what the robot is doing.
         fault: why the joints were damped; empty without a fault.
         transitions: all transitions so far.
-        lost: state messages that were replaced by extrapolations.
         lateness: delay of the last command behind the robot's clock, s.
         max_lateness: largest such delay so far, s.
         latency: measures the time from a reading to the torque that answers it.
@@ -89,12 +87,12 @@ class SafeHardware(Closeable):
         self.state = SafetyState.DAMPING
         self.fault = ""
         self.transitions: list[Transition] = []
-        self.lost = 0
         self.lateness = self.max_lateness = 0.0
-        self.latency = LatencyEstimator(self.robot.na, self.dt)
         self._hardware = hardware
         self._limits = limits or SafetyLimits()
-        self._monitor = ReadingMonitor(self.robot, self._limits)
+        self._states = StateStream(hardware, self._limits)
+        self._response = ResponseMonitor(self.robot, self._limits, self.dt)
+        self.latency = self._response.latency
         self._filter = CommandFilter(self.robot, self._limits, self.dt)
         control, posture = (
             ServoGains.for_robot(self.robot, min(frequency, _CYCLES / self.dt))
@@ -103,11 +101,8 @@ class SafeHardware(Closeable):
         self._reference = ServoReference(gains or control, self.dt)
         self._ready, self._on_transition = ready, on_transition
         self._posture_gains = posture
-        self._pending: Reading | None = None
-        self._measurement: Measurement | None = None
-        self._robot_time = self._start_time = 0.0
+        self._start_time = 0.0
         self._periods = 0
-        self._clock_offset = math.inf
         self._stopped = self._closed = False
 
     @property
@@ -116,9 +111,14 @@ class SafeHardware(Closeable):
         return self._hardware.connection
 
     @property
+    def lost(self) -> int:
+        """State messages that were replaced by extrapolations."""
+        return self._states.lost
+
+    @property
     def time(self) -> float:
         """Time of the robot's clock since the robot was ready, s."""
-        return self._robot_time - self._start_time
+        return self._states.time - self._start_time
 
     # The start.
 
@@ -129,27 +129,22 @@ class SafeHardware(Closeable):
             HardwareError: there is no robot, it is another one, it is not in a posture to start
                 from, or a fault was found; its joints are damped then.
         """
-        first = self._hardware.receive(_CONNECT_TIMEOUT)
-        if first is None:
+        if not self._states.start(_CONNECT_TIMEOUT):
             raise HardwareError(
                 f"no valid state message within {_CONNECT_TIMEOUT:g} s: check the cable, the "
                 "network interface, and that the robot is on"
             )
-        while (newer := self._hardware.receive(0.0)) is not None:  # what came before the start
-            first = newer
-        self._robot_time = first.measurement.time - self.dt
-        self._pending = first
         self._enter(SafetyState.DAMPING, "connected")
         try:
             self._come_to_rest()
             self._go_to_posture()
         except StopRun as stop:
             raise HardwareError(str(stop)) from stop
-        self._start_time = self._robot_time
+        self._start_time = self._states.time
 
     def _come_to_rest(self) -> None:
         """Damp the joints until they are still, and check the posture that they come to rest in."""
-        names, limits, begin = self.robot.joint_names, self._limits, self._robot_time
+        names, limits, begin = self.robot.joint_names, self._limits, self._states.time
         while True:
             m = self._next()
             self._hardware.damp()
@@ -171,15 +166,15 @@ class SafeHardware(Closeable):
             )
 
     def _go_to_posture(self) -> None:
-        assert self._measurement is not None
-        start, goal = self._measurement.joint_position, self.robot.q_nominal[7:]
+        assert self._states.last is not None
+        start, goal = self._states.last.joint_position, self.robot.q_nominal[7:]
         duration = max(_LEAST_RAMP, float(np.abs(goal - start).max()) / _POSTURE_SPEED)
         self._enter(SafetyState.POSTURE, f"to the nominal posture in {duration:.1f} s")
-        begin, still, gains = self._robot_time, np.zeros(self.robot.na), self._posture_gains
+        begin, still, gains = self._states.time, np.zeros(self.robot.na), self._posture_gains
         foot_load = FootLoad(self.robot, self.dt)
         load: float | None = None
         while True:
-            elapsed = self._robot_time - begin
+            elapsed = self._states.time - begin
             if elapsed > duration + _HOLD_TIME and self._ready(load):
                 return
             m = self._next()
@@ -245,63 +240,34 @@ class SafeHardware(Closeable):
     def _next(self) -> Measurement:
         """Return the measurement of the next period of the robot's clock."""
         self._check_running()
-        while True:
-            reading, self._pending = self._pending, None
-            reading = reading or self._hardware.receive(self._limits.silence)
-            if reading is None:
-                self._fail(f"no valid state message for {1e3 * self._limits.silence:.0f} ms")
-            periods = round((reading.measurement.time - self._robot_time) / self.dt)
-            if periods > 0:
-                break
-        if periods > 1:
-            if periods * self.dt > self._limits.silence:
-                self._fail(f"{periods - 1} state messages in a row were lost")
-            self._pending = reading
-            self.lost += 1
-            self._robot_time += self.dt
-            self._measurement = self._extrapolated()
-            return self._measurement
-        self._robot_time = reading.measurement.time
-        fault = self._monitor.fault(reading)
-        if fault:
-            self._fail(fault)
-        self._measurement = reading.measurement
-        self.latency.measured(self._measurement)
-        return self._measurement
+        try:
+            m, was_read = self._states.next()
+        except StateFault as fault:
+            self._fail(str(fault))
+        if was_read and (unanswered := self._response.fault(m)):
+            self._fail(unanswered)
+        return m
 
     def _check_running(self) -> None:
         if self.fault or self._stopped:
             raise StopRun(self.fault or "the run is over: connect to the robot anew")
 
-    def _extrapolated(self) -> Measurement:
-        m = self._measurement
-        assert m is not None
-        return replace(
-            m, time=self._robot_time, joint_position=m.joint_position + self.dt * m.joint_velocity
-        )
-
     def _send(self, servo: ServoCommand) -> None:
-        assert self._measurement is not None
-        late = self.lateness = self._delay()
+        m = self._states.last
+        assert m is not None
+        late = self.lateness = self._states.delay()
         self.max_lateness = max(self.max_lateness, late)
         if late > self._limits.lateness:
             self._fail(f"the controller is {1e3 * late:.0f} ms behind the robot's clock")
-        servo = self._filter.apply(servo, self._measurement)
+        servo = self._filter.apply(servo, m)
         self.latency.commanded(servo)
         self._hardware.send(servo)
-
-    def _delay(self) -> float:
-        """Return how far this tick is behind the robot's clock, s."""
-        offset = self._hardware.now() - self._robot_time
-        # The smallest offset is that of the fastest message; it follows the clocks' drift.
-        self._clock_offset = min(offset, self._clock_offset + _CLOCK_DRIFT * self.dt)
-        return offset - self._clock_offset
 
     # The end.
 
     def _enter(self, state: SafetyState, reason: str) -> None:
         self.state = state
-        self.transitions.append(Transition(self._robot_time, state, reason))
+        self.transitions.append(Transition(self._states.time, state, reason))
         self._on_transition(self.transitions[-1])
 
     def _fail(self, reason: str) -> NoReturn:

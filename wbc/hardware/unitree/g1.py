@@ -24,6 +24,7 @@ _TICK = 1e-3  # s per count of the robot's clock
 _B_KEY = 0b10  # of the third byte of the remote control's keys
 _DAMPING = 3.0  # N·m·s/rad in damping mode, for every joint
 _WRAP = 1 << 32
+_REST = 0.005  # s beyond the timeout for messages that wait and are no readings
 
 
 class UnitreeG1:
@@ -79,7 +80,8 @@ class UnitreeG1:
         """
         end = self.now() + timeout
         while True:
-            data = self._transport.receive(max(end - self.now(), 0.0))
+            left = end - self.now()
+            data = self._transport.receive(max(left, 0.0))
             if data is None:
                 return None
             if not self._decode(data):
@@ -87,6 +89,8 @@ class UnitreeG1:
             elif self._advance_clock():
                 self.connection.received += 1
                 return self._reading()
+            if left < -_REST:
+                return None
 
     def _decode(self, data: bytes) -> bool:
         """Take in a state message; return whether it is whole."""
