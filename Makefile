@@ -8,6 +8,7 @@
 # Needed beforehand: Python 3.10 or newer, pip and make. Everything else goes into .venv.
 #   make PYTHON=python3.12 test     another interpreter
 #   make test ARGS="-k walk"        some tests; ARGS="-n 0" runs them one after the other
+#   make test ARGS="-n 0 -m slow"   the slow tests, which CI runs besides
 
 PYTHON ?= python3
 ARGS ?=
@@ -17,13 +18,14 @@ BIN := .venv/bin
 .PHONY: help demo test lint format docs dist install clean
 
 help:
-	@sed -n 's/^# \{0,1\}//p' Makefile
+	@sed -n '/^$$/q; s/^# \{0,1\}//p' Makefile
 
 demo: .venv/run.stamp
 	$(BIN)/wbc walk --tour --real-time --html out/demo.html
 
+# On two cores the third process runs while the tests of another one wait.
 test: .venv/dev.stamp
-	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder $(ARGS)
+	$(BIN)/python -m pytest -n 3 --dist loadfile --no-loadscope-reorder $(ARGS)
 
 lint: .venv/dev.stamp
 	$(BIN)/ruff check .

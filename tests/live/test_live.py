@@ -714,10 +714,7 @@ def test_the_page_receives_the_past_of_signals_and_saves_a_stretch(live, handler
     assert run["dcm_error"][0] < 0.01
 
 
-def test_a_robot_walks_to_a_place_on_the_floor_until_its_page_says_otherwise(
-    live, handler, monkeypatch
-):
-    monkeypatch.setattr("wbc.teleop.command_handler.Clock.wait", lambda clock: None)
+def test_a_robot_walks_to_a_place_on_the_floor_until_its_page_says_otherwise(live, handler):
     page = Client(live.url)
     page.receive("controls")
     with commanded(live, handler, 1000.0):

@@ -21,10 +21,19 @@ FIVE_FRAMES_A_SECOND = """
 window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 200);
 window.cancelAnimationFrame = clearTimeout;
 """
-NO_SHADOWS = """
-viewer.renderer.shadowMap.enabled = false;
-viewer.scene.traverse((object) => { if (object.material) object.material.needsUpdate = true; });
-"""
+NO_SHADOWS_AND_ONE_IMAGE_A_SECOND = """() => {
+  viewer.renderer.shadowMap.enabled = false;
+  viewer.scene.traverse((object) => { if (object.material) object.material.needsUpdate = true; });
+  let last = 0;
+  viewer.animate = () => {
+    requestAnimationFrame(() => viewer.animate());
+    viewer.animator.update();
+    if (viewer.needs_render && performance.now() > last + 1000) {
+      last = performance.now();
+      viewer.render();
+    }
+  };
+}"""
 TIMEOUT = 60_000  # ms; software rendering on a busy machine is slow
 _BETWEEN_SESSIONS = "ERR_CONNECTION_REFUSED"  # until the next one is served
 
@@ -73,7 +82,7 @@ def new_page(context, url, ready):
     )
     page.goto(url)
     page.wait_for_function(ready)
-    page.evaluate(NO_SHADOWS)
+    page.evaluate(NO_SHADOWS_AND_ONE_IMAGE_A_SECOND)
     yield page
     refusals = page.evaluate("wbc.live.errors")
     page.close()

@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from cases import slow
 from coretools import robot
 
 import wbc
@@ -311,11 +312,11 @@ def test_changing_contacts_keeps_forces_and_torques_continuous():
     ("motion", "moment"),
     [
         (Mixture(), 0.83),
-        (Mixture(), 2.9),
-        (Mixture(), 4.1),
+        slow(Mixture(), 2.9),
+        slow(Mixture(), 4.1),
         (Wave(walk=0.3), 2.17),
         (StepInPlace(), 1.9),
-        (Sway(size=0.05, frequency=0.5), 1.31),
+        slow(Sway(size=0.05, frequency=0.5), 1.31),
     ],
     ids=lambda x: getattr(x, "name", str(x)),
 )

@@ -9,6 +9,7 @@ import warnings
 import numpy as np
 import pinocchio as pin
 import pytest
+from cases import slow
 
 import wbc
 from wbc.errors import GaitError, StateError
@@ -47,8 +48,8 @@ def assert_clean(report: wbc.Report) -> None:
         ("talos", (0.4, 0.0, 0.0)),
         ("g1", (0.3, 0.0, 0.0)),
         ("simple_humanoid", (0.4, 0.0, 0.0)),
-        ("romeo", (0.2, 0.0, 0.0)),
-        ("talos", (-0.2, 0.0, 0.0)),
+        slow("romeo", (0.2, 0.0, 0.0)),
+        slow("talos", (-0.2, 0.0, 0.0)),
     ],
 )
 def test_robot_walks_straight_and_stops_on_its_feet(
