@@ -1,42 +1,37 @@
-"""Stand, sway and squat on four feet, with a point contact on each.
+"""Sway, squat, trot forward, sideways and in a turn on four feet, and take a push.
 
-`wbc.Walker` walks on two feet; a quadruped stands on the whole-body controller. Two of its feet are
-stated as the robot's soles, which place its nominal posture.
+`wbc.load` finds the four feet; `wbc.QuadrupedWalker` has the interface of `wbc.Walker`.
 """
 
-import numpy as np
+import math
 
 import wbc
+from wbc.walking import ReferenceOffset
 
-DURATION = 3.0  # s
-SWAY, SQUAT = 0.02, 0.02  # m
+MOTOR = 2.7  # N·m; the URDF states no limit that a motor of this robot has
+DURATION, PUSH = 5.0, 1.0  # s, N·s
+SWAY, SQUAT = 0.02, 0.03  # m
+VELOCITIES = ((0.4, 0.0, 0.0), (0.0, 0.2, 0.0), (0.0, 0.0, 0.8))  # m/s, m/s, rad/s; 1 s each
 
-robot = wbc.load("solo12", left_foot="FL_FOOT", right_foot="FR_FOOT")
-feet = [*(sole.name for sole in robot.soles), "HL_FOOT", "HR_FOOT"]
-controller = wbc.WholeBodyController(robot, dt=0.002)
-com = controller.add(wbc.ComTask(weight=1000.0, kp=100.0))
-controller.add(wbc.OrientationTask(robot.base, weight=100.0, kp=100.0))
-controller.add(wbc.PostureTask(robot, weight=0.1, kp=50.0))
-controller.set_contacts([wbc.PointContact(foot) for foot in feet])
+joints = wbc.load("solo12").joint_names
+robot = wbc.load("solo12", effort_limits=dict.fromkeys(joints, MOTOR), armature=5e-4)
+walker = wbc.QuadrupedWalker(robot)
 
-with wbc.sim.Mujoco(robot, dt=0.002, ground_truth=True) as plant:
-    estimator = wbc.GroundTruthEstimator(robot)
-    estimator.reset(robot.standing())
-    home = wbc.Kinematics(robot, robot.standing()).p_com.copy()
-    way = []
-    while plant.time < DURATION:
-        estimate = estimator.update(plant.measure())
-        phase = np.pi * plant.time
-        com.target = home + np.array(
-            [0.0, SWAY * np.sin(phase), -0.5 * SQUAT * (1.0 - np.cos(phase))]
-        )
-        command = controller.step(estimate.state)
-        assert command.status is wbc.Status.OK, command.explanation
-        plant.step(command)
-        assert controller.kinematics is not None
-        way.append(controller.kinematics.p_com - home)
 
-low, high = 1e3 * np.min(way, axis=0), 1e3 * np.max(way, axis=0)
-print(f"swayed between {low[1]:+.0f} and {high[1]:+.0f} mm, squatted by {-low[2]:.0f} mm")
-for name, wrench in command.wrenches.items():
-    print(f"{name} carries {wrench[2]:.1f} N")
+def command(time: float) -> None:
+    """Sway and squat for a second, then trot, then stand."""
+    k = int(time) - 1
+    walker.velocity = VELOCITIES[k] if 0 <= k < len(VELOCITIES) else (0.0, 0.0, 0.0)
+    offset = walker.reference_offset = ReferenceOffset() if time < 1.0 else None
+    if offset is not None:
+        offset.com[1] = SWAY * math.sin(2.0 * math.pi * time)
+        offset.com[2] = -0.5 * SQUAT * (1.0 - math.cos(2.0 * math.pi * time))
+
+
+with wbc.sim.Mujoco(robot) as plant:
+    plant.schedule_push(2.5, (0.0, PUSH, 0.0))
+    report = wbc.run(walker, plant, DURATION, before_tick=command)
+
+print(report)
+x, y = report.displacement_m
+print(f"trotted {report.steps} steps to ({x:.2f}, {y:.2f}) m")

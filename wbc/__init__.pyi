@@ -31,6 +31,7 @@ from .estimation import Estimate as Estimate
 from .estimation import Estimator as Estimator
 from .estimation import GroundTruthEstimator as GroundTruthEstimator
 from .gait import GaitParameters as GaitParameters
+from .gait import QuadrupedGait as QuadrupedGait
 from .ik import InverseKinematics as InverseKinematics
 from .kinematics import Kinematics as Kinematics
 from .limits import JointAccelerationLimit as JointAccelerationLimit
@@ -63,6 +64,7 @@ from .tasks import Task as Task
 from .telemetry import ContactPlan as ContactPlan
 from .telemetry import Footstep as Footstep
 from .telemetry import Telemetry as Telemetry
+from .walking import QuadrupedWalker as QuadrupedWalker
 from .walking import VelocityClamped as VelocityClamped
 from .walking import Walker as Walker
 from .walking import WalkerGains as WalkerGains

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 #: Values of `Footstep.side`.
-SIDES = ("left", "right")
-#: Values of `Telemetry.phase`; "left" and "right" name the foot that carries the robot.
+SIDES = ("left", "right", "front_left", "front_right", "hind_left", "hind_right")
+#: Values of `Telemetry.phase`; "left" and "right" name the foot that carries the robot,
+#: of a quadruped its front foot.
 #: "falling": a fall is unavoidable, and the joints only yield.
 PHASES = ("stand", "double", "left", "right", "flight", "falling")
 

@@ -10,7 +10,7 @@ from wbc.estimation import EstimatorNoise
 from wbc.estimation.contact import ContactTrigger
 from wbc.estimation.inekf import InvariantFilter
 from wbc.estimation.joints import JointFilter, stationary_gain
-from wbc.estimation.kernels.legs import LINK, POSES
+from wbc.estimation.kernels.legs import LINK, poses_type
 from wbc.estimation.kernels.prediction import predict
 
 
@@ -22,7 +22,7 @@ def period(
 ) -> None:
     """One period of a robot without legs: the sole centres are at the IMU."""
     update, state, acceleration, position, velocity = joints
-    chains = (np.zeros(3, LINK), np.array([1, 2, 3]), np.zeros(1, POSES))
+    chains = (np.zeros(3, LINK), np.array([1, 2, 3]), np.zeros(1, poses_type(2)))
     chains[0]["joint"] = -1
     result = (np.zeros(7 + position.size), np.zeros(6 + position.size))
     predict(f.record, slip, update, state, *chains, *result, acceleration, position, velocity, *imu)

@@ -41,7 +41,7 @@ SAYS = {
     "20_trials": "upright against walker: ",
     "21_stairs": "survived",
     "22_inverse_kinematics": "held back by joint position limit",
-    "27_quadruped": "HR_FOOT carries",
+    "27_quadruped": "survived 5.0 s",
     "24_priorities": "three levels: CoM moved 0.",
     "25_explain": "these constraints conflict — stay [x] off by 0.5 m/s²; go [x] off by 0.5 m/s²",
 }

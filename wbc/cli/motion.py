@@ -42,7 +42,7 @@ def play(motion: Motion, run: RunOptions, *, duration: Seconds | None = None) ->
         duration: duration, s (default: until the motion ends).
     """
     scripted = ScriptedRun(run, duration or _MAX_DURATION + 1.0)
-    player = MotionPlayer(scripted.robot, motions=[motion], walker=scripted.walker)
+    player = MotionPlayer(scripted.robot, motions=[motion], walker=scripted.biped_walker)
     return scripted.run(
         player,
         MotionRunner(player, duration or _MAX_DURATION),

@@ -12,7 +12,7 @@ from wbc.cli.simulation import Session, Simulation, SimulationOptions
 from wbc.errors import WbcError
 from wbc.runtime.event import COMMAND, RunEvent, tell
 from wbc.runtime.loop import StopRun
-from wbc.runtime.protocols import Controller, Observer
+from wbc.runtime.protocols import Controller, Observer, VelocityController
 from wbc.runtime.report import Report
 from wbc.runtime.statistics import Progress
 from wbc.sim import Mujoco
@@ -69,6 +69,11 @@ class ScriptedRun:
         self.robot, self.walker = self._simulation.robot, self._simulation.walker
         for at, impulse in options.push:
             self._simulation.plant.schedule_push(at, impulse)
+
+    @property
+    def biped_walker(self) -> wbc.Walker:
+        """See `Simulation.biped_walker`."""
+        return self._simulation.biped_walker
 
     def walk(self, schedule: Schedule) -> ExitCode:
         """Stand until the schedule begins, and walk according to it."""
@@ -141,7 +146,12 @@ class ScriptedRun:
 class _CommandEvents:
     """Tells the observers of a run when its velocity changes and its pushes begin."""
 
-    def __init__(self, walker: wbc.Walker, pushes: Pushes, observers: Sequence[Observer]) -> None:
+    def __init__(
+        self,
+        walker: VelocityController,
+        pushes: Pushes,
+        observers: Sequence[Observer],
+    ) -> None:
         self._walker, self._observers = walker, observers
         self._pushes = sorted(pushes)
         self._velocity: Velocity = (0.0, 0.0, 0.0)

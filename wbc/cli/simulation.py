@@ -17,7 +17,7 @@ from wbc.cli.interrupt import exit_on_interrupt, graceful_interrupt
 from wbc.cli.model_options import ModelOptions
 from wbc.cli.outputs import OutputOptions, RunOutputs
 from wbc.cli.progress import ProgressLine
-from wbc.errors import PlantError
+from wbc.errors import PlantError, WbcError
 from wbc.runtime.protocols import Observer
 from wbc.runtime.report import Report
 from wbc.sim import Cart, Flat, JointServos, Mujoco, Ramp, Terrain, Tiles, Wall
@@ -105,7 +105,7 @@ class Simulation:
 
     Attributes:
         robot: the robot.
-        walker: the walking controller.
+        walker: the walking controller, on two legs or on four.
         boxes: boxes of the terrain; see `wbc.sim.Terrain`.
         plant: the simulated robot.
 
@@ -118,9 +118,7 @@ class Simulation:
     ) -> None:
         with exit_on_interrupt():  # it imports and compiles
             self.robot = options.model.load(options.robot)
-            self.walker = wbc.Walker(self.robot, planner=options.planner, solver=options.solver)
-            if options.gains is not None:
-                apply_gains(self.walker, options.gains)
+            self.walker = _make_walker(self.robot, options)
             terrain = _terrain(options, duration)
             self.boxes = terrain.boxes()
             servos = JointServos() if options.actuation == "servo" else None
@@ -135,6 +133,20 @@ class Simulation:
                 cart=Cart() if options.terrain == "cart" else None,
             )
             self._outputs = RunOutputs(options.outputs, self.robot, self.boxes)
+
+    @property
+    def biped_walker(self) -> wbc.Walker:
+        """The walking controller of a robot on two legs.
+
+        Raises:
+            WbcError: the robot has four.
+        """
+        if isinstance(self.walker, wbc.QuadrupedWalker):
+            raise WbcError(
+                f"'{self.robot.name}' has four legs: it stands and walks (wbc stand, wbc walk); "
+                "motions and the live page are for robots on two"
+            )
+        return self.walker
 
     def run(self, execute: Callable[[Session], Report | None]) -> ExitCode:
         """Run a function that simulates; print its report, and write the requested files.
@@ -162,6 +174,18 @@ class Simulation:
             return ExitCode(128 + interrupted[0])
         survived = report is not None and report.survived and not report.aborted_motions
         return ExitCode.SUCCESS if survived else ExitCode.FAILED
+
+
+def _make_walker(robot: wbc.Robot, options: SimulationOptions) -> wbc.Walker | wbc.QuadrupedWalker:
+    if robot.is_quadruped:
+        for name, value in (("--gains", options.gains), ("--planner", options.planner != "dcm")):
+            if value:
+                raise WbcError(f"{name} is for robots on two legs, and '{robot.name}' has four")
+        return wbc.QuadrupedWalker(robot, solver=options.solver)
+    walker = wbc.Walker(robot, planner=options.planner, solver=options.solver)
+    if options.gains is not None:
+        apply_gains(walker, options.gains)
+    return walker
 
 
 def _terrain(options: SimulationOptions, duration: float) -> Terrain:

@@ -38,7 +38,7 @@ def run(
     Raises:
         WbcError: bad input, or a file cannot be written.
     """
-    player = MotionPlayer(simulation.robot, walker=simulation.walker)
+    player = MotionPlayer(simulation.robot, walker=simulation.biped_walker)
 
     def execute(session: Session) -> Report | None:
         handler = session.stack.enter_context(

@@ -18,10 +18,10 @@ from wbc.estimation.noise import EstimatorNoise
 
 
 class InvariantFilter:
-    """Orientation, velocity and position of an IMU, the two soles it stands on, its biases.
+    """Orientation, velocity and position of an IMU, the soles it stands on, its biases.
 
-    The state is `X = (R, v, p, d₁, d₂)` in SE₄(3), the soles' orientations `F₁, F₂` in SO(3)
-    and the biases. Errors are right-invariant, `X̂ = exp(ξ) X`, in world axes, and their
+    The state is `X = (R, v, p, d₁, …, dₙ)` in SEₙ₊₂(3), the orientations `F₁, …, Fₙ` of the n soles
+    in SO(3) and the biases. Errors are right-invariant, `X̂ = exp(ξ) X`, in world axes, and their
     linear dynamics
 
         ξ̇_R = −R b_g,   ξ̇_v = g × ξ_R − v × R b_g − R b_a,
@@ -40,10 +40,12 @@ class InvariantFilter:
         noise: assumed noise of the sensors.
         covariances: per sole (6, 6) of its pose as the encoders see it: position, then
             rotation vector, IMU axes; m, rad.
+        points: per sole, whether it touches the ground at a point, about which it turns; none
+            does when left out.
         every: periods between two corrections, over which the covariance takes one step.
 
     Attributes:
-        record: (1,) of the type `wbc.estimation.kernels.filter_record.FILTER`.
+        record: (1,) of the type `wbc.estimation.kernels.filter_record.filter_type`.
     """
 
     def __init__(
@@ -52,20 +54,24 @@ class InvariantFilter:
         gravity: np.ndarray,
         noise: EstimatorNoise,
         covariances: Sequence[np.ndarray],
+        points: Sequence[bool] | None = None,
         every: int = 1,
     ) -> None:
         self._noise = noise
-        self.record = record = np.zeros(1, layout.FILTER)
+        feet = len(covariances)
+        self.record = record = np.zeros(1, layout.filter_type(feet))
         record["dt"], record["every"], record["gravity"] = dt, every, gravity
         record["slip_gate"] = noise.slip_gate
         record["leg_noise"] = covariances
         # What a period adds to the covariance: by the gyro, by the drift of a sole, by the rest.
         record["gyro_step"] = (noise.gyro * dt) ** 2
         rotation = dt * np.square([noise.rock, noise.rock, noise.twist])
-        for foot in range(layout.FEET):
-            place, turn = layout.FOOT_POSITION + 3 * foot, layout.FOOT_ROTATION + 3 * foot
+        pivot = np.full(3, dt * noise.pivot**2)
+        for foot, is_point in enumerate(points or [False] * feet):
+            place = layout.FOOT_POSITION + 3 * foot
+            turn = place + 3 * feet
             record["foot_drift"][0, place : place + 3, foot] = noise.slip**2 * dt
-            record["foot_drift"][0, turn : turn + 3, foot] = rotation
+            record["foot_drift"][0, turn : turn + 3, foot] = pivot if is_point else rotation
         process = record["process"][0]
         process[layout.VELOCITY : layout.POSITION] = (noise.accelerometer * dt) ** 2
         process[layout.GYRO_BIAS : layout.ACCELEROMETER_BIAS] = noise.gyro_walk**2 * dt
@@ -87,7 +93,7 @@ class InvariantFilter:
         record["vectors"][0, 0] = v
         record["origin"] = origin
         record["pending"] = record["corrections"] = record["started"] = 0
-        sigma = np.zeros(layout.SIZE)
+        sigma = np.zeros(record["xi"].size)
         # Heading and position are what the reset says they are: nothing measures them.
         sigma[:2] = noise.tilt
         sigma[layout.VELOCITY : layout.POSITION] = noise.speed
@@ -102,7 +108,7 @@ class InvariantFilter:
 
     @property
     def vectors(self) -> np.ndarray:
-        """(4, 3) world axes: velocity of the IMU, m/s; its position and the sole centres, m.
+        """(2 + n, 3) world axes: velocity of the IMU, m/s; its position and the sole centres, m.
 
         Positions are relative to the IMU's at the reset.
         """
@@ -122,7 +128,7 @@ class InvariantFilter:
 
     @property
     def F(self) -> np.ndarray:
-        """Sole axes to world axes, (2, 3, 3)."""
+        """Sole axes to world axes, (n, 3, 3)."""
         return self._field("F")
 
     @property
@@ -137,7 +143,7 @@ class InvariantFilter:
 
     @property
     def P(self) -> np.ndarray:
-        """Covariance of `[ξ_R, ξ_v, ξ_p, ξ_d₁, ξ_d₂, ξ_F₁, ξ_F₂, b_g, b_a]`, (27, 27)."""
+        """Covariance of `[ξ_R, ξ_v, ξ_p, ξ_d₁…, ξ_F₁…, b_g, b_a]`, (15 + 6 n, 15 + 6 n)."""
         return self._field("P")
 
     def _field(self, name: str) -> np.ndarray:
@@ -161,9 +167,9 @@ class InvariantFilter:
         one is taken in anew where it is, and nothing else is corrected this time.
 
         Args:
-            held: (2,) whole numbers, 1 for a sole that stands still, else 0.
-            h: (2, 3) sole centres in IMU axes, m.
-            F: (2, 3, 3) sole axes to IMU axes.
+            held: (n,) whole numbers, 1 for a sole that stands still, else 0.
+            h: (n, 3) sole centres in IMU axes, m.
+            F: (n, 3, 3) sole axes to IMU axes.
         """
         slipped = kernels.correct(self.record, held, h, F)
         if slipped >= 0:

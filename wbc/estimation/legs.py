@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pinocchio as pin
 
-from wbc.estimation.kernels.legs import LINK, POSES
+from wbc.estimation.kernels.legs import LINK, poses_type
 from wbc.robot import Robot
 from wbc.robot.joint_axes import joint_axes
 
@@ -22,8 +22,8 @@ class LegKinematics:
 
     Attributes:
         links: records of the type `LINK`: the chain of the IMU, then those of the soles.
-        ends: (3,) index after the last link of each chain.
-        poses: (1,) record of the type `POSES`.
+        ends: (1 + feet,) index after the last link of each chain.
+        poses: (1,) record of the type `poses_type`.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -35,17 +35,17 @@ class LegKinematics:
         links = [list(chain) for chain in chains]
         self.links = np.concatenate([link for chain in links for link in chain])
         self.ends = np.cumsum([len(chain) for chain in links])
-        self.poses = np.zeros(1, POSES)
+        self.poses = np.zeros(1, poses_type(len(robot.soles)))
 
     @property
     def sole_positions(self) -> np.ndarray:
-        """Sole centres in IMU axes, (2, 3), m; a view."""
+        """Sole centres in IMU axes, (feet, 3), m; a view."""
         positions: np.ndarray = self.poses["sole_position"][0]
         return positions
 
     @property
     def sole_rotations(self) -> np.ndarray:
-        """Sole axes to IMU axes, (2, 3, 3); a view."""
+        """Sole axes to IMU axes, (feet, 3, 3); a view."""
         rotations: np.ndarray = self.poses["sole_rotation"][0]
         return rotations
 

@@ -30,6 +30,8 @@ class EstimatorNoise:
         twist: turning of a fully loaded sole about the vertical, rad per √s.
         rock: tilting of a fully loaded sole, rad per √s: large for uneven ground, where a
             sole rolls over edges; a tilt that is assumed fixed would bias the velocity.
+        pivot: turning of a foot that touches the ground at a point, rad per √s: it turns with its
+            leg, so that nothing is known of it.
         slip_gate: χ² of a sole's six readings from which on it has slipped; noise alone
             gets there once in 3000 corrections; infinity: a slip is never detected.
         tilt: error of the tilt given at a reset, rad.
@@ -50,6 +52,7 @@ class EstimatorNoise:
     slip: float = 0.003
     twist: float = 0.005
     rock: float = 0.05
+    pivot: float = 10.0
     slip_gate: float = 25.0
     tilt: float = 0.01
     speed: float = 0.05

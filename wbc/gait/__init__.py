@@ -16,6 +16,7 @@ from wbc.gait.planners import (
     make_planner,
     solve_dcm,
 )
+from wbc.gait.quadruped_gait import PACE, TROT, WALK, QuadrupedGait
 from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
 from wbc.gait.state_machine import GaitStateMachine
 from wbc.gait.swing_foot import SwingFoot
@@ -24,6 +25,9 @@ from wbc.gait.walkability import check_walking
 from wbc.geometry.planar import Feet, Placement
 
 __all__ = [
+    "PACE",
+    "TROT",
+    "WALK",
     "DcmPlanner",
     "DcmReference",
     "Feet",
@@ -40,6 +44,7 @@ __all__ = [
     "PlannedFootstep",
     "Planner",
     "PreviewControlPlanner",
+    "QuadrupedGait",
     "StepPlan",
     "SwingFoot",
     "Velocity",

@@ -30,7 +30,7 @@ class LegWorkspace:
         robot: the robot.
 
     Raises:
-        GaitError: a leg has no knee.
+        GaitError: a leg has no knee, or the robot has four legs.
 
     Attributes:
         knees: indices of both knees into (na,) vectors.
@@ -44,6 +44,11 @@ class LegWorkspace:
     """
 
     def __init__(self, robot: Robot) -> None:
+        if robot.is_quadruped:
+            raise GaitError(
+                f"'{robot.name}' has four feet, and this is for robots on two; walk it with "
+                "wbc.QuadrupedWalker, or state two of its feet (left_foot, right_foot)"
+            )
         left, right = (_Leg(robot, side) for side in (0, 1))
         self.knees = (left.knee, right.knee)
         self.reach = min(left.reach, right.reach)
@@ -81,7 +86,7 @@ class _Leg:
         data = model.createData()
         sole, leg = robot.soles[side], robot.legs[side]
         joints = [j for j in range(1, model.njoints) if model.joints[j].idx_v in leg]
-        knee = find_knee(model, q, sole, leg)
+        knee = find_knee(model, q, sole.joint_id, sole.placement.translation, leg)
         if knee is None:
             raise _no_knee(robot, side)
         self.knee = knee - 6

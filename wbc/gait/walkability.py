@@ -10,6 +10,7 @@ from wbc.errors import GaitError
 from wbc.gait.footsteps import Velocity
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.parameters import GaitParameters
+from wbc.gait.quadruped_gait import QuadrupedGait
 from wbc.gait.step_motion import StepMotion
 from wbc.gait.strength import support_effort
 from wbc.robot import Finding, Robot
@@ -27,6 +28,9 @@ def check_walking(robot: Robot) -> list[Finding]:
         robot: the robot.
     """
     try:
+        if robot.is_quadruped:
+            QuadrupedGait.for_robot(robot)
+            return []
         workspace = LegWorkspace(robot)
         gait = GaitParameters.for_robot(robot, workspace)
     except GaitError as error:

@@ -44,8 +44,8 @@ def argument_types(*examples: Any) -> tuple[Any, ...]:
     return () if numba is None else tuple(numba.typeof(example) for example in examples)
 
 
-def kernel(signature: str | tuple[Any, ...]) -> Callable[[F], F]:
-    """Compile a function for one signature when its module is imported.
+def kernel(*signatures: str | tuple[Any, ...]) -> Callable[[F], F]:
+    """Compile a function for each of its signatures when its module is imported.
 
     The machine code is cached beside the module or in the user's cache folder; where neither can
     be written it is compiled in every process.
@@ -55,7 +55,7 @@ def kernel(signature: str | tuple[Any, ...]) -> Callable[[F], F]:
         if numba is None:
             return function
         with _cache_by_content(Path(function.__code__.co_filename).parent) as cached:
-            made: F = numba.njit(signature, cache=cached, no_cfunc_wrapper=True, **_OPTIONS)(
+            made: F = numba.njit([*signatures], cache=cached, no_cfunc_wrapper=True, **_OPTIONS)(
                 function
             )
         return made

@@ -55,10 +55,13 @@ def _known_name(info: RobotInfo) -> str | None:
 
 def _stated(info: RobotInfo) -> dict[str, Any]:
     """Return the arguments of `load` for a URDF that is not in the catalogue."""
-    left, right = info.feet
     joints = [j.name for j in read_description(Path(info.urdf)).joints if j.type != "fixed"]
     fixed = [name for name in joints if name not in info.joints]
-    stated: dict[str, Any] = {"left_foot": left, "right_foot": right, "name": info.name}
+    stated: dict[str, Any] = {"name": info.name}
+    if len(info.feet) > len(("left", "right")):
+        stated["feet"] = info.feet
+    else:
+        stated["left_foot"], stated["right_foot"] = info.feet
     if fixed:
         stated["fixed_joints"] = fixed
     return stated

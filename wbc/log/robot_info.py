@@ -29,8 +29,8 @@ class RobotInfo:
         base: Name of the root link.
         mass: Total mass, kg.
         weight: Weight, N.
-        feet: Links of the left and right sole.
-        soles: Half length and half width of the left and right sole, m.
+        feet: Links of the soles, left first.
+        soles: Half length and half width of each sole, m.
     """
 
     name: str
@@ -43,13 +43,12 @@ class RobotInfo:
     base: str
     mass: float
     weight: float
-    feet: tuple[str, str]
-    soles: tuple[tuple[float, float], tuple[float, float]]
+    feet: tuple[str, ...]
+    soles: tuple[tuple[float, float], ...]
 
     @staticmethod
     def of(robot: Robot) -> RobotInfo:
         """Return the properties of a robot."""
-        left, right = robot.soles
         return RobotInfo(
             name=robot.name,
             urdf=str(robot.urdf_path),
@@ -61,8 +60,8 @@ class RobotInfo:
             base=robot.base,
             mass=robot.mass,
             weight=robot.weight,
-            feet=(left.link, right.link),
-            soles=((left.half_length, left.half_width), (right.half_length, right.half_width)),
+            feet=tuple(sole.link for sole in robot.soles),
+            soles=tuple((sole.half_length, sole.half_width) for sole in robot.soles),
         )
 
     def to_json(self) -> str:

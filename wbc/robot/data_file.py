@@ -41,6 +41,8 @@ class RobotData:
         srdf: path of the semantic description, if stated.
         left_foot: link that carries the left sole.
         right_foot: link that carries the right sole.
+        feet: links of the four feet of a quadruped: front left, front right, hind left, hind
+            right.
         torso: link of the upper trunk.
         imu: link or frame where the inertial unit sits.
         nominal_posture: joint name to position, rad or m.
@@ -64,6 +66,7 @@ class RobotData:
     srdf: Path | None = None
     left_foot: str | None = None
     right_foot: str | None = None
+    feet: tuple[str, ...] = ()
     torso: str | None = None
     imu: str | None = None
     nominal_posture: Mapping[str, float] = field(default_factory=dict)
@@ -101,6 +104,12 @@ class RobotData:
             changes["srdf"] = Path(stated["srdf"]).expanduser().resolve()
             # An SRDF is given for its posture; the data file's own would hide it.
             changes.setdefault("nominal_posture", {})
+        if "feet" in stated:
+            changes["feet"] = tuple(stated["feet"])
+            # Whoever states four feet does not mean the two of the data file, nor the reverse.
+            changes |= {"left_foot": None, "right_foot": None}
+        elif {"left_foot", "right_foot"} & set(stated):
+            changes["feet"] = ()
         if "fixed_joints" in stated:
             changes["fixed_joints"] = tuple(stated["fixed_joints"])
         for key in ("effort_limits", "velocity_limits"):
@@ -156,6 +165,7 @@ def read_data(path: Path) -> RobotData:
     for key in ("urdf", "srdf"):
         if key in table:
             table[key] = locate(table[key], path.parent, path)
+    table["feet"] = tuple(table.get("feet", ()))
     table["fixed_joints"] = tuple(table.get("fixed_joints", ()))
     table["package_dirs"] = tuple(
         (path.parent / Path(folder).expanduser()).resolve()
@@ -202,6 +212,12 @@ def check_values(values: Mapping[str, Any], source: str) -> None:
             raise _wrong(source, key, value, "a table of joint names and numbers")
         elif not accepts(value):
             raise _wrong(source, key, value, wanted)
+    stated = [key for key in ("left_foot", "right_foot") if key in values]
+    if "feet" in values and stated:
+        raise RobotDescriptionError(
+            f"{source}: states both feet and {stated[0]}; state feet for a quadruped, left_foot "
+            "and right_foot for a robot on two legs"
+        )
     if "sole" in values:
         _check_sole(values["sole"], source)
 
@@ -262,6 +278,10 @@ def _is_list_of(accepts: Callable[[object], bool]) -> Callable[[object], bool]:
     return check
 
 
+def _is_four_names(value: object) -> bool:
+    return isinstance(value, (list, tuple)) and all(map(_is_text, value)) and len({*value}) == 4
+
+
 _NAME = (_is_text, "a name (text)")
 _PATH = (_is_path, "a path (text)")
 _TABLES = ("nominal_posture", "armature", "effort_limits", "velocity_limits")
@@ -271,6 +291,10 @@ _CHECKS: dict[str, tuple[Callable[[object], bool], str]] = {
     "srdf": _PATH,
     "left_foot": _NAME,
     "right_foot": _NAME,
+    "feet": (
+        _is_four_names,
+        "the names of four links: front left, front right, hind left, hind right",
+    ),
     "torso": _NAME,
     "imu": _NAME,
     "nominal_posture": (_is_finite, "a finite position, rad or m"),

@@ -131,8 +131,8 @@ def checked_foot_link(urdf: Urdf, name: str, side: str) -> str:
     """
     if name not in urdf.links:
         raise RobotDescriptionError(
-            f"{urdf.path}: {side}_foot is stated as '{name}', but the file has no such link"
-            f"{did_you_mean(name, urdf.links)}"
+            f"{urdf.path}: the {side.replace('_', ' ')} foot is stated as '{name}', but the file "
+            f"has no such link{did_you_mean(name, urdf.links)}"
         )
     return name
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from wbc.robot.model import build_model
 from wbc.robot.packages import search_folders
 from wbc.robot.posture import (
     Posture,
+    bent_quadruped,
     com_offset,
     nominal_posture,
     stand_base_up,
@@ -29,9 +30,16 @@ from wbc.robot.posture import (
 )
 from wbc.robot.registry import find_robot
 from wbc.robot.robot import Robot
-from wbc.robot.soles import add_soles
+from wbc.robot.soles import QUADRUPED_SIDES, add_soles, sides_of, spoken
 from wbc.robot.srdf import find_srdf
-from wbc.robot.topology import find_torso, leg_joints, link_of, lowest_pair, parent_joint
+from wbc.robot.topology import (
+    find_torso,
+    front_to_hind,
+    leg_joints,
+    link_of,
+    lowest_pair,
+    parent_joint,
+)
 from wbc.robot.urdf import Urdf
 
 
@@ -40,6 +48,7 @@ def load(
     *,
     left_foot: str | None = None,
     right_foot: str | None = None,
+    feet: Sequence[str] | None = None,
     nominal_posture: Mapping[str, float] | None = None,
     srdf: str | Path | None = None,
     group_state: str | None = None,
@@ -67,6 +76,8 @@ def load(
         left_foot: link that carries the left sole; by default guessed from the names of
             the links if they leave no doubt.
         right_foot: link that carries the right sole.
+        feet: links of the four feet of a quadruped: front left, front right, hind left, hind
+            right; by default guessed from the names of the links.
         nominal_posture: posture to stand in, joint name to position, rad or m. Leg joints left
             out are derived such that the soles are flat; others stay at zero.
         srdf: semantic description with a posture to stand in; by default the one beside the
@@ -96,6 +107,7 @@ def load(
     data = find_robot(name_or_path).with_arguments(
         left_foot=left_foot,
         right_foot=right_foot,
+        feet=feet,
         nominal_posture=nominal_posture,
         srdf=srdf,
         group_state=group_state,
@@ -132,21 +144,23 @@ def build_robot(data: RobotData) -> Robot:
     add_placeholder_masses(model)
 
     links, rule = feet_links(data, urdf, model)
-    for side, link in zip(("left", "right"), links, strict=True):
-        facts.append(Fact.of(f"{side} foot", link, data.statement_of(f"{side}_foot"), rule))
-    feet = (parent_joint(model, links[0]), parent_joint(model, links[1]))
+    for side, link in zip(sides_of(links), links, strict=True):
+        statement = data.statement_of("feet" if len(links) > 2 else f"{side}_foot")
+        facts.append(Fact.of(f"{spoken(side)} foot", link, statement, rule))
+    feet = tuple(parent_joint(model, link) for link in links)
     for link, joint in zip(links, feet, strict=True):
         if joint == 1:
             raise RobotDescriptionError(
                 f"{urdf.path}: the foot '{link}' is moved by no joint, it is part of the base "
-                f"'{base}'; state two links that move, left_foot=… and right_foot=…, or weld fewer "
+                f"'{base}'; state links that move, left_foot=… and right_foot=…, or weld fewer "
                 "joints"
             )
-    if feet[0] == feet[1]:
-        raise RobotDescriptionError(
-            f"{urdf.path}: the feet '{links[0]}' and '{links[1]}' are moved by the same joint; "
-            "state two links that move apart"
-        )
+    for k, joint in enumerate(feet):
+        if joint in feet[:k]:
+            raise RobotDescriptionError(
+                f"{urdf.path}: the feet '{links[feet.index(joint)]}' and '{links[k]}' are moved by "
+                "the same joint; state links that move apart"
+            )
     legs = leg_joints(model, feet)
     findings += set_limits(model, data, legs)
 
@@ -158,6 +172,8 @@ def build_robot(data: RobotData) -> Robot:
     couple(start.q, couplings)
     stand_base_up(model, zero, feet)
     stand_base_up(model, start.q, feet)
+    if len(feet) > 2 and not start.how:
+        start = bent_quadruped(model, start, links, legs, couplings)
     soles, sole_facts = add_soles(model, urdf, data, folders, links, zero, start.q)
     posture = nominal_posture(model, start, soles, legs, couplings)
     torso = _frame(model, data, "torso", data.torso) or find_torso(model, urdf, legs)
@@ -218,13 +234,18 @@ def repaired(model: pin.Model, urdf: Urdf) -> list[Finding]:
     ]
 
 
-def feet_links(data: RobotData, urdf: Urdf, model: pin.Model) -> tuple[tuple[str, str], str]:
+def feet_links(data: RobotData, urdf: Urdf, model: pin.Model) -> tuple[tuple[str, ...], str]:
     """Return the (left, right) foot links, stated or guessed, and the rule of the guess.
+
+    Those of a quadruped are four, in the order of `QUADRUPED_SIDES`.
 
     Raises:
         RobotDescriptionError: a stated link does not exist, only one is stated, or neither the
             names nor the places of the links tell which are the feet.
     """
+    if data.feet:
+        stated_feet = zip(QUADRUPED_SIDES, data.feet, strict=True)
+        return tuple(checked_foot_link(urdf, link, side) for side, link in stated_feet), "stated"
     if data.left_foot is not None and data.right_foot is not None:
         left = checked_foot_link(urdf, data.left_foot, "left")
         return (left, checked_foot_link(urdf, data.right_foot, "right")), "stated"
@@ -238,11 +259,13 @@ def feet_links(data: RobotData, urdf: Urdf, model: pin.Model) -> tuple[tuple[str
     if guess is not None:
         return guess, "its name"
     several = foot_pairs(urdf)
-    if len(several) > 1:
+    if len(several) == 2:
+        return front_to_hind(model, several), "its name"
+    if len(several) > 2:
         names = ", ".join(f"'{name}'" for pair in several for name in pair)
         raise RobotDescriptionError(
             f"{urdf.path}: the links {names} may all be feet, and the library stands and walks on "
-            "two; state the two to stand on, left_foot=… and right_foot=…"
+            "two or four; state them, left_foot=… and right_foot=…, or feet=…"
         )
     joints = lowest_pair(model)
     if joints is not None:

@@ -14,9 +14,10 @@ from wbc.robot.joint_axes import joint_axes
 from wbc.robot.limits import velocity_index
 from wbc.robot.soles import Sole
 from wbc.robot.srdf import GroupState, find_srdf, read_group_state
-from wbc.robot.standing import posture_range, standing_posture, unevenness
+from wbc.robot.standing import feet_below_hips, posture_range, standing_posture, unevenness
 
 KNEE_BEND = 0.4
+_QUADRUPED_BEND = 1.2
 # A knee is looked for its straight position up to this, rad, at so many positions.
 _FOLDED = 1.5
 _SAMPLES = 61
@@ -89,6 +90,35 @@ def starting_posture(model: pin.Model, data: RobotData) -> Posture:
     return Posture(zero_posture(model), "", False, "")
 
 
+def bent_quadruped(
+    model: pin.Model,
+    start: Posture,
+    links: Sequence[str],
+    legs: Sequence[Sequence[int]],
+    couplings: Sequence[Coupling] = (),
+) -> Posture:
+    """Return a posture on four bent legs, each foot below its hip.
+
+    Args:
+        model: the robot.
+        start: the joints to begin with.
+        links: foot links.
+        legs: velocity indices of the joints of each leg, from the hip down.
+        couplings: joints that follow others.
+    """
+    feet = tuple(int(model.getFrameId(link, pin.BODY)) for link in links)
+    bends, hips = {}, []
+    for foot, leg in zip(feet, legs, strict=True):
+        frame = model.frames[foot]
+        knee = find_knee(model, start.q, frame.parentJoint, frame.placement.translation, leg)
+        hips.append(next(j for j in range(2, model.njoints) if model.joints[j].idx_v == leg[0]))
+        if knee is not None:
+            bends[knee] = knee_bend(model, start.q, knee, leg, _QUADRUPED_BEND)
+    move = {index for leg in legs for index in leg}
+    q = feet_below_hips(model, start.q, feet, hips, move, bends, couplings)
+    return Posture(q, "knees bent", False, "inverse kinematics")
+
+
 def zero_posture(model: pin.Model) -> np.ndarray:
     """Return every joint at zero, or as near to it as its range with a margin allows; (nq,)."""
     lower, upper = posture_range(model)
@@ -97,7 +127,7 @@ def zero_posture(model: pin.Model) -> np.ndarray:
     return np.asarray(q)
 
 
-def stand_base_up(model: pin.Model, q: np.ndarray, feet: tuple[int, int]) -> None:
+def stand_base_up(model: pin.Model, q: np.ndarray, feet: Sequence[int]) -> None:
     """Turn the base of `q` (nq,) so that its axis that points from the feet to the mass is up.
 
     Most robots have the base's z axis up; models from biomechanics have y.
@@ -110,8 +140,8 @@ def stand_base_up(model: pin.Model, q: np.ndarray, feet: tuple[int, int]) -> Non
     data = model.createData()
     q[:7] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
     com = pin.centerOfMass(model, data, q)
-    rise = com - 0.5 * (data.oMi[feet[0]].translation + data.oMi[feet[1]].translation)
-    # z is the usual choice: the two front feet of a quadruped are not below its mass.
+    rise = com - np.mean([data.oMi[foot].translation for foot in feet], axis=0)
+    # z is the usual choice: a quadruped's two feet that are stated alone are not below its mass.
     axis = int(np.argmax(np.abs(rise) * [1.0, 1.0, 2.0]))
     up = np.sign(rise[axis]) * np.eye(3)[axis]
     turn = pin.Quaternion.FromTwoVectors(up, np.array([0.0, 0.0, 1.0]))
@@ -128,12 +158,12 @@ def _apply(model: pin.Model, q: np.ndarray, reference: GroupState) -> None:
 def nominal_posture(
     model: pin.Model,
     start: Posture,
-    soles: tuple[Sole, Sole],
-    legs: tuple[tuple[int, ...], tuple[int, ...]],
+    soles: tuple[Sole, ...],
+    legs: tuple[tuple[int, ...], ...],
     couplings: tuple[Coupling, ...] = (),
 ) -> Posture:
     """Return the nominal posture: soles flat on z = 0, their midpoint at the origin, facing x."""
-    ids = (soles[0].frame_id, soles[1].frame_id)
+    ids = tuple(sole.frame_id for sole in soles)
     move = {index for leg in legs for index in leg}
     if not start.how:
         q, bent = _bent(model, start.q, soles, legs, couplings)
@@ -165,7 +195,7 @@ def nominal_posture(
 def _completed(
     model: pin.Model,
     q: np.ndarray,
-    soles: tuple[int, int],
+    soles: tuple[int, ...],
     free: set[int],
     couplings: tuple[Coupling, ...],
 ) -> np.ndarray | None:
@@ -184,20 +214,19 @@ def _completed(
     return None
 
 
-def has_soles(soles: tuple[Sole, Sole]) -> bool:
+def has_soles(soles: Sequence[Sole]) -> bool:
     """Return whether the feet have enough area to stand on, rather than points."""
     return all(min(sole.half_length, sole.half_width) > POINT for sole in soles)
 
 
-def placed(model: pin.Model, q: np.ndarray, soles: tuple[int, int]) -> np.ndarray:
+def placed(model: pin.Model, q: np.ndarray, soles: Sequence[int]) -> np.ndarray:
     """Return `q` (nq,) moved and turned about z: soles' midpoint at the origin, heading x."""
     data = model.createData()
     q = np.array(q)
     pin.framesForwardKinematics(model, data, q)
-    left, right = (data.oMf[sole] for sole in soles)
-    ahead = left.rotation[:, 0] + right.rotation[:, 0]
+    ahead = np.sum([data.oMf[sole].rotation[:, 0] for sole in soles], axis=0)
     turn = pin.rpy.rpyToMatrix(0.0, 0.0, -float(np.arctan2(ahead[1], ahead[0])))
-    middle = 0.5 * (left.translation + right.translation)
+    middle = np.mean([data.oMf[sole].translation for sole in soles], axis=0)
     q[:7] = pin.SE3ToXYZQUAT(pin.SE3(turn, -turn @ middle) * pin.XYZQUATToSE3(q[:7]))
     return q
 
@@ -205,8 +234,8 @@ def placed(model: pin.Model, q: np.ndarray, soles: tuple[int, int]) -> np.ndarra
 def _bent(
     model: pin.Model,
     q: np.ndarray,
-    soles: tuple[Sole, Sole],
-    legs: tuple[tuple[int, ...], tuple[int, ...]],
+    soles: tuple[Sole, ...],
+    legs: tuple[tuple[int, ...], ...],
     couplings: tuple[Coupling, ...],
 ) -> tuple[np.ndarray, str]:
     """Return a posture with bent knees, the feet side by side and the CoM over their midpoint.
@@ -217,7 +246,10 @@ def _bent(
     ids = (soles[0].frame_id, soles[1].frame_id)
     q = placed(model, q, ids)
     move = {index for leg in legs for index in leg}
-    knees = [find_knee(model, q, sole, leg) for sole, leg in zip(soles, legs, strict=True)]
+    knees = [
+        find_knee(model, q, sole.joint_id, sole.placement.translation, leg)
+        for sole, leg in zip(soles, legs, strict=True)
+    ]
     bends = {
         joint: knee_bend(model, q, joint, leg)
         for knee, leg in zip(knees, legs, strict=True)
@@ -250,14 +282,14 @@ def _bent(
     return best, "knees bent" if bends else "legs without knees"
 
 
-def _distance_apart(model: pin.Model, q: np.ndarray, soles: tuple[Sole, Sole]) -> float | None:
+def _distance_apart(model: pin.Model, q: np.ndarray, soles: Sequence[Sole]) -> float | None:
     """Return how far apart the soles have to be if they are too near each other in q, m."""
     apart = float(abs(_between(model, q, soles)[1]))
     least = _SIDE_BY_SIDE * (soles[0].half_width + soles[1].half_width)
     return least if apart < least else None
 
 
-def _defect(model: pin.Model, q: np.ndarray, soles: tuple[Sole, Sole]) -> float:
+def _defect(model: pin.Model, q: np.ndarray, soles: Sequence[Sole]) -> float:
     """Return how far a posture is from standing soundly: tilt, steps, spread and imbalance, m."""
     ids = (soles[0].frame_id, soles[1].frame_id)
     tilt, height = unevenness(model, q, ids)
@@ -269,7 +301,7 @@ def _defect(model: pin.Model, q: np.ndarray, soles: tuple[Sole, Sole]) -> float:
     return float(tilt + height + apart[0] + astride + toppling)
 
 
-def _between(model: pin.Model, q: np.ndarray, soles: tuple[Sole, Sole]) -> np.ndarray:
+def _between(model: pin.Model, q: np.ndarray, soles: Sequence[Sole]) -> np.ndarray:
     """Return the vector from the right to the left sole, (3,) m."""
     data = model.createData()
     pin.framesForwardKinematics(model, data, q)
@@ -277,11 +309,21 @@ def _between(model: pin.Model, q: np.ndarray, soles: tuple[Sole, Sole]) -> np.nd
     return np.asarray(left - right)
 
 
-def find_knee(model: pin.Model, q: np.ndarray, sole: Sole, leg: Sequence[int]) -> int | None:
-    """Return the velocity index of the knee: the lateral joint between two long segments."""
+def find_knee(
+    model: pin.Model, q: np.ndarray, joint_id: int, foot: np.ndarray, leg: Sequence[int]
+) -> int | None:
+    """Return the velocity index of the knee: the lateral joint between two long segments.
+
+    Args:
+        model: the robot.
+        q: (nq,) a posture.
+        joint_id: id of the joint that moves the foot.
+        foot: (3,) centre of the foot in that joint's coordinates, m.
+        leg: velocity indices of the leg's joints, from the hip down.
+    """
     data = model.createData()
     pin.computeJointJacobians(model, data, q)
-    end = data.oMi[sole.joint_id].act(sole.placement.translation)
+    end = data.oMi[joint_id].act(foot)
     joints = [joint for joint in range(2, model.njoints) if model.joints[joint].idx_v in leg]
     hip = data.oMi[joints[0]].translation
     best, best_span = None, SEGMENT * float(np.linalg.norm(end - hip))
@@ -314,14 +356,17 @@ def knee_companions(
     )
 
 
-def knee_bend(model: pin.Model, q: np.ndarray, knee: int, leg: Sequence[int]) -> float:
-    """Return the position of the knee bent by 0.4 rad from straight, rad.
+def knee_bend(
+    model: pin.Model, q: np.ndarray, knee: int, leg: Sequence[int], bend: float = KNEE_BEND
+) -> float:
+    """Return the position of the knee bent from straight, rad.
 
     Args:
         model: the robot.
         q: (nq,) a posture.
         knee: velocity index of the knee.
         leg: velocity indices of its leg's joints, from the hip down.
+        bend: rad from straight.
     """
     lower, upper = posture_range(model)
     low, high = float(lower[knee - 6]), float(upper[knee - 6])
@@ -333,7 +378,7 @@ def knee_bend(model: pin.Model, q: np.ndarray, knee: int, leg: Sequence[int]) ->
         pin.computeJointJacobians(model, data, q)
         # A knee flexes by turning the shank backwards, about the lateral axis.
         sign = float(np.sign(data.J[4, knee]))
-    return float(np.clip(straight + sign * KNEE_BEND, low, high))
+    return float(np.clip(straight + sign * bend, low, high))
 
 
 def straight_knee(model: pin.Model, q: np.ndarray, knee: int, leg: Sequence[int]) -> float:

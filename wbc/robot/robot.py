@@ -10,36 +10,55 @@ import pinocchio as pin
 
 from wbc.errors import FrameNotFound
 from wbc.robot.finding import Finding
+from wbc.robot.posture import has_soles
 from wbc.robot.robot_model import RobotModel
 from wbc.robot.soles import Side, Sole
 from wbc.state import State
 
+_POINT_LEG = 3  # joints that place a foot but do not turn it
+
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Robot(RobotModel):
-    """A humanoid with a floating base and two soles; made by `load`.
+    """A humanoid or a quadruped: a floating base and two or four soles; made by `load`.
 
-    Its model has the frames `left_sole` and `right_sole`. In `q_nominal` it stands: soles on
+    Its model has a frame for each sole, such as `left_sole`. In `q_nominal` it stands: soles on
     z = 0, their midpoint at the origin, heading +x.
 
     Attributes:
-        soles: left and right.
+        soles: left and right; of a quadruped front left, front right, hind left, hind right.
         torso: name of the upper trunk's link (a frame of the model).
         imu: name of the frame where the inertial unit sits.
-        legs: velocity indices (into nv) of the joints that move the left and the right sole
-            alone, from the hip down.
+        legs: per sole, velocity indices (into nv) of the joints that move it alone, from the
+            hip down.
     """
 
-    soles: tuple[Sole, Sole]
+    soles: tuple[Sole, ...]
     torso: str
     imu: str
-    legs: tuple[tuple[int, ...], tuple[int, ...]]
+    legs: tuple[tuple[int, ...], ...]
 
     def __repr__(self) -> str:
-        left, right = self.soles
+        *others, last = (f"'{sole.link}'" for sole in self.soles)
         return (
             f"Robot('{self.name}', {self.na} joints, {self.mass:.1f} kg, "
-            f"soles {left.size_text} on '{left.link}' and '{right.link}')"
+            f"soles {self.soles[0].size_text} on {', '.join(others)} and {last})"
+        )
+
+    @property
+    def is_quadruped(self) -> bool:
+        """Whether it stands on four feet."""
+        return len(self.soles) > 2
+
+    @cached_property
+    def point_feet(self) -> tuple[bool, ...]:
+        """Per sole, whether it touches the ground at a point.
+
+        A foot without area does, and one on a leg of three joints, which cannot keep it flat.
+        """
+        return tuple(
+            len(leg) <= _POINT_LEG or not has_soles((sole,))
+            for sole, leg in zip(self.soles, self.legs, strict=True)
         )
 
     @cached_property
@@ -49,7 +68,7 @@ class Robot(RobotModel):
 
     @cached_property
     def leg_length(self) -> float:
-        """Length of the stretched leg from its first joint to the sole, m (mean of both)."""
+        """Length of the stretched leg from its first joint to the sole, m (mean of all)."""
         lengths = []
         for sole in self.soles:
             hip = self._leg_chain(sole)
@@ -63,7 +82,7 @@ class Robot(RobotModel):
         return float(np.mean(lengths))
 
     def sole(self, name: str) -> Sole:
-        """The sole of that name (`left_sole`, `right_sole`) or side (`left`, `right`).
+        """The sole of that name (`left_sole`, …) or side (`left`, …).
 
         Raises:
             FrameNotFound: no sole is called so.

@@ -1,7 +1,8 @@
-"""`Sole`, the contact rectangle of a foot, and how both soles are added to a model."""
+"""`Sole`, the contact rectangle of a foot, and how the soles are added to a model."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -18,8 +19,9 @@ from wbc.robot.sole_fitting import SoleFit, fit_sole, is_round, resting_normal
 from wbc.robot.topology import parent_joint
 from wbc.robot.urdf import Urdf
 
-Side = Literal["left", "right"]
-SIDES: tuple[Side, Side] = ("left", "right")
+Side = Literal["left", "right", "front_left", "front_right", "hind_left", "hind_right"]
+SIDES: tuple[Side, ...] = ("left", "right")
+QUADRUPED_SIDES: tuple[Side, ...] = ("front_left", "front_right", "hind_left", "hind_right")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -30,9 +32,10 @@ class Sole:
     from the ground) and x forward when the robot stands.
 
     Attributes:
-        name: name of the frame in the model: `left_sole` or `right_sole`, with `_contact`
-            appended if the URDF has a link or joint of that name.
-        side: `left` or `right`.
+        name: name of the frame in the model: the side and `_sole`, e.g. `left_sole`, with
+            `_contact` appended if the URDF has a link or joint of that name.
+        side: `left` or `right`; of four feet `front_left`, `front_right`, `hind_left` or
+            `hind_right`.
         frame_id: index of the frame in the model.
         joint_id: index of the joint that moves the foot.
         placement: T_joint_sole, from sole to joint coordinates.
@@ -70,38 +73,40 @@ def add_soles(
     urdf: Urdf,
     data: RobotData,
     folders: tuple[Path, ...],
-    links: tuple[str, str],
+    links: tuple[str, ...],
     zero: np.ndarray,
     start: np.ndarray,
-) -> tuple[tuple[Sole, Sole], list[Fact]]:
-    """Fit both soles to the shapes of the feet, and add their frames to the model.
+) -> tuple[tuple[Sole, ...], list[Fact]]:
+    """Fit the soles to the shapes of the feet, and add their frames to the model.
 
     A flat sole depends on the shape of the foot only: the upright zero position tells which side
-    is down and where forward is. A round foot touches the ground where its posture puts it.
+    is down and where forward is. A round foot, and that of a quadruped, touches the ground where
+    its posture puts it.
 
     Args:
         model: the robot; gets the frames.
         urdf: the description.
         data: statements of the data file and the caller.
         folders: folders that may hold its packages.
-        links: the left and the right foot.
+        links: the left and the right foot, or those of a quadruped, see `QUADRUPED_SIDES`.
         zero: (nq,) the zero position with the base upright.
         start: (nq,) the stated posture, before its legs are completed.
 
     Returns:
-        The left and the right sole, and a fact about each.
+        The soles in the order of the links, and a fact about each.
 
     Raises:
         RobotDescriptionError: a foot has no geometry and none is stated, or is a wheel.
     """
-    names = _frame_names(model)
+    sides = sides_of(links)
+    names = _frame_names(model, sides)
     soles, facts = [], []
-    for side, link in zip(SIDES, links, strict=True):
+    for side, link in zip(sides, links, strict=True):
         joint = parent_joint(model, link)
         foot = model.frames[model.getFrameId(link, pin.BODY)]
         if data.sole:
             fit = _stated(data, foot.placement)
-            facts.append(Fact(f"{side} sole", _size(fit), "stated", fit.source))
+            facts.append(Fact(f"{spoken(side)} sole", _size(fit), "stated", fit.source))
         else:
             surface = foot_surface(urdf, model, joint, folders, data.respect_up_axis)
             if not len(surface.points):
@@ -111,11 +116,11 @@ def add_soles(
             fit = fit_sole(surface, up, forward, axes)
             if not fit.flat:
                 fit = fit_sole(surface, resting_normal(surface, up), forward, axes)
-            if not fit.flat:
+            if not fit.flat or len(links) > len(SIDES):  # whose feet turn with the shanks
                 _refuse_wheel(model, urdf, surface, link, joint)
                 fit = fit_sole(surface, *_directions(model, start, links, joint), axes)
             source = f"{surface.kind} shapes, normal from the {fit.source}"
-            facts.append(Fact(f"{side} sole", _size(fit), "derived", source))
+            facts.append(Fact(f"{spoken(side)} sole", _size(fit), "derived", source))
         name = names[side]
         parent = model.getFrameId(link, pin.BODY)
         frame_id = model.addFrame(pin.Frame(name, joint, parent, fit.placement, pin.OP_FRAME))
@@ -125,15 +130,25 @@ def add_soles(
                 float(fit.half_length), float(fit.half_width), link,
             )
         )  # fmt: skip
-    return (soles[0], soles[1]), facts
+    return tuple(soles), facts
 
 
-def _frame_names(model: pin.Model) -> dict[Side, str]:
+def sides_of(feet: Sequence[object]) -> tuple[Side, ...]:
+    """Return the sides of two or of four feet."""
+    return QUADRUPED_SIDES if len(feet) == len(QUADRUPED_SIDES) else SIDES
+
+
+def spoken(side: Side) -> str:
+    """Return a side as it stands in a sentence, e.g. `front left`."""
+    return side.replace("_", " ")
+
+
+def _frame_names(model: pin.Model, sides: tuple[Side, ...]) -> dict[Side, str]:
     """Return names for the frames of the soles that the model does not have yet."""
     suffix = "_sole"
-    while any(model.existFrame(side + suffix) for side in SIDES):
+    while any(model.existFrame(side + suffix) for side in sides):
         suffix += "_contact"
-    return {side: side + suffix for side in SIDES}
+    return {side: side + suffix for side in sides}
 
 
 def _refuse_wheel(
@@ -156,15 +171,15 @@ def _refuse_wheel(
 
 
 def _directions(
-    model: pin.Model, q: np.ndarray, links: tuple[str, str], joint: int
+    model: pin.Model, q: np.ndarray, links: tuple[str, ...], joint: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return up and forward, (3,) unit vectors in a foot joint's coordinates, at `q` (nq,).
 
-    Forward is level and has the left foot on its left.
+    Forward is level and has the left (front) foot on its left.
     """
     data = model.createData()
     pin.framesForwardKinematics(model, data, q)
-    left, right = (data.oMi[parent_joint(model, link)].translation for link in links)
+    left, right = (data.oMi[parent_joint(model, link)].translation for link in links[:2])
     across = left - right
     forward = np.cross([across[0], across[1], 0.0], [0.0, 0.0, 1.0])
     length = float(np.linalg.norm(forward))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +23,7 @@ _WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 def standing_posture(
     model: pin.Model,
     q: np.ndarray,
-    soles: tuple[int, int],
+    soles: tuple[int, ...],
     move: Iterable[int],
     couplings: Iterable[Coupling] = (),
     *,
@@ -37,7 +37,7 @@ def standing_posture(
     Args:
         model: the robot's model.
         q: (nq,) where to start; its base orientation is kept.
-        soles: frame ids of the left and right sole.
+        soles: frame ids of the soles, left first.
         move: indices into velocities (nv,) of the joints that may move.
         couplings: joints that follow others.
         joints: index into velocities -> target position, rad.
@@ -70,14 +70,44 @@ def standing_posture(
     return solver.solve(near, free, terms)[0]
 
 
-def unevenness(model: pin.Model, q: np.ndarray, soles: tuple[int, int]) -> tuple[float, float]:
+def feet_below_hips(
+    model: pin.Model,
+    q: np.ndarray,
+    feet: tuple[int, ...],
+    hips: Sequence[int],
+    move: Iterable[int],
+    knees: Mapping[int, float],
+    couplings: Iterable[Coupling] = (),
+) -> np.ndarray:
+    """Return the posture near q (nq,) with level feet, each below its hip as seen from the side.
+
+    Args:
+        model: the robot's model.
+        q: (nq,) where to start; its base orientation is kept.
+        feet: frame ids of the feet.
+        hips: ids of the first joints of their legs.
+        move: indices into velocities (nv,) of the joints that may move.
+        knees: index into velocities -> position of the knee, rad.
+        couplings: joints that follow others.
+    """
+    free = np.zeros(model.nv, dtype=bool)
+    free[[2, *move]] = True
+    terms: list[PostureTerm] = [_FeetBelowHips(feet, tuple(hips))]
+    terms += [JointTerm(index, target) for index, target in knees.items()]
+    terms += [_Coupled(coupling) for coupling in couplings if free[6 + coupling.joint]]
+    terms.append(NearPostureTerm(np.array(q), _NEAR_WEIGHT))
+    solver = PostureSolver(model, *posture_range(model), max_step=_MAX_STEP)
+    return solver.solve(q, free, terms)[0]
+
+
+def unevenness(model: pin.Model, q: np.ndarray, soles: tuple[int, ...]) -> tuple[float, float]:
     """Return the largest tilt of a sole (rad) and the height between the soles (m)."""
     data = model.createData()
     pin.framesForwardKinematics(model, data, q)
     normals = [data.oMf[sole].rotation[:, 2] for sole in soles]
     tilt = max(float(np.arctan2(np.hypot(n[0], n[1]), n[2])) for n in normals)
-    left, right = (data.oMf[sole].translation for sole in soles)
-    return tilt, abs(float(left[2] - right[2]))
+    heights = [float(data.oMf[sole].translation[2]) for sole in soles]
+    return tilt, max(heights) - min(heights)
 
 
 def posture_range(model: pin.Model) -> tuple[np.ndarray, np.ndarray]:
@@ -93,7 +123,7 @@ def posture_range(model: pin.Model) -> tuple[np.ndarray, np.ndarray]:
 class _FlatSoles:
     """Soles flat on z = 0; if aligned, also side by side, pointing along x, and so far apart."""
 
-    soles: tuple[int, int]
+    soles: tuple[int, ...]
     align: bool
     apart: float | None = None
     weight: float = 1.0
@@ -124,10 +154,31 @@ class _FlatSoles:
 
 
 @dataclass(frozen=True)
+class _FeetBelowHips:
+    """Feet on z = 0, with the x of their hips."""
+
+    feet: tuple[int, ...]
+    hips: tuple[int, ...]
+    weight: float = 1.0
+
+    def rows(
+        self, model: pin.Model, data: pin.Data, q: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        rows, errors = [], []
+        for foot, hip in zip(self.feet, self.hips, strict=True):
+            way = data.oMi[hip].translation - data.oMf[foot].translation
+            J = pin.getFrameJacobian(model, data, foot, _WORLD)
+            J_hip = pin.getJointJacobian(model, data, hip, _WORLD)
+            rows += [J[0:1] - J_hip[0:1], J[2:3]]
+            errors += [float(way[0]), -float(data.oMf[foot].translation[2])]
+        return np.vstack(rows), np.array(errors)
+
+
+@dataclass(frozen=True)
 class _ComOverSoles:
     """The centre of mass above the midpoint between the soles."""
 
-    soles: tuple[int, int]
+    soles: tuple[int, ...]
     weight: float = 1.0
 
     def rows(
@@ -156,9 +207,10 @@ class _Coupled:
 
 
 def _middle(
-    model: pin.Model, data: pin.Data, soles: tuple[int, int]
+    model: pin.Model, data: pin.Data, soles: tuple[int, ...]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the midpoint between the soles (3,), m, and its Jacobian (3, nv)."""
     points = [data.oMf[sole].translation for sole in soles]
     jacobians = [pin.getFrameJacobian(model, data, sole, _WORLD)[:3] for sole in soles]
-    return 0.5 * (points[0] + points[1]), 0.5 * (jacobians[0] + jacobians[1])
+    share = 1.0 / len(soles)
+    return share * sum(points[1:], points[0]), share * sum(jacobians[1:], jacobians[0])

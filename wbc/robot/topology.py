@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 import pinocchio as pin
 
@@ -12,23 +14,41 @@ _LEG_JOINTS = 3  # a leg has at least so many
 _MIRRORED, _APART = 0.02, 0.1
 
 
-def leg_joints(
-    model: pin.Model, foot_joints: tuple[int, int]
-) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return the velocity indices (into nv) of the joints of both legs, from the hip down.
+def leg_joints(model: pin.Model, foot_joints: tuple[int, ...]) -> tuple[tuple[int, ...], ...]:
+    """Return the velocity indices (into nv) of the joints of each leg, from the hip down.
 
-    A joint that moves both feet, such as a waist below the base, belongs to no leg.
+    A joint that moves several feet, such as a waist below the base, belongs to no leg.
 
     Args:
         model: the robot.
-        foot_joints: ids of the joints that move the left and the right foot.
+        foot_joints: ids of the joints that move the feet.
     """
-    left, right = (
+    chains = [
         [int(model.joints[joint].idx_v) for joint in model.supports[foot] if joint > 1]
         for foot in foot_joints
-    )
-    shared = {*left} & {*right}
-    return tuple(i for i in left if i not in shared), tuple(i for i in right if i not in shared)
+    ]
+    counts = Counter(index for chain in chains for index in chain)
+    return tuple(tuple(index for index in chain if counts[index] == 1) for chain in chains)
+
+
+def front_to_hind(model: pin.Model, pairs: list[tuple[str, str]]) -> tuple[str, ...]:
+    """Return the feet of a quadruped: front left, front right, hind left, hind right.
+
+    The hips tell in the zero posture which pair is ahead, along the base's x axis.
+
+    Args:
+        model: the robot.
+        pairs: links of the left and the right foot of two pairs.
+    """
+    data = model.createData()
+    pin.forwardKinematics(model, data, pin.neutral(model))
+
+    def ahead(pair: tuple[str, str]) -> float:
+        hips = [list(model.supports[parent_joint(model, link)])[2:3] for link in pair]
+        return sum(float(data.oMi[joint].translation[0]) for hip in hips for joint in hip)
+
+    front, hind = sorted(pairs, key=ahead, reverse=True)
+    return (*front, *hind)
 
 
 def find_torso(model: pin.Model, urdf: Urdf, legs: tuple[tuple[int, ...], ...]) -> str:

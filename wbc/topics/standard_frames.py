@@ -39,13 +39,11 @@ def standard_frames(robot: Robot) -> list[FixedFrame]:
 
     A robot without a head that can be turned has no `gaze`.
     """
-    left, right = (sole.name for sole in robot.soles)
     same = pin.SE3.Identity()
-    frames = [
-        FixedFrame(BASE_LINK, robot.base, same),
-        FixedFrame("l_sole", left, same),
-        FixedFrame("r_sole", right, same),
-    ]
+    frames = [FixedFrame(BASE_LINK, robot.base, same)]
+    if not robot.is_quadruped:
+        left, right = (sole.name for sole in robot.soles)
+        frames += [FixedFrame("l_sole", left, same), FixedFrame("r_sole", right, same)]
     head = UpperBody.of(robot).head
     if head is not None:
         data = robot.model.createData()

@@ -3,15 +3,29 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 
 from wbc.errors import GaitError
-from wbc.gait import GaitParameters, GaitState, Phase, Placement, PlannedFootstep, Velocity
+from wbc.gait import (
+    GaitParameters,
+    GaitState,
+    Phase,
+    Placement,
+    PlannedFootstep,
+    Velocity,
+    VelocityLimits,
+)
 from wbc.gait.footsteps import SIDES, clamp_footstep, other_side
 from wbc.geometry.planar import ground_point, wrap_angle
 from wbc.telemetry import Footstep
 
 _TOLERANCE = 0.02  # m, rad: a foot stands this far from where it was to land
+_ROUNDING = 1e-9  # of a velocity that was clamped to the limits before
+
+
+class VelocityClamped(UserWarning):
+    """The velocity command was beyond what the gait can do; the text says what it became."""
 
 
 def parse_velocity(value: Sequence[float]) -> Velocity:
@@ -29,6 +43,30 @@ def parse_velocity(value: Sequence[float]) -> Velocity:
     velocity = Velocity(forward, left, turn)
     velocity.must_be_finite()
     return velocity
+
+
+def clamp_velocity(wanted: Velocity, limits: VelocityLimits, robot: str) -> Velocity:
+    """Return the largest velocity within limits in the direction of one, at most that one itself.
+
+    Warns with `VelocityClamped`, in the name of whoever sets the caller's property.
+
+    Args:
+        wanted: finite.
+        limits: those of the gait.
+        robot: name of the robot, for the warning.
+    """
+    numbers = (wanted.forward, wanted.left, wanted.turn)
+    got = Velocity(*limits.clamp(*numbers))
+    if limits.usage(*numbers) > 1.0 + _ROUNDING:
+        warnings.warn(
+            f"velocity ({wanted.forward:g} m/s, {wanted.left:g} m/s, {wanted.turn:g} rad/s) is "
+            f"beyond what {robot} can do with this gait (-{limits.backward:.2f} to "
+            f"{limits.forward:.2f}, ±{limits.left:.2f}, ±{limits.turn:.2f}, one at a time and less "
+            f"of each together): clamped to ({got.forward:.2f}, {got.left:.2f}, {got.turn:.2f})",
+            VelocityClamped,
+            stacklevel=3,
+        )
+    return got
 
 
 def parse_footsteps(footsteps: Sequence[Footstep], state: GaitState) -> list[PlannedFootstep]:

@@ -74,6 +74,22 @@ class ReferenceOffset:
     weight_shift_velocity: float = 0.0
     weight_shift_acceleration: float = 0.0
 
+    def planar(self, heading: float) -> tuple[complex, complex, complex]:
+        """Return the CoM's offset over the ground, its velocity and its acceleration.
+
+        Args:
+            heading: heading of the robot, rad.
+
+        Returns:
+            World axes, m, m/s and m/s².
+        """
+        to_world = planar_rotation(heading)
+        c, v, a = (
+            complex(*x[:2].tolist()) * to_world
+            for x in (self.com, self.com_velocity, self.com_acceleration)
+        )
+        return c, v, a
+
     def apply(self, reference: DcmReference, state: GaitState, heading: float) -> DcmReference:
         """The planner's reference, moved by the offset of the CoM and the motion of the weight.
 
@@ -83,11 +99,7 @@ class ReferenceOffset:
             heading: heading of the robot, rad.
         """
         omega = state.gait.omega
-        to_world = planar_rotation(heading)
-        c, v, a = (
-            complex(*x[:2].tolist()) * to_world
-            for x in (self.com, self.com_velocity, self.com_acceleration)
-        )
+        c, v, a = self.planar(heading)
         if state.at_rest:
             across = state.feet.left.point - state.feet.right.point
             v += self.weight_shift_velocity * across

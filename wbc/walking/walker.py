@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 
 import numpy as np
@@ -35,7 +34,7 @@ from wbc.state import State
 from wbc.tasks import Task
 from wbc.telemetry import ContactPlan, Footstep, Telemetry
 from wbc.walking.balance_tasks import BalanceTasks, mean_heading
-from wbc.walking.command_checks import parse_footsteps, parse_velocity
+from wbc.walking.command_checks import clamp_velocity, parse_footsteps, parse_velocity
 from wbc.walking.contact_manager import ContactManager
 from wbc.walking.falling import FallController, FallDetector
 from wbc.walking.feet import ground_reaction, sides_in_contact
@@ -52,16 +51,11 @@ from wbc.walking.walker_telemetry import (
     walking_telemetry,
 )
 
-_ROUNDING = 1e-9  # of a velocity that was clamped to the limits before
 _IN_PLACE = Velocity(forward=1e-9)  # m/s, of a robot that has to step to stay
 
 
-class VelocityClamped(UserWarning):
-    """The velocity command was beyond what the gait can do; the text says what it became."""
-
-
 class Walker:
-    """Walks: a velocity in, joint torques out, balance in between.
+    """Walks on two legs: a velocity in, joint torques out, balance in between.
 
     A robot with point feet cannot stand still: without a velocity it steps in place.
 
@@ -161,19 +155,7 @@ class Walker:
         if wanted is _IN_PLACE:
             self._command.velocity = wanted
             return
-        self._command.velocity = wanted.clamped(self.gait)
-        limits = self.gait.max_velocity
-        if limits.usage(wanted.forward, wanted.left, wanted.turn) > 1.0 + _ROUNDING:
-            got = self.velocity
-            warnings.warn(
-                f"velocity ({wanted.forward:g} m/s, {wanted.left:g} m/s, {wanted.turn:g} rad/s) is "
-                f"beyond what {self.robot.name} can do with this gait (-{limits.backward:.2f} to "
-                f"{limits.forward:.2f}, ±{limits.left:.2f}, ±{limits.turn:.2f}, one at a time and "
-                "less of each together): clamped to "
-                f"({got[0]:.2f}, {got[1]:.2f}, {got[2]:.2f})",
-                VelocityClamped,
-                stacklevel=2,
-            )
+        self._command.velocity = clamp_velocity(wanted, self.gait.max_velocity, self.robot.name)
 
     def change_gait(self, gait: GaitParameters) -> None:
         """Go on with other gait parameters, at any tick; the wanted velocity is kept within them.

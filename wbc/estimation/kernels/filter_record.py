@@ -2,63 +2,64 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
-FEET = 2
-#: Size of the error `[ξ_R, ξ_v, ξ_p, ξ_d…, ξ_F…, b_g, b_a]`, and where its parts begin.
-SIZE = 15 + 6 * FEET
-VELOCITY, POSITION, FOOT_POSITION, FOOT_ROTATION = 3, 6, 9, 9 + 3 * FEET
-GYRO_BIAS, ACCELEROMETER_BIAS = SIZE - 6, SIZE - 3
-#: Rows that a gyro error moves: rotation and vectors.
-MOVED = 9 + 3 * FEET
-_ROWS = 6 * FEET
+#: Numbers of feet for which the kernels are compiled.
+FEET = (2, 4)
+#: Where the parts of the error `[ξ_R, ξ_v, ξ_p, ξ_d…, ξ_F…, b_g, b_a]` begin: ξ_F after three
+#: entries for each foot, and the biases, which are at its end, counted from there.
+VELOCITY, POSITION, FOOT_POSITION = 3, 6, 9
+GYRO_BIAS, ACCELEROMETER_BIAS = -6, -3
 
-FILTER = np.dtype(
-    [
-        # State.
-        ("R", float, (3, 3)),
-        ("vectors", float, (2 + FEET, 3)),
-        ("F", float, (FEET, 3, 3)),
-        ("gyro_bias", float, (3,)),
-        ("accelerometer_bias", float, (3,)),
-        ("P", float, (SIZE, SIZE)),
-        (
-            "drift_factor",
-            float,
-            (FEET,),
-        ),  # sum of squared slip factors since the last covariance step
-        ("pending", np.int64),  # periods since then
-        ("started", np.int64),  # whether there is a reading of the gyro since the reset
-        ("gyro", float, (3,)),  # the last one, IMU axes, rad/s
-        ("corrections", np.int64),
-        # Constants.
-        ("origin", float, (3,)),  # where positions count from, world axes, m
-        ("dt", float),  # s
-        ("every", np.int64),  # periods between two corrections
-        ("gravity", float, (3,)),  # m/s²
-        ("gyro_step", float),  # variance that a period's gyro noise adds, rad²
-        ("process", float, (SIZE,)),  # diagonal that a period adds
-        ("foot_drift", float, (SIZE, FEET)),  # the same by a sole that stands
-        ("leg_noise", float, (FEET, 6, 6)),  # of a sole's pose as the encoders see it, IMU axes
-        ("slip_gate", float),  # χ² of six readings
-        # Workspace.
-        ("transition", float, (SIZE, SIZE)),
-        ("product", float, (SIZE, SIZE)),
-        ("lever", float, (MOVED, 3)),
-        ("HP", float, (_ROWS, SIZE)),
-        ("Y", float, (_ROWS, SIZE)),
-        ("S", float, (_ROWS, _ROWS)),
-        ("inverse", float, (_ROWS, _ROWS)),  # of S's Cholesky factor
-        ("residual", float, (_ROWS,)),
-        ("whitened", float, (_ROWS,)),
-        ("weighted", float, (_ROWS,)),
-        ("xi", float, (SIZE,)),
-        ("noise", float, (6, 6)),
-        ("A", float, (3, 3)),
-        ("B", float, (3, 3)),
-        ("C", float, (3, 3)),
-        ("a", float, (3,)),
-        ("b", float, (3,)),
-    ],
-    align=True,
-)
+
+@lru_cache
+def filter_type(feet: int) -> np.dtype:
+    """Return the type of the record of a filter with so many feet."""
+    size, rows = 15 + 6 * feet, 6 * feet
+    return np.dtype(
+        [
+            # State.
+            ("R", float, (3, 3)),
+            ("vectors", float, (2 + feet, 3)),
+            ("F", float, (feet, 3, 3)),
+            ("gyro_bias", float, (3,)),
+            ("accelerometer_bias", float, (3,)),
+            ("P", float, (size, size)),
+            ("drift_factor", float, (feet,)),  # sum of squared slip factors since its last step
+            ("pending", np.int64),  # periods since then
+            ("started", np.int64),  # whether there is a reading of the gyro since the reset
+            ("gyro", float, (3,)),  # the last one, IMU axes, rad/s
+            ("corrections", np.int64),
+            # Constants.
+            ("origin", float, (3,)),  # where positions count from, world axes, m
+            ("dt", float),  # s
+            ("every", np.int64),  # periods between two corrections
+            ("gravity", float, (3,)),  # m/s²
+            ("gyro_step", float),  # variance that a period's gyro noise adds, rad²
+            ("process", float, (size,)),  # diagonal that a period adds
+            ("foot_drift", float, (size, feet)),  # the same by a sole that stands
+            ("leg_noise", float, (feet, 6, 6)),  # of a sole's pose as the encoders see it, IMU axes
+            ("slip_gate", float),  # χ² of six readings
+            # Workspace.
+            ("transition", float, (size, size)),
+            ("product", float, (size, size)),
+            ("lever", float, (9 + 3 * feet, 3)),  # of the rows that a gyro error moves
+            ("HP", float, (rows, size)),
+            ("Y", float, (rows, size)),
+            ("S", float, (rows, rows)),
+            ("inverse", float, (rows, rows)),  # of S's Cholesky factor
+            ("residual", float, (rows,)),
+            ("whitened", float, (rows,)),
+            ("weighted", float, (rows,)),
+            ("xi", float, (size,)),
+            ("noise", float, (6, 6)),
+            ("A", float, (3, 3)),
+            ("B", float, (3, 3)),
+            ("C", float, (3, 3)),
+            ("a", float, (3,)),
+            ("b", float, (3,)),
+        ],
+        align=True,
+    )

@@ -7,14 +7,11 @@ import numpy as np
 from wbc.estimation.kernels.filter_record import (
     ACCELEROMETER_BIAS,
     FEET,
-    FILTER,
     FOOT_POSITION,
-    FOOT_ROTATION,
     GYRO_BIAS,
-    MOVED,
     POSITION,
-    SIZE,
     VELOCITY,
+    filter_type,
 )
 from wbc.estimation.kernels.matrix import (
     add,
@@ -33,9 +30,7 @@ from wbc.jit.compile import argument_types, kernel, subkernel
 #: Corrections between two rounds of `_remove_rounding`.
 _TIDY = 20
 
-_FILTER = np.zeros(1, FILTER)
 _VECTOR = np.zeros(3)
-_POSITIONS, _ROTATIONS = np.zeros((FEET, 3)), np.zeros((FEET, 3, 3))
 
 
 @subkernel
@@ -43,7 +38,7 @@ def _set_transition(f: np.ndarray, time: float) -> None:
     """The errors' transition matrix over a time, and the lever of gyro errors [1; x ×]."""
     Phi, lever, R, vectors, axes = f["transition"], f["lever"], f["R"], f["vectors"], f["A"]
     skew(f["gravity"], axes)
-    for i in range(SIZE):
+    for i in range(Phi.shape[0]):
         Phi[i, i] = 1.0
     for i in range(3):
         Phi[POSITION + i, VELOCITY + i] = time
@@ -52,9 +47,9 @@ def _set_transition(f: np.ndarray, time: float) -> None:
             Phi[POSITION + i, j] = 0.5 * time * time * axes[i, j]
             Phi[VELOCITY + i, ACCELEROMETER_BIAS + j] = -time * R[i, j]
             lever[i, j] = 1.0 if i == j else 0.0
-    for n in range(2 + FEET):
+    for n in range(vectors.shape[0]):
         skew(vectors[n], lever[3 + 3 * n : 6 + 3 * n])
-    for i in range(MOVED):
+    for i in range(lever.shape[0]):
         for j in range(3):
             Phi[i, GYRO_BIAS + j] = -time * (
                 lever[i, 0] * R[0, j] + lever[i, 1] * R[1, j] + lever[i, 2] * R[2, j]
@@ -76,11 +71,11 @@ def _propagate_covariance(f: np.ndarray) -> None:
     gyro = count * f["gyro_step"]
     add_gram(P, gyro, lever)
     process, foot_drift, drift_factor = f["process"], f["foot_drift"], f["drift_factor"]
-    for i in range(SIZE):
+    for i in range(P.shape[0]):
         P[i, i] += count * process[i]
-        for foot in range(FEET):
+        for foot in range(drift_factor.size):
             P[i, i] += foot_drift[i, foot] * drift_factor[foot]
-    for foot in range(FEET):
+    for foot in range(drift_factor.size):
         drift_factor[foot] = 0.0
 
 
@@ -101,20 +96,21 @@ def _land(f: np.ndarray, foot: int, h: np.ndarray, F: np.ndarray) -> None:
     for i in range(3):
         vectors[2 + foot, i] = vectors[1, i] + place[i]
     multiply(R, F, f["F"][foot])
+    rotation = FOOT_POSITION + 3 * f["F"].shape[0]
     for part in range(2):
-        own = (FOOT_POSITION if part == 0 else FOOT_ROTATION) + 3 * foot
+        own = (FOOT_POSITION if part == 0 else rotation) + 3 * foot
         source = POSITION if part == 0 else 0
         for i in range(3):
-            for j in range(SIZE):
+            for j in range(P.shape[0]):
                 P[own + i, j] = P[source + i, j]
         for i in range(3):
-            for j in range(SIZE):
+            for j in range(P.shape[0]):
                 P[j, own + i] = P[j, source + i]
     _leg_noise_in_world(f, foot)
     for i in range(6):
         for j in range(6):
-            row = FOOT_POSITION + 3 * foot + i if i < 3 else FOOT_ROTATION + 3 * foot + i - 3
-            column = FOOT_POSITION + 3 * foot + j if j < 3 else FOOT_ROTATION + 3 * foot + j - 3
+            row = FOOT_POSITION + 3 * foot + i if i < 3 else rotation + 3 * foot + i - 3
+            column = FOOT_POSITION + 3 * foot + j if j < 3 else rotation + 3 * foot + j - 3
             P[row, column] += f["noise"][i, j]
 
 
@@ -123,8 +119,9 @@ def _innovate(f: np.ndarray, foot: int, row: int, h: np.ndarray, F: np.ndarray) 
     """Six rows of H P and of the residual: where a sole is off, and how it is turned."""
     P, HP, residual, R, vectors = f["P"], f["HP"], f["residual"], f["R"], f["vectors"]
     seen, off, place = f["A"], f["B"], f["a"]
+    rotation = FOOT_POSITION + 3 * f["F"].shape[0]
     difference(P, POSITION, FOOT_POSITION + 3 * foot, HP[row : row + 3])
-    difference(P, 0, FOOT_ROTATION + 3 * foot, HP[row + 3 : row + 6])
+    difference(P, 0, rotation + 3 * foot, HP[row + 3 : row + 6])
     rotate(R, h, place)
     for i in range(3):
         residual[row + i] = vectors[1, i] + place[i] - vectors[2 + foot, i]
@@ -149,14 +146,16 @@ def _retract(f: np.ndarray) -> None:
     left_jacobian(xi[:3], left)
     multiply(turn, f["R"], turned)
     copy(turned, f["R"])
-    for n in range(2 + FEET):
+    feet = f["F"].shape[0]
+    rotation = FOOT_POSITION + 3 * feet
+    for n in range(2 + feet):
         x = f["vectors"][n]
         rotate(turn, x, a)
         rotate(left, xi[3 + 3 * n : 6 + 3 * n], b)
         for i in range(3):
             x[i] = a[i] + b[i]
-    for foot in range(FEET):
-        exponential(xi[FOOT_ROTATION + 3 * foot : FOOT_ROTATION + 3 * foot + 3], turn)
+    for foot in range(feet):
+        exponential(xi[rotation + 3 * foot : rotation + 3 * foot + 3], turn)
         multiply(turn, f["F"][foot], turned)
         copy(turned, f["F"][foot])
     for i in range(3):
@@ -181,11 +180,11 @@ def _orthogonalise(f: np.ndarray, R: np.ndarray) -> None:
 def _remove_rounding(f: np.ndarray) -> None:
     """Keep P symmetric, and R and F rotations, by one Newton step of the polar decomposition."""
     P = f["P"]
-    for i in range(SIZE):
+    for i in range(P.shape[0]):
         for j in range(i):
             P[i, j] = P[j, i] = 0.5 * (P[i, j] + P[j, i])
     _orthogonalise(f, f["R"])
-    for foot in range(FEET):
+    for foot in range(f["F"].shape[0]):
         _orthogonalise(f, f["F"][foot])
 
 
@@ -221,7 +220,7 @@ def propagate(
         vectors[0, i] += dt * a[i]
     multiply(middle, half, R)
     f["pending"] += 1
-    for i in range(FEET):
+    for i in range(f["F"].shape[0]):
         f["drift_factor"][i] += slip[i] * slip[i]
     if f["pending"] < f["every"]:
         return False
@@ -229,7 +228,7 @@ def propagate(
     return True
 
 
-@kernel(argument_types(_FILTER, 0, _VECTOR, np.zeros((3, 3))))
+@kernel(*(argument_types(np.zeros(1, filter_type(n)), 0, _VECTOR, np.zeros((3, 3))) for n in FEET))
 def land(filter_: np.ndarray, foot: int, h: np.ndarray, F: np.ndarray) -> None:
     """Take a sole as standing where the legs see it now.
 
@@ -242,7 +241,17 @@ def land(filter_: np.ndarray, foot: int, h: np.ndarray, F: np.ndarray) -> None:
     _land(filter_[0], foot, h, F)
 
 
-@kernel(argument_types(_FILTER, np.zeros(FEET, np.int64), _POSITIONS, _ROTATIONS))
+@kernel(
+    *(
+        argument_types(
+            np.zeros(1, filter_type(n)),
+            np.zeros(n, np.int64),
+            np.zeros((n, 3)),
+            np.zeros((n, 3, 3)),
+        )
+        for n in FEET
+    )
+)
 def correct(filter_: np.ndarray, held: np.ndarray, h: np.ndarray, F: np.ndarray) -> int:
     """Correct by soles that stand still, as the legs see them.
 
@@ -250,36 +259,37 @@ def correct(filter_: np.ndarray, held: np.ndarray, h: np.ndarray, F: np.ndarray)
 
     Args:
         filter_: (1,) the filter.
-        held: (FEET,) 1 for a sole that stands still, else 0.
-        h: (FEET, 3) sole centres in IMU axes, m.
-        F: (FEET, 3, 3) sole axes to IMU axes.
+        held: (feet,) 1 for a sole that stands still, else 0.
+        h: (feet, 3) sole centres in IMU axes, m.
+        F: (feet, 3, 3) sole axes to IMU axes.
 
     Returns:
         The index of the sole that has slipped most likely, or −1.
     """
     f = filter_[0]
     P, HP, S, residual, xi = f["P"], f["HP"], f["S"], f["residual"], f["xi"]
+    feet, rotation = held.size, FOOT_POSITION + 3 * held.size
     m = 0
     subtract(HP, HP)
-    for foot in range(FEET):
+    for foot in range(feet):
         if held[foot]:
             _innovate(f, foot, m, h[foot], F[foot])
             m += 6
     if m == 0:
         return -1
     k = 0
-    for foot in range(FEET):
+    for foot in range(feet):
         if held[foot]:
             _leg_noise_in_world(f, foot)
             difference_of_columns(HP, POSITION, FOOT_POSITION + 3 * foot, S[:, k : k + 3])
-            difference_of_columns(HP, 0, FOOT_ROTATION + 3 * foot, S[:, k + 3 : k + 6])
+            difference_of_columns(HP, 0, rotation + 3 * foot, S[:, k + 3 : k + 6])
             add(S[k : k + 6, k : k + 6], f["noise"])
             k += 6
     invert_factor(S, f["inverse"], m)
     whitened, weighted = f["whitened"], f["weighted"]
     whiten(f["inverse"], residual, whitened, weighted)
     slipped, largest, k = -1, f["slip_gate"], 0
-    for foot in range(FEET):
+    for foot in range(feet):
         if held[foot]:
             s = 0.0
             for i in range(k, k + 6):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
-from wbc.estimation.kernels.filter_record import FILTER
+from wbc.estimation.kernels.filter_record import FEET, filter_type
 from wbc.estimation.kernels.matrix import combine
 from wbc.estimation.kernels.rotation import (
     copy,
@@ -34,23 +35,26 @@ LINK = np.dtype(
     align=True,
 )
 
-#: Where base and soles are, as seen from the IMU.
-POSES = np.dtype(
-    [
-        ("sole_position", float, (2, 3)),  # IMU axes, m
-        ("sole_rotation", float, (2, 3, 3)),  # sole axes to IMU axes
-        ("base_position", float, (3,)),  # IMU axes, m
-        ("base_rotation", float, (3, 3)),  # base axes to IMU axes
-        ("linear", float, (3,)),  # velocity of the IMU relative to the base, IMU axes, m/s
-        ("angular", float, (3,)),  # rad/s
-        # Workspace.
-        ("matrices", float, (4, 3, 3)),
-        ("vector", float, (3,)),
-    ],
-    align=True,
-)
 
-_POSES = np.zeros(1, POSES)
+@lru_cache
+def poses_type(feet: int) -> np.dtype:
+    """Return the type of where base and soles are, as seen from the IMU."""
+    return np.dtype(
+        [
+            ("sole_position", float, (feet, 3)),  # IMU axes, m
+            ("sole_rotation", float, (feet, 3, 3)),  # sole axes to IMU axes
+            ("base_position", float, (3,)),  # IMU axes, m
+            ("base_rotation", float, (3, 3)),  # base axes to IMU axes
+            ("linear", float, (3,)),  # velocity of the IMU relative to the base, IMU axes, m/s
+            ("angular", float, (3,)),  # rad/s
+            # Workspace.
+            ("matrices", float, (4, 3, 3)),
+            ("vector", float, (3,)),
+        ],
+        align=True,
+    )
+
+
 _JOINTS = np.zeros((2, 1))
 _VECTOR = np.zeros(3)
 
@@ -83,7 +87,7 @@ def find_poses(links: np.ndarray, ends: np.ndarray, joints: np.ndarray, out: np.
 
     Args:
         links: chain of the IMU, then those of the soles.
-        ends: (3,) index after the last link of each chain.
+        ends: (1 + feet,) index after the last link of each chain.
         joints: (2, na) positions, rad or m, and velocities, rad/s or m/s.
         out: the poses.
     """
@@ -128,7 +132,7 @@ def find_poses(links: np.ndarray, ends: np.ndarray, joints: np.ndarray, out: np.
         angular[i] = base_R[i, 0] * x + base_R[i, 1] * y + base_R[i, 2] * z
     for i in range(3):
         base_p[i] = -(base_R[i, 0] * p[0] + base_R[i, 1] * p[1] + base_R[i, 2] * p[2])
-    for foot in range(2):
+    for foot in range(out["sole_position"].shape[0]):
         R, p = out["sole_rotation"][foot], out["sole_position"][foot]
         for i in range(3):
             p[i] = base_p[i]
@@ -167,7 +171,14 @@ def find_state(
         v[6 + i] = joints[1, i]
 
 
-@kernel(argument_types(np.zeros(1, FILTER), _POSES, _JOINTS, _VECTOR, _VECTOR))
+@kernel(
+    *(
+        argument_types(
+            np.zeros(1, filter_type(n)), np.zeros(1, poses_type(n)), _JOINTS, _VECTOR, _VECTOR
+        )
+        for n in FEET
+    )
+)
 def write_state(
     filter_: np.ndarray,
     poses: np.ndarray,

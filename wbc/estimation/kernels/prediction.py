@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from wbc.estimation.kernels.filter_record import FEET, FILTER
+from wbc.estimation.kernels.filter_record import FEET, filter_type
 from wbc.estimation.kernels.inekf import propagate
 from wbc.estimation.kernels.joints import update_joints
-from wbc.estimation.kernels.legs import LINK, POSES, find_poses, find_state
+from wbc.estimation.kernels.legs import LINK, find_poses, find_state, poses_type
 from wbc.jit.compile import argument_types, kernel, subkernel
 
 #: What `predict` returns.
@@ -32,15 +32,18 @@ def _fits(x: np.ndarray, size: int) -> bool:
 
 
 @kernel(
-    argument_types(
-        np.zeros(1, FILTER),
-        (0.0,) * FEET,
-        np.zeros((2, 5)),
-        np.zeros((2, 1)),
-        np.zeros(1, LINK),
-        np.zeros(1, np.int64),
-        np.zeros(1, POSES),
-        *(_VECTOR,) * 7,
+    *(
+        argument_types(
+            np.zeros(1, filter_type(feet)),
+            (0.0,) * feet,
+            np.zeros((2, 5)),
+            np.zeros((2, 1)),
+            np.zeros(1, LINK),
+            np.zeros(1, np.int64),
+            np.zeros(1, poses_type(feet)),
+            *(_VECTOR,) * 7,
+        )
+        for feet in FEET
     )
 )
 def predict(

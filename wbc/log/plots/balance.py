@@ -13,11 +13,10 @@ from wbc.log.plots.style import (
     COM,
     COP,
     DCM,
-    LEFT,
     REFERENCE,
-    RIGHT,
     ZMP,
     broken_time,
+    foot_colours,
     legend,
     mark_events,
     mark_level,
@@ -57,7 +56,7 @@ class StancePeriod(NamedTuple):
     """A period in which a sole is in contact with the ground.
 
     Attributes:
-        side: "left" or "right".
+        side: Side of the sole, e.g. "left".
         colour: Colour of the side.
         pose: Pose of the sole in the middle of the period: position, m, quaternion x y z w.
         half_size: Half length and half width of the sole, m.
@@ -72,10 +71,9 @@ class StancePeriod(NamedTuple):
 
 
 def stance_periods(run: LoggedRun) -> Iterator[StancePeriod]:
-    """Yield every stance period of the left, then of the right sole, in order of time."""
+    """Yield every stance period of each sole in order of time, the left ones first."""
     least = _MIN_LOAD * run.robot_info.weight
-    sides = (("left", LEFT), ("right", RIGHT))
-    for (side, colour), half_size in zip(sides, run.robot_info.soles, strict=True):
+    for (side, colour), half_size in zip(foot_colours(run), run.robot_info.soles, strict=True):
         pose = f"sole_pose/{side}_sole"
         wrenches = (f"foot_wrench/{side}_sole", f"commanded_wrench/{side}_sole")
         known = [n for n in wrenches if n in run and np.isfinite(run[n]).any()]
@@ -133,8 +131,9 @@ def draw_dcm_error(axes: Any, run: LoggedRun) -> None:
 
 def draw_top_view(axes: Any, run: LoggedRun) -> None:
     """Draw CoM, DCM, ZMP and the footsteps in the horizontal plane."""
+    colours = dict(foot_colours(run))
     for side, corners in footprints(run):
-        colour = LEFT if side == "left" else RIGHT
+        colour = colours[side]
         axes.fill(*corners.T, facecolor=colour, alpha=0.10, linewidth=0)
         axes.plot(*np.vstack([corners, corners[:1]]).T, color=colour, linewidth=0.8, alpha=0.8)
     every = thin(len(run))
@@ -146,7 +145,8 @@ def draw_top_view(axes: Any, run: LoggedRun) -> None:
     com = run["com"]
     axes.plot(*com[0, :2], "o", color=COM, markersize=4, label="start")
     axes.plot(*com[-1, :2], "s", color=COM, markersize=4, label="end")
-    for colour, label in ((LEFT, "left sole"), (RIGHT, "right sole")):
+    for side, colour in colours.items():
+        label = f"{side.replace('_', ' ')} sole"
         axes.fill([], [], facecolor=colour, alpha=0.2, edgecolor=colour, label=label)
     axes.margins(_MARGIN)
     axes.set(xlabel="x, m", ylabel="y, m")

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from wbc.log.plots.style import (
-    LEFT,
-    RIGHT,
     broken_time,
+    foot_colours,
     legend,
     mark_events,
     mark_level,
@@ -20,12 +19,11 @@ from wbc.log.plots.style import (
 from wbc.log.run import LoggedRun
 
 _LOADED = 0.2  # of the weight: below it the ratio of forces says nothing
-_SIDES = (("left", LEFT), ("right", RIGHT))
 
 
 def _wrenches(run: LoggedRun, source: str) -> Iterator[tuple[str, str, np.ndarray]]:
     """Yield side, colour and wrench, shape (n, 6), of each foot of which there is one."""
-    for side, colour in _SIDES:
+    for side, colour in foot_colours(run):
         name = f"{source}/{side}_sole"
         if name in run and np.isfinite(run[name]).any():
             yield side, colour, run[name]

@@ -15,6 +15,12 @@ COM, DCM, REFERENCE, ZMP, COP = "#23272f", "#7b3fbf", "#b48ad9", "#e69f00", "#0a
 LEFT, RIGHT = "#1f66c1", "#d1650c"
 LIMIT, GRID, FAINT = "#c0392b", "#dfe4ea", "#97a1ac"
 
+_FOUR_FEET = (
+    ("front_left", LEFT),
+    ("front_right", RIGHT),
+    ("hind_left", "#6fa3e0"),
+    ("hind_right", "#f0a35e"),
+)
 _STYLE: dict[str, Any] = {
     "font.size": 9.0,
     "axes.titlesize": 10.0,
@@ -43,6 +49,12 @@ def style() -> Iterator[Any]:
 
     with matplotlib.rc_context(_STYLE):
         yield Figure
+
+
+def foot_colours(run: LoggedRun) -> tuple[tuple[str, str], ...]:
+    """Return the side and the colour of each foot, in the order of the robot's soles."""
+    quadruped = len(run.robot_info.soles) == len(_FOUR_FEET)
+    return _FOUR_FEET if quadruped else (("left", LEFT), ("right", RIGHT))
 
 
 def legend(axes: Any) -> None:

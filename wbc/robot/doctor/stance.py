@@ -45,9 +45,10 @@ def check_stance(robot: Robot) -> list[Finding]:
 
 
 def _soles(robot: Robot) -> list[Finding]:
-    ids = (robot.soles[0].frame_id, robot.soles[1].frame_id)
+    ids = tuple(sole.frame_id for sole in robot.soles)
     tilt, height = unevenness(robot.model, robot.q_nominal, ids)
     findings = []
+    tilt = 0.0 if all(robot.point_feet) else tilt
     if tilt > TILT or height > HEIGHT:
         findings.append(
             Finding(
@@ -60,6 +61,8 @@ def _soles(robot: Robot) -> list[Finding]:
                 "sole-not-flat",
             )
         )
+    if robot.is_quadruped:  # which stands on points
+        return findings
     for sole in robot.soles:
         if not has_soles((sole, sole)):
             findings.append(
@@ -143,6 +146,8 @@ def _balance(robot: Robot) -> list[Finding]:
     com = pin.centerOfMass(robot.model, robot.model.createData(), robot.q_nominal)
     reach = max(min(sole.half_length for sole in robot.soles), 0.01)
     width = 0.5 * np.linalg.norm(_sole_distance(robot))
+    if robot.is_quadruped:
+        reach = 0.5 * abs(float(_sole_distance(robot, 2)[0]))
     if abs(com[0]) < reach and abs(com[1]) < width:
         return []
     return [
@@ -158,11 +163,12 @@ def _balance(robot: Robot) -> list[Finding]:
     ]
 
 
-def _sole_distance(robot: Robot) -> np.ndarray:
+def _sole_distance(robot: Robot, other: int = 1) -> np.ndarray:
+    """Return the way to the first sole from another one, (3,) m."""
     data = robot.model.createData()
     pin.framesForwardKinematics(robot.model, data, robot.q_nominal)
-    left, right = (data.oMf[sole.frame_id].translation for sole in robot.soles)
-    return np.asarray(left - right)
+    first, second = (data.oMf[robot.soles[k].frame_id].translation for k in (0, other))
+    return np.asarray(first - second)
 
 
 def _range(robot: Robot) -> list[Finding]:
@@ -188,10 +194,13 @@ def _legs(robot: Robot) -> list[Finding]:
     for sole, leg in zip(robot.soles, robot.legs, strict=True):
         J = pin.getFrameJacobian(model, data, sole.frame_id, pin.LOCAL_WORLD_ALIGNED)[:, list(leg)]
         # A point foot need not turn, so only the position counts.
-        flat = has_soles((sole, sole))
+        flat = not robot.is_quadruped and has_soles((sole,))
         J = J if flat else J[:3]
         rank = int((np.linalg.svd(J, compute_uv=False) > SINGULAR).sum())
-        if find_knee(model, robot.q_nominal, sole, leg) is None:
+        if (
+            find_knee(model, robot.q_nominal, sole.joint_id, sole.placement.translation, leg)
+            is None
+        ):
             findings.append(
                 Finding(
                     "warning",
@@ -219,7 +228,7 @@ def _legs(robot: Robot) -> list[Finding]:
                     "rank-deficient-leg",
                 )
             )
-    if len(robot.legs[0]) != len(robot.legs[1]):
+    if len({len(leg) for leg in robot.legs}) > 1:
         findings.append(
             Finding(
                 "warning",

@@ -1,0 +1,5 @@
+"""Walking on four feet."""
+
+from wbc.walking.quadruped.quadruped_walker import QuadrupedWalker
+
+__all__ = ["QuadrupedWalker"]
