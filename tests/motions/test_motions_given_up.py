@@ -14,9 +14,12 @@ from wbc.motions.bow import Bow
 from wbc.motions.one_leg import OneLeg
 from wbc.motions.squat import Squat
 from wbc.motions.wave import Wave
+from wbc.runtime.loop import RunComplete
 from wbc.sim import Mujoco
 
 pytest.importorskip("mujoco")
+
+_CAUGHT = 1.5  # s after a push: a robot that falls has fallen
 
 DIRECTIONS = {
     "forward": np.array([1.0, 0.0, 0.0]),
@@ -37,13 +40,19 @@ def pushed_motion(
         direction: direction of the push.
         size: impulse, N·s per kg of the robot.
         at: when the push begins, s.
-        duration: duration of the run, s.
+        duration: duration of the run at most, s; it ends when the robot stands idle again.
     """
     one = robot(name)
     player = MotionPlayer(one, motions=[motion])
+
+    def stop_at_rest(time: float) -> None:
+        stands = player.walker.gait_state.phase is Phase.STAND
+        if time > at + _CAUGHT and stands and player.idle:
+            raise RunComplete
+
     with Mujoco(one, seed=0) as plant:
         plant.schedule_push(at, size * one.mass * DIRECTIONS[direction])
-        return wbc.run(player, plant, duration), player
+        return wbc.run(player, plant, duration, before_tick=stop_at_rest), player
 
 
 def assert_feet_side_by_side(player: MotionPlayer) -> None:
@@ -56,7 +65,7 @@ def assert_feet_side_by_side(player: MotionPlayer) -> None:
 @pytest.mark.parametrize("direction", ["forward", "left", slow("back"), slow("right")])
 def test_a_robot_on_one_leg_puts_its_foot_down_where_it_catches_a_push(direction):
     motion = OneLeg(leg="left", hold=2.0, impulse=0.0)
-    report, player = pushed_motion("g1", motion, direction, 0.35, at=2.6, duration=8.0)
+    report, player = pushed_motion("g1", motion, direction, 0.35, at=2.6, duration=14.0)
     assert report.survived, report.table()
     assert player.aborted_motions == ("one-leg",)
     assert "one-leg: given up" in player.context.notes[0]
@@ -69,7 +78,7 @@ def test_a_robot_on_one_leg_puts_its_foot_down_where_it_catches_a_push(direction
     [("g1", Squat(), "forward"), ("talos", Bow(), "left"), ("talos", OneLeg(leg="right"), "back")],
 )
 def test_a_motion_that_does_not_combine_with_steps_is_given_up_for_them(name, motion, direction):
-    report, player = pushed_motion(name, motion, direction, 0.35, at=1.6, duration=5.5)
+    report, player = pushed_motion(name, motion, direction, 0.35, at=1.6, duration=12.0)
     assert report.survived, report.table()
     assert player.walker.steps > 0
     assert player.aborted_motions == (motion.name,)
