@@ -3,12 +3,13 @@
 For each robot the model doctor comes first; what cannot work is printed with its reason. The others
 stand for two seconds, squat once by 10 % of the leg, walk and turn for 4 s at 60 % of the greatest
 velocity that the library derives for them, and take a push of 0.1 s from each side while they
-stand, 0.05 √(g h) N·s/kg with the height h of the centre of mass (0.15 N·s/kg for 0.9 m). Every run
+stand, 0.05 √(g h) N·s/kg with the height h of the centre of mass (0.15 N·s/kg for 0.9 m). Robots on
+four feet sway, squat and trot, and take eight times that push. Every run
 is in MuJoCo with physics at 1 kHz, friction 0.8, the description's torque and joint limits, noisy
 sensors and the estimator in the loop. Nothing is stated beyond what the table's last column shows.
 Tick times go to the progress lines and the JSON file.
 
-    python benchmarks/robots.py                         # the bipeds of example-robot-data
+    python benchmarks/robots.py                         # the robots of example-robot-data
     python benchmarks/robots.py ~/urdfs                 # all descriptions below a folder
     python benchmarks/robots.py atlas.urdf=l_foot,r_foot --json out/robots.json
     python benchmarks/robots.py --list benchmarks/public_robots.toml --folder ~/robots
@@ -39,6 +40,8 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
+from shared import quadruped_runs
+
 import wbc
 from wbc.errors import WbcError
 from wbc.motions import Motion, MotionPlayer
@@ -54,11 +57,18 @@ BIPEDS = (
     "romeo_small", "icub_reduced", "icub", "simple_humanoid", "human",
     "alexander_v1.lowerBodyOnly", "bolt",
 )  # fmt: skip
+#: Its quadrupeds whose URDFs state the motors' limits.
+QUADRUPEDS = (
+    "go2", "go1", "a1", "b1", "laikago", "hyq_no_sensors",
+    "anymal_b_simple_description/robots/anymal", "anymal_c_simple_description/urdf/anymal",
+)  # fmt: skip
+SOLO_EFFORT, SOLO_ARMATURE = 2.7, 5e-4  # N·m, kg·m²; the URDF of solo12 states no motor of it
 DESCRIPTIONS = (".urdf", ".xacro", ".mjcf", ".toml")
 SHARE = 0.6  # of the greatest velocity
 STANDING, MOVING = 1.0, 4.0  # s
 LIMIT_EXCESS = 0.01  # rad; MuJoCo's limits are soft, most for links without rotor inertia
 PUSH = 0.05  # times √(g h), N·s/kg
+FOUR_FEET = 8.0  # times that push
 MARKS = ("<!-- robots:begin -->", "<!-- robots:end -->")
 LIST_MARKS = ("<!-- public robots:begin -->", "<!-- public robots:end -->")
 
@@ -94,6 +104,7 @@ class Row:
     Attributes:
         name: of the robot.
         size: joints, mass and soles.
+        feet: number of feet.
         stated: what had to be stated by hand.
         refused: why it cannot walk, or not even be loaded; else empty.
         defects: errors and warnings of the doctor.
@@ -102,6 +113,7 @@ class Row:
 
     name: str
     size: str = ""
+    feet: int = 2
     stated: str = ""
     refused: str = ""
     defects: list[str] = field(default_factory=list)
@@ -158,6 +170,13 @@ def simulate(
             on_falling=lambda _: None,
         )
     report = evaluator.amend(report)
+    walked = report.steps > 0
+    com = report.dcm_error_rms_mm if walked else report.com_error_rms_mm
+    return report, outcome_of(report, com, swing.rms_mm if walked else None)
+
+
+def outcome_of(report: Report, com_mm: float | None, swing_mm: float | None) -> Outcome:
+    """Return what a report says of an activity, with the errors in it."""
     why = report.fell_why
     if not why and report.aborted_motions:
         why = "; ".join(report.notes)
@@ -166,12 +185,11 @@ def simulate(
     excess = report.joint_limit_excess_rad
     if not why and excess > LIMIT_EXCESS:
         why = f"a joint {excess:.3f} rad beyond its limit"
-    walked = report.steps > 0
-    return report, Outcome(
+    return Outcome(
         not why,
         why,
-        report.dcm_error_rms_mm if walked else report.com_error_rms_mm,
-        swing.rms_mm if walked else None,
+        com_mm,
+        swing_mm,
         report.torque_peak_ratio,
         report.tick_p50_us,
         f"joint {excess:.3f} rad beyond its limit" if excess > 1e-3 else "",
@@ -198,7 +216,14 @@ def move(robot: wbc.Robot, turning: bool) -> Outcome:
     def command(now: float, player: MotionPlayer, _: Any) -> None:
         player.velocity = velocity if STANDING <= now < STANDING + MOVING else (0.0, 0.0, 0.0)
 
+    if not wanted:
+        return Outcome(False, "no joint turns the robot on the foot that stands")
     report, outcome = simulate(robot, STANDING + MOVING + 2.0, before_tick=command)
+    return judge_speed(report, outcome, wanted, turning)
+
+
+def judge_speed(report: Report, outcome: Outcome, wanted: float, turning: bool) -> Outcome:
+    """Return the outcome of walking or turning at a velocity: half of it is little enough."""
     got = report.turned_rad if turning else report.displacement_m[0]
     reached = f"{got / MOVING:.2f} {'rad/s' if turning else 'm/s'}"
     outcome.text = ", ".join(filter(None, (reached, outcome.text)))
@@ -207,19 +232,42 @@ def move(robot: wbc.Robot, turning: bool) -> Outcome:
     return outcome
 
 
+def move_on_four(robot: wbc.Robot, turning: bool) -> Outcome:
+    """Trot forward, or turn in place, and stop."""
+    limits = wbc.QuadrupedWalker(robot).gait.max_velocity
+    wanted = SHARE * (limits.turn if turning else limits.forward)
+    velocity = (0.0, 0.0, wanted) if turning else (wanted, 0.0, 0.0)
+
+    def command(now: float, walker: wbc.QuadrupedWalker, _: Any) -> None:
+        walker.velocity = velocity if STANDING <= now < STANDING + MOVING else (0.0, 0.0, 0.0)
+
+    report = quadruped_runs.simulate(robot, STANDING + MOVING + 2.0, command)[0]
+    outcome = outcome_of(report, report.dcm_error_rms_mm, None)
+    return judge_speed(report, outcome, wanted, turning)
+
+
+def on_four(run: tuple[Report, float]) -> Outcome:
+    """Return the outcome of a run of a robot that stands on four feet."""
+    return outcome_of(run[0], run[1], None)
+
+
 def push(robot: wbc.Robot) -> Outcome:
     """Take a push from each of four sides."""
     size = PUSH * math.sqrt(robot.gravity * robot.com_height)
+    size *= FOUR_FEET if robot.is_quadruped else 1.0
     failed, worst = [], Outcome(True)
     directions = {"forward": (1, 0), "back": (-1, 0), "left": (0, 1), "right": (0, -1)}
     for name, (x, y) in directions.items():
         impulse = size * robot.mass * np.array([x, y, 0.0])
 
-        def hit(now: float, _: MotionPlayer, plant: Any, impulse: np.ndarray = impulse) -> None:
+        def hit(now: float, _: Any, plant: Any, impulse: np.ndarray = impulse) -> None:
             if abs(now - 0.5) < 0.5 * plant.dt:
                 plant.push(impulse)
 
-        outcome = simulate(robot, 3.0, before_tick=hit)[1]
+        if robot.is_quadruped:
+            outcome = on_four(quadruped_runs.simulate(robot, 3.0, hit))
+        else:
+            outcome = simulate(robot, 3.0, before_tick=hit)[1]
         worst.torque = max(worst.torque, outcome.torque)
         failed += [] if outcome.ok else [f"{name}: {outcome.why}"]
     worst.ok, worst.why = not failed, "; ".join(failed)
@@ -232,6 +280,15 @@ ACTIVITIES: dict[str, Callable[[wbc.Robot], Outcome]] = {
     "squat": squat,
     "walk": lambda robot: move(robot, turning=False),
     "turn": lambda robot: move(robot, turning=True),
+    "push": push,
+}
+#: Those of a robot on four feet.
+ACTIVITIES_ON_FOUR: dict[str, Callable[[wbc.Robot], Outcome]] = {
+    "stand": lambda robot: on_four(quadruped_runs.simulate(robot, 2.0)),
+    "sway": lambda robot: on_four(quadruped_runs.sway_or_squat(robot, axis=1)),
+    "squat": lambda robot: on_four(quadruped_runs.sway_or_squat(robot, axis=2)),
+    "walk": lambda robot: move_on_four(robot, turning=False),
+    "turn": lambda robot: move_on_four(robot, turning=True),
     "push": push,
 }
 
@@ -254,7 +311,7 @@ class Entry:
     def stated(self) -> str:
         """What is stated about the robot, for the table."""
         return ", ".join(
-            f"{key} {value}" if isinstance(value, str) else key.replace("_", " ")
+            key.replace("_", " ") if isinstance(value, dict) else f"{key} {value}"
             for key, value in self.arguments.items()
         )
 
@@ -271,6 +328,7 @@ def measure(entry: Entry, only: tuple[str, ...], known: dict[str, Outcome]) -> R
         stated += ["up axis of the meshes"] if robot.respect_up_axis else []
         row.stated = ", ".join(filter(None, [entry.stated, *stated]))
         sole = robot.soles[0]
+        row.feet = len(robot.soles)
         row.size = f"{robot.na} joints, {robot.mass:.3g} kg, soles {sole.size_text}"
         errors = [f for f in findings if f.severity == "error"]
         if errors:
@@ -279,7 +337,8 @@ def measure(entry: Entry, only: tuple[str, ...], known: dict[str, Outcome]) -> R
     except WbcError as error:
         row.refused = str(error).removeprefix(f"{entry.file}: ")
         return row
-    for name, activity in ACTIVITIES.items():
+    activities = ACTIVITIES_ON_FOUR if robot.is_quadruped else ACTIVITIES
+    for name, activity in activities.items():
         if name in known or (only and name not in only):
             continue
         try:
@@ -304,8 +363,15 @@ def cell(outcome: Outcome) -> str:
 
 
 def table(rows: list[Row]) -> str:
-    """Return a Markdown table with one line per robot."""
-    ran_somewhere = [a for a in ACTIVITIES if any(a in row.outcomes for row in rows)]
+    """Return Markdown tables with one line per robot: on two feet, and on four."""
+    kinds = ((2, ACTIVITIES), (4, ACTIVITIES_ON_FOUR))
+    of_kinds = (([row for row in rows if row.feet == feet], names) for feet, names in kinds)
+    return "\n\n".join(table_of(part, tuple(names)) for part, names in of_kinds if part)
+
+
+def table_of(rows: list[Row], activities: tuple[str, ...]) -> str:
+    """Return a Markdown table of robots that have the same activities."""
+    ran_somewhere = [a for a in activities if any(a in row.outcomes for row in rows)]
     head = ("robot", "size", *ran_somewhere, "torque", "stated")
     lines = ["| " + " | ".join(head) + " |", "|" + " --- |" * len(head)]
     for row in rows:
@@ -329,6 +395,13 @@ def entries_of(where: str) -> list[Entry]:
     file, _, feet = where.partition("=")
     arguments = dict(zip(("left_foot", "right_foot"), feet.split(","), strict=True)) if feet else {}
     return [Entry(Path(file).stem if Path(file).suffix in DESCRIPTIONS else file, file, arguments)]
+
+
+def solo12() -> Entry:
+    """Return solo12 with the motors that it has."""
+    joints = [f"{leg}_{j}" for leg in ("FL", "FR", "HL", "HR") for j in ("HAA", "HFE", "KFE")]
+    limits = dict.fromkeys(joints, SOLO_EFFORT)
+    return Entry("solo12", "solo12", {"effort_limits": limits, "armature": SOLO_ARMATURE})
 
 
 def entries_of_list(path: Path, folder: Path) -> list[Entry]:
@@ -378,13 +451,13 @@ def main() -> int:
         nargs="*",
         metavar="ROBOT[=LEFT,RIGHT]",
         help="name, description or folder, with the links of the feet where names do not tell "
-        "(default: the bipeds of example-robot-data)",
+        "(default: those of example-robot-data)",
     )
     parser.add_argument("--list", type=Path, help="file that lists robots by repository")
     parser.add_argument(
         "--folder", type=Path, default=Path(), help="folder with the repositories of the list"
     )
-    parser.add_argument("--only", action="append", choices=tuple(ACTIVITIES), default=[])
+    parser.add_argument("--only", action="append", choices=tuple(ACTIVITIES_ON_FOUR), default=[])
     parser.add_argument("--json", type=Path, help="write all figures to this file")
     parser.add_argument(
         "--resume", action="store_true", help="take what the JSON file holds already from there"
@@ -393,8 +466,9 @@ def main() -> int:
     args = parser.parse_args()
     warnings.simplefilter("ignore")
     begun = time.perf_counter()
-    named = args.robots or ([] if args.list else BIPEDS)
+    named = args.robots or ([] if args.list else (*BIPEDS, *QUADRUPEDS))
     robots = [entry for where in named for entry in entries_of(where)]
+    robots += [] if args.robots or args.list else [solo12()]
     if args.list:
         robots += entries_of_list(args.list, args.folder)
     before = read_rows(args.json) if args.resume else {}

@@ -11,7 +11,7 @@ from wbc.walking import ReferenceOffset
 MOTOR = 2.7  # N·m; the URDF states no limit that a motor of this robot has
 DURATION, PUSH = 5.0, 1.0  # s, N·s
 SWAY, SQUAT = 0.02, 0.03  # m
-VELOCITIES = ((0.4, 0.0, 0.0), (0.0, 0.2, 0.0), (0.0, 0.0, 0.8))  # m/s, m/s, rad/s; 1 s each
+VELOCITIES = ((0.28, 0.0, 0.0), (0.0, 0.14, 0.0), (0.0, 0.0, 0.7))  # m/s, m/s, rad/s; 1 s each
 
 joints = wbc.load("solo12").joint_names
 robot = wbc.load("solo12", effort_limits=dict.fromkeys(joints, MOTOR), armature=5e-4)

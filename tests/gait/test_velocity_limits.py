@@ -10,10 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import wbc
-from wbc.gait import Velocity, VelocityLimits
+from wbc.gait import Velocity, VelocityLimits, check_walking
 from wbc.gait.leg_workspace import LegWorkspace
+from wbc.gait.parameters import can_turn
 from wbc.gait.step_motion import StepMotion
+from wbc.geometry.planar import Placement
 from wbc.sim import Mujoco
+from wbc.walking import WaypointFollower
 
 LIMITS = VelocityLimits(forward=0.5, backward=0.3, left=0.1, turn=0.4)
 numbers = st.floats(-3.0, 3.0)
@@ -35,6 +38,39 @@ def test_one_direction_at_a_time_reaches_its_limit():
     assert LIMITS.clamp(-9.0, 0.0, 0.0) == pytest.approx((-0.3, 0.0, 0.0))
     assert LIMITS.clamp(0.0, 9.0, 0.0) == pytest.approx((0.0, 0.1, 0.0))
     assert VelocityLimits().clamp(9.0, -9.0, 9.0) == (9.0, -9.0, 9.0)
+
+
+def test_a_direction_that_is_excluded_is_left_out_of_a_velocity():
+    limits = VelocityLimits(forward=0.5, backward=0.3, left=0.1, turn=0.0)
+    assert limits.clamp(0.4, 0.0, 2.0) == pytest.approx((0.4, 0.0, 0.0))
+    assert limits.usage(0.4, 0.0, 0.1) == math.inf
+    assert limits.usage(0.5, 0.0, 0.0) == pytest.approx(1.0)
+
+
+def test_a_robot_on_points_cannot_turn() -> None:
+    robot = wbc.load("bolt")
+    walker = wbc.Walker(robot)
+    assert walker.gait.max_velocity.turn == 0.0
+    assert "cannot-turn" in [finding.code for finding in check_walking(robot)]
+    with pytest.warns(wbc.VelocityClamped, match="±0.00, one at a time"):
+        walker.velocity = (0.1, 0.0, 0.5)
+    assert walker.velocity == pytest.approx((0.1, 0.0, 0.0))
+
+
+def test_legs_without_a_joint_about_the_vertical_cannot_turn() -> None:
+    welded = wbc.load("talos", fixed_joints=["leg_*_1_joint"])
+    assert not can_turn(welded)
+    assert can_turn(wbc.load("talos"))
+
+
+def test_a_robot_that_cannot_turn_steps_sideways_to_a_far_place() -> None:
+    follower = WaypointFollower(LIMITS, near=0.8)
+    place, pose = Placement(3j, 0.0), Placement(0j, 0.0)
+    assert follower.velocity(place, pose)[2] > 0.0
+    limits = VelocityLimits(forward=0.5, backward=0.3, left=0.1, turn=0.0)
+    forward, left, turn = WaypointFollower(limits, near=0.8).velocity(place, pose)
+    assert (forward, turn) == (0.0, 0.0)
+    assert left == pytest.approx(0.1)
 
 
 def test_leg_angles_put_the_soles_where_the_gait_has_them():

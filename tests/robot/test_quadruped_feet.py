@@ -15,6 +15,7 @@ FEET = {
     "solo12": ("FL_FOOT", "FR_FOOT", "HL_FOOT", "HR_FOOT"),
     "go2": ("FL_foot", "FR_foot", "RL_foot", "RR_foot"),
     "hyq_no_sensors": ("lf_foot", "rf_foot", "lh_foot", "rh_foot"),
+    "go1": ("FL_foot", "FR_foot", "RL_foot", "RR_foot"),
     "laikago": ("FL_foot", "FR_foot", "RL_foot", "RR_foot"),
 }
 
@@ -32,6 +33,8 @@ def test_a_quadruped_stands_level_on_four_feet_that_its_names_tell(name: str) ->
     assert np.abs(places[:, 2]).max() < 1e-4
     assert (places[:, 0] > 0.0).tolist() == [True, True, False, False]
     assert (places[:, 1] > 0.0).tolist() == [True, False, True, False]
+    com = pin.centerOfMass(robot.model, data, robot.q_nominal)
+    assert np.abs(com[:2]).max() < 0.01 * robot.com_height
     assert not [finding for finding in robot.check() if finding.severity == "error"]
     assert not check_walking(robot)
 

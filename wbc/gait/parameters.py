@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+import numpy as np
 import pinocchio as pin
 
 from wbc.errors import GaitError
@@ -29,6 +30,7 @@ _CLEARANCE = 0.02  # m between the soles at the narrowest step
 # could be moved slowly, so that their steps are quick.
 _DURATIONS = 2.0, 0.8, 2.0
 _POINT_DURATIONS = 1.15, 0.17, 0.17
+_UPRIGHT = 0.3  # least vertical part of the axis of a joint that turns the foot
 # Durations of the recovery gait times ω.
 _RECOVERY_SWING = 0.77
 _RECOVERY_TRANSFER = 0.155
@@ -152,6 +154,8 @@ class GaitParameters:
         motion = StepMotion(robot, reach)
         check_support(robot, motion, gait)
         limits = find_velocity_limits(motion, gait, reach)
+        if not can_turn(robot):
+            limits = replace(limits, turn=0.0)
         return replace(gait, velocity_limits=limits.scaled(_joints_share(robot)))
 
     @classmethod
@@ -180,6 +184,18 @@ class GaitParameters:
             max_step=max(_RECOVERY_REACH * robot.com_height, gait.max_step),
             max_side_step=max(_RECOVERY_REACH * robot.leg_length, gait.max_side_step),
         )
+
+
+def can_turn(robot: Robot) -> bool:
+    """Return whether both legs can turn the robot about the vertical on the foot that stands.
+
+    A point pivots on the ground instead, and a sole needs a leg with a joint that turns it.
+    """
+    if not has_soles(robot.soles):
+        return False
+    data = robot.model.createData()
+    pin.computeJointJacobians(robot.model, data, robot.q_nominal)
+    return all(np.abs(data.J[5, list(leg)]).max() > _UPRIGHT for leg in robot.legs)
 
 
 def _joints_share(robot: Robot) -> float:

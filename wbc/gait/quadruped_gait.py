@@ -26,6 +26,9 @@ _SWING_HEIGHT = 0.15  # over the height of the centre of mass
 _STRETCH = 0.97  # share of a leg's length that a step uses
 _STEADY = 0.6  # share of the reach that steady walking uses; the rest catches pushes
 _FOOT_SPEED = 1.6  # a swing foot's largest speed over the ground over that of the robot
+# Largest speed over √(g h): beyond it the momentum of the swinging legs tips the trunk about the
+# line between the two feet that stand. Eight quadrupeds of public descriptions trot at it.
+_FROUDE = 0.2
 _DCM_GAIN = 6.0  # 1/s
 _LEG_JOINTS = 3
 
@@ -44,7 +47,7 @@ class QuadrupedGait:
         com_height: height of the centre of mass above the feet, m.
         dcm_gain: k of the DCM feedback, 1/s.
         gravity: gravitational acceleration, m/s².
-        max_velocity: velocities that reach and joints of the legs allow.
+        max_velocity: velocities that reach, joints and momentum of the legs allow.
 
     Raises:
         GaitError: a number that is not positive, or a group without a foot or with all feet.
@@ -124,7 +127,11 @@ class QuadrupedGait:
         reach = _reach(robot)
         swing, transfer = _SWING * natural, _TRANSFER * natural
         sweep = (len(groups) - 1) * (swing + transfer) + transfer  # a foot is on the ground
-        speed = min(2.0 * _STEADY * reach / sweep, _joint_speed(robot, swing, sweep))
+        speed = min(
+            2.0 * _STEADY * reach / sweep,
+            _joint_speed(robot, swing, sweep),
+            _FROUDE * height / natural,
+        )
         radius = max(abs(foot) for foot in foot_places(robot).values())
         return cls(
             swing_duration=swing,

@@ -11,7 +11,8 @@ class VelocityLimits:
     """Velocities within an ellipsoid: `(v_x/a)² + (v_y/b)² + (ω/c)² ≤ 1`.
 
     The legs that make a long step have less left to make it wide or to turn, so the limits of the
-    directions hold one at a time; together they hold as an ellipsoid. Backward has its own.
+    directions hold one at a time; together they hold as an ellipsoid. Backward has its own. A limit
+    of 0 excludes a direction.
 
     Attributes:
         forward: largest forward velocity, m/s.
@@ -32,11 +33,19 @@ class VelocityLimits:
 
     def usage(self, forward: float, left: float, turn: float) -> float:
         """How much of the limits a velocity (m/s, m/s, rad/s) uses; above 1 it is beyond them."""
-        along = forward / (self.forward if forward >= 0.0 else self.backward)
-        return math.hypot(along, left / self.left, turn / self.turn)
+        return math.hypot(
+            _ratio(forward, self.forward if forward >= 0.0 else self.backward),
+            _ratio(left, self.left),
+            _ratio(turn, self.turn),
+        )
 
     def clamp(self, forward: float, left: float, turn: float) -> tuple[float, float, float]:
-        """Return the largest velocity in the direction of one, at most that one itself."""
+        """Return the largest velocity in the direction of one, at most that one itself.
+
+        Directions that are excluded are left out of it.
+        """
+        forward = forward if (self.forward if forward >= 0.0 else self.backward) else 0.0
+        left, turn = left if self.left else 0.0, turn if self.turn else 0.0
         scale = 1.0 / max(1.0, self.usage(forward, left, turn))
         return (scale * forward, scale * left, scale * turn)
 
@@ -54,3 +63,9 @@ class VelocityLimits:
             min(self.left, other.left),
             min(self.turn, other.turn),
         )
+
+
+def _ratio(value: float, limit: float) -> float:
+    if limit:
+        return value / limit
+    return math.inf if value else 0.0

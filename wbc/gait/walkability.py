@@ -69,8 +69,19 @@ def _slow(robot: Robot, motion: StepMotion, gait: GaitParameters) -> list[Findin
         ("turning", limits.turn / rate, Velocity(turn=limits.turn), "rad/s"),
     )
     findings = []
+    if not limits.turn:
+        findings.append(
+            Finding(
+                "note",
+                robot.name,
+                "cannot turn: its feet are points, or its legs have no joint about the vertical",
+                "turning is clamped to 0 rad/s, and the heading drifts",
+                "none: it walks forward, backward and sideways",
+                "cannot-turn",
+            )
+        )
     for name, share, velocity, unit in directions:
-        if share < _SLOW:
+        if share < _SLOW and any((velocity.forward, velocity.left, velocity.turn)):
             # Twice as fast, something is beyond its limit.
             faster = Velocity(2.0 * velocity.forward, 2.0 * velocity.left, 2.0 * velocity.turn)
             most = velocity.forward + velocity.left + velocity.turn

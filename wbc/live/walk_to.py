@@ -45,7 +45,7 @@ class WalkTo:
         """Walk to `[x, y, heading or null]`, m and rad, world axes.
 
         Raises:
-            CommandRefused: The request has another form.
+            CommandRefused: The request has another form, or a heading and the robot cannot turn.
         """
         if not isinstance(value, list) or len(value) != 3:
             raise CommandRefused(
@@ -55,6 +55,11 @@ class WalkTo:
         yaw = value[2]
         if yaw is not None:
             yaw = check_number("heading", yaw, -_FAR, _FAR, "rad")
+            if not self._limits.turn:
+                raise CommandRefused(
+                    f"'{self._robot.name}' cannot turn (at most 0 rad/s), and the place has a "
+                    f"heading of {yaw:.2f} rad; leave the heading out (null)"
+                )
         self.target = (x, y, yaw)
         self._next = -math.inf
         self._follower = WaypointFollower(self._limits, (_GAIN, _GAIN, _GAIN), _NEAR)

@@ -14,10 +14,17 @@ from wbc.robot.joint_axes import joint_axes
 from wbc.robot.limits import velocity_index
 from wbc.robot.soles import Sole
 from wbc.robot.srdf import GroupState, find_srdf, read_group_state
-from wbc.robot.standing import feet_below_hips, posture_range, standing_posture, unevenness
+from wbc.robot.standing import (
+    feet_below_hips,
+    on_points,
+    posture_range,
+    standing_posture,
+    unevenness,
+)
 
 KNEE_BEND = 0.4
 _QUADRUPED_BEND = 1.2
+_CENTERED = 0.01  # of the base's height: a quadruped's CoM is this near the middle of its feet
 # A knee is looked for its straight position up to this, rad, at so many positions.
 _FOLDED = 1.5
 _SAMPLES = 61
@@ -185,7 +192,11 @@ def nominal_posture(
     if max(tilt, height) > EXACT:
         q = placed(model, standing_posture(model, q, ids, move, couplings), ids)
     ahead = abs(float(com_offset(model, q)[0]))
-    if has_soles(soles) and ahead > SUPPORTED * min(sole.half_length for sole in soles):
+    # Four feet swing in pairs, about whose middle the robot would topple.
+    allowed = SUPPORTED * min(sole.half_length for sole in soles)
+    if on_points(soles):
+        ahead, allowed = float(np.linalg.norm(com_offset(model, q))), _CENTERED * float(q[2])
+    if ahead > allowed and (on_points(soles) or has_soles(soles)):
         why.append(f"centre of mass {1e3 * ahead:.0f} mm off")
         q = placed(model, standing_posture(model, q, ids, move, couplings, over_soles=True), ids)
     how = f"{start.how}, legs corrected ({', '.join(why)})" if why else start.how

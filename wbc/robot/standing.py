@@ -32,7 +32,7 @@ def standing_posture(
     over_soles: bool = False,
     apart: float | None = None,
 ) -> np.ndarray:
-    """Return the standing posture near q (nq,).
+    """Return the standing posture near q (nq,), with two flat soles, or four feet on the ground.
 
     Args:
         model: the robot's model.
@@ -60,7 +60,9 @@ def standing_posture(
         max_step=_MAX_STEP,
         tolerance=_TOLERANCE,
     )
-    terms: list[PostureTerm] = [_FlatSoles(soles, align, apart)]
+    terms: list[PostureTerm] = [
+        _FeetOnGround(soles) if on_points(soles) else _FlatSoles(soles, align, apart)
+    ]
     if over_soles:
         terms.append(_ComOverSoles(soles))
     terms += [_Coupled(coupling) for coupling in couplings if free[6 + coupling.joint]]
@@ -101,11 +103,16 @@ def feet_below_hips(
 
 
 def unevenness(model: pin.Model, q: np.ndarray, soles: tuple[int, ...]) -> tuple[float, float]:
-    """Return the largest tilt of a sole (rad) and the height between the soles (m)."""
+    """Return the largest tilt of a sole (rad) and the height between the soles (m).
+
+    Four feet are points, which have no tilt.
+    """
     data = model.createData()
     pin.framesForwardKinematics(model, data, q)
     normals = [data.oMf[sole].rotation[:, 2] for sole in soles]
     tilt = max(float(np.arctan2(np.hypot(n[0], n[1]), n[2])) for n in normals)
+    if on_points(soles):
+        tilt = 0.0
     heights = [float(data.oMf[sole].translation[2]) for sole in soles]
     return tilt, max(heights) - min(heights)
 
@@ -151,6 +158,25 @@ class _FlatSoles:
                 rows += [J[5:6], J[0:1] - J_middle[0:1]]
                 errors += [np.array([-yaw]), middle[0:1] - T.translation[0:1]]
         return np.vstack(rows), np.concatenate(errors)
+
+
+def on_points(soles: Sequence[object]) -> bool:
+    """Return whether so many feet touch the ground at points: four do, two have soles."""
+    return len(soles) > 2
+
+
+@dataclass(frozen=True)
+class _FeetOnGround:
+    """Feet on z = 0, however they are turned."""
+
+    feet: tuple[int, ...]
+    weight: float = 1.0
+
+    def rows(
+        self, model: pin.Model, data: pin.Data, q: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        J = [pin.getFrameJacobian(model, data, foot, _WORLD)[2:3] for foot in self.feet]
+        return np.vstack(J), np.array([-float(data.oMf[foot].translation[2]) for foot in self.feet])
 
 
 @dataclass(frozen=True)

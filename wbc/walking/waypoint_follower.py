@@ -27,8 +27,8 @@ class WaypointFollower:
 
     and zero once the error is below `reached`; it comes back only when the error is above `left`,
     so that the sway of a walk on the spot starts no step. A robot that is farther than `near` turns
-    to the waypoint and walks forward. A command beyond the limits is scaled into them, so that its
-    direction stays.
+    to the waypoint and walks forward, unless it cannot turn. A command beyond the limits is scaled
+    into them, so that its direction stays.
 
     Args:
         limits: velocities that may be commanded.
@@ -91,7 +91,7 @@ class WaypointFollower:
         self.yaw_reached = abs(error.yaw) < angle
         way = 0j if self.position_reached else error.point
         turn = 0.0 if self.yaw_reached else error.yaw
-        if abs(way) > self._near:
+        if abs(way) > self._near and self._limits.turn:
             turn = cmath.phase(way)
             way = complex(math.cos(turn) ** 2 * abs(way) if abs(turn) < _MAX_BEARING else 0.0)
         if abs(turn) > _ABOUT and turn * self._turn < 0.0:  # half a turn away, noise would decide

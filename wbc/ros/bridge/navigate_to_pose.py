@@ -100,6 +100,13 @@ class NavigateToPose(RobotAction):
         self._standing_since: float | None = None
         self._corrections = 0
         self._error_code = _UNKNOWN_ERROR
+        turn = target.relative_to(self._robot_pose(tick)).yaw
+        if not self._cmd_vel.max_velocity.turn and abs(turn) > self._heading_tolerance.value:
+            self._stop(
+                GoalStatus.ABORTED,
+                "the robot cannot turn (at most 0 rad/s), and the goal's heading is "
+                f"{turn:.2f} rad from its own; send a goal with the robot's heading",
+            )
 
     def _parse_pose(self, stamped: Any) -> Placement | None:
         """Return the pose of a message in the frame odom; None if it is invalid."""

@@ -85,10 +85,11 @@ class QuadrupedTasks:
         """
         com = self.com
         com.acceleration[0], com.acceleration[1] = com_acceleration.real, com_acceleration.imag
+        velocity = acceleration = 0.0
         if offset is not None:
             height += offset.com[2]
-            com.velocity[2] = offset.com_velocity[2]
-            com.acceleration[2] = offset.com_acceleration[2]
+            velocity, acceleration = offset.com_velocity[2], offset.com_acceleration[2]
+        com.velocity[2], com.acceleration[2] = velocity, acceleration
         self._com_target[2] = height
         com.target = self._com_target
         self._trunk.update(heading, yaw_rate, offset)
