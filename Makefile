@@ -8,7 +8,7 @@
 # Needed beforehand: Python 3.10 or newer, pip and make. Everything else goes into .venv.
 #   make PYTHON=python3.12 test     another interpreter
 #   make test ARGS="-k walk"        some tests; ARGS="-n 0" runs them one after the other
-#   make test ARGS="-n 0 -m slow"   the slow tests, which CI runs besides
+#   make test ARGS="-n 0 -m slow"   the slow tests, which CI runs besides (10 minutes)
 
 PYTHON ?= python3
 ARGS ?=

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -21,9 +23,23 @@ settings.register_profile(
 settings.load_profile("calm")
 
 
+# Imports that compile kernels; the two take about the same time.
+COMPILING = (
+    "import wbc.qp.kernels.hierarchy, wbc.qp.kernels.velocity",
+    "import wbc.qp.compiled, wbc.qp.kernels.dual_active_set, wbc.estimation, wbc.walking",
+)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Compile the kernels once, before there are several workers that would all compile them."""
+    if config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):
+        for process in [subprocess.Popen([sys.executable, "-c", code]) for code in COMPILING]:
+            process.wait()
+
+
 @pytest.fixture(scope="session", autouse=True)
 def kernels() -> None:
-    """Compile the kernels before the first test, outside of its time and output."""
+    """Load the kernels before the first test, outside of its time and output."""
     load_qp_kernels()
     importlib.import_module("wbc.walking.kernels")
 
