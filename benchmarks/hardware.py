@@ -39,7 +39,7 @@ from wbc.hardware.unitree.lockstep import Disturbance, LockstepTransport, undist
 from wbc.hardware.unitree.stand_in import PERIOD, G1StandIn
 from wbc.motions import MotionPlayer, Squat, Wave
 from wbc.runtime.loop import RunComplete
-from wbc.runtime.real_time import RealTime, real_time_thread
+from wbc.runtime.real_time import DEFAULT_PRIORITY, RealTime, real_time_thread
 from wbc.runtime.report import Report
 from wbc.sim import JointServos, Mujoco
 from wbc.walking.waypoint_follower import WaypointFollower
@@ -195,7 +195,8 @@ def _session(distance: float) -> list[tuple[float, Callable[[MotionPlayer], obje
 def real_time(options: argparse.Namespace) -> list[Row]:
     """Stand for 60 s, walk, turn, stop, wave and squat, with a push while standing and walking.
 
-    The G1 is in another process behind DDS. Both sides ask for real-time priority.
+    The G1 is in another process behind DDS. Both sides ask for real-time priority, also where they
+    are niced.
     """
     robot = wbc.load("g1")
     player = MotionPlayer(robot, motions=[*_MOTIONS])
@@ -245,7 +246,7 @@ def _real_time_row(player: MotionPlayer, seed: int, distance: float) -> Row:
 
     with (
         SafeHardware(connect("lo", player.robot)) as plant,
-        real_time_thread(RealTime()) as granted,
+        real_time_thread(RealTime(DEFAULT_PRIORITY)) as granted,
     ):
         report = wbc.run(player, plant, duration, before_tick=command)
         connection, latency = plant.connection, plant.latency.seconds

@@ -287,6 +287,29 @@ def test_arrow_keys_drive_and_space_pauses(page):
     page.wait_for_function("wbc.live.status.mode === 'running'")
 
 
+def test_a_gamepad_drives_stands_and_pauses(page):
+    page.evaluate(
+        """() => {
+          const buttons = Array.from({length: 16}, () => ({pressed: false}));
+          wbc.pad = {axes: [-0.5, -1, 0.1, 0], buttons};
+          wbc.looks = 0;
+          navigator.getGamepads = () => { wbc.looks += 1; return [null, wbc.pad]; };
+          wbc.press = (i, pressed) => { wbc.pad.buttons[i] = {pressed}; };
+        }"""
+    )
+    # Forward, and to the left; the right stick is in its dead zone.
+    page.wait_for_function("wbc.live.status.velocity[0] > 0 && wbc.live.status.velocity[1] > 0")
+    assert page.evaluate("wbc.live.status.velocity[2]") == 0
+    page.evaluate("wbc.pad.axes = [0, 0, 0, 0]")
+    page.wait_for_function("wbc.live.status.velocity.every((x) => x === 0)")
+    for mode in ("paused", "running"):
+        page.evaluate("wbc.press(9, true)")
+        page.wait_for_function(f"wbc.live.status.mode === '{mode}'")
+        page.evaluate("wbc.press(9, false); wbc.looks = 0")
+        page.wait_for_function("wbc.looks > 0")  # the page has seen that it was let go
+    page.evaluate("delete navigator.getGamepads; wbc.live.errors.length = 0")  # of a slow page
+
+
 def test_the_tuner_lists_the_tasks_and_a_gain_reaches_every_page(url, page):
     """The other page leaves while its scene is still being loaded, which harms nothing."""
     page.click("text=Tasks: weights and gains")
@@ -449,6 +472,15 @@ def test_a_clicked_floor_is_walked_to_and_a_link_is_pulled(page):
     drag(page, THE_RIGHT_HAND, (0, -10), "wbc.live.status.hands.right.leads")
     page.keyboard.press("s")
     page.wait_for_function("!wbc.live.status.hands.right.leads")
+    press(page, "[data-more=sway]")
+    page.fill("[data-parameter='sway.rounds']", "100")  # until it is told to stand
+    page.press("[data-parameter='sway.rounds']", "Enter")
+    page.wait_for_function("wbc.live.status.playing !== -1")
+    drag(page, THE_RIGHT_HAND, (0, -10), "wbc.live.errors.length")
+    told = page.evaluate("wbc.live.errors.splice(0)")
+    assert "a motion is playing, which leads the hands: press Stand (S) first" in told
+    press(page, "[data-form=sway] >> text=Reset to defaults")
+    press(page, "[data-more=sway]")
     page.evaluate("element('tools').hidden = false")
     page.keyboard.press("v")
 

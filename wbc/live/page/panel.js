@@ -155,7 +155,7 @@ function pushSection() {
     const x = -Math.sin(angle), y = -Math.cos(angle);
     const at = (r, side) => `${(r * x - side * y).toFixed(1)} ${(r * y + side * x).toFixed(1)}`;
     pad.innerHTML = '<circle r="50" style="fill: var(--field); stroke: var(--edge)"/>' +
-      '<circle r="33" fill="none" stroke="#eceff2"/><circle r="17" fill="none" stroke="#eceff2"/>' +
+      '<circle r="33" style="fill: none; stroke: var(--edge)"/><circle r="17" style="fill: none; stroke: var(--edge)"/>' +
       '<ellipse cx="-7" rx="4" ry="9" fill="#c3ccd5"/><ellipse cx="7" rx="4" ry="9" fill="#c3ccd5"/>' +
       '<text y="-37" text-anchor="middle" font-size="9" fill="#8a949e">front</text>' +
       `<path d="M0 0L${at(reach - 8, 0)}" stroke="#d1342b" stroke-width="4" stroke-linecap="round"/>` +

@@ -144,6 +144,10 @@ function showHands(hands) {
 function grabHandle() {
   const [hit] = ray.intersectObjects([...handles.values()].filter((one) => one.visible), true);
   if (!hit) return null;
+  if (motionPlays()) {
+    wbc.showError("a motion is playing, which leads the hands: press Stand (S) first");
+    return null;
+  }
   const {side, axis} = hit.object.userData, start = handles.get(side).position.clone();
   const now = performance.now(), twice = !axis && now - clicked < LET_GO;
   clicked = now;
@@ -169,8 +173,11 @@ function dragHandle() {
   viewer.set_dirty();
 }
 
+const motionPlays = () => (wbc.live.status?.playing ?? -1) !== -1;
+
+// A motion that begins meanwhile takes the hand.
 function sendHand() {
-  if (pressed.moved) send("hand", {side: pressed.side, target: handles.get(pressed.side).position.toArray().map((x) => +x.toFixed(4))});
+  if (pressed.moved && !motionPlays()) send("hand", {side: pressed.side, target: handles.get(pressed.side).position.toArray().map((x) => +x.toFixed(4))});
 }
 
 // ---- Gestures ----

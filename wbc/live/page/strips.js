@@ -3,6 +3,8 @@
 // stands still, and so do the strips.
 "use strict";
 (() => {
+const thousands = new Intl.NumberFormat("en", {notation: "compact", maximumSignificantDigits: 4});
+const axisLabel = (x) => (Math.abs(x) < 1e4 ? String(+x.toPrecision(6)) : thousands.format(x));
 const {make} = wbc;
 const COLOURS = ["#2f7be8", "#e06a10", "#1f9d7a", "#a349c9", "#d1342b", "#8a7a10", "#0e8fae", "#d0478e"];
 const MARKS = {fall: "#d1342b", falling: "#d1342b", reset: "#8a949e", push: "#f0a202"};
@@ -165,7 +167,7 @@ function makePlot(strip) {
     legend: {show: false},
     padding: [6, 8, 0, 0],
     scales: {x: {time: false, range: () => visibleWindow()}, y: {range: rangeOf(strip)}},
-    axes: [{...axis, size: 22, gap: 2}, {...axis, size: 46, gap: 3}],
+    axes: [{...axis, size: 22, gap: 2}, {...axis, size: 46, gap: 3, values: (_, splits) => splits.map(axisLabel)}],
     cursor: {drag: {x: true, y: false, setScale: false}, sync: {key: "strips"}, y: false, points: {size: 5}},
     series: [{}, ...strip.signals.map((label, k) => (
       {label, stroke: COLOURS[k % COLOURS.length], width: 1.3, points: {show: false}}))],
