@@ -68,6 +68,8 @@ class GaitState:
         duration: duration of the phase, s.
         hold: time at the beginning of a transfer in which the weight does not move yet, s.
         shortened: the phase ends before its usual time, to catch a push.
+        crossing: 1 if the swing foot crosses over in front of the support foot, −1 behind it, 0 if
+            it lands on its own side.
         pushed_at_rest: the present steps began out of standing, because of a push.
         starting: the transfer begins from standing on both feet.
         stopping: the transfer ends in standing on both feet.
@@ -100,6 +102,7 @@ class GaitState:
     duration: float = 0.0
     hold: float = 0.0
     shortened: bool = False
+    crossing: float = 0.0
     pushed_at_rest: bool = False
     starting: bool = True
     stopping: bool = False

@@ -6,8 +6,10 @@ import math
 from collections.abc import Callable
 
 from wbc.gait import DcmReference, GaitState, Placement, SwingFoot
-from wbc.gait.footsteps import clamp_footstep, lateral_sign, other_side
+from wbc.gait.footsteps import lateral_sign, other_side
 from wbc.geometry.planar import planar_rotation
+from wbc.robot import Robot
+from wbc.walking.stabilizer.cross_over import CrossOver
 from wbc.walking.stabilizer.step_adjustment import footstep_adjustment, uncaught_dcm_error
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
@@ -45,11 +47,13 @@ class PushRecovery:
     On stairs, where another foothold than the given one may be an edge, no step is quick.
 
     Args:
+        robot: the robot.
         support: the support polygon.
     """
 
-    def __init__(self, support: SupportPolygon) -> None:
+    def __init__(self, robot: Robot, support: SupportPolygon) -> None:
         self._support = support
+        self._cross_over = CrossOver(robot)
 
     def update_swing(
         self,
@@ -89,7 +93,32 @@ class PushRecovery:
             if least > state.remaining:
                 state.duration = min(usual, state.time + least)
                 planned, shift = self._choose_gait(state, tolerance, reference, ankles)
+        if state.crossing == 0.0 and self._crosses_over(state, shift):
+            least = self._least_time(state, shift)
+            state.duration = max(state.duration, state.time + least)
+            planned, shift = self._choose_gait(state, tolerance, reference, ankles)
         return planned, shift
+
+    def reachable(self, state: GaitState, wanted: Placement) -> Placement:
+        """The nearest landing place of the swing foot."""
+        return self._cross_over.nearest(state, wanted)
+
+    def _crosses_over(self, state: GaitState, shift: complex) -> bool:
+        """Whether the swing foot crosses over to the other side of the support foot, from now on.
+
+        A foot that has passed it can no longer: it is decided for the DCM to which the push, if it
+        lasts on, will have moved it.
+
+        Args:
+            state: whose `crossing` it sets.
+            shift: by how much the landing place has to move, in the support sole's axes, m.
+        """
+        stance, gait = state.stance, state.gait
+        rate = _lasting_rate(state) * planar_rotation(-stance.yaw)
+        ahead = min(_LOOKAHEAD, state.remaining) * math.exp(gait.omega * state.remaining)
+        wanted = stance.to_local(self._moved(state, shift)) + ahead * rate
+        state.crossing = self._cross_over.side(state, wanted)
+        return state.crossing != 0.0
 
     def _choose_gait(
         self, state: GaitState, tolerance: float, reference: Reference, ankles: tuple[float, float]
@@ -226,7 +255,7 @@ class PushRecovery:
     def _reachable(self, state: GaitState, point: complex) -> complex:
         """The nearest ground point at which the swing foot can land, m."""
         wanted = Placement(point, state.landing.yaw, state.landing.height)
-        return clamp_footstep(state.stance, state.swing_side, wanted, state.limits).point
+        return self.reachable(state, wanted).point
 
     def _zmp_range(
         self, state: GaitState, planned: DcmReference, share: float
@@ -279,7 +308,11 @@ class PushRecovery:
 
 def _dcm_ahead(state: GaitState) -> complex:
     """Where a push that lasts on will have moved the DCM, a ground point, m."""
+    return state.dcm + _LOOKAHEAD * _lasting_rate(state)
+
+
+def _lasting_rate(state: GaitState) -> complex:
+    """The rate at which a push moves the DCM, without noise and settling, m/s."""
     rate = state.disturbance
-    if abs(rate) <= _NO_PUSH:
-        return state.dcm
-    return state.dcm + _LOOKAHEAD * (1.0 - _NO_PUSH / abs(rate)) * rate
+    size = abs(rate)
+    return (1.0 - _NO_PUSH / size) * rate if size > _NO_PUSH else 0j

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wbc.gait import DcmReference, GaitState, Phase, Placement, SwingFoot
-from wbc.gait.footsteps import clamp_footstep
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
 from wbc.walking.feet import GroundReaction
@@ -63,7 +62,7 @@ class Stabilizer:
         self._gains = gains
         self.com_bias = ComBiasEstimator(robot.gravity)
         self.support = SupportPolygon(robot)
-        self.push_recovery = PushRecovery(self.support)
+        self.push_recovery = PushRecovery(robot, self.support)
         self._disturbance = DisturbanceObserver()
 
     def reset(self) -> None:
@@ -139,13 +138,13 @@ class Stabilizer:
     ) -> tuple[DcmReference, Placement]:
         """Wanted DCM and landing place, moved when the ankles alone cannot catch the DCM."""
         ankles = self.support.zmp_range(state.support, self._gains.ankle_share)
-        planned, shift = self.push_recovery.update_swing(state, reference(None), reference, ankles)
-        if shift == 0j:
+        recovery = self.push_recovery
+        planned, shift = recovery.update_swing(state, reference(None), reference, ankles)
+        if shift == 0j and not state.shortened:
             return planned, state.landing
         landing, stance = state.landing, state.stance
         point = landing.point + shift * planar_rotation(stance.yaw)
-        moved = Placement(point, landing.yaw, landing.height)
-        moved = clamp_footstep(stance, state.swing_side, moved, state.limits)
+        moved = recovery.reachable(state, Placement(point, landing.yaw, landing.height))
         if state.ground_slope != 0j:
             moved = state.on_slope(moved)
         return reference(moved), moved

@@ -1,0 +1,73 @@
+"""Cross-over steps: on which side the swing foot passes the support foot, and where it lands."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+import wbc
+from wbc.gait import GaitState, Phase, Placement
+from wbc.robot import Robot
+from wbc.walking.stabilizer.cross_over import CrossOver
+
+BEHIND = -0.22  # m: farther than a sole of G1 is long
+
+
+@pytest.fixture(scope="module")
+def g1() -> Robot:
+    return wbc.load("g1")
+
+
+def swinging(robot: Robot, along: float, across: float) -> GaitState:
+    """The state of a quick swing with the left foot ahead of the right one and to its left.
+
+    Args:
+        robot: the robot.
+        along: m.
+        across: m.
+    """
+    state = wbc.Walker(robot).gait_state
+    state.phase, state.support, state.shortened = Phase.SWING, "right", True
+    state.gait = state.recovery_gait
+    foot = state.stance.to_world(complex(along, across))
+    state.feet = replace(state.feet, left=state.feet.left._replace(point=foot))
+    return state
+
+
+def landing(robot: Robot, state: GaitState, along: float, across: float) -> complex:
+    """Where the foot lands if it is wanted there, in the support sole's axes, m."""
+    stance = state.stance
+    wanted = Placement(stance.to_world(complex(along, across)), stance.yaw, stance.height)
+    return stance.to_local(CrossOver(robot).nearest(state, wanted).point)
+
+
+def test_a_foot_passes_the_support_foot_on_the_side_where_it_is(g1):
+    cross_over, wanted = CrossOver(g1), complex(0.0, -0.2)
+    assert cross_over.side(swinging(g1, BEHIND, 0.24), wanted) == -1.0
+    assert cross_over.side(swinging(g1, -BEHIND, 0.24), wanted) == 1.0
+    assert cross_over.side(swinging(g1, 0.1, 0.24), wanted) == 0.0
+
+
+def test_a_foot_crosses_over_only_for_a_landing_place_beyond_the_support_foot(g1):
+    state, cross_over = swinging(g1, BEHIND, 0.24), CrossOver(g1)
+    assert cross_over.side(state, complex(0.0, 0.0)) == 0.0
+    assert cross_over.side(state, complex(0.4, -0.2)) == 0.0  # that is far ahead
+
+
+def test_a_cross_over_step_lands_beyond_the_support_foot_and_a_sole_behind_it(g1):
+    state = swinging(g1, BEHIND, 0.24)
+    assert landing(g1, state, 0.0, -0.3).imag == pytest.approx(state.recovery_gait.least_width)
+    state.crossing = -1.0
+    place = landing(g1, state, 0.0, -0.3)
+    assert -0.15 < place.imag < -0.05
+    soles = sum(sole.half_length for sole in g1.soles)
+    assert -0.3 < place.real < -soles
+
+
+def test_a_foot_that_comes_back_passes_on_the_same_side_and_lands_anywhere_afterwards(g1):
+    soles = sum(sole.half_length for sole in g1.soles)
+    crossed = landing(g1, swinging(g1, -BEHIND, -0.1), 0.0, 0.4)
+    assert crossed.real > soles
+    assert crossed.imag == pytest.approx(0.4)
+    assert landing(g1, swinging(g1, -BEHIND, 0.1), 0.0, 0.4).real == pytest.approx(0.0, abs=1e-9)

@@ -1,0 +1,75 @@
+"""Cross-over steps: the swing foot lands beyond the support foot."""
+
+from __future__ import annotations
+
+import math
+
+from wbc.gait import GaitState, Placement
+from wbc.gait.footsteps import clamp_footstep, lateral_sign
+from wbc.robot import Robot
+
+_CLEARANCE = 0.03  # m between the toe of one sole and the heel of the other
+_BEYOND = 0.15  # share of the legs' length by which a foot lands beyond the other one, at most
+_WORTHWHILE = 0.1  # m by which the wanted landing place has to be too narrow
+_AHEAD = 0.04  # m that the foot still has to move forward or back until it passes, at most
+_ROUNDING = 0.01  # m by which a foot that stands beside the other one may be too near
+_OFF = 0.5  # share of the CoM height by which it lands ahead of or behind the wanted place, at most
+
+
+class CrossOver:
+    """Where a foot lands that has to pass the support foot, and on which side it passes.
+
+    A robot that is pushed towards its support foot needs a landing place beyond that foot. A step
+    that ends beside it leaves the whole error, which doubles, to the next one; one that crosses
+    over takes as much off it as it lands beyond. Soles and shins pass each other only while one is
+    ahead of the other by a sole's length, so the foot crosses in front if it already is in front,
+    and behind if it is behind. The step after it comes back the same way.
+
+    Args:
+        robot: the robot.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._length = sum(sole.half_length for sole in robot.soles) + _CLEARANCE
+        self._beyond = _BEYOND * robot.leg_length
+
+    def side(self, state: GaitState, wanted: complex) -> float:
+        """Return on which side of the support foot to cross over: 1 in front, −1 behind, 0 not.
+
+        Args:
+            state: during a swing.
+            wanted: where the foot is to land, in the support sole's axes, m.
+        """
+        sign, least = lateral_sign(state.swing_side), state.recovery_gait.least_width
+        foot = state.stance.to_local(state.other_foot.point)
+        if sign * wanted.imag > least - _WORTHWHILE or sign * foot.imag < least:
+            return 0.0
+        if abs(foot.real) < self._length - _AHEAD:
+            return 0.0
+        side = math.copysign(1.0, foot.real)
+        off = abs(wanted.real - side * self._length)
+        return side if off < _OFF * state.gait.com_height else 0.0
+
+    def nearest(self, state: GaitState, wanted: Placement) -> Placement:
+        """Return the nearest landing place that the leg reaches without touching the other one.
+
+        Args:
+            state: during a swing.
+            wanted: where the foot is to land.
+        """
+        stance, sign, limits = state.stance, lateral_sign(state.swing_side), state.limits
+        least = state.recovery_gait.least_width
+        side, width = state.crossing, math.inf
+        if side != 0.0:
+            width = max(-self._beyond, sign * stance.to_local(wanted.point).imag)
+        else:
+            foot = stance.to_local(state.other_foot.point)
+            if sign * foot.imag < least - _ROUNDING and 2.0 * abs(foot.real) > self._length:
+                side = math.copysign(1.0, foot.real)  # it comes back from a cross-over step
+        place = clamp_footstep(stance, state.swing_side, wanted, limits)
+        if side == 0.0:
+            return place
+        local = stance.to_local(place.point)
+        forward = side * max(self._length, side * local.real)
+        width = min(width, sign * local.imag)
+        return place._replace(point=stance.to_world(complex(forward, sign * width)))
