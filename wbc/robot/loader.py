@@ -22,6 +22,7 @@ from wbc.robot.packages import search_folders
 from wbc.robot.posture import (
     Posture,
     bent_quadruped,
+    centered_quadruped,
     com_offset,
     nominal_posture,
     stand_base_up,
@@ -174,6 +175,8 @@ def build_robot(data: RobotData) -> Robot:
     stand_base_up(model, start.q, feet)
     if len(feet) > 2 and not start.how:
         start = bent_quadruped(model, start, links, legs, couplings)
+    if len(feet) > 2:
+        start = centered_quadruped(model, start, links, legs, couplings)
     soles, sole_facts = add_soles(model, urdf, data, folders, links, zero, start.q)
     posture = nominal_posture(model, start, soles, legs, couplings)
     torso = _frame(model, data, "torso", data.torso) or find_torso(model, urdf, legs)

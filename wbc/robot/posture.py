@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -124,6 +124,30 @@ def bent_quadruped(
     move = {index for leg in legs for index in leg}
     q = feet_below_hips(model, start.q, feet, hips, move, bends, couplings)
     return Posture(q, "knees bent", False, "inverse kinematics")
+
+
+def centered_quadruped(
+    model: pin.Model,
+    start: Posture,
+    links: Sequence[str],
+    legs: Sequence[Sequence[int]],
+    couplings: Sequence[Coupling] = (),
+) -> Posture:
+    """Return the posture with level feet whose middle is below the centre of mass.
+
+    The feet touch the ground where this posture puts them, so that it comes before their soles.
+
+    Args:
+        model: the robot.
+        start: the posture to begin with.
+        links: foot links.
+        legs: velocity indices of the joints of each leg, from the hip down.
+        couplings: joints that follow others.
+    """
+    feet = tuple(int(model.getFrameId(link, pin.BODY)) for link in links)
+    move = {index for leg in legs for index in leg}
+    q = standing_posture(model, start.q, feet, move, couplings, over_soles=True)
+    return replace(start, q=q, how=f"{start.how}, centre of mass over the middle of the feet")
 
 
 def zero_posture(model: pin.Model) -> np.ndarray:

@@ -71,8 +71,26 @@ def fit_sole(
         if best is None or area > best[0] * (1.0 + AREA_TIE):
             best = (area, source, normal)
     assert best is not None
-    area, source, normal = best
-    x_axis = _heading(forward, normal, axes)
+    _, source, normal = best
+    return _rectangle(surface, normal, _heading(forward, normal, axes), source)
+
+
+def fit_point(surface: FootSurface, up: np.ndarray, forward: np.ndarray) -> SoleFit:
+    """Return where a foot that turns with its shank touches the ground, with `up` as its normal.
+
+    Args:
+        surface: the foot, in joint coordinates.
+        up: (3,) unit vector against gravity in the posture in which the foot stands.
+        forward: (3,) the robot's forward direction, in joint coordinates.
+    """
+    ahead = forward - (forward @ up) * up
+    return _rectangle(surface, up, ahead / np.linalg.norm(ahead), "nominal posture")
+
+
+def _rectangle(
+    surface: FootSurface, normal: np.ndarray, x_axis: np.ndarray, source: str
+) -> SoleFit:
+    """Return the rectangle on which a foot rests with a normal and a heading, (3,) unit vectors."""
     y_axis = np.cross(normal, x_axis)
     points = surface.lowest(normal)
     height = points @ normal
@@ -81,7 +99,7 @@ def fit_sole(
     rotation = np.column_stack([x_axis, y_axis, normal])
     center = rotation @ np.array([0.5 * (x0 + x1), 0.5 * (y0 + y1), height.min()])
     placement = pin.SE3(rotation, center)
-    flat = area >= FLAT_SHARE * polygon_area(_hull(plan))
+    flat = _area(surface, normal, x_axis) >= FLAT_SHARE * polygon_area(_hull(plan))
     return SoleFit(placement, 0.5 * (x1 - x0), 0.5 * (y1 - y0), source, flat)
 
 

@@ -15,7 +15,7 @@ from wbc.robot.data_file import RobotData
 from wbc.robot.finding import Fact
 from wbc.robot.foot_surface import FootSurface, foot_surface
 from wbc.robot.joint_axes import joint_axes
-from wbc.robot.sole_fitting import SoleFit, fit_sole, is_round, resting_normal
+from wbc.robot.sole_fitting import SoleFit, fit_point, fit_sole, is_round, resting_normal
 from wbc.robot.topology import parent_joint
 from wbc.robot.urdf import Urdf
 
@@ -116,9 +116,14 @@ def add_soles(
             fit = fit_sole(surface, up, forward, axes)
             if not fit.flat:
                 fit = fit_sole(surface, resting_normal(surface, up), forward, axes)
-            if not fit.flat or len(links) > len(SIDES):  # whose feet turn with the shanks
+            if not fit.flat or len(links) > len(SIDES):
                 _refuse_wheel(model, urdf, surface, link, joint)
-                fit = fit_sole(surface, *_directions(model, start, links, joint), axes)
+                at_start = _directions(model, start, links, joint)
+                # The feet of a quadruped turn with its shanks.
+                on_four = len(links) > len(SIDES)
+                fit = (
+                    fit_point(surface, *at_start) if on_four else fit_sole(surface, *at_start, axes)
+                )
             source = f"{surface.kind} shapes, normal from the {fit.source}"
             facts.append(Fact(f"{spoken(side)} sole", _size(fit), "derived", source))
         name = names[side]
