@@ -512,6 +512,8 @@ def test_changes_of_parameters_are_undone_and_saved_to_a_file(page):
 def test_nothing_overlaps_and_no_label_is_cut(page, width, height):
     before = page.viewport_size
     page.set_viewport_size({"width": width, "height": height})
+    fits = "(size) => viewer.renderer.domElement[size] === element('meshcat-pane')[size]"
+    page.wait_for_function(f"['clientWidth', 'clientHeight'].every({fits})")
     found = page.evaluate(
         """() => {
           const shown = (selector) => [...document.querySelectorAll(selector)]

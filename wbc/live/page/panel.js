@@ -330,6 +330,9 @@ function build(description) {
     make("div", {id: "error"}), make("div", {id: "planning"}));
   fitScene();
   new ResizeObserver(fitScene).observe(element("meshcat-pane"));
+  // Meshcat then makes its canvas as large as the window; this comes after it.
+  for (const event of ["load", "resize"]) addEventListener(event, fitScene);
+  requestAnimationFrame(fitScene);
   bindKeys();
   setInterval(() => {
     strips.draw();
