@@ -27,7 +27,7 @@ _STRETCH = 0.97  # share of a leg's length that a step uses
 _STEADY = 0.6  # share of the reach that steady walking uses; the rest catches pushes
 _FOOT_SPEED = 1.6  # a swing foot's largest speed over the ground over that of the robot
 # Largest speed over √(g h): beyond it the momentum of the swinging legs tips the trunk about the
-# line between the two feet that stand. Seven of eight public quadrupeds trot at it for 5 s.
+# line between the two feet that stand. Six of seven public quadrupeds trot at it for 5 s.
 _FROUDE = 0.2
 _DCM_GAIN = 6.0  # 1/s
 _LEG_JOINTS = 3
