@@ -25,7 +25,7 @@ demo: .venv/run.stamp
 
 # On two cores the third process runs while the tests of another one wait.
 test: .venv/dev.stamp
-	$(BIN)/python -m pytest -n 3 --dist loadfile --no-loadscope-reorder $(ARGS)
+	$(BIN)/python -m pytest -n 3 --no-loadscope-reorder $(ARGS)
 
 lint: .venv/dev.stamp
 	$(BIN)/ruff check .

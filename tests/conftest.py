@@ -37,6 +37,22 @@ def pytest_configure(config: pytest.Config) -> None:
             process.wait()
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Distribute files, but for those with pages: a worker runs them one after the other.
+
+    Browsers and robots in real time take each other's processor time and wait for it.
+    """
+    from xdist.scheduler import LoadFileScheduling
+
+    class Scheduling(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file: str = super()._split_scope(nodeid)
+            return "pages" if file.startswith(("tests/live/", "tests/view/")) else file
+
+    return Scheduling(config, log)
+
+
 @pytest.fixture(scope="session", autouse=True)
 def kernels() -> None:
     """Load the kernels before the first test, outside of its time and output."""
