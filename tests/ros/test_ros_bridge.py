@@ -406,10 +406,27 @@ def test_example_drives_the_robot(reset, domain):
 
 
 @pytest.mark.parametrize(
-    "bad", [{"x": math.nan}, {"x": 1.0, "frame": "unknown"}, {"x": 1.0, "heading": math.nan}]
+    ("bad", "reason"),
+    [
+        ({"x": math.nan}, "a number of the pose is not finite"),
+        ({"x": 1.0, "frame": "unknown"}, "connects the frame 'unknown' with 'odom'"),
+        ({"x": 1.0, "heading": math.nan}, "a number of the pose is not finite"),
+    ],
 )
-def test_invalid_goal_is_rejected(navigate, bad):
+def test_invalid_goal_is_rejected_with_the_reason_on_rosout(odom, navigate, subscribe, bad, reason):
     assert navigate.send_goal(goal(navigate, **bad)).accepted is False
+    log = subscribe("rcl_interfaces/msg/Log", "/rosout", ROSOUT)
+    log.find(lambda m: reason in m.msg and m.level == 30)
+
+
+def test_invalid_goal_pose_is_rejected_with_the_reason_on_rosout(odom, client_node, subscribe):
+    log = subscribe("rcl_interfaces/msg/Log", "/rosout", ROSOUT)
+    publisher = client_node.create_publisher("geometry_msgs/msg/PoseStamped", "goal_pose")
+    assert client_node.spin_until(publisher.get_subscription_count, TIMEOUT)
+    pose = publisher.msg_type()
+    pose.pose.orientation.w = 0.0
+    publisher.publish(pose)
+    log.wait(lambda m: "navigate_to_pose: rejected a goal: the norm of the quaternion" in m.msg)
 
 
 def test_reset_aborts_the_goal_and_moves_the_robot_to_the_start(

@@ -6,7 +6,6 @@ Path tolerances and joints with several degrees of freedom are ignored.
 
 from __future__ import annotations
 
-import logging
 from typing import Any
 
 import numpy as np
@@ -19,9 +18,6 @@ from wbc.ros.bridge.robot_action import RobotAction
 from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.node import Node
 from wbc.ros.stamp import duration_from_seconds, stamp_from_seconds, to_seconds
-from wbc.teleop import CommandRefused
-
-logger = logging.getLogger(__name__)
 
 NAME = "follow_joint_trajectory"
 TYPE = "control_msgs/action/FollowJointTrajectory"
@@ -52,13 +48,9 @@ class FollowJointTrajectory(RobotAction):
             self._joints.cancel_trajectory()
         super().abort(reason)
 
-    def _is_acceptable(self, goal: Any) -> bool:
-        try:
-            self._joints.parse(goal.trajectory)
-        except CommandRefused as error:
-            logger.warning("%s: rejected a goal: %s", NAME, error)
-            return False
-        return super()._is_acceptable(goal)
+    def _check(self, goal: Any) -> None:
+        super()._check(goal)
+        self._joints.parse(goal.trajectory)
 
     def _start(self, goal: Any, tick: StampedTick) -> None:
         self._error_code = _INVALID_GOAL

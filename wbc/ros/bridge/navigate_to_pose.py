@@ -28,6 +28,7 @@ from wbc.ros.node import Node
 from wbc.ros.stamp import duration_from_seconds, stamp_from_seconds
 from wbc.runtime.schema import ODOM
 from wbc.state import State
+from wbc.teleop import CommandRefused
 from wbc.walking import WaypointFollower
 
 NAME = "navigate_to_pose"
@@ -87,13 +88,12 @@ class NavigateToPose(RobotAction):
             self._cmd_vel.stand()
         super().abort(reason)
 
-    def _is_acceptable(self, goal: Any) -> bool:
-        return super()._is_acceptable(goal) and self._parse_pose(goal.pose) is not None
+    def _check(self, goal: Any) -> None:
+        super()._check(goal)
+        self._parse_pose(goal.pose)
 
     def _start(self, goal: Any, tick: StampedTick) -> None:
-        target = self._parse_pose(goal.pose)
-        assert target is not None
-        self._target = target
+        target = self._target = self._parse_pose(goal.pose)
         self._renew_follower()
         self._start_time = self._progress_time = tick.time
         self._min_remaining = math.inf
@@ -108,12 +108,19 @@ class NavigateToPose(RobotAction):
                 f"{turn:.2f} rad from its own; send a goal with the robot's heading",
             )
 
-    def _parse_pose(self, stamped: Any) -> Placement | None:
-        """Return the pose of a message in the frame odom; None if it is invalid."""
+    def _parse_pose(self, stamped: Any) -> Placement:
+        """Return the pose of a message in the frame odom.
+
+        Raises:
+            CommandRefused: a number is invalid, or nothing connects its frame with odom.
+        """
         p, o = stamped.pose.position, stamped.pose.orientation
         numbers = np.array([p.x, p.y, p.z, o.x, o.y, o.z, o.w])
-        if not np.isfinite(numbers).all() or abs(np.linalg.norm(numbers[3:]) - 1.0) > 0.05:
-            return None
+        if not np.isfinite(numbers).all():
+            raise CommandRefused("a number of the pose is not finite")
+        norm = float(np.linalg.norm(numbers[3:]))
+        if abs(norm - 1.0) > 0.05:
+            raise CommandRefused(f"the norm of the quaternion is {norm:.3g}, not 1")
         pose = Placement(complex(p.x, p.y), yaw_of(o))
         frame = stamped.header.frame_id.lstrip("/")
         # A map of which no transform has come yet is refused: it may be anywhere.
@@ -122,7 +129,7 @@ class NavigateToPose(RobotAction):
             return transformed
         if frame in (*_BASE_FRAMES, self._robot.base) and self._tick is not None:
             return self._robot_pose(self._tick).compose(pose)
-        return None
+        raise CommandRefused(f"no transform on /tf connects the frame {frame!r} with {ODOM!r}")
 
     def _robot_pose(self, tick: StampedTick) -> Placement:
         q = tick["q"]

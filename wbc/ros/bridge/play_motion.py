@@ -84,9 +84,10 @@ class PlayMotion(RobotAction):
     def _is_motion_ready(self, request: Any, response: Any) -> Any:
         try:
             parse_motion(request.motion_key, self._motions)
-        except MotionError:
+            self._check(request)
+        except (MotionError, CommandRefused):
             return response
-        response.is_ready = self._is_acceptable(request)
+        response.is_ready = True
         return response
 
     def _on_accepted(self, goal: ServerGoalHandle) -> None:

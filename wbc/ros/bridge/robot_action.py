@@ -12,6 +12,7 @@ from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.node import Node
 from wbc.runtime.mode import Mode
 from wbc.runtime.rate_limiter import RateLimiter
+from wbc.teleop import CommandRefused
 
 logger = logging.getLogger(__name__)
 
@@ -23,7 +24,8 @@ class RobotAction(ABC):
     """Serves an action of the robot.
 
     A goal ends when the robot stands: the robot is stopped first when the goal is cancelled or its
-    client leaves the graph. A new goal, a fall and a reset abort the goal at once.
+    client leaves the graph. A new goal, a fall and a reset abort the goal at once. Why a goal is
+    rejected is logged, since the answer to a rejected goal has no place for a reason.
 
     Args:
         node: node that serves the action.
@@ -89,9 +91,28 @@ class RobotAction(ABC):
         if self._goal is not None:
             self._finish(GoalStatus.ABORTED, reason)
 
-    def _is_acceptable(self, _: Any) -> bool:
-        """Return whether a goal, given its message, can be accepted now."""
-        return self._tick is not None and self._tick.mode is Mode.RUNNING
+    def _is_acceptable(self, goal: Any) -> bool:
+        """Return whether a goal, given its message, can be accepted now; log why it cannot."""
+        try:
+            self._check(goal)
+        except CommandRefused as error:
+            logger.warning("%s: rejected a goal: %s", self._name, error)
+            return False
+        return True
+
+    def _check(self, _: Any) -> None:
+        """Check that a goal, given its message, can be accepted now.
+
+        Raises:
+            CommandRefused: it cannot; the text is the reason.
+        """
+        match self._tick and self._tick.mode:
+            case None:
+                raise CommandRefused("the robot's loop has not started")
+            case Mode.FALLEN:
+                raise CommandRefused("the robot has fallen; call reset_robot")
+            case Mode.PAUSED:
+                raise CommandRefused("the robot's loop is paused")
 
     def _on_accepted(self, goal: ServerGoalHandle) -> None:
         self.abort("superseded by another goal")
