@@ -54,7 +54,8 @@ def recorded_page(recording: Recording) -> str:
         "objects": _packed(commands),
         "poses": _packed(np.stack(poses, axis=-1).round(5).astype("<f4").tobytes()),
     }
-    return offline_page(recording.robot.name, data, viewer_scripts("player.js", "recorded.js"))
+    files = viewer_scripts("player.js", "software.js", "recorded.js")
+    return offline_page(recording.robot.name, data, files)
 
 
 def _packed(data: bytes) -> str:

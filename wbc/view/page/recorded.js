@@ -79,26 +79,8 @@ wbc.prepareVideo = (camera) => {
       .multiplyScalar(camera[2]);
     viewer.controls.update();
   }
-  if (rendersInSoftware()) simplifyMaterials();
+  if (rendersInSoftware()) simplifyRendering();
 };
-
-function rendersInSoftware() {
-  const context = viewer.renderer.getContext();
-  const information = context.getExtension("WEBGL_debug_renderer_info");
-  const name = information && context.getParameter(information.UNMASKED_RENDERER_WEBGL);
-  return /swiftshader|llvmpipe|software/i.test(name || "");
-}
-
-// Without highlights and without shadows on the robot a processor takes less than half as long.
-function simplifyMaterials() {
-  viewer.scene_tree.find(["wbc", "robot"]).object.traverse((part) => {
-    part.receiveShadow = false;
-    if (!part.isMesh || !part.material.isMeshPhongMaterial) return;
-    const {color, map, opacity, side, transparent, vertexColors} = part.material;
-    part.material =
-      new THREE.MeshLambertMaterial({color, map, opacity, side, transparent, vertexColors});
-  });
-}
 
 // For videos: stops the player, and draws a time at once.
 wbc.drawFrame = (time) => {
