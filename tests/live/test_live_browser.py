@@ -509,7 +509,7 @@ def test_changes_of_parameters_are_undone_and_saved_to_a_file(page):
 
 
 @pytest.mark.parametrize(("width", "height"), [(390, 844), (800, 600), (1280, 800)])
-def test_nothing_overlaps_and_no_label_is_cut(page, width, height):
+def test_nothing_overlaps_nor_covers_the_robot_and_no_label_is_cut(page, width, height):
     before = page.viewport_size
     page.set_viewport_size({"width": width, "height": height})
     fits = "(size) => viewer.renderer.domElement[size] === element('meshcat-pane')[size]"
@@ -525,12 +525,29 @@ def test_nothing_overlaps_and_no_label_is_cut(page, width, height):
           parts.forEach(([e, a], i) => parts.slice(i + 1).forEach(([f, b]) => {
             if (overlaps(a, b)) faults.push(`${e.id || e.className} × ${f.id || f.className}`);
           }));
+          const {left, top, width, height} = element("meshcat-pane").getBoundingClientRect();
+          const covers = shown("#tools > div, #legend, #panel, #dock, #tabs");
+          const robot = viewer.scene_tree.find(["wbc", "robot"]).object;
+          robot.traverse((part) => {
+            const corners = part.geometry?.getAttribute("position");
+            for (let i = 0; i < (corners?.count ?? 0); i++) {
+              const point = new THREE.Vector3().fromBufferAttribute(corners, i);
+              point.applyMatrix4(part.matrixWorld).project(viewer.camera);
+              const [x, y] = [left + (point.x + 1) * width / 2, top + (1 - point.y) * height / 2];
+              const isWithin = (r) => x > r.left && x < r.right && y > r.top && y < r.bottom;
+              const scene = {left, right: left + width, top, bottom: top + height};
+              if (!isWithin(scene)) faults.push("robot outside");
+              for (const [e, r] of covers) {
+                if (isWithin(r)) faults.push(`robot × ${e.id || e.className}`);
+              }
+            }
+          });
           for (const [e, r] of shown("button, .slider span, .slider output, #status, .signal")) {
             const cut = e.scrollWidth > e.clientWidth + 1 && e.clientWidth;
             const outside = r.right > innerWidth + 1 && !e.closest("#strips");
             if (cut || outside) faults.push(`cut: ${e.textContent}`);
           }
-          return faults;
+          return [...new Set(faults)];
         }"""
     )
     page.set_viewport_size(before)
