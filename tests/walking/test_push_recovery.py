@@ -193,3 +193,47 @@ def test_a_shortened_swing_has_the_time_that_its_foot_needs(error, returns_to_no
     assert state.duration < gait.single_support
     needed = swing.time_to(state.landing.point, 7.0 * gait.gravity)
     assert state.remaining >= needed > 0.1
+
+
+def swinging_walker(time: float) -> wbc.Walker:
+    """A walker whose right foot has been swinging for a time, s, without an error of the DCM."""
+    walker = wbc.Walker(wbc.load("g1"))
+    state, gait = walker.gait_state, walker.gait
+    state.phase, state.time, state.duration = Phase.SWING, time, gait.single_support
+    state.landing = state.other_foot
+    state.swing = SwingFoot(
+        state.other_foot,
+        state.landing,
+        state.duration,
+        gait.swing_height,
+        gait.touchdown_speed,
+    )
+    state.dcm = state.stance.point
+    return walker
+
+
+@pytest.mark.parametrize("rate", [1.5, -1.5, 1.0j])
+def test_a_push_that_lasts_moves_the_landing_place_before_it_has_moved_the_dcm(rate):
+    walker = swinging_walker(0.3)
+    state = walker.gait_state
+    planned = DcmReference(state.stance.point, 0j, state.stance.point)
+    update = walker.stabilizer.push_recovery.update_swing
+    assert update(state, planned, lambda _: planned, (0.0, 0.0))[1] == 0j
+    state.disturbance = rate
+    shift = update(state, planned, lambda _: planned, (0.0, 0.0))[1]
+    # Of the rate, 0.5 m/s may be noise; the rest lasts for 0.05 s, and grows until touchdown.
+    growth = np.exp(state.gait.omega * state.remaining)
+    assert shift == pytest.approx(0.05 * (abs(rate) - 0.5) * rate / abs(rate) * growth)
+    assert not state.shortened
+
+
+def test_in_a_quick_step_the_landing_place_is_that_of_the_present_dcm():
+    walker = swinging_walker(0.05)
+    state = walker.gait_state
+    planned = DcmReference(state.stance.point, 0j, state.stance.point)
+    state.gait, state.dcm = state.recovery_gait, state.dcm + 0.2
+    shifts = []
+    for state.disturbance in (0j, 1.5 + 0j):
+        update = walker.stabilizer.push_recovery.update_swing
+        shifts.append(update(state, planned, lambda _: planned, (0.0, 0.0))[1])
+    assert shifts[0] == shifts[1] != 0j

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from wbc.gait import GaitState
+
 _TIME_CONSTANT = 0.01  # s, of the low-pass filter
+_NO_PUSH = 0.5  # m/s by which noise and settling seem to move the DCM
 
 
 class DisturbanceObserver:
@@ -44,3 +47,18 @@ class DisturbanceObserver:
     def expect(self, rate: complex) -> None:
         """Set the `ω (ξ − p − δ)` that the command of this tick leads to, m/s."""
         self._expected = rate
+
+
+def lasting_rate(state: GaitState) -> complex:
+    """Return the rate at which a push moves the DCM, without noise and settling, m/s."""
+    rate = state.disturbance
+    size = abs(rate)
+    return (1.0 - _NO_PUSH / size) * rate if size > _NO_PUSH else 0j
+
+
+def dcm_ahead(state: GaitState, time: float) -> complex:
+    """Return where a push that lasts on for a time (s) will have moved the DCM, a ground point, m.
+
+    The motion `ω (ξ − p)` of the pendulum itself is not in it.
+    """
+    return state.dcm + time * lasting_rate(state)

@@ -10,6 +10,7 @@ from wbc.gait.footsteps import lateral_sign, other_side
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
 from wbc.walking.stabilizer.cross_over import CrossOver
+from wbc.walking.stabilizer.disturbance import dcm_ahead, lasting_rate
 from wbc.walking.stabilizer.step_adjustment import footstep_adjustment, uncaught_dcm_error
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
@@ -19,8 +20,8 @@ _OUT_OF_REACH = 0.05  # share of the CoM height by which a landing place has to 
 _WITHIN_REACH = 0.01, 0.03  # m, the same of a step of the normal gait: to return to it, to stay
 _LEAST_ERROR = 0.05  # m of DCM error that shorten a transfer or make a robot step, at least
 _USED_SUPPORT = 0.5  # share of the way to the support's edge that the DCM may go while standing
-_LOOKAHEAD = 0.07  # s for which a push is taken to last on, of a robot on both feet
-_NO_PUSH = 0.5  # m/s by which noise and settling seem to move the DCM
+_LOOKAHEAD = 0.07  # s for which a push is taken to last on, of a robot that has to choose a side
+_SWING_LOOKAHEAD = 0.05  # s, the same of a robot whose swing foot goes on to another place
 _USED_SOLE = 0.9  # the same on one leg
 _HOLD = 0.01  # s by which a transfer is prolonged at a time
 _LONGEST_HOLD = 1.0  # s
@@ -77,7 +78,9 @@ class PushRecovery:
         quick, usual = state.recovery_gait, state.duration
         undisturbed = not (state.shortened or state.recovering)
         if undisturbed:
-            shift = uncaught_dcm_error(state, planned, ankles)
+            # Not in quick steps: what moves the DCM there is mostly the motion of legs and trunk.
+            ahead = dcm_ahead(state, min(_SWING_LOOKAHEAD, state.remaining))
+            shift = uncaught_dcm_error(state, planned, ankles, ahead)
             least = _OUT_OF_REACH * state.gait.com_height
             if shift == 0j or self._missed(state, shift) <= least:
                 return planned, shift
@@ -114,7 +117,7 @@ class PushRecovery:
             shift: by how much the landing place has to move, in the support sole's axes, m.
         """
         stance, gait = state.stance, state.gait
-        rate = _lasting_rate(state) * planar_rotation(-stance.yaw)
+        rate = lasting_rate(state) * planar_rotation(-stance.yaw)
         ahead = min(_LOOKAHEAD, state.remaining) * math.exp(gait.omega * state.remaining)
         wanted = stance.to_local(self._moved(state, shift)) + ahead * rate
         state.crossing = self._cross_over.side(state, wanted)
@@ -219,7 +222,7 @@ class PushRecovery:
         # A motion may bring the planned ZMP itself to the edge: small errors are the ankles'. On
         # one leg, where the sole's edge is as near, those that the ankle can still catch are.
         least, share = (0.0, _USED_SOLE) if lifted else (_LEAST_ERROR, _USED_SUPPORT)
-        dcm = state.dcm if lifted else _dcm_ahead(state)
+        dcm = state.dcm if lifted else dcm_ahead(state, _LOOKAHEAD)
         if abs(dcm - planned.dcm) <= least:
             return
         error = (dcm - planned.dcm) * planar_rotation(-state.stance.yaw)
@@ -290,7 +293,7 @@ class PushRecovery:
         swing, transfer = (
             math.exp(quick.omega * t) for t in (quick.single_support, quick.double_support)
         )
-        dcm = stance.to_local(_dcm_ahead(state)).imag
+        dcm = stance.to_local(dcm_ahead(state, _LOOKAHEAD)).imag
         foot = stance.to_local(state.feet.of(other_side(side)).point).imag
         other = stance.to_local(state.feet.of(side).point).imag
         zmp = max(min(foot, other) - half_width, min(max(foot, other) + half_width, dcm))
@@ -304,15 +307,3 @@ class PushRecovery:
             foot += sign * max(quick.least_width, min(widest, sign * (dcm - foot)))
             side = other_side(side)
         return abs(dcm - foot)
-
-
-def _dcm_ahead(state: GaitState) -> complex:
-    """Where a push that lasts on will have moved the DCM, a ground point, m."""
-    return state.dcm + _LOOKAHEAD * _lasting_rate(state)
-
-
-def _lasting_rate(state: GaitState) -> complex:
-    """The rate at which a push moves the DCM, without noise and settling, m/s."""
-    rate = state.disturbance
-    size = abs(rate)
-    return (1.0 - _NO_PUSH / size) * rate if size > _NO_PUSH else 0j

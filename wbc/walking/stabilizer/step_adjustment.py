@@ -39,16 +39,21 @@ def footstep_adjustment(
 
 
 def uncaught_dcm_error(
-    state: GaitState, planned: DcmReference, reach: tuple[float, float]
+    state: GaitState,
+    planned: DcmReference,
+    reach: tuple[float, float],
+    dcm: complex | None = None,
 ) -> complex:
-    """`footstep_adjustment` of the present DCM error at the end of the phase, m.
+    """`footstep_adjustment` of a DCM error at the end of the phase, m.
 
     Args:
         state: phase, feet and DCM.
         planned: DCM without any adjustment.
         reach: how far the ZMP may move from its plan along the support sole and across it, m.
+        dcm: in place of the present one, m.
     """
-    error, omega, remaining = state.dcm - planned.dcm, state.gait.omega, state.remaining
+    dcm = state.dcm if dcm is None else dcm
+    error, omega, remaining = dcm - planned.dcm, state.gait.omega, state.remaining
     # Most errors are small. Since E ≥ 1 + ω t, the ankles take at least m ω t / (1 + ω t).
     growth = omega * remaining
     if abs(error) * (1.0 + growth) <= min(reach) * growth:
