@@ -7,8 +7,10 @@ import pytest
 from rostools import MessageCollector, PeerProcess, node, unused_domain
 
 from wbc.ros import QoSProfile
+from wbc.ros.bridge.catch_up import CatchUpPace
 from wbc.ros.qos import HIGH_RATE
 from wbc.runtime.rate_limiter import RateLimiter
+from wbc.runtime.stream import CAPACITY
 
 pytest.importorskip("cyclonedds")
 
@@ -32,6 +34,38 @@ def test_no_message_is_lost_at_500_hz(seconds):
         local_node.spin_until(lambda: len(received) >= number, 5.0 * seconds + 20.0)
         numbers = [int(m.position[0]) for m in received.messages]
         assert numbers == list(range(number))
+
+
+def played(pace, max_rate, loop_rate, seconds, backlog):
+    """Yield time and number of ticks of each reading, and how many then wait."""
+    time, arrived, taken = 0.0, backlog, 0
+    while time < seconds:
+        waiting = int(arrived) - taken
+        count = min(pace.at_once(waiting, max_rate), waiting)
+        taken += count
+        yield time, count, waiting - count
+        wait = (pace.pause if waiting > count else pace.period)(max_rate)
+        time, arrived = time + wait, arrived + wait * loop_rate
+
+
+@pytest.mark.parametrize("held_up", [0.05, 0.2, 0.5])
+def test_a_subscription_that_keeps_ten_gets_all_that_a_node_held_up_has_missed(held_up):
+    """It takes what has come every 9 ms."""
+    kept, next_take = 0, 0.0
+    readings = list(played(CatchUpPace(0.002), RATE, RATE, 1.0, RATE * held_up))
+    for time, count, _ in readings:
+        if time >= next_take:
+            kept, next_take = 0, time + 0.009
+        kept += count
+        assert kept <= 10
+    assert readings[-1][2] <= 1
+
+
+@pytest.mark.parametrize("max_rate", [1.0, 50.0, 500.0])
+def test_a_node_keeps_up_with_a_loop_that_is_ten_times_faster_than_real_time(max_rate):
+    loop_rate = 10 * RATE
+    backlogs = [left for *_, left in played(CatchUpPace(0.002), max_rate, loop_rate, 5.0, 0)]
+    assert max(backlogs) < CAPACITY // 4
 
 
 def test_a_node_without_subscriptions_waits_instead_of_computing():

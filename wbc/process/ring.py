@@ -84,6 +84,11 @@ class RingReader:
         self._next = ring.published if first is None else first
         self.lost = 0
 
+    @property
+    def waiting(self) -> int:
+        """Number of records that `take` could return."""
+        return min(self._ring.published - self._next, self._ring.capacity)
+
     def take(self, most: int) -> np.ndarray:
         """Return copies of the next records, oldest first.
 

@@ -198,6 +198,11 @@ class TickReader:
         """Number of records that were overwritten before `take` returned them."""
         return self._lost_before + (self._every.lost if self._every is not None else 0)
 
+    @property
+    def waiting(self) -> int:
+        """Number of records of the present stream that `take` could return."""
+        return 0 if self._every is None else self._every.waiting
+
     def take(self, most: int) -> np.ndarray:
         """Return copies of the next records, oldest first, as a structured array, (n,).
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
+import time
 
+from wbc.ros.bridge.catch_up import CatchUpPace
 from wbc.ros.bridge.clock import PlantClock
 from wbc.ros.bridge.cmd_vel import CmdVel
 from wbc.ros.bridge.config import NodeConfig
@@ -27,8 +29,6 @@ from wbc.teleop import CommandClient
 
 logger = logging.getLogger(__name__)
 
-_MIN_READ_RATE = 100.0  # Hz at which new ticks are read
-_MAX_TICKS = 4096  # read at once
 _POLL_PERIOD = 0.02  # s between two polls of the command channel
 
 
@@ -43,7 +43,7 @@ class RobotNode:
 
     def __init__(self, node: Node, config: NodeConfig, reader: TickReader) -> None:
         robot = config.robot
-        self._reader = reader
+        self._reader, self._pace = reader, CatchUpPace(config.dt)
         self._latest: StampedTick | None = None
         self._client = client = CommandClient(robot, config.channel, "ros")
         client.start_planning()
@@ -67,7 +67,7 @@ class RobotNode:
         for name, value in config.parameters.items():
             node.set_parameter(name, value)
         node.create_timer(_POLL_PERIOD, self._poll_commands)
-        self._read_timer = node.create_timer(1.0 / _MIN_READ_RATE, self._read_ticks)
+        self._read_timer = node.create_timer(self._pace.period(0.0), self._read_ticks)
 
     def _poll_commands(self) -> None:
         """Send the motion that has been planned, and process the loop's acknowledgements."""
@@ -76,10 +76,13 @@ class RobotNode:
             self._play.on_acknowledgement(acknowledgement)
 
     def _read_ticks(self) -> None:
-        self._read_timer.period = 1.0 / max(2.0 * self._topics.max_rate, _MIN_READ_RATE)
-        records = self._reader.take(_MAX_TICKS)
+        max_rate, waiting = self._topics.max_rate, self._reader.waiting
+        self._read_timer.period = self._pace.period(max_rate)
+        records = self._reader.take(self._pace.at_once(waiting, max_rate))
         if not len(records):
             return
+        if waiting > len(records):
+            self._read_timer.next_call = time.monotonic() + self._pace.pause(max_rate)
         self._topics.attach(self._reader.schema)
         for tick in StampedTick.from_records(records):
             self._on_tick(tick)
