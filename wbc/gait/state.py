@@ -86,7 +86,8 @@ class GaitState:
             as the imaginary part.
         lift_off_slope: that of the sole that left the ground last.
         requested_swing: side of the foot that has to step although nobody commands a step,
-            because the robot falls otherwise; None: no step is needed.
+            because the robot falls otherwise, or that steps although the weight moves to it; None:
+            no step is needed.
     """
 
     gait: GaitParameters

@@ -97,7 +97,11 @@ class GaitStateMachine:
                 share = _FIRST_TRANSFER if state.pushed_at_rest else 1.0
                 self._enter(Phase.TRANSFER, share * state.gait.first_transfer)
         elif state.phase is Phase.TRANSFER:
-            if state.time >= state.duration:
+            if state.requested_swing == state.support and not command.footsteps:
+                # The weight goes back to the foot that it comes from.
+                state.support, state.requested_swing = state.swing_side, None
+                self._enter(Phase.TRANSFER, state.recovery_gait.double_support)
+            elif state.time >= state.duration:
                 if state.stopping:
                     self._enter(Phase.STAND, 0.0)
                 else:

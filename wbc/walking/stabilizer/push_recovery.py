@@ -12,6 +12,7 @@ from wbc.robot import Robot
 from wbc.walking.stabilizer.cross_over import CrossOver
 from wbc.walking.stabilizer.disturbance import dcm_ahead, lasting_rate
 from wbc.walking.stabilizer.step_adjustment import footstep_adjustment, uncaught_dcm_error
+from wbc.walking.stabilizer.support_choice import has_to_return
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 _LEAST_REMAINING = 0.1  # s that a shortened swing has left, at least
@@ -39,7 +40,8 @@ class PushRecovery:
     phase, and whether the next footstep can make up for it. If not,
 
     - a swing is shortened, and lands where it catches most;
-    - a transfer is shortened, that of a quick step prolonged as long as both feet catch the DCM;
+    - a transfer is shortened, or the weight goes back to the foot that it comes from;
+    - the transfer of a quick step is prolonged as long as both feet catch the DCM;
     - a robot that stands steps with the foot that catches more, or with the one it holds up.
 
     The steps that follow are planned with the recovery gait, until a swing can end so that the
@@ -155,15 +157,16 @@ class PushRecovery:
     ) -> DcmReference:
         """Shorten the transfer if no ZMP within the support catches the DCM; see `update_swing`.
 
-        That of a quick step is prolonged while both feet together catch the DCM.
+        The foot to which the weight moves steps instead if the other one carries the robot better.
+        The transfer of a quick step is prolonged while both feet together catch the DCM.
 
         Args:
-            state: whose `gait` and `duration` it sets.
+            state: whose `gait`, `duration` and `requested_swing` it sets.
             planned: DCM and ZMP without any adjustment.
             reference: see `update_swing`.
             ankles: see `update_swing`.
         """
-        quick = state.recovery_gait
+        quick, state.requested_swing = state.recovery_gait, None
         if state.recovering and not state.starting:
             return self._update_recovery_transfer(state, planned, reference, ankles)
         if quick is state.gait or abs(state.dcm - planned.dcm) <= _LEAST_ERROR or state.on_stairs:
@@ -172,6 +175,8 @@ class PushRecovery:
         reach = self._zmp_range(state, planned, 0.5)
         if uncaught_dcm_error(state, planned, reach) == 0j:
             return planned
+        if not state.starting and has_to_return(state, self._support):
+            state.requested_swing = state.support
         state.gait, state.shortened = quick, True
         state.duration = min(state.duration, max(quick.double_support, state.time))
         return reference(None)
