@@ -32,6 +32,7 @@ from wbc.trials import Scenario, circle, forward, run_scenario, sideways, stop_a
 SCENARIOS: dict[str, list[Scenario]] = {
     "talos": [
         forward(10.0, 0.53, min_cruise_speed=0.5),
+        forward(10.0, 0.95, min_cruise_speed=0.9),
         sideways(2.0, 0.15),
         turn(180.0, 0.3),
         circle(1.0, 0.25),
@@ -40,17 +41,23 @@ SCENARIOS: dict[str, list[Scenario]] = {
     ],
     "g1": [
         forward(10.0, 0.39, min_cruise_speed=0.35),
+        forward(10.0, 0.89, min_cruise_speed=0.85),
         turn(90.0, 0.3),
         sideways(1.0, 0.1),
         stop_and_stand(0.35),
     ],
     "simple_humanoid": [
         forward(10.0, 0.43, min_cruise_speed=0.4),
+        forward(10.0, 0.8, min_cruise_speed=0.76),
         turn(90.0, 0.3),
         sideways(1.0, 0.1),
         stop_and_stand(0.4),
     ],
-    "romeo": [forward(10.0, 0.22, min_cruise_speed=0.2), stop_and_stand(0.2)],
+    "romeo": [
+        forward(10.0, 0.22, min_cruise_speed=0.2),
+        forward(10.0, 0.3, min_cruise_speed=0.28),
+        stop_and_stand(0.2),
+    ],
 }
 
 

@@ -1,4 +1,4 @@
-"""Angular momentum of a leg that swings."""
+"""Angular momentum of limbs that swing."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.robot import Robot
+from wbc.robot.upper_body import UpperBody
 
 
 def swing_momentum(robot: Robot) -> np.ndarray:
@@ -32,3 +33,20 @@ def swing_momentum(robot: Robot) -> np.ndarray:
     wanted = np.eye(15)[:, :2]
     motion = np.linalg.lstsq(constraints, wanted, rcond=None)[0]
     return np.asarray(data.Ag[3:, moving] @ motion)
+
+
+def arm_yaw_momentum(robot: Robot) -> float:
+    """Angular momentum about the vertical per velocity of the arms' joints, kg·m²/s per rad/s.
+
+    In the nominal posture, with both arms swinging against each other, each joint at the same
+    speed: `Σ |A_zj|` with the centroidal momentum matrix A (Orin, Goswami and Lee, Centroidal
+    dynamics of a humanoid robot, Autonomous Robots 2013). 0 without arms.
+
+    Args:
+        robot: the robot.
+    """
+    model, q = robot.model, robot.standing().q
+    data = model.createData()
+    pin.ccrba(model, data, q, np.zeros(model.nv))
+    joints = [6 + index for arm in UpperBody.of(robot).arms for index in arm.joints]
+    return float(np.abs(data.Ag[5, joints]).sum())

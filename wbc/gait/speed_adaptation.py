@@ -12,13 +12,16 @@ from wbc.gait.leg_workspace import LegWorkspace
 if TYPE_CHECKING:  # which has the limits that are found with this module
     from wbc.gait.parameters import GaitParameters
 
-FASTEST = 1.5  # x of the fastest walk: faster ones have not been shown to be reliable
+FASTEST = 2.0  # x of the fastest walk: faster ones have not been shown to be reliable
 
 _CADENCE = 0.6  # exponent of the speed with which steps become shorter in time
 _DOUBLE_SUPPORT = 2.0  # the same of the double support
 _GRID = 40  # speeds per usual speed: the parameters stay while the speed hardly changes
 _RESERVE = 1.15  # longest step over the one that the speed asks for
 _RAMP = 0.25  # change of x per usual step where x is above 1
+_FAST = 0.25  # change of x from usual to fast walking
+_FEEDBACK = 0.3  # share of a step's error of the speed that the next ones make up for
+_MOST_FEEDBACK = 0.1  # share of the speed that this may come to
 
 
 class SpeedAdaptation:
@@ -34,7 +37,9 @@ class SpeedAdaptation:
     speed are the speeds of the swing leg's joints. The natural frequency is that of the height at
     which the legs reach the footholds.
 
-    The speed goes beyond v₁, and comes back from there, step by step.
+    The speed goes beyond v₁, and comes back from there, step by step. There a swing leg takes the
+    knees and hips to what they can do, and each step ends with the DCM ahead of its plan, which
+    makes the step longer. The integral of the error of the speed, step by step, takes that back.
 
     Args:
         gait: parameters of the gait at usual speeds.
@@ -49,6 +54,9 @@ class SpeedAdaptation:
         self.gait = gait
         self.velocity = Velocity()
         self._workspace = workspace
+        self._commanded = Velocity()
+        self._correction = 0.0  # of the forward velocity, m/s
+        self._has_arrived = True  # at the wanted velocity, corrected
         self._index = 0
         self._adapted = gait
 
@@ -72,16 +80,40 @@ class SpeedAdaptation:
         self._index = 0
         return self.at(self.velocity)
 
+    def fast_share(self, velocity: Velocity) -> float:
+        """0 up to the speed v₁ of the longest usual step, 1 from 1.25 times that on."""
+        gait = self.gait
+        x = abs(velocity.forward) * gait.step_duration / gait.max_step
+        return min(max((x - 1.0) / _FAST, 0.0), 1.0)
+
+    def observe_step(self, length: float, duration: float) -> None:
+        """Take in a completed step.
+
+        Args:
+            length: distance forward between both feet, m.
+            duration: time since the touchdown before, s.
+        """
+        wanted = self._commanded
+        if not self._has_arrived:
+            return
+        if self.fast_share(wanted) == 0.0:
+            self._correction = 0.0
+            return
+        most = _MOST_FEEDBACK * abs(wanted.forward)
+        correction = self._correction + _FEEDBACK * (wanted.forward - length / duration)
+        self._correction = max(-most, min(most, correction))
+
     def ramp(self, wanted: Velocity, dt: float, *, walking: bool) -> Velocity:
-        """Lead the velocity towards the wanted one, and return it.
+        """Lead the velocity towards the wanted one, corrected by the speed's error; return it.
 
         Args:
             wanted: commanded velocity.
             dt: time since the last tick, s.
             walking: whether the robot walks; standing, it has no speed yet.
         """
-        if self.velocity is wanted:
+        if self.velocity is wanted and self._correction == 0.0:
             return wanted
+        self._commanded = wanted
         gait = self.gait
         usual = gait.max_step / gait.step_duration
         now = self.velocity.forward if walking else 0.0
@@ -89,7 +121,12 @@ class SpeedAdaptation:
         # Within the usual speeds it changes at once.
         least = now - change if now > usual else -max(usual, change - now)
         most = now + change if now < -usual else max(usual, now + change)
-        forward = max(least, min(most, wanted.forward))
+        corrected = wanted.forward
+        if abs(corrected) > usual:
+            most_forward, most_backward = gait.max_velocity.forward, gait.max_velocity.backward
+            corrected = max(-most_backward, min(most_forward, corrected + self._correction))
+        forward = max(least, min(most, corrected))
+        self._has_arrived = forward == corrected
         if forward == wanted.forward:
             self.velocity = wanted
         else:

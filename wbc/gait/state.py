@@ -80,6 +80,8 @@ class GaitState:
         swing: reference of the foot in the air; None when both stand.
         landing: placement at which the swing foot lands, with the stabilizer's adjustment.
         steps: number of touchdowns so far.
+        fast_share: 0 up to the speed of the longest usual step, 1 when the robot walks fast, see
+            `SpeedAdaptation.fast_share`.
         on_stairs: the given footsteps lead over stairs, so that no other foothold may be chosen and
             no quick step be made.
         ground_slope: estimated slope of the ground: its rise per metre along world x, and along y
@@ -112,6 +114,7 @@ class GaitState:
     swing: SwingFoot | LiftedFoot | None = None
     landing: Placement = _ORIGIN
     steps: int = 0
+    fast_share: float = 0.0
     on_stairs: bool = False
     ground_slope: complex = 0j
     lift_off_slope: complex = 0j

@@ -54,6 +54,7 @@ class GaitStateMachine:
         adaptation: SpeedAdaptation | None = None,
     ) -> None:
         self._adaptation = adaptation
+        self._since_touchdown = 0.0  # s
         self.state = GaitState(gait, feet, recovery_gait or gait)
         self.step_length = 0.0
         self._planner = planner
@@ -74,13 +75,16 @@ class GaitStateMachine:
         """
         state, planner, adaptation = self.state, self._planner, self._adaptation
         if adaptation is not None:
-            walking = state.phase is not Phase.STAND
+            # The first step out of standing is not faster than the usual ones.
+            walking = not (state.phase is Phase.STAND or state.starting)
             velocity = adaptation.ramp(command.velocity, dt, walking=walking)
+            state.fast_share = adaptation.fast_share(velocity)
             if velocity is not command.velocity:
                 command = GaitCommand(velocity, command.footsteps)
         lifted = state.lifted
         state.feet = feet
         state.time += dt
+        self._since_touchdown += dt
         state.on_stairs = _leads_over_stairs(state, lifted, command.footsteps)
         asked = state.requested_swing if state.may_choose_side else None
         if command.footsteps and asked == state.support:
@@ -236,6 +240,10 @@ class GaitStateMachine:
     def _touch_down(self, command: GaitCommand) -> None:
         state = self.state
         state.steps += 1
+        if self._adaptation is not None and not (state.starting or state.shortened):
+            length = state.stance.to_local(state.other_foot.point).real
+            self._adaptation.observe_step(length, self._since_touchdown)
+        self._since_touchdown = 0.0
         state.pushed_at_rest = state.steps_out
         side = self._planner.next_swing(state, command)
         self._adapt_to_speed(command)

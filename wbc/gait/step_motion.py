@@ -10,15 +10,13 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.gait.footsteps import SIDES, Velocity, next_footstep, other_side
-from wbc.gait.kernels.swing import LIFT
-from wbc.gait.leg_momentum import swing_momentum
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.speed_adaptation import FASTEST, SpeedAdaptation
 from wbc.gait.swing_foot import SwingFoot
 from wbc.gait.velocity_limits import VelocityLimits
+from wbc.gait.yaw_moment import YawMoment
 from wbc.geometry.planar import Placement, planar_rotation, rotation_about_z
 from wbc.robot import Robot
-from wbc.robot.posture import has_soles
 from wbc.robot.statics import smallest_wrenches
 from wbc.robot.topology import reduced_model
 
@@ -40,9 +38,6 @@ _POSITION_SLACK, _SPEED_SLACK = 0.02, 0.1  # rad, share of the speed limit
 _BISECTIONS = 6
 _BACKWARD = 0.75  # share of what the joints allow: the supporting knee bears more than forward
 _CENTRING = 3  # times that the base moves until the CoM is where it should be
-_FRICTION = 0.4  # of the ground
-_GRIP = 0.45  # share of the friction's moment about the vertical for the swing leg
-_PEAK = 10.0 / math.sqrt(3.0)  # peak acceleration of a quintic over distance / duration²
 
 
 class StepMotion:
@@ -91,21 +86,21 @@ class StepMotion:
         self._base = q[:3] - np.array([com[0], com[1], ground])
         self._base_rotation = pin.Quaternion(q[3:7]).matrix()
         self._com_height = robot.com_height
-        # Moment about the vertical over the weight, m: what the swing foot's acceleration needs
-        # for each m/s², and what the sole transmits without slipping.
-        self._yaw_ratio = abs(float(swing_momentum(robot)[2, 0])) / robot.weight
-        self._grip = _GRIP * _FRICTION * min(s.half_length + s.half_width for s in robot.soles)
-        if not has_soles(
-            robot.soles
-        ):  # a point turns whatever the step, and the next turns it back
-            self._grip = math.inf
+        self._yaw_moment = YawMoment(robot)
 
-    def excess(self, gait: GaitParameters, velocity: Velocity) -> np.ndarray:
+    def excess(
+        self, gait: GaitParameters, velocity: Velocity, *, swings_arms: bool = False
+    ) -> np.ndarray:
         """By how much each joint is beyond its range (rad) or its speed (share); ≤ 0: within.
+
+        Args:
+            gait: its timing, width and height.
+            velocity: of the walk.
+            swings_arms: whether the arms swing against the legs, as in fast walking.
 
         Returns:
             (2 joints + 1,): positions, speeds, and the moment about the vertical that the swing
-            leg needs beyond what the support sole transmits, over the weight, m.
+            leg needs beyond what arms and support sole have for it, N·m.
         """
         play = np.where(self._ankles, -_TILT, _MARGIN)
         dt = gait.single_support / _SAMPLES
@@ -116,9 +111,9 @@ class StepMotion:
             position = np.maximum(self._q_min - q, q - self._q_max).max(axis=0) + play
             speed = (np.abs(np.diff(q, axis=0)) / (dt * self._v_max)).max(axis=0) - _SPEED
             worst = np.maximum(worst, np.concatenate([position, speed]))
-        distance = 2.0 * abs(velocity.forward) * gait.step_duration
-        peak = _PEAK * distance / ((1.0 - LIFT) * gait.single_support) ** 2
-        return np.append(worst, self._yaw_ratio * peak - self._grip)
+        length = velocity.forward * gait.step_duration
+        period = gait.step_duration if swings_arms else math.inf
+        return np.append(worst, self._yaw_moment.excess(length, gait.single_support, period))
 
     def angles(self, gait: GaitParameters, velocity: Velocity) -> Iterator[np.ndarray]:
         """Return the (samples, joints) angles of both legs in each swing of a cycle, rad.
@@ -279,7 +274,9 @@ def find_velocity_limits(
             scaled = Velocity(
                 share * direction.forward, share * direction.left, share * direction.turn
             )
-            if np.all(motion.excess(adaptation.at(scaled), scaled) <= allowed):
+            fast = adaptation.fast_share(scaled) > 0.0
+            excess = motion.excess(adaptation.at(scaled), scaled, swings_arms=fast)
+            if np.all(excess <= allowed):
                 low = share
                 if share == 1.0:
                     break
@@ -288,8 +285,11 @@ def find_velocity_limits(
             share = 0.5 * (low + high)
         return max(low, 0.5 ** (_BISECTIONS + 1))
 
+    forward = reach.forward * largest(Velocity(forward=reach.forward))
+    if forward == reach.forward:
+        forward *= FASTEST * largest(Velocity(forward=FASTEST * reach.forward))
     return VelocityLimits(
-        FASTEST * reach.forward * largest(Velocity(forward=FASTEST * reach.forward)),
+        forward,
         _BACKWARD * reach.backward * largest(Velocity(forward=-reach.backward)),
         reach.left * largest(Velocity(left=reach.left)),
         reach.turn * largest(Velocity(turn=reach.turn)),

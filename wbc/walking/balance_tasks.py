@@ -6,7 +6,9 @@ import numpy as np
 
 from wbc.controller import WholeBodyController
 from wbc.gait import GaitState, Phase
+from wbc.gait.leg_momentum import arm_yaw_momentum
 from wbc.gait.leg_workspace import LegWorkspace
+from wbc.gait.yaw_moment import YawMoment
 from wbc.geometry.planar import wrap_angle
 from wbc.kinematics import Kinematics
 from wbc.tasks import AngularMomentumTask, ComTask, PostureTask, Task
@@ -58,6 +60,11 @@ class BalanceTasks:
         weights[list(workspace.knees)] = gains.knee_posture_weight
         self.posture = controller.add(PostureTask(robot, weight=weights, kp=gains.posture_kp))
         self._momentum = controller.add(AngularMomentumTask(weight=gains.momentum_weight))
+        self._yaw_moment = YawMoment(robot)
+        # The weight counts for the arms' joints, whatever the arms' size.
+        arms = arm_yaw_momentum(robot)
+        self._yaw_weight = gains.yaw_momentum_weight / arms**2 if arms > 0.0 else 0.0
+        self._arm_share = 0.0
         self.height = HeightReference(workspace, gains.ground_time)
 
     @property
@@ -93,10 +100,23 @@ class BalanceTasks:
             com.acceleration[2] = offset.com_acceleration[2]
         self._com_target[2] = height
         com.target = self._com_target
+        share = 0.0
+        if state.fast_share > 0.0:
+            share = self._yaw_moment.beyond_sole(step_length, state.normal_gait.single_support)
+        if share != self._arm_share:
+            self._swing_arms(share)
         swing = state.swing
         catches = state.phase is Phase.SWING and state.steps_out
         self._trunk.set_yielding(catches)
         self._trunk.update(heading, 0.0 if swing is None else 0.5 * swing.yaw_rate, offset)
+
+    def _swing_arms(self, share: float) -> None:
+        """Have the arms swing against the legs, for a share of the moment that the sole lacks."""
+        change = share - self._arm_share
+        self._arm_share = share
+        weight = self._momentum.weight.copy()
+        weight[2] = max(weight[2] + change * self._yaw_weight, 0.0)
+        self._momentum.weight = weight
 
 
 def mean_heading(state: GaitState) -> float:

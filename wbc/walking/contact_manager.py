@@ -16,6 +16,8 @@ from wbc.walking.hand_contacts import HandContacts
 from wbc.walking.swing_task import SwingTask
 
 _HIGH = 0.03  # m, height above which a lifted foot need not be flat
+_FREE = 0.01  # share of the weight of the flatness in the first half of a fast swing
+_FLAT_FROM, _FLAT_AT = 0.5, 0.8  # share of the swing from which, and at which, it is whole again
 _LOOSE = 0.1  # square root of the share of the weight that its flatness keeps
 
 
@@ -51,6 +53,8 @@ class ContactManager:
         self._swing_tasks: dict[str, SwingTask] = {}
         self._soles: dict[str, Sole] = {sole.side: sole for sole in robot.soles}
         self._tracking: SwingTask | None = None
+        self._has_soles = has_soles(robot.soles)
+        self._loose = False  # the weight of a swing task is not the usual one
         for sole, leg in zip(robot.soles, robot.legs, strict=True):
             contact = _contact(sole, gains)
             contact.bind(robot)
@@ -105,9 +109,27 @@ class ContactManager:
             return
         if isinstance(swing, LiftedFoot):
             wanted.weight = self._held_weight(float(swing.offset[2]))
-        elif isinstance(wanted.foot, LiftedFoot):
-            wanted.weight = _swing_weight(self._soles[state.swing_side], self._gains)
+            self._loose = True
+        elif state.fast_share > 0.0 and self._has_soles:
+            wanted.weight = self._fast_weight(state)
+            self._loose = True
+        elif self._loose:
+            for side, task in self._swing_tasks.items():
+                task.weight = _swing_weight(self._soles[side], self._gains)
+            self._loose = False
         wanted.foot = swing
+
+    def _fast_weight(self, state: GaitState) -> np.ndarray:
+        """Return the (6,) task weight of a foot in a swing of fast walking.
+
+        The shank of a leg that is thrown ahead leans farther than the ankle bends: kept flat, the
+        foot would take from the trunk and from the CoM what the ankle lacks.
+        """
+        s = (state.progress - _FLAT_FROM) / (_FLAT_AT - _FLAT_FROM)
+        free = state.fast_share * (1.0 - min(max(s, 0.0), 1.0))
+        weight = np.full(6, self._gains.swing_weight)
+        weight[3:5] *= _FREE**free
+        return weight
 
     def _held_weight(self, height: float) -> np.ndarray:
         """Return the (6,) task weight of a foot that is held up at a height, m.

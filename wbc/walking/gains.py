@@ -31,6 +31,9 @@ class WalkerGains:
             lift its foot by bending the knee or by hiking the hip, and only this tells it which.
         posture_kp: 1/s².
         momentum_weight: weight of the angular momentum.
+        yaw_momentum_weight: weight of the angular momentum about the vertical, over the square of
+            what the arms' joints make of it (see `arm_yaw_momentum`), s². It counts as far as the
+            sole does not transmit the moment that a fast swing leg needs: then the arms swing.
         second_contact_weight: weight of the less important foot's motion in double support.
         friction: Coulomb coefficient that the QP counts on.
         sole_margin: width that the QP leaves unused at the soles' edges, m.
@@ -53,6 +56,7 @@ class WalkerGains:
     knee_posture_weight: float = 0.5
     posture_kp: float = 60.0
     momentum_weight: float = 0.001
+    yaw_momentum_weight: float = 100.0
     second_contact_weight: float = 3000.0
     friction: float = 0.6
     sole_margin: float = 0.005
