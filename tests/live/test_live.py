@@ -8,6 +8,7 @@ import queue
 import re
 import signal
 import threading
+import tempfile
 import time
 import urllib.error
 import urllib.request
@@ -589,8 +590,12 @@ def test_addresses_of_this_machine_are_accepted(host):
 
 
 def test_the_run_continues_and_warns_once_when_the_pages_process_dies(
-    live, handler, monkeypatch, caplog
+    handler, monkeypatch, caplog, tmp_path
 ):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    live = page_of(handler)
+    assert len(list(tmp_path.rglob("saved-*"))) == 1
     monkeypatch.setattr("wbc.teleop.command_handler.Clock.wait", lambda clock: None)
     monkeypatch.setattr("wbc.process.child._CHECK_PERIOD", 0.0)
 
@@ -604,6 +609,8 @@ def test_the_run_continues_and_warns_once_when_the_pages_process_dies(
     assert report.survived
     assert report.duration_s == pytest.approx(0.198)
     assert [record.message.count("the live page") for record in caplog.records] == [1]
+    live.close()
+    assert list(tmp_path.iterdir()) == []  # what it had saved for pages is gone, too
 
 
 def test_closed_pages_leave_no_resources_open(lasting, take):

@@ -19,7 +19,7 @@ class LiveServerConfig(ViewerConfig):
         token: What the address of the page must contain; empty for nothing.
         dt: Control period, s.
         events: File descriptor of the queue of events.
-        uploads: Folder for the files that pages send.
+        uploads: Folder for the files that pages send, and that are saved for them.
         notice: What the pages show at first; empty for nothing.
     """
 

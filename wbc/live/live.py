@@ -51,7 +51,8 @@ class Live(ProcessObserver):
         token: What the address of the page must contain, so that nobody else drives the robot;
             by default random where others could reach the page, over the network or as users of
             this machine, and empty elsewhere.
-        uploads: Folder for the files that pages send; by default one that is removed at the end.
+        uploads: Folder for the files that pages send, and that are saved for them; by default one
+            that is removed at the end.
         notice: What the pages show at first; empty for nothing.
 
     Attributes:

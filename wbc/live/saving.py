@@ -90,10 +90,12 @@ class SavedFiles:
 
     Args:
         name: Name of the robot, with which the names of the files begin.
+        folder: Folder of the run, in which that of the files is: it is removed with it if this
+            process is killed.
     """
 
-    def __init__(self, name: str) -> None:
-        self._folder = tempfile.TemporaryDirectory(prefix="wbc-")
+    def __init__(self, name: str, folder: Path) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix="saved-", dir=folder)
         self._name = name
         self._tokens: list[str] = []
         self._busy = False

@@ -143,7 +143,7 @@ class LiveServer(SceneServer):
         super().__init__(config)
         self._host, self._token = config.host, config.token
         self._history = History(config.robot, config.dt)
-        self._files = SavedFiles(config.robot.name)
+        self._files = SavedFiles(config.robot.name, config.uploads)
         self._uploads = Uploads(config.uploads)
         self._broker = RequestBroker(config, self.reader, self._history, self._files, self._uploads)
 

@@ -33,7 +33,7 @@ class Uploads:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        taken = [int(path.name) for path in folder.iterdir() if path.name.isdecimal()]
+        taken = [int(path.name) for path in self._sent]
         self._numbers = itertools.count(1 + max(taken, default=0))
 
     @property
@@ -83,11 +83,16 @@ class Uploads:
             raise CommandRefused(f"{found[0].name} is xacro: expand it to a URDF first")
         return found[0].name
 
+    @property
+    def _sent(self) -> list[Path]:
+        """The folders of what was sent, in the order in which it came."""
+        folders = [path for path in self._folder.iterdir() if path.name.isdecimal()]
+        return sorted(folders, key=lambda path: int(path.name))
+
     def _files(self, suffixes: Sequence[str]) -> dict[str, Path]:
         """Return the paths by their names; later files take the place of earlier ones."""
-        sent = sorted(self._folder.iterdir(), key=lambda path: int(path.name))
         here = Path.cwd().glob("*")
-        paths = (*here, *(path for folder in sent for path in sorted(folder.rglob("*"))))
+        paths = (*here, *(path for folder in self._sent for path in sorted(folder.rglob("*"))))
         return {
             path.name: path
             for path in paths
