@@ -35,7 +35,7 @@ def _error_after_step(state: GaitState, side: str, support: SupportPolygon) -> f
     Linear inverted pendulum, `ξ(T) = p + (ξ − p) e^(ωT)`: the ZMP p is where it is nearest to the
     DCM on the support sole, and the other foot lands as near to the DCM as its leg reaches.
 
-    Only along the sole: after a push to the side both choices survive as many pushes.
+    Only along the sole: of four pushes of G1 to each side both choices survive one.
 
     Args:
         state: during a transfer between steps.
