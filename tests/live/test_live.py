@@ -7,8 +7,8 @@ import os
 import queue
 import re
 import signal
-import threading
 import tempfile
+import threading
 import time
 import urllib.error
 import urllib.request
