@@ -41,7 +41,7 @@ SCENARIOS: dict[str, list[Scenario]] = {
     ],
     "g1": [
         forward(10.0, 0.39, min_cruise_speed=0.35),
-        forward(10.0, 0.89, min_cruise_speed=0.85),
+        forward(10.0, 0.85, min_cruise_speed=0.81),
         turn(90.0, 0.3),
         sideways(1.0, 0.1),
         stop_and_stand(0.35),

@@ -12,7 +12,7 @@ from wbc.gait.leg_workspace import LegWorkspace
 if TYPE_CHECKING:  # which has the limits that are found with this module
     from wbc.gait.parameters import GaitParameters
 
-FASTEST = 2.0  # x of the fastest walk: faster ones have not been shown to be reliable
+FASTEST = 1.85  # x of the fastest walk: faster ones have not been shown to be reliable
 
 _CADENCE = 0.6  # exponent of the speed with which steps become shorter in time
 _DOUBLE_SUPPORT = 2.0  # the same of the double support

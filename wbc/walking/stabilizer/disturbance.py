@@ -6,6 +6,7 @@ from wbc.gait import GaitState
 
 _TIME_CONSTANT = 0.01  # s, of the low-pass filter
 _NO_PUSH = 0.5  # m/s by which noise and settling seem to move the DCM
+_FAST = 4.0  # times as much in fast walking, where limits keep the CoM from its reference
 
 
 class DisturbanceObserver:
@@ -52,8 +53,8 @@ class DisturbanceObserver:
 def lasting_rate(state: GaitState) -> complex:
     """Return the rate at which a push moves the DCM, without noise and settling, m/s."""
     rate = state.disturbance
-    size = abs(rate)
-    return (1.0 - _NO_PUSH / size) * rate if size > _NO_PUSH else 0j
+    size, least = abs(rate), _NO_PUSH * (1.0 + (_FAST - 1.0) * state.fast_share)
+    return (1.0 - least / size) * rate if size > least else 0j
 
 
 def dcm_ahead(state: GaitState, time: float) -> complex:
