@@ -172,7 +172,7 @@ def test_planner_survives_a_push_by_quick_steps_and_a_copy_does_the_same(name):
     estimator.reset(plant.ground_truth())
     walker.reset(plant.ground_truth())
     walker.velocity = (0.2, 0.0, 0.0)
-    plant.schedule_push(1.6, [0.0, 0.35 * robot.mass, 0.0])
+    plant.schedule_push(1.6, [0.0, 0.45 * robot.mass, 0.0])
     loop = (walker, plant, estimator)
 
     def run(walker, plant, estimator, ticks):

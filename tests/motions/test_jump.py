@@ -70,6 +70,7 @@ def test_interrupted_crouch_returns_to_standing_without_a_jump():
     assert report.flights == ()
 
 
+@pytest.mark.slow
 def test_jump_interrupted_in_flight_is_completed():
     report = interrupt_in(JumpPhase.FLIGHT)
     assert report.survived
@@ -77,6 +78,7 @@ def test_jump_interrupted_in_flight_is_completed():
     assert len(report.flights) == 1
 
 
+@pytest.mark.slow
 def test_push_in_flight_moves_the_landing_place_to_keep_balance():
     push = 0.03 * robot("simple_humanoid").mass  # N·s, forward
 

@@ -222,6 +222,7 @@ def test_take_off_bound_is_set_by_the_named_joint():
     assert max(gains.values()) > 0.0
 
 
+@pytest.mark.slow
 def test_jump_beyond_the_bound_is_refused_with_bound_and_limiting_joint():
     weak = limited("simple_humanoid", 0.4)
     with pytest.raises(JumpTooHigh, match=r"m/s at most.*knee.*ask for \d+ mm") as told:

@@ -104,6 +104,7 @@ def test_a_cart_is_pushed_with_the_force_that_is_asked_for(seed):
     assert np.mean(forces) == pytest.approx(20.0, abs=4.0)
 
 
+@pytest.mark.slow
 def test_what_an_arm_cannot_do_is_refused_before_it_starts():
     bot = robot("g1")
     with pytest.raises(

@@ -144,6 +144,7 @@ def test_fast_com_move_within_the_support_takes_the_time_it_needs(robot, place):
     assert report.survived, report.fell_why
 
 
+@pytest.mark.slow
 def test_foot_held_far_out_returns_before_it_is_put_down(robot):
     def script(context):
         yield from context.feet.lift("left", 0.15)
