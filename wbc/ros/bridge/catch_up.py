@@ -33,4 +33,4 @@ class CatchUpPace:
     def at_once(self, waiting: int, max_rate: float) -> int:
         """Return how many ticks to read at once if so many are waiting."""
         paced = max(round(_FACTOR * self.pause(max_rate) / self.dt), 1)
-        return paced if waiting <= _MAX_BACKLOG else max(paced, waiting // 4)
+        return paced if waiting <= _MAX_BACKLOG else waiting
