@@ -305,6 +305,7 @@ def test_diff_does_not_blame_the_estimators_for_a_dcm_of_the_controller(tmp_path
     assert "The runs are equal to within 1e-06 at all 20" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_diff_names_another_command_first(tmp_path, capsys):
     def log(path, value):
         humanoid = robot()

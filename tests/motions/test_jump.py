@@ -63,6 +63,7 @@ def interrupt_in(phase: JumpPhase) -> Report:
     return run_motions(robot("simple_humanoid"), [JUMP], seed=2, before_tick=interrupt)
 
 
+@pytest.mark.slow
 def test_interrupted_crouch_returns_to_standing_without_a_jump():
     report = interrupt_in(JumpPhase.CROUCH)
     assert report.survived

@@ -38,6 +38,7 @@ orders = st.lists(
 )
 
 
+@pytest.mark.slow
 @many
 @given(orders)
 def test_reference_and_its_derivatives_stay_continuous_under_random_targets(script):

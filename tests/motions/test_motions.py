@@ -115,6 +115,7 @@ def test_one_leg_lifts_holds_against_a_push_and_puts_down():
     assert pushed[0] == pytest.approx([0.0, -0.05, 0.0], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_hands_wave_above_the_shoulders_while_it_walks():
     one, above = robot("simple_humanoid"), []
 
