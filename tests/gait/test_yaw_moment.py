@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 import wbc
-from wbc.gait.leg_momentum import arm_yaw_momentum
+from wbc.gait.limb_momentum import arm_yaw_momentum
 from wbc.gait.yaw_moment import YawMoment
 from wbc.robot.upper_body import UpperBody
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from wbc.gait.kernels.swing import LIFT
-from wbc.gait.leg_momentum import arm_yaw_momentum, swing_momentum
+from wbc.gait.limb_momentum import arm_yaw_momentum, swing_momentum
 from wbc.robot import Robot
 from wbc.robot.posture import has_soles
 
@@ -24,6 +24,9 @@ class YawMoment:
 
     Args:
         robot: the robot.
+
+    Attributes:
+        arm_momentum: see `arm_yaw_momentum`, kg·m².
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -32,7 +35,8 @@ class YawMoment:
         if has_soles(robot.soles):
             size = min(s.half_length + s.half_width for s in robot.soles)
             self._grip = _GRIP * _FRICTION * size * robot.weight
-        self._arms = _ARM_SWING * arm_yaw_momentum(robot)
+        self.arm_momentum = arm_yaw_momentum(robot)
+        self._arms = _ARM_SWING * self.arm_momentum
 
     def beyond_sole(self, step_length: float, swing: float) -> float:
         """Return the share of the moment that the sole does not transmit, 0 to 1.

@@ -6,7 +6,6 @@ import numpy as np
 
 from wbc.controller import WholeBodyController
 from wbc.gait import GaitState, Phase
-from wbc.gait.leg_momentum import arm_yaw_momentum
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.yaw_moment import YawMoment
 from wbc.geometry.planar import wrap_angle
@@ -62,7 +61,7 @@ class BalanceTasks:
         self._momentum = controller.add(AngularMomentumTask(weight=gains.momentum_weight))
         self._yaw_moment = YawMoment(robot)
         # The weight counts for the arms' joints, whatever the arms' size.
-        arms = arm_yaw_momentum(robot)
+        arms = self._yaw_moment.arm_momentum
         self._yaw_weight = gains.yaw_momentum_weight / arms**2 if arms > 0.0 else 0.0
         self._arm_share = 0.0
         self.height = HeightReference(workspace, gains.ground_time)

@@ -127,9 +127,7 @@ class ContactManager:
         """
         s = (state.progress - _FLAT_FROM) / (_FLAT_AT - _FLAT_FROM)
         free = state.fast_share * (1.0 - min(max(s, 0.0), 1.0))
-        weight = np.full(6, self._gains.swing_weight)
-        weight[3:5] *= _FREE**free
-        return weight
+        return _tilting_weight(self._gains.swing_weight, _FREE**free)
 
     def _held_weight(self, height: float) -> np.ndarray:
         """Return the (6,) task weight of a foot that is held up at a height, m.
@@ -137,9 +135,7 @@ class ContactManager:
         High above the ground it need not be flat: an ankle at its limit would move the CoM.
         """
         flat = max(1.0 - height / _HIGH, _LOOSE)
-        weight = np.full(6, self._gains.swing_weight)
-        weight[3:5] *= flat * flat
-        return weight
+        return _tilting_weight(self._gains.swing_weight, flat * flat)
 
 
 def _contact(sole: Sole, gains: WalkerGains) -> Contact:
@@ -147,6 +143,13 @@ def _contact(sole: Sole, gains: WalkerGains) -> Contact:
     if has_soles((sole, sole)):
         return SurfaceContact.from_sole(sole, margin=gains.sole_margin, friction=gains.friction)
     return PointContact(sole.name, friction=gains.friction)
+
+
+def _tilting_weight(weight: float, flatness: float) -> np.ndarray:
+    """Return the (6,) weight of a foot in the air whose flatness keeps a share of it."""
+    weights = np.full(6, weight)
+    weights[3:5] *= flatness
+    return weights
 
 
 def _swing_weight(sole: Sole, gains: WalkerGains) -> float | np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from wbc.gait import DcmReference, GaitState, Phase, Planner, SwingFoot
 from wbc.gait.kernels.swing import LIFT
-from wbc.gait.leg_momentum import swing_momentum
+from wbc.gait.limb_momentum import swing_momentum
 from wbc.robot import Robot
 from wbc.walking.kernels.swing_momentum import swing_acceleration
 
