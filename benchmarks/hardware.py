@@ -28,12 +28,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 from shared.hardware_faults import Row, fault_rows
+from shared.machine_pauses import MachinePauses
 
 import wbc
 from wbc.estimation import LatencyCompensation
 from wbc.gait import VelocityLimits
 from wbc.geometry.planar import Placement
-from wbc.hardware import SafeHardware, UnitreeG1
+from wbc.hardware import HardwareError, SafeHardware, UnitreeG1
 from wbc.hardware.unitree.connect import connect
 from wbc.hardware.unitree.lockstep import Disturbance, LockstepTransport, undisturbed
 from wbc.hardware.unitree.stand_in import PERIOD, G1StandIn
@@ -217,12 +218,16 @@ def real_time(options: argparse.Namespace) -> list[Row]:
             try:
                 assert process.stdout is not None
                 process.stdout.readline()
-                rows.append(_real_time_row(player, seed, options.distance))
+                with MachinePauses() as pauses:
+                    rows.append(_real_time_row(player, seed, options.distance))
+            except HardwareError as refusal:
+                rows.append({"what": "start", "seed": seed, "survived": False, "end": str(refusal)})
             finally:
                 process.send_signal(signal.SIGINT)
                 process.communicate(timeout=30.0)
             simulated = json.loads(path.read_text())
             rows[-1]["robot_lateness_p99_us"] = round(simulated["lateness_p99_us"], 1)
+            rows[-1]["machine_pause_ms"] = round(1e3 * pauses.longest, 1)
             rows[-1]["robot_said"] = "; ".join(
                 f"{at:.1f} s {what}" for at, what in simulated["changes"]
             )

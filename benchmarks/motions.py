@@ -11,6 +11,7 @@ were rejected, is printed below the table. Every position counts.
 
     python benchmarks/motions.py                     # all robots, 5 seeds
     python benchmarks/motions.py --robot g1 --seeds 1 --motion squat
+    python benchmarks/motions.py --servos            # joints driven by servos, not by torques
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ from wbc.motions.squat import Squat
 from wbc.motions.sway import Sway
 from wbc.motions.wave import Wave
 from wbc.runtime.report import Report
+from wbc.sim import JointServos
 from wbc.trials import run_motions
 
 ROBOTS = ("talos", "g1", "simple_humanoid")
@@ -49,6 +51,7 @@ ONE_LEG_BOUND = {"talos": 6.0}  # mm
 CLEARANCE = 30.0  # mm
 MAY_REFUSE_JUMP = ("talos", "g1")  # their limits may rule out that jump
 WAVE_TIME = 8.0  # s
+SERVO_LATENCY = 0.002  # s
 REACHES = 40  # pairs of positions per seed
 MARKS = ("<!-- motions:begin -->", "<!-- motions:end -->")
 
@@ -161,12 +164,13 @@ ROWS = (
 )
 
 
-def trial(job: tuple[str, int, int]) -> tuple[str, int, int, Report | str]:
+def trial(job: tuple[str, int, int, bool]) -> tuple[str, int, int, Report | str]:
     """Run one trial; return its report, or the error message if the motion is refused."""
-    name, index, seed = job
+    name, index, seed, with_servos = job
     robot = wbc.load(name)
+    actuation = {"servos": JointServos(), "latency": SERVO_LATENCY} if with_servos else {}
     try:
-        report = run_motions(robot, ROWS[index].motions(name, seed), seed)
+        report = run_motions(robot, ROWS[index].motions(name, seed), seed, **actuation)
     except MotionError as refusal:
         return name, index, seed, str(refusal)
     return name, index, seed, report
@@ -183,13 +187,18 @@ def main() -> int:
     )
     parser.add_argument("--motion", default="", help="only rows whose name contains this")
     parser.add_argument("--seeds", type=int, default=5, help="runs per cell (default: %(default)s)")
+    parser.add_argument(
+        "--servos",
+        action="store_true",
+        help="joints are servos with soft gains, 2 ms of delay, friction and a backlash of 0.5°",
+    )
     parser.add_argument("--jobs", type=int, default=1, help="processes (default: %(default)s)")
     parser.add_argument("--json", type=Path, help="write all reports here")
     parser.add_argument("--readme", type=Path, help="update the table in this file")
     args = parser.parse_args()
     robots = args.robot or ROBOTS
     jobs = [
-        (name, index, seed)
+        (name, index, seed, args.servos)
         for index, row in enumerate(ROWS)
         if args.motion in row.name
         for name in robots

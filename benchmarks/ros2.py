@@ -7,6 +7,8 @@
   500 Hz, with the robot's node publishing everything.
 - latency: latency from the stamp in one process to the callback in another, and loss, of joint
   states at 500 Hz on the loopback interface.
+- history: joint states at 500 Hz of a robot that stands in real time (`wbc ros2 walk --rate 500`)
+  that a subscriber does not get which keeps the last 10, as is usual in ROS 2.
 """
 
 from __future__ import annotations
@@ -37,6 +39,7 @@ from wbc.topics.link_transforms import LinkPoses, links
 Measurement = dict[str, float | str]
 JOINTS = 32
 RATE = 500.0
+KEPT = (10, 10, 10, 100)  #: depths of the subscribers to a robot's joint states
 
 
 def joint_state() -> Any:
@@ -191,6 +194,38 @@ def latency(domain: int, seconds: float) -> Measurement:
     }
 
 
+def history(domain: int, seconds: float, robot: str) -> list[Measurement]:
+    """Count the joint states of a robot at 500 Hz that subscribers of several depths miss."""
+    command = ["wbc", "ros2", "walk", "--robot", robot, "--rate", str(RATE), "--sim-time"]
+    command += ["--domain", str(domain)]  # stamps of the plant's time tell which are missing
+    rows: list[Measurement] = []
+    for depth in KEPT:
+        stamps: list[float] = []
+
+        def take(message: Any, _: Any, stamps: list[float] = stamps) -> None:
+            stamps.append(message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec)
+
+        with (
+            subprocess.Popen(
+                [sys.executable, "-m", *command], stdout=subprocess.DEVNULL
+            ) as process,
+            Node("subscriber", network=Network(domain)) as node,
+        ):
+            node.create_subscription(
+                "sensor_msgs/msg/JointState", "joint_states", take, QoSProfile(depth=depth)
+            )
+            node.spin_until(lambda stamps=stamps: bool(stamps), 60.0)
+            node.spin_until(
+                lambda stamps=stamps: stamps[-1] - stamps[0] >= seconds, 3.0 * seconds + 20.0
+            )
+            process.terminate()
+        # The first messages come while the two are still finding each other.
+        periods = np.diff([stamp for stamp in stamps if stamp > stamps[0] + 1.0])
+        sent = round(float(periods.sum()) * RATE)
+        rows.append({"keeps": depth, "sent": sent, "lost": sent - len(periods)})
+    return rows
+
+
 def other(kind: str, domain: int, *arguments: str) -> subprocess.Popen[bytes]:
     """Start this script as another process."""
     return subprocess.Popen([sys.executable, __file__, "--as", kind, str(domain), *arguments])
@@ -257,10 +292,12 @@ def main() -> None:
         "publishing": publishing(options.domain, options.messages),
         "loop": loop_cost(options.domain, options.robot, options.seconds),
         "way": [latency(options.domain, options.seconds)],
+        "history": history(options.domain, options.seconds, options.robot),
     }
     show("publishing, µs of CPU per message", figures["publishing"])
     show(f"a tick of {options.robot}'s loop at 500 Hz, µs of CPU", figures["loop"])
     show("from one process to another at 500 Hz, µs", figures["way"])
+    show("joint states of a robot at 500 Hz, by what a subscriber keeps", figures["history"])
     if options.json is not None:
         options.json.write_text(json.dumps(figures, indent=2) + "\n", "utf-8")
 

@@ -9,7 +9,7 @@ from wbc.motions import Motion, MotionPlayer
 from wbc.robot import Robot
 from wbc.runtime.loop import RunComplete, StopRun, run
 from wbc.runtime.report import Report
-from wbc.sim import Mujoco
+from wbc.sim import JointServos, Mujoco
 from wbc.trials.evaluator import RunEvaluator
 
 _STANDING = 1.0  # s of standing after the last motion, during which a fall still counts
@@ -60,6 +60,8 @@ def run_motions(
     *,
     time_limit: float = 600.0,
     before_tick: Callable[[float, MotionPlayer, Mujoco], None] | None = None,
+    servos: JointServos | None = None,
+    latency: float = 0.0,
 ) -> Report:
     """Play motions in MuJoCo with noisy sensors and the estimator, and compare with the true state.
 
@@ -69,13 +71,15 @@ def run_motions(
         seed: seed of the sensor noise.
         time_limit: time by which all motions must have ended, s; later counts as not survived.
         before_tick: called with time (s), player and plant before each tick, e.g. to push.
+        servos: what the joints are driven by; none: ideal sources of torque.
+        latency: from the measurement to its effect, s.
 
     Raises:
         MotionError: the robot cannot perform one of the motions.
     """
     player = MotionPlayer(robot, motions=motions)
     evaluator, runner = RunEvaluator(), MotionRunner(player, time_limit)
-    with Mujoco(robot, dt=player.dt, seed=seed) as plant:
+    with Mujoco(robot, dt=player.dt, seed=seed, servos=servos, latency=latency) as plant:
 
         def tick(time: float) -> None:
             if before_tick is not None:
