@@ -9,7 +9,8 @@ to 1e-5 m and rad, with the centre of mass above the same polygon.
 `collision`: the targets are the positions of both hands in a posture in which no bodies of the
 robot are nearer than 1 cm, arms random within their ranges. `reach` searches from the nominal
 posture; then both hands and the arms go to what it found, step by step (`step`, 10 ms), from where
-they are: the path is not planned, bodies that meet stop. "least" is the least distance of any two
+they are: the path is not planned, bodies that meet stop, and after such a pair the next path begins
+in the nominal posture. "least" is the least distance of any two
 bodies along all paths, "pairs" the CPU time that the limit takes in a step.
 
     python benchmarks/whole_body_ik.py balance --samples 1000
@@ -200,7 +201,10 @@ def run_collision(name: str, count: int) -> CollisionResult:
                 break
         at = wbc.Kinematics(robot, wbc.State(now, np.zeros(robot.nv)))
         off = max(np.linalg.norm(at.frame(h.frame).translation - h.target) for h in hands)
-        arrived += bool(off < ARRIVED)
+        if off < ARRIVED:
+            arrived += 1
+        else:  # arms that are entangled would stay so
+            now = robot.q_nominal.copy()
     return CollisionResult(
         name,
         count,

@@ -147,6 +147,7 @@ def test_hands_reach_positions_and_a_note_names_those_out_of_reach():
     assert_clean(far)
     assert far.targets == 0
     assert "left hand: (0.9 0.2 1.2) m is out of reach by" in far.notes[0]
+    assert far.notes[0].endswith(("at the limit", "is stretched"))
 
 
 @dataclass(frozen=True)

@@ -62,6 +62,36 @@ def test_an_mjcf_file_loads_as_the_robot_of_its_urdf(tmp_path):
     np.testing.assert_allclose(N, M, atol=1e-4 * np.abs(M).max())
 
 
+def test_a_robot_stands_as_a_keyframe_of_its_mjcf_file_does(tmp_path):
+    mujoco = pytest.importorskip("mujoco")
+    path = mjcf_of_simple_humanoid(tmp_path / "robot.xml")
+    model = mujoco.MjModel.from_xml_path(str(path))
+    text = path.read_text()
+
+    def posture(name: str, **joints: float) -> str:
+        q = model.qpos0.copy()
+        for joint, value in joints.items():
+            q[model.joint(joint).qposadr] = value
+        return f'<key name="{name}" qpos="{" ".join(map(str, q))}"/>'
+
+    leg = {"hip_pitch": -0.35, "knee": 0.7, "ankle_pitch": -0.35}
+    legs = {f"{side}_{name}": x for side in ("left", "right") for name, x in leg.items()}
+    keys = posture("lying", left_knee=1.5) + posture("home", **legs, left_elbow=1.0)
+    path.write_text(text.replace("</mujoco>", f"<keyframe>{keys}</keyframe></mujoco>"))
+    robot = wbc.load(path, **FEET)
+    at = dict(zip(robot.joint_names, robot.q_nominal[7:], strict=True))
+    assert (at["left_knee"], at["left_elbow"]) == pytest.approx((0.7, 1.0), abs=0.05)
+    assert "'home'" in str(robot.facts)
+    with pytest.raises(RobotDescriptionError, match="no group_state 'homee'; did you mean 'home'"):
+        wbc.load(path, **FEET, group_state="homee")
+    # Legs that are straight are no posture to stand in; the arms' is taken.
+    keys = posture("home", left_elbow=1.0)
+    path.write_text(text.replace("</mujoco>", f"<keyframe>{keys}</keyframe></mujoco>"))
+    robot = wbc.load(path, **FEET)
+    at = dict(zip(robot.joint_names, robot.q_nominal[7:], strict=True))
+    assert (at["left_knee"], at["left_elbow"]) == pytest.approx((0.4, 1.0), abs=0.05)
+
+
 def test_joints_of_one_body_become_a_chain_with_their_own_limits(tmp_path):
     path = tmp_path / "biped.xml"
     path.write_text(BIPED)

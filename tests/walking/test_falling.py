@@ -10,7 +10,6 @@ import pytest
 from simtools import robot
 
 import wbc
-from wbc.gait import Feet
 from wbc.geometry.planar import Placement
 from wbc.kinematics import Kinematics
 from wbc.log import FlightRecorder, Log, LoggedRun
@@ -25,7 +24,7 @@ from wbc.walking.ground_kinematics import GroundKinematics
 pytest.importorskip("mujoco")
 
 DT = 0.002
-FEET = Feet(Placement(0.1j, 0.0), Placement(-0.1j, 0.0))
+FEET = (Placement(0.1j, 0.0), Placement(-0.1j, 0.0))
 
 
 Tilt = tuple[float, float]

@@ -7,6 +7,7 @@ import pickle
 
 import numpy as np
 import pytest
+from cases import slow
 
 import wbc
 from wbc.errors import GaitError
@@ -120,3 +121,36 @@ def test_a_velocity_beyond_the_gait_is_clamped_with_a_warning(solo) -> None:
 def test_a_gait_names_the_feet_that_it_lacks(solo) -> None:
     with pytest.raises(GaitError, match="whose feet are front_left, front_right"):
         QuadrupedGait.for_robot(solo, (("left",), ("right",)))
+
+
+def test_a_quadruped_that_cannot_be_caught_is_said_to_fall_and_yields(solo) -> None:
+    walker, said = wbc.QuadrupedWalker(solo), []
+    with wbc.sim.Mujoco(solo, seed=1) as plant:
+        plant.schedule_push(0.1, (0.0, 2.5 * solo.mass, 0.0))
+        report = wbc.run(walker, plant, 1.5, on_falling=said.append)
+    assert report.fell_at_s is not None
+    assert report.falling_at_s < report.fell_at_s
+    assert said[0].startswith("falling: the DCM is")
+    assert walker.falling_why
+    estimator = wbc.Estimator(solo)
+    with wbc.sim.Mujoco(solo) as upright:  # standing again does not end it
+        command = walker.step(estimator.update(upright.measure()))
+    assert (np.abs(command.tau) <= 0.5 * solo.tau_max + 1e-9).all()
+    assert not len(walker.contact_plan.support)
+    walker.reset(solo.standing())
+    assert not walker.falling_why
+
+
+@pytest.mark.parametrize(
+    ("name", "push"),
+    [("laikago", (0.0, -0.82)), slow("anymal_b_simple_description/robots/anymal", (0.0, 0.85))],
+)
+def test_legs_at_their_torque_limits_give_way_instead_of_leaving_no_solution(name, push) -> None:
+    robot = wbc.load(name)
+    walker = wbc.QuadrupedWalker(robot)
+    with wbc.sim.Mujoco(robot, seed=0) as plant:
+        plant.schedule_push(0.2, (robot.mass * push[0], robot.mass * push[1], 0.0))
+        report = wbc.run(walker, plant, 1.2)
+    assert report.survived, report.fell_why
+    assert report.torque_peak_ratio > 0.99
+    assert report.qp_failures == 0

@@ -125,6 +125,13 @@ class PostureIK:
         names = [f"'{self.robot.joint_names[k]}'" for k in posture.at_limit if k in carrying]
         return f"{' and '.join(names) or 'the legs'} at the limit"
 
+    def limits_of_reach(self, posture: PostureSolution) -> str:
+        """Return what keeps the hands from their targets: joints at their limit, as a phrase."""
+        idle = [arm for arm in self.upper_body.arms if arm.hand not in posture.hand_errors]
+        others = {joint for arm in idle for joint in arm.joints}
+        names = [f"'{self.robot.joint_names[k]}'" for k in posture.at_limit if k not in others]
+        return f"{' and '.join(names)} at the limit" if names else "the arm is stretched"
+
     def self_contact(self, q: np.ndarray) -> str:
         """Return the names of two bodies of the robot that touch in a posture (nq,), or nearly.
 

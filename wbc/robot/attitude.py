@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import pinocchio as pin
+
 from wbc.robot import Robot
 from wbc.state import State
 
@@ -23,6 +25,21 @@ def attitude(robot: Robot, state: State) -> tuple[float, float, float, float]:
         d * z - w * c - x * b + y * a,
         w * d + x * a + y * b + z * c,
     )
+
+
+def tilt(robot: Robot, state: State) -> tuple[float, float]:
+    """Return the angle from the vertical of what is vertical when the robot stands, and its rate.
+
+    Radians and rad/s; a rate towards the vertical is negative.
+    """
+    up = pin.Quaternion(robot.q_nominal[3:7]).matrix()[2]
+    vertical = pin.Quaternion(state.q[3:7]).matrix()[2]
+    (a, b, c), (x, y, z), (p, q, r) = up.tolist(), vertical.tolist(), state.v[3:6].tolist()
+    cosine = min(max(a * x + b * y + c * z, -1.0), 1.0)
+    # The world's vertical u in base axes turns as u̇ = u × ω; the body's own is constant there.
+    derivative = a * (y * r - z * q) + b * (z * p - x * r) + c * (x * q - y * p)
+    # Upright, the tilt has no direction yet: its rate is zero there and grows with it.
+    return math.acos(cosine), -derivative / max(math.sqrt(1.0 - cosine * cosine), 1e-3)
 
 
 def heading(robot: Robot, state: State) -> float:

@@ -86,7 +86,7 @@ def load_fixed_base(
     set_armature(model, data)
     couplings = read_couplings(urdf, model)
     share_efforts(model, couplings)
-    posture = starting_posture(model, data)
+    posture = starting_posture(model, data, urdf)
     q = posture.q if posture.how else _mid_range(model)
     couple(q, couplings)
     base = link_of(model, urdf, 1)

@@ -83,8 +83,8 @@ def load(
             out are derived such that the soles are flat; others stay at zero.
         srdf: semantic description with a posture to stand in; by default the one beside the
             URDF. It hides the data file's `nominal_posture`.
-        group_state: name of the SRDF's `group_state` to stand in; by default the first of
-            `half_sitting`, `standing` and similar names.
+        group_state: name of the SRDF's `group_state`, or of the MJCF file's keyframe, to stand in;
+            by default the first of `half_sitting`, `standing` and similar names.
         armature: rotor inertia at the joints, kg·m² (kg for sliding joints), one for all or by
             joint name, with `default` for the others.
         effort_limits: joint name to effort limit, N·m or N, in place of the URDF's.
@@ -168,7 +168,7 @@ def build_robot(data: RobotData) -> Robot:
     set_armature(model, data)
     couplings = read_couplings(urdf, model)
     share_efforts(model, couplings)
-    zero, start = zero_posture(model), starting_posture(model, data)
+    zero, start = zero_posture(model), starting_posture(model, data, urdf, legs)
     couple(zero, couplings)
     couple(start.q, couplings)
     stand_base_up(model, zero, feet)

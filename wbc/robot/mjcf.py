@@ -2,6 +2,7 @@
 
 Bodies become links, and a body with several joints becomes a chain of links. Effort limits come
 from `actuatorfrcrange` of a joint, or from `forcerange`, or `ctrlrange` and `gear`, of its motor.
+Keyframes become postures, as an SRDF has them.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ def urdf_of_mjcf(path: Path, root: ET.Element) -> ET.Element:
     if first == 0:
         links[0] = "world"
         ET.SubElement(robot, "link", name="world")
-    efforts = _efforts(root)
+    efforts, places = _efforts(root), dict[str, int]()
     for joint in range(1, model.njoints):
         if joint > first:
             parent = links[model.parents[joint]]
@@ -66,6 +67,7 @@ def urdf_of_mjcf(path: Path, root: ET.Element) -> ET.Element:
                 if child != links[joint]:
                     ET.SubElement(robot, "link", name=child)
                 robot.append(_joint(model, joint, k, axis, parent, child, efforts))
+                places[axis.name] = model.idx_qs[joint] + k
                 parent = child
         link = ET.SubElement(robot, "link", name=links[joint])
         link.append(_inertial(model.inertias[joint]))
@@ -81,6 +83,10 @@ def urdf_of_mjcf(path: Path, root: ET.Element) -> ET.Element:
             fixed.append(_origin(frame.placement))
             ET.SubElement(fixed, "parent", link=links[joint])
             ET.SubElement(fixed, "child", link=name)
+    for keyframe in model.referenceConfigurations:
+        state = ET.SubElement(robot, "group_state", name=str(keyframe.key()))
+        for name, place in places.items():
+            ET.SubElement(state, "joint", name=name, value=repr(float(keyframe.data()[place])))
     return robot
 
 

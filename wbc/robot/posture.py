@@ -13,7 +13,7 @@ from wbc.robot.data_file import RobotData
 from wbc.robot.joint_axes import joint_axes
 from wbc.robot.limits import velocity_index
 from wbc.robot.soles import Sole
-from wbc.robot.srdf import GroupState, find_srdf, read_group_state
+from wbc.robot.srdf import GroupState, find_srdf, group_state, read_group_state
 from wbc.robot.standing import (
     feet_below_hips,
     on_points,
@@ -21,6 +21,7 @@ from wbc.robot.standing import (
     standing_posture,
     unevenness,
 )
+from wbc.robot.urdf import Urdf
 
 KNEE_BEND = 0.4
 _QUADRUPED_BEND = 1.2
@@ -30,6 +31,8 @@ _FOLDED = 1.5
 _SAMPLES = 61
 # By this share of its length a leg is longer where its knee is straight than where it is at zero.
 _STRETCH = 2e-3
+# Joints of a leg that are nearer to zero than this, rad, leave it straight.
+_STRAIGHT = 0.1
 # A correction of the soles beyond this is reported, rad and m.
 FLAT = 1e-4
 # One beyond this is made.
@@ -73,8 +76,13 @@ class Posture:
     stated_joints: frozenset[int] = frozenset()
 
 
-def starting_posture(model: pin.Model, data: RobotData) -> Posture:
-    """Return the posture of the data file or an SRDF, or else the zero posture within limits.
+def starting_posture(
+    model: pin.Model, data: RobotData, urdf: Urdf, legs: Sequence[Sequence[int]] = ()
+) -> Posture:
+    """Return the posture of data file, SRDF or keyframe, or else the zero posture within limits.
+
+    Keyframes with straight legs, which put a robot down rather than let it stand, tell the
+    posture of the other joints.
 
     Raises:
         RobotDescriptionError: a malformed SRDF, or a stated joint that does not exist.
@@ -89,11 +97,16 @@ def starting_posture(model: pin.Model, data: RobotData) -> Posture:
         q[np.array(list(stated)) + 1] = list(stated.values())
         return Posture(q, "stated joints", True, source, frozenset(stated))
     srdf = data.srdf or find_srdf(data.urdf)
-    reference = read_group_state(srdf, data.group_state) if srdf is not None else None
+    q = pin.neutral(model)
+    if srdf is not None:
+        reference = read_group_state(srdf, data.group_state)
+    else:
+        reference = group_state(urdf.path, urdf.element, {}, data.group_state)
     if reference is not None:
-        q = pin.neutral(model)
         _apply(model, q, reference)
-        return Posture(q, f"'{reference.name}'", False, reference.source)
+        moved = [abs(q[index + 1]) > _STRAIGHT for leg in legs for index in leg]
+        straight = srdf is None and legs and not any(moved)
+        return Posture(q, "" if straight else f"'{reference.name}'", False, reference.source)
     return Posture(zero_posture(model), "", False, "")
 
 
@@ -198,7 +211,8 @@ def nominal_posture(
     move = {index for leg in legs for index in leg}
     if not start.how:
         q, bent = _bent(model, start.q, soles, legs, couplings)
-        return Posture(placed(model, q, ids), bent, False, "inverse kinematics")
+        how = f"{bent}, other joints as stated" if start.source else bent
+        return Posture(placed(model, q, ids), how, False, start.source or "inverse kinematics")
     if start.stated and not move & start.stated_joints:
         q, bent = _bent(model, start.q, soles, legs, couplings)
         return Posture(placed(model, q, ids), f"{start.how}, {bent}", True, start.source)

@@ -1,7 +1,12 @@
-"""Named postures and disabled collisions from a semantic description (SRDF)."""
+"""Named postures and disabled collisions from a semantic description (SRDF).
+
+The keyframes of an MJCF file are postures of the same form, see `wbc.robot.mjcf`.
+"""
 
 from __future__ import annotations
 
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -43,11 +48,24 @@ def read_group_state(srdf: Path, wanted: str | None = None) -> GroupState | None
         RobotDescriptionError: unreadable, malformed, no such posture, or a
             joint value that is no number.
     """
-    root, lines = read_xml(srdf)
+    return group_state(srdf, *read_xml(srdf), wanted)
+
+
+def group_state(
+    path: Path, root: ET.Element, lines: Mapping[ET.Element, int], wanted: str | None
+) -> GroupState | None:
+    """Return the wanted posture among the children of an element; see `read_group_state`.
+
+    Args:
+        path: the file, for messages.
+        root: the element.
+        lines: line of each element in the file; empty if it was generated.
+        wanted: its name; None for the one to stand in.
+    """
     states = {state.get("name", ""): state for state in root.findall("group_state")}
     if wanted is not None and wanted not in states:
         raise RobotDescriptionError(
-            f"{srdf}: there is no group_state '{wanted}'{did_you_mean(wanted, states)}"
+            f"{path}: there is no group_state '{wanted}'{did_you_mean(wanted, states)}"
         )
     name = wanted or next((n for n in STANDING_NAMES if n in states), None)
     if name is None:
@@ -61,10 +79,10 @@ def read_group_state(srdf: Path, wanted: str | None = None) -> GroupState | None
                 joints[element.get("name", "")] = float(words[0])
             except ValueError as error:
                 raise RobotDescriptionError(
-                    f"{srdf}, line {lines[element]}: joint '{element.get('name')}' "
+                    f"{path}, line {lines.get(element, 0)}: joint '{element.get('name')}' "
                     f"has the value '{words[0]}', which is no number"
                 ) from error
-    return GroupState(name, joints, srdf.name)
+    return GroupState(name, joints, path.name)
 
 
 def read_disabled_collisions(srdf: Path) -> set[frozenset[str]]:

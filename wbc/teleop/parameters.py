@@ -76,11 +76,10 @@ def tunable_parameters(walker: Walker, time_scale: bool) -> tuple[TunableParamet
     """
     gait = walker.gait
     limits = gait.max_velocity
+    least = [0.0 - most for most in (limits.backward, limits.left, limits.turn)]  # no minus zero
     found = [
         TunableParameter(f"{VELOCITY}.{name}", VELOCITY, label, unit, low, high, 0.0)
-        for (name, label, unit), low, high in zip(
-            _VELOCITY, (-limits.backward, -limits.left, -limits.turn), limits.largest, strict=True
-        )
+        for (name, label, unit), low, high in zip(_VELOCITY, least, limits.largest, strict=True)
     ]
     if time_scale:
         found.append(TunableParameter(TIME_SCALE, TIME, "Speed", "×", 0.05, 1.0, 1.0, True))

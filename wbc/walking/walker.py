@@ -263,7 +263,9 @@ class Walker:
         stabilizer.support.extension = hands.extension
         stabilizer.observe(state, com, reaction, self._heading, dt, hands.offset)
         tilt = self._ground.tilt
-        self._falling_why = self._fall_detector.update(tilt, state.dcm, com.height, feet)
+        self._falling_why = self._fall_detector.update(
+            tilt, state.dcm, com.height, (feet.left, feet.right)
+        )
         if self._falling_why:
             return self._fall_controller.command(estimate.state)
         machine.update(dt, feet, self._command, sides_in_contact(self.robot, estimate))
@@ -293,7 +295,7 @@ class Walker:
         """The telemetry of the last tick, for observers."""
         com, state, velocity = self._kin.p_com.copy(), self.gait_state, self.velocity
         if self._falling_why:
-            return falling_telemetry(com, state, velocity, self._heading, self._falling_why)
+            return falling_telemetry(com, state.steps, velocity, self._heading, self._falling_why)
         ground = self._tasks.height.ground
         return walking_telemetry(com, state, self._balance, ground, velocity, self._heading)
 

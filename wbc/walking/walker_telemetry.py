@@ -51,7 +51,7 @@ def walking_telemetry(
 
 def falling_telemetry(
     com: np.ndarray,
-    state: GaitState,
+    steps: int,
     velocity: tuple[float, float, float],
     heading: float,
     why: str,
@@ -60,7 +60,7 @@ def falling_telemetry(
 
     Args:
         com: (3,) centre of mass, world, m; kept.
-        state: steps.
+        steps: number of steps so far.
         velocity: wanted velocity, heading frame, m/s and rad/s.
         heading: rad.
         why: the reason.
@@ -70,7 +70,7 @@ def falling_telemetry(
         velocity=np.array(velocity),
         heading=heading,
         phase="falling",
-        steps=state.steps,
+        steps=steps,
         status_text=f"falling: {why}",
     )
 

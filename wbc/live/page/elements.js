@@ -14,10 +14,12 @@ function text(value, unit) {
   return `${value.toFixed(Math.min(digits, size < 0.01 && size > 0 ? 6 : 3))} ${unit}`.trim();
 }
 
-// A slider whose input runs from 0 to 1, so that its scale may be logarithmic.
+// A slider whose input runs from 0 to 1, so that its scale may be logarithmic. One whose ends are the same
+// number cannot be moved.
 function slider(low, high, logarithmic) {
   const input = make("input", {type: "range", min: 0, max: 1, step: 0.002});
   const ratio = Math.log(high / low);
+  input.disabled = low === high;
   return {
     input,
     get: () => {
@@ -26,7 +28,8 @@ function slider(low, high, logarithmic) {
       return logarithmic ? low * Math.exp(x * ratio) : low + x * (high - low);
     },
     set: (value) => {
-      input.value = logarithmic ? Math.log(Math.max(value, low) / low) / ratio : (value - low) / (high - low);
+      if (low === high) input.value = 0.5;
+      else input.value = logarithmic ? Math.log(Math.max(value, low) / low) / ratio : (value - low) / (high - low);
     },
   };
 }

@@ -23,8 +23,10 @@ function send(control, value) {
 function makeSlider(parameter) {
   const move = slider(parameter.low, parameter.high, parameter.logarithmic);
   const output = make("output");
-  const row = make("label", {className: "slider", title: `${parameter.name}: ${text(parameter.low, parameter.unit)} `
-    + `to ${text(parameter.high, parameter.unit)}; double click: ${text(parameter.default, parameter.unit)}`},
+  const range = parameter.low === parameter.high ? "this robot cannot"
+    : `${text(parameter.low, parameter.unit)} to ${text(parameter.high, parameter.unit)}; `
+      + `double click: ${text(parameter.default, parameter.unit)}`;
+  const row = make("label", {className: "slider", title: `${parameter.name}: ${range}`},
     make("span", {textContent: parameter.label}), move.input, output);
   const show = (value) => {
     output.textContent = text(value, parameter.unit);

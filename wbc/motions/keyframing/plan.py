@@ -215,8 +215,10 @@ class KeyframePlanner:
         there = self._ik.solve(PostureObjective(hands={hand: goal}, strict_com=True), posture.q)
         if there.hand_error > _MAX_ERROR:
             time, place, miss = after.time.number, goal, there.hand_error
+            posture = there
         at = " ".join(f"{x:.2f}" for x in place)
         text = f"'{name}' at {time:.2f} s: ({at}) m is out of reach by {1e3 * miss:.0f} mm"
+        text += f": {self._ik.limits_of_reach(posture)}"
         return self._place_error(name, time, text)
 
     def _place_error(self, name: str, time: float, text: str) -> KeyframeError:

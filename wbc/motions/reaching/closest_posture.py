@@ -49,6 +49,7 @@ def closest_posture(ik: PostureIK, desired: HandPlaces) -> ClosestPosture:
     if desired.q is not None:
         posture, why = _posture(ik, desired)
         far = {hand: error for hand, error in posture.hand_errors.items() if error > _REACHED}
+        why = why or ik.limits_of_reach(posture)
         texts = {hand: _text(desired.places[hand], error, why) for hand, error in far.items()}
         return ClosestPosture(posture, desired.places, texts)
     targets: dict[str, np.ndarray] = {}
@@ -57,6 +58,7 @@ def closest_posture(ik: PostureIK, desired: HandPlaces) -> ClosestPosture:
         posture, why = _posture(ik, HandPlaces({hand: place}, None))
         far_off = posture.hand_errors[hand] > _REACHED
         targets[hand] = ik.frame_position(hand, posture.q) if far_off else place
+        why = why or ik.limits_of_reach(posture)
         reasons[hand] = why if far_off else "the other hand's position does not allow it"
     if len(targets) > 1:
         posture, _ = _posture(ik, HandPlaces(targets, None))
@@ -73,7 +75,7 @@ def closest_posture(ik: PostureIK, desired: HandPlaces) -> ClosestPosture:
 
 def _text(place: np.ndarray, error: float, why: str) -> str:
     at = " ".join(f"{x:.3g}" for x in place)
-    return f"({at}) m is out of reach by {1e3 * error:.0f} mm" + (f": {why}" if why else "")
+    return f"({at}) m is out of reach by {1e3 * error:.0f} mm: {why}"
 
 
 @dataclass(frozen=True)

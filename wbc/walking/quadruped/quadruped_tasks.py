@@ -22,6 +22,9 @@ from wbc.walking.trunk_tasks import TrunkTasks
 class QuadrupedTasks:
     """Centre of mass, trunk, posture, feet in the air, and a point contact for every other foot.
 
+    The contacts' motion has a high weight: four feet held exactly, and legs at their torque limits
+    after a push, may have no solution.
+
     Args:
         controller: gets tasks and contacts.
         kin: standing upright, heading along x; whoever owns it updates it.
@@ -56,7 +59,12 @@ class QuadrupedTasks:
         place_only = np.array([gains.swing_weight] * 3 + [0.0] * 3)
         for sole in robot.soles:
             # Its axes are the world's: the foot turns about the point on which it stands.
-            contact = PointContact(sole.name, friction=gains.friction, placement=pin.SE3.Identity())
+            contact = PointContact(
+                sole.name,
+                friction=gains.friction,
+                motion_weight=gains.second_contact_weight,
+                placement=pin.SE3.Identity(),
+            )
             contact.bind(robot)
             self._contacts[sole.side] = contact
             self._swings[sole.side] = SwingTask(sole.name, weight=place_only, kp=gains.swing_kp)

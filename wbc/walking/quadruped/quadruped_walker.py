@@ -18,15 +18,19 @@ from wbc.geometry.polygon import clamp_to_polygon, convex_hull
 from wbc.kinematics import Kinematics
 from wbc.qp import Solver
 from wbc.robot import Robot
+from wbc.robot.attitude import tilt
+from wbc.robot.posture import find_knee
 from wbc.state import State
 from wbc.tasks import Task
 from wbc.telemetry import ContactPlan, Footstep, Telemetry
 from wbc.walking.command_checks import clamp_velocity, parse_velocity
+from wbc.walking.falling import FallController, FallDetector
 from wbc.walking.gains import WalkerGains
 from wbc.walking.quadruped.footholds import dcm_offsets, group_centers
 from wbc.walking.quadruped.quadruped_tasks import QuadrupedTasks
 from wbc.walking.quadruped.step_sequence import StepSequence
 from wbc.walking.reference_offset import ReferenceOffset
+from wbc.walking.walker_telemetry import falling_telemetry
 
 _ACCELERATION = 0.15  # of the wanted velocity, over gravity; of turning, over g/h
 _TOPPLES = 0.5  # share of the way from the middle to the edge at which a standing robot steps
@@ -89,6 +93,8 @@ class QuadrupedWalker:
         corners = convex_hull(self._places.values())
         edges = zip(corners, [*corners[1:], corners[0]], strict=True)
         self._to_edge = min(abs((a.conjugate() * b).imag) / abs(b - a) for a, b in edges)
+        self._fall_detector = FallDetector(robot, dt)
+        self._fall_controller = FallController(robot, dt, _knees(robot))
         base = self._kin.frame(robot.base).rotation
         self._base_yaw = yaw_of(base)
         self._command = Velocity()
@@ -123,9 +129,13 @@ class QuadrupedWalker:
     def reset(self, state: State) -> None:
         """Start anew, standing, from a state with all feet on the ground; the velocity stays.
 
+        Only this ends the state of falling.
+
         Raises:
             StateError: see `State.validated`.
         """
+        self._fall_detector.reset()
+        self._falling_why = ""
         self._kin.update(state)
         self._sequence = StepSequence(self.gait)
         self._walked = Velocity()
@@ -143,6 +153,9 @@ class QuadrupedWalker:
     def step(self, estimate: Estimate) -> Command:
         """Return the command of one tick.
 
+        When a fall is unavoidable (see `FallDetector`), the joints only yield from then on, until
+        `reset` (`FallController`).
+
         Args:
             estimate: state, contacts and foot wrenches; without foot sensors, contact goes by time.
 
@@ -151,10 +164,17 @@ class QuadrupedWalker:
         """
         kin, gait, sequence = self._kin, self.gait, self._sequence
         kin.update(estimate.state)
+        if self._falling_why:
+            return self._fall_controller.command(estimate.state)
         feet = self._feet = self._read_feet()
-        (x, y, _), (vx, vy, _) = kin.p_com.tolist(), kin.v_com.tolist()
+        (x, y, z), (vx, vy, _) = kin.p_com.tolist(), kin.v_com.tolist()
         com, com_velocity = complex(x, y), complex(vx, vy)
         self._dcm = com + com_velocity / gait.omega
+        leaning = tilt(self.robot, estimate.state)
+        placed = tuple(feet.values())
+        self._falling_why = self._fall_detector.update(leaning, self._dcm, z, placed)
+        if self._falling_why:
+            return self._fall_controller.command(estimate.state)
         self._accelerate()
         contacts = None
         if estimate.loads is not None:
@@ -302,6 +322,11 @@ class QuadrupedWalker:
         return self._sequence.steps
 
     @property
+    def falling_why(self) -> str:
+        """Why a fall is unavoidable; empty as long as the robot keeps its balance."""
+        return self._falling_why
+
+    @property
     def kinematics(self) -> Kinematics:
         """The kinematics of the last tick."""
         return self._kin
@@ -316,6 +341,9 @@ class QuadrupedWalker:
     @property
     def telemetry(self) -> Telemetry:
         """The telemetry of the last tick, for observers."""
+        if self._falling_why:
+            com, why = self._kin.p_com.copy(), self._falling_why
+            return falling_telemetry(com, self.steps, self.velocity, self._heading, why)
         ground, sequence = self._ground, self._sequence
         dcm, reference, zmp = (
             np.array([point.real, point.imag, ground])
@@ -339,6 +367,8 @@ class QuadrupedWalker:
     @property
     def contact_plan(self) -> ContactPlan:
         """The present support, the footholds of the feet in the air, and the way of one of them."""
+        if self._falling_why:
+            return ContactPlan()
         swings = self._sequence.swings
         points = [foot.point for side, foot in self._feet.items() if side not in swings]
         footsteps = []
@@ -351,3 +381,12 @@ class QuadrupedWalker:
             tuple(footsteps),
             np.array(path) if path else np.empty((0, 3)),
         )
+
+
+def _knees(robot: Robot) -> list[int]:
+    """Return the indices of the knees among the actuated joints."""
+    knees = (
+        find_knee(robot.model, robot.q_nominal, sole.joint_id, sole.placement.translation, leg)
+        for sole, leg in zip(robot.soles, robot.legs, strict=True)
+    )
+    return [knee - 6 for knee in knees if knee is not None]
