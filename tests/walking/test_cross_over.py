@@ -55,6 +55,23 @@ def test_a_foot_crosses_over_only_for_a_landing_place_beyond_the_support_foot(g1
     assert cross_over.side(state, complex(0.4, -0.2)) == 0.0  # that is far ahead
 
 
+def test_a_robot_that_walks_ahead_fast_does_not_cross_over_behind(g1):
+    state, cross_over = swinging(g1, BEHIND, 0.24), CrossOver(g1)
+    wanted, stance = complex(0.12, -0.2), state.stance
+    assert cross_over.side(state, wanted) == -1.0
+    state.landing = state.landing._replace(point=stance.to_world(complex(0.4, 0.2)))
+    assert cross_over.side(state, wanted) == 0.0
+    state.landing = state.landing._replace(point=stance.to_world(complex(-0.3, 0.2)))
+    assert cross_over.side(state, wanted) == -1.0
+
+
+def test_a_foot_does_not_cross_over_far_off_for_a_little_way_across(g1):
+    state, cross_over = swinging(g1, BEHIND, 0.24), CrossOver(g1)
+    assert cross_over.side(state, complex(0.15, -0.2)) == -1.0
+    assert cross_over.side(state, complex(0.15, -0.04)) == 0.0
+    assert cross_over.side(state, complex(-0.2, -0.04)) == -1.0
+
+
 def test_a_cross_over_step_lands_beyond_the_support_foot_and_a_sole_behind_it(g1):
     state = swinging(g1, BEHIND, 0.24)
     assert landing(g1, state, 0.0, -0.3).imag == pytest.approx(state.recovery_gait.least_width)

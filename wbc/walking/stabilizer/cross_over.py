@@ -10,10 +10,10 @@ from wbc.robot import Robot
 
 _CLEARANCE = 0.03  # m between the toe of one sole and the heel of the other
 _BEYOND = 0.15  # share of the legs' length by which a foot lands beyond the other one, at most
-_WORTHWHILE = 0.1  # m by which the wanted landing place has to be too narrow
+_WORTHWHILE = 0.1  # m that it has to gain across the sole, at least
+_COST = 3.0  # times what it gains across that it may land off along the sole, at most
 _AHEAD = 0.04  # m that the foot still has to move forward or back until it passes, at most
 _ROUNDING = 0.01  # m by which a foot that stands beside the other one may be too near
-_OFF = 0.5  # share of the CoM height by which it lands ahead of or behind the wanted place, at most
 
 
 class CrossOver:
@@ -25,6 +25,14 @@ class CrossOver:
     ahead of the other by a sole's length, so the foot crosses in front if it already is in front,
     and behind if it is behind. The step after it comes back the same way.
 
+    It lands a distance d behind or ahead of the wanted place. The steps after it have to catch the
+    DCM that is so far off, beside the way L of a step at the present velocity: with the reach R of
+    a step, that of the ZMP, m, and the growth E of the DCM in a step, as many as it takes,
+
+        d ≤ (R − L) / (E − 1) + m
+
+    (N-step capturability, Koolen et al., IJRR 2012).
+
     Args:
         robot: the robot.
     """
@@ -32,6 +40,7 @@ class CrossOver:
     def __init__(self, robot: Robot) -> None:
         self._length = sum(sole.half_length for sole in robot.soles) + _CLEARANCE
         self._beyond = _BEYOND * robot.leg_length
+        self._sole = min(sole.half_length for sole in robot.soles)
 
     def side(self, state: GaitState, wanted: complex) -> float:
         """Return on which side of the support foot to cross over: 1 in front, −1 behind, 0 not.
@@ -42,13 +51,22 @@ class CrossOver:
         """
         sign, least = lateral_sign(state.swing_side), state.recovery_gait.least_width
         foot = state.stance.to_local(state.other_foot.point)
-        if sign * wanted.imag > least - _WORTHWHILE or sign * foot.imag < least:
+        gain = least - max(sign * wanted.imag, -self._beyond)
+        if gain < _WORTHWHILE or sign * foot.imag < least:
             return 0.0
         if abs(foot.real) < self._length - _AHEAD:
             return 0.0
         side = math.copysign(1.0, foot.real)
-        off = abs(wanted.real - side * self._length)
-        return side if off < _OFF * state.gait.com_height else 0.0
+        off = self._length - side * wanted.real
+        return side if off < min(self._caught_after(state, side), _COST * gain) else 0.0
+
+    def _caught_after(self, state: GaitState, side: float) -> float:
+        """Return how far off the DCM may be, away from `side`, for quick steps to catch it, m."""
+        quick, usual = state.recovery_gait, state.normal_gait
+        growth = math.exp(quick.omega * quick.step_duration)
+        way = state.stance.to_local(state.landing.point).real / usual.step_duration
+        length = -side * way * quick.step_duration
+        return (quick.max_step - length) / (growth - 1.0) + self._sole
 
     def nearest(self, state: GaitState, wanted: Placement) -> Placement:
         """Return the nearest landing place that the leg reaches without touching the other one.
