@@ -9,12 +9,16 @@ weigh errors of poses along the axes of the frame, which differs by their square
 
 `reach`: the protocol of Beeson and Ames, TRAC-IK (Humanoids 2015): random joint positions within
 the limits, of which the pose of the hand is the target; start from the middle of the ranges,
-tolerance 1e-5 m and rad in each direction. `--start random` starts from other random positions, the
-case of https://github.com/stephane-caron/pink/issues/59, which reports about half of the poses of
-arms with six joints unsolved.
+tolerance 1e-5 m and rad in each direction. `--start random` starts from other random positions.
+
+`random`: the case of https://github.com/stephane-caron/pink/issues/59, which reports about half of
+the poses unsolved: each time another random arm with six joints, from one random posture to the
+pose of another one. The same from one start only, and, where it is installed, with steps of pink as
+its README shows them, of 10 ms for 20 s at most, tell what the restarts are worth.
 
     python benchmarks/ik.py step
     python benchmarks/ik.py reach --samples 1000
+    python benchmarks/ik.py random --samples 200
 
 The peers come with  pip install placo  and  pip install --no-deps pin-pink mink loop-rate-limiters
 """
@@ -39,6 +43,8 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 from peers.robot_file import urdf_text
+from shared.random_arms import HAND as ARMS_HAND
+from shared.random_arms import random_arm
 
 import wbc
 from wbc.robot import RobotModel
@@ -48,6 +54,8 @@ DT, PERIOD = 0.002, 10.0  # s, of a step and of the motion
 COM, HAND, POSTURE = 100.0, 100.0, 1e-2  # weights
 FEET = ("left_sole", "right_sole")
 CHAINS = ("talos", "g1", "romeo", "panda", "ur5")
+TOLERANCE = 1e-5  # m, rad
+PINK_DT, PINK_STEPS = 0.01, 2000  # s
 #: Solve rates of 10,000 samples as published in the paper, for arms of humanoids and of industry.
 PUBLISHED = "TRAC-IK 99.6 to 100 % in 0.4 to 1 ms; KDL 21 to 98 %"
 
@@ -376,7 +384,7 @@ def reach(name: str, count: int, start: str) -> ReachResult:
         if start == "random":
             at[7 + index] = random.uniform(low, high)
         begun = time.process_time()
-        found = ik.reach(at, tolerance=1e-5, seed=k)
+        found = ik.reach(at, tolerance=TOLERANCE, seed=k)
         times[k] = 1e3 * (time.process_time() - begun)
         solved += found.reached
         attempts += found.attempts
@@ -392,10 +400,88 @@ def reach(name: str, count: int, start: str) -> ReachResult:
     )
 
 
+@dataclass(frozen=True)
+class RandomArmsResult:
+    """Searches with random arms.
+
+    Attributes:
+        solver: who searched.
+        samples: number of arms.
+        solved: share of the poses that was reached, %.
+        mean: CPU time of a search, ms.
+    """
+
+    solver: str
+    samples: int
+    solved: float
+    mean: float
+
+
+def reach_of_wbc(restarts: int) -> Callable[[RobotModel, np.ndarray, pin.SE3], bool]:
+    """Return a search by `reach` with so many restarts."""
+
+    def search(robot: RobotModel, q: np.ndarray, target: pin.SE3) -> bool:
+        ik = wbc.InverseKinematics(robot, limits=[wbc.JointPositionLimit(robot, margin=0.0)])
+        ik.add(wbc.FrameTask(ARMS_HAND, target, weight=1.0))
+        return ik.reach(q, tolerance=TOLERANCE, restarts=restarts).reached
+
+    return search
+
+
+def steps_of_pink(robot: RobotModel, q: np.ndarray, target: pin.SE3) -> bool:
+    """Return whether pink's steps reach a pose."""
+    import pink
+
+    task = pink.tasks.FrameTask(ARMS_HAND, position_cost=1.0, orientation_cost=1.0)
+    task.set_target(target)
+    model = pin.buildReducedModel(robot.model, [1], q)  # without the base's joint
+    configuration = pink.Configuration(model, model.createData(), q[7:])
+    for _ in range(PINK_STEPS):
+        if np.abs(task.compute_error(configuration)).max() <= TOLERANCE:
+            return True
+        try:
+            v = pink.solve_ik(configuration, [task], PINK_DT, solver="daqp", safety_break=False)
+        except pink.exceptions.NoSolutionFound:
+            return False
+        configuration.integrate_inplace(v, PINK_DT)
+    return False
+
+
+def random_arms(count: int) -> list[RandomArmsResult]:
+    """Return how many random poses of random arms are reached, and in what time."""
+    searches = {"wbc": reach_of_wbc(100), "wbc, one start": reach_of_wbc(0)}
+    try:
+        import pink  # noqa: F401
+
+        searches["pink, one start"] = steps_of_pink
+    except ImportError as error:
+        print(f"pink is left out: {error}", file=sys.stderr)
+    solved = dict.fromkeys(searches, 0)
+    times = dict.fromkeys(searches, 0.0)
+    random = np.random.default_rng(0)
+    for _ in range(count):
+        robot = random_arm(random)
+        data = robot.model.createData()
+        goal, start = robot.q_nominal.copy(), robot.q_nominal.copy()
+        goal[7:] = random.uniform(robot.q_min, robot.q_max)
+        start[7:] = random.uniform(robot.q_min, robot.q_max)
+        pin.forwardKinematics(robot.model, data, goal)
+        frame = robot.frame_id(ARMS_HAND)
+        target = pin.updateFramePlacement(robot.model, data, frame).copy()
+        for name, search in searches.items():
+            begun = time.process_time()
+            solved[name] += search(robot, start, target)
+            times[name] += time.process_time() - begun
+    return [
+        RandomArmsResult(name, count, 100.0 * solved[name] / count, 1e3 * times[name] / count)
+        for name in searches
+    ]
+
+
 def main() -> int:
     """Run one of the comparisons, print the table and write the JSON file."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("step", "reach"))
+    parser.add_argument("what", choices=("step", "reach", "random"))
     parser.add_argument("--samples", type=int, default=200, help="samples (default: %(default)s)")
     parser.add_argument("--passes", type=int, default=7, help="of each step (default: %(default)s)")
     parser.add_argument("--chain", action="append", choices=CHAINS, help="default: all")
@@ -414,6 +500,12 @@ def main() -> int:
             share = f"{steps[0].median / row.median:.2f} ×"
             print(f"| {row.library} | {row.median:.0f} | {row.p95:.0f} | {share} | {row.off:.0e} |")
         rows = [*steps]
+    elif args.what == "random":
+        print("| solver | samples | solved | mean, ms |\n| --- | --- | --- | --- |")
+        arms = random_arms(args.samples)
+        for one in arms:
+            print(f"| {one.solver} | {one.samples} | {one.solved:.1f} % | {one.mean:.1f} |")
+        rows = [*arms]
     else:
         print("| arm of | joints | solved | mean, ms | median, ms | p99, ms | attempts |")
         print("| --- | --- | --- | --- | --- | --- | --- |")

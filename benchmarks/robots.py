@@ -57,10 +57,11 @@ BIPEDS = (
     "romeo_small", "icub_reduced", "icub", "simple_humanoid", "human",
     "alexander_v1.lowerBodyOnly", "bolt",
 )  # fmt: skip
-#: Its quadrupeds whose URDFs state the motors' limits.
+#: Its quadrupeds; the URDFs of all but solo12 state the motors' limits.
 QUADRUPEDS = (
     "go2", "go1", "a1", "b1", "laikago", "hyq_no_sensors",
     "anymal_b_simple_description/robots/anymal", "anymal_c_simple_description/urdf/anymal",
+    "solo12",
 )  # fmt: skip
 SOLO_EFFORT, SOLO_ARMATURE = 2.7, 5e-4  # N·m, kg·m²; the URDF of solo12 states no motor of it
 DESCRIPTIONS = (".urdf", ".xacro", ".mjcf", ".toml")
@@ -324,7 +325,8 @@ def measure(entry: Entry, only: tuple[str, ...], known: dict[str, Outcome]) -> R
         robot = wbc.load(entry.file, **entry.arguments)
         findings = [f for f in check_robot(robot) if f.severity != "note"]
         row.defects = [str(f) for f in findings]
-        stated = [f.name for f in robot.facts if f.origin == "stated" and not f.name.endswith("t")]
+        facts = [f.name for f in robot.facts if f.origin == "stated" and not f.name.endswith("t")]
+        stated = [name for name in facts if name not in entry.arguments]
         stated += ["up axis of the meshes"] if robot.respect_up_axis else []
         row.stated = ", ".join(filter(None, [entry.stated, *stated]))
         sole = robot.soles[0]
@@ -392,9 +394,12 @@ def entries_of(where: str) -> list[Entry]:
     if folder.is_dir():
         paths = sorted(path for path in folder.rglob("*") if path.suffix in DESCRIPTIONS)
         return [Entry(path.stem, str(path)) for path in paths]
+    if where == "solo12":
+        return [solo12()]
     file, _, feet = where.partition("=")
     arguments = dict(zip(("left_foot", "right_foot"), feet.split(","), strict=True)) if feet else {}
-    return [Entry(Path(file).stem if Path(file).suffix in DESCRIPTIONS else file, file, arguments)]
+    name = Path(file).stem if Path(file).suffix in DESCRIPTIONS else file.partition("/")[0]
+    return [Entry(name, file, arguments)]
 
 
 def solo12() -> Entry:
@@ -468,7 +473,6 @@ def main() -> int:
     begun = time.perf_counter()
     named = args.robots or ([] if args.list else (*BIPEDS, *QUADRUPEDS))
     robots = [entry for where in named for entry in entries_of(where)]
-    robots += [] if args.robots or args.list else [solo12()]
     if args.list:
         robots += entries_of_list(args.list, args.folder)
     before = read_rows(args.json) if args.resume else {}
