@@ -97,7 +97,7 @@ class Estimator:
             np.array(robot.model.gravity.linear),
             self._noise,
             [leg_covariance(robot, i, self._noise.encoder) for i in range(len(robot.soles))],
-            robot.point_feet if robot.is_quadruped else None,
+            robot.point_feet,
             every=correct_every,
         )
         self._joints = JointFilter(
