@@ -34,6 +34,7 @@ from wbc.teleop import (
     TimeScaleCommand,
     VelocityCommand,
 )
+from wbc.teleop.parameters import tunable_parameters
 
 ACCEPTED, REFUSED, SUPERSEDED, DONE, ABORTED = (
     CommandOutcome.ACCEPTED,
@@ -692,6 +693,18 @@ def test_each_task_has_a_parameter_and_each_motion_is_offered(still, player):
     assert {"gait.single_support", "gait.swing_height", "gait.step_width"} <= set(names)
     assert len(set(names)) == len(names)
     assert still.capabilities.motions == MOTIONS
+
+
+def test_a_velocity_that_a_robot_does_not_have_is_refused_as_such():
+    turn = next(
+        p for p in tunable_parameters(wbc.Walker(wbc.load("bolt")), False) if "turn" in p.name
+    )
+    assert f"{turn.low} {turn.high}" == "0.0 0.0"
+    assert turn.check(0.0) == 0.0
+    with pytest.raises(
+        CommandRefused, match=r"velocity\.turn = 0\.3 is out of range: it can only be 0"
+    ):
+        turn.check(0.3)
 
 
 def test_pushes_and_resets_are_refused_where_the_plant_has_none(player):

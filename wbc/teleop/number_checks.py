@@ -34,6 +34,6 @@ def check_number(name: str, value: Any, low: float, high: float, unit: str = "")
         raise CommandRefused(f"{name} is {short_repr(value)}; it is a number")
     # Compared before any conversion: an integer may be too large for a float.
     if not low <= value <= high:
-        bounds = f"{low:g} to {high:g} {unit}".strip()
+        bounds = f"{low:g} to {high:g} {unit}".strip() if low < high else f"it can only be {low:g}"
         raise CommandRefused(f"{name} = {short_repr(value)} is out of range: {bounds}")
     return float(value)
