@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 import wbc
-from wbc.gait import GaitState, Phase, Placement
+from wbc.gait import GaitState, Phase, Placement, SwingFoot
 from wbc.robot import Robot
 from wbc.walking.stabilizer.cross_over import CrossOver
 
@@ -62,6 +62,18 @@ def test_a_robot_that_walks_ahead_fast_does_not_cross_over_behind(g1):
     state.landing = state.landing._replace(point=stance.to_world(complex(0.4, 0.2)))
     assert cross_over.side(state, wanted) == 0.0
     state.landing = state.landing._replace(point=stance.to_world(complex(-0.3, 0.2)))
+    assert cross_over.side(state, wanted) == -1.0
+
+
+def test_a_foot_that_cannot_stop_before_the_support_foot_does_not_cross_over(g1):
+    state, cross_over = swinging(g1, BEHIND, 0.24), CrossOver(g1)
+    start = state.feet.left
+    state.swing = SwingFoot(start, start, 0.2, 0.05, 0.05)
+    wanted = complex(0.0, -0.2)
+    assert cross_over.side(state, wanted) == -1.0
+    state.swing.motion.velocity[0] = 3.5  # stops after 0.09 m
+    assert cross_over.side(state, wanted) == 0.0
+    state.swing.motion.velocity[0] = -3.5
     assert cross_over.side(state, wanted) == -1.0
 
 

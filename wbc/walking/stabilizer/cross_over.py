@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 
-from wbc.gait import GaitState, Placement
+from wbc.gait import GaitState, Placement, SwingFoot
 from wbc.gait.footsteps import clamp_footstep, lateral_sign
+from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
+
+SWING_ACCELERATION = 7.0  # times gravity: what the hips accelerate a foot by without the trunk
 
 _CLEARANCE = 0.03  # m between the toe of one sole and the heel of the other
 _BEYOND = 0.15  # share of the legs' length by which a foot lands beyond the other one, at most
@@ -23,7 +26,7 @@ class CrossOver:
     that ends beside it leaves the whole error, which doubles, to the next one; one that crosses
     over takes as much off it as it lands beyond. Soles and shins pass each other only while one is
     ahead of the other by a sole's length, so the foot crosses in front if it already is in front,
-    and behind if it is behind. The step after it comes back the same way.
+    and behind if it is behind, and can stop there. The step after it comes back the same way.
 
     It lands a distance d behind or ahead of the wanted place. The steps after it have to catch the
     DCM that is so far off, beside the way L of a step at the present velocity: with the reach R of
@@ -54,9 +57,9 @@ class CrossOver:
         gain = least - max(sign * wanted.imag, -self._beyond)
         if gain < _WORTHWHILE or sign * foot.imag < least:
             return 0.0
-        if abs(foot.real) < self._length - _AHEAD:
-            return 0.0
         side = math.copysign(1.0, foot.real)
+        if abs(foot.real) - _stopping_distance(state, side) < self._length - _AHEAD:
+            return 0.0
         off = self._length - side * wanted.real
         return side if off < min(self._caught_after(state, side), _COST * gain) else 0.0
 
@@ -91,3 +94,18 @@ class CrossOver:
         forward = side * max(self._length, side * local.real)
         width = min(width, sign * local.imag)
         return place._replace(point=stance.to_world(complex(forward, sign * width)))
+
+
+def _stopping_distance(state: GaitState, side: float) -> float:
+    """Return how far the swing foot goes on towards the support foot until it stops, m.
+
+    Args:
+        state: during a swing.
+        side: 1 if the swing foot is in front, −1 if it is behind.
+    """
+    if not isinstance(state.swing, SwingFoot):
+        return 0.0
+    x, y, *_ = state.swing.motion.velocity.tolist()
+    velocity = complex(x, y) * planar_rotation(-state.stance.yaw)
+    speed = max(-side * velocity.real, 0.0)
+    return float(0.5 * speed * speed / (SWING_ACCELERATION * state.gait.gravity))
