@@ -51,7 +51,7 @@ class Squat(Motion):
             middle = 0.5 * (low + high)
             low, high = (low, middle) if self._obstacle(ik, middle) else (middle, high)
         raise MotionError(
-            f"squat: {robot.name} cannot go down by {self.depth:g} % of its leg: {why}; "
+            f"squat: {robot.name} cannot go down by {self.depth:g} % of its leg: {why}, and "
             f"{max(low, 0.1):.1f} % is the most"
         )
 
