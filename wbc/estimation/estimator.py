@@ -90,21 +90,22 @@ class Estimator:
         self.robot = robot
         self.dt = dt
         self._noise = EstimatorNoise() if noise is None else noise
+        encoder, joint_velocity = self._noise.joint_readings
         self._detector = ContactDetector(robot, trigger)
         self._legs = LegKinematics(robot)
         self.filter = InvariantFilter(
             dt,
             np.array(robot.model.gravity.linear),
             self._noise,
-            [leg_covariance(robot, i, self._noise.encoder) for i in range(len(robot.soles))],
+            [leg_covariance(robot, i, encoder) for i in range(len(robot.soles))],
             robot.point_feet,
             every=correct_every,
         )
         self._joints = JointFilter(
             robot.na,
             dt,
-            self._noise.encoder,
-            self._noise.joint_velocity,
+            encoder,
+            joint_velocity,
             joint_acceleration,
             joint_surprise,
         )

@@ -10,7 +10,7 @@ from contextlib import ExitStack
 import numpy as np
 
 from wbc.errors import PhysicsDiverged, WbcError
-from wbc.estimation import Estimator
+from wbc.estimation import Estimator, EstimatorNoise
 from wbc.runtime.clock import Clock
 from wbc.runtime.event import FALL, FALLING, RunEvent, tell
 from wbc.runtime.fall import fall_reason
@@ -18,6 +18,7 @@ from wbc.runtime.loop_conditions import LoopConditions
 from wbc.runtime.protocols import (
     Controller,
     GroundTruthSource,
+    HasBacklash,
     HasPeriod,
     Observer,
     Plant,
@@ -78,7 +79,8 @@ def run(
         controller: e.g. a `Walker`.
         plant: e.g. `wbc.sim.Mujoco`.
         duration: s of plant time.
-        estimator: measurement to estimate; `Estimator(plant.robot, plant.dt)` when left out.
+        estimator: measurement to estimate; when left out, an `Estimator` that counts with the
+            plant's backlash.
         observers: viewers, recordings, logs and the like; those with processes of their own read
             one stream of ticks in shared memory.
         quantities: further quantities of a tick, beside those of `wbc.runtime.quantities`.
@@ -100,7 +102,7 @@ def run(
     """
     if not duration > 0.0:
         raise WbcError(f"duration = {duration} s must be positive")
-    estimator = estimator or Estimator(plant.robot, plant.dt)
+    estimator = estimator or _default_estimator(plant)
     for part in (controller, estimator):
         _check_period(part, plant)
     truth_source = plant if isinstance(plant, GroundTruthSource) else None
@@ -189,6 +191,11 @@ def run(
     for observer in observers:
         observer.end(report)
     return report
+
+
+def _default_estimator(plant: Plant) -> Estimator:
+    backlash = plant.backlash if isinstance(plant, HasBacklash) else 0.0
+    return Estimator(plant.robot, plant.dt, noise=EstimatorNoise(backlash=backlash))
 
 
 def _check_period(part: object, plant: Plant) -> None:

@@ -78,7 +78,8 @@ class TelemetrySource(Protocol):
 class Plant(Protocol):
     """A plant, which can be measured and commanded.
 
-    A plant may also be a `GroundTruthSource` or a `StoppablePlant`.
+    A plant may also be a `GroundTruthSource` or a `StoppablePlant`, or have a backlash
+    (`HasBacklash`).
     """
 
     robot: Robot
@@ -116,6 +117,17 @@ class StoppablePlant(Protocol):
 
         Called right after the last tick, however the run ends; a second time does nothing.
         """
+
+
+@runtime_checkable
+class HasBacklash(Protocol):
+    """A plant whose joints are known to have play; the default estimator counts with it.
+
+    Attributes:
+        backlash: play between the motors, where the encoders are, and the joints, rad.
+    """
+
+    backlash: float
 
 
 @runtime_checkable

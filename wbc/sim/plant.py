@@ -72,6 +72,7 @@ class Mujoco(Closeable):
     Attributes:
         collision_shapes: shapes of the robot's bodies beside its soles, which are boxes of 2 cm.
         excluded_pairs: bodies that pass through each other, and why.
+        backlash: of the servos, rad; 0 without servos.
 
     Raises:
         PlantError: a model that MuJoCo cannot represent, times that do not fit, negative
@@ -145,6 +146,7 @@ class Mujoco(Closeable):
             (s.name, slice(first + 6 * i, first + 6 * i + 6)) for i, s in enumerate(robot.soles)
         ]
         self._motors = Motors(robot, latency_steps)
+        self.backlash = 0.0 if servos is None else servos.backlash
         self._servos: Servos | None = None
         if servos is not None:
             self._servos = Servos(robot, servos, dt, timestep, latency_steps)
