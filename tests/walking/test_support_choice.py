@@ -42,7 +42,7 @@ def test_a_push_that_lasts_counts_before_the_dcm_has_moved():
     state, support = walker.gait_state, walker.stabilizer.support
     state.dcm -= 0.12
     assert not has_to_return(state, support)
-    state.disturbance, state.disturbance_time = -3.0 + 0j, 0.1
+    state.disturbance = -3.0 + 0j
     assert has_to_return(state, support)
 
 

@@ -62,8 +62,6 @@ class GaitState:
         dcm_offset: by how much the wanted DCM differed from the planner's at the last tick, because
             of the swing leg's angular momentum or a motion, m.
         disturbance: rate at which an unknown force moves the DCM, m/s.
-        disturbance_time: for which that has been beyond noise, s.
-        disturbance_noise: rate up to which there is no push, m/s.
         phase: part of the gait cycle.
         support: side of the foot that carries, or that the weight moves to.
         time: since the phase began, s; 0 in the tick in which it begins.
@@ -101,8 +99,6 @@ class GaitState:
     dcm: complex = 0j
     dcm_offset: complex = 0j
     disturbance: complex = 0j
-    disturbance_time: float = 0.0
-    disturbance_noise: float = 0.5
     phase: Phase = Phase.STAND
     support: str = "left"
     time: float = 0.0

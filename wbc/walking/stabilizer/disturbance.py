@@ -5,8 +5,8 @@ from __future__ import annotations
 from wbc.gait import GaitState
 
 _TIME_CONSTANT = 0.01  # s, of the low-pass filter
-NO_PUSH = 0.5  # m/s by which sensor noise and settling seem to move the DCM
-_LASTS_ON = 3.0  # times as long as it has lasted: how long a push is taken to last on
+_SETTLING = 0.1  # s after a reset in which the estimate itself moves
+_NO_PUSH = 0.5  # m/s by which noise and settling seem to move the DCM
 _FAST = 4.0  # times as much in fast walking, where limits keep the CoM from its reference
 
 
@@ -22,32 +22,31 @@ class DisturbanceObserver:
 
     Attributes:
         rate: d, ground vector, m/s.
-        lasted: time for which it has been beyond noise, s.
     """
 
     def __init__(self) -> None:
         self.rate = 0j
-        self.lasted = 0.0
         self._before: complex | None = None
         self._expected = 0j
+        self._age = 0.0
 
     def reset(self) -> None:
         """Start anew, without a disturbance."""
-        self.rate, self.lasted, self._expected, self._before = 0j, 0.0, 0j, None
+        self.rate, self._expected, self._before = 0j, 0j, None
+        self._age = 0.0
 
-    def update(self, dcm: complex, dt: float, noise: float = 0.0) -> complex:
+    def update(self, dcm: complex, dt: float) -> complex:
         """Return the rate of the disturbance, m/s.
 
         Args:
             dcm: estimated ξ of this tick, m.
             dt: time since the last tick, s.
-            noise: rate up to which there is no disturbance, m/s.
         """
         before, self._before = self._before, dcm
-        if before is not None:
+        self._age += dt
+        if before is not None and self._age > _SETTLING:
             rate = (dcm - before) / dt - self._expected
             self.rate += min(dt / _TIME_CONSTANT, 1.0) * (rate - self.rate)
-            self.lasted = self.lasted + dt if abs(self.rate) > noise else 0.0
         return self.rate
 
     def expect(self, rate: complex) -> None:
@@ -55,24 +54,16 @@ class DisturbanceObserver:
         self._expected = rate
 
 
-def noise_rate(state: GaitState) -> float:
-    """Return the rate up to which noise and settling seem to move the DCM, m/s."""
-    return state.disturbance_noise * (1.0 + (_FAST - 1.0) * state.fast_share)
-
-
-def lasting_shift(state: GaitState, time: float) -> complex:
-    """Return by how much a push will move the DCM yet within a time (s), a ground vector, m.
-
-    A push is taken to last on in proportion to how long it has lasted: a joint that crosses its
-    play moves the DCM as fast as a push does, but only for moments. The motion
-    `ω (ξ − p)` of the pendulum itself is not in it.
-    """
-    size, least = abs(state.disturbance), noise_rate(state)
-    if size <= least:
-        return 0j
-    return min(time, _LASTS_ON * state.disturbance_time) * (1.0 - least / size) * state.disturbance
+def lasting_rate(state: GaitState) -> complex:
+    """Return the rate at which a push moves the DCM, without noise and settling, m/s."""
+    rate = state.disturbance
+    size, least = abs(rate), _NO_PUSH * (1.0 + (_FAST - 1.0) * state.fast_share)
+    return (1.0 - least / size) * rate if size > least else 0j
 
 
 def dcm_ahead(state: GaitState, time: float) -> complex:
-    """Return where a push will have moved the DCM within a time (s), a ground point, m."""
-    return state.dcm + lasting_shift(state, time)
+    """Return where a push that lasts on for a time (s) will have moved the DCM, a ground point, m.
+
+    The motion `ω (ξ − p)` of the pendulum itself is not in it.
+    """
+    return state.dcm + time * lasting_rate(state)

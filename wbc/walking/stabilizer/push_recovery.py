@@ -10,7 +10,7 @@ from wbc.gait.footsteps import lateral_sign, other_side
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
 from wbc.walking.stabilizer.cross_over import SWING_ACCELERATION, CrossOver
-from wbc.walking.stabilizer.disturbance import dcm_ahead, lasting_shift
+from wbc.walking.stabilizer.disturbance import dcm_ahead, lasting_rate
 from wbc.walking.stabilizer.step_adjustment import footstep_adjustment, uncaught_dcm_error
 from wbc.walking.stabilizer.support_choice import has_to_return
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
@@ -118,9 +118,9 @@ class PushRecovery:
             shift: by how much the landing place has to move, in the support sole's axes, m.
         """
         stance, gait = state.stance, state.gait
-        ahead = lasting_shift(state, min(_LOOKAHEAD, state.remaining))
-        ahead *= math.exp(gait.omega * state.remaining) * planar_rotation(-stance.yaw)
-        wanted = stance.to_local(self._moved(state, shift)) + ahead
+        rate = lasting_rate(state) * planar_rotation(-stance.yaw)
+        ahead = min(_LOOKAHEAD, state.remaining) * math.exp(gait.omega * state.remaining)
+        wanted = stance.to_local(self._moved(state, shift)) + ahead * rate
         state.crossing = self._cross_over.side(state, wanted)
         return state.crossing != 0.0
 

@@ -12,10 +12,9 @@ from wbc.walking.gains import WalkerGains
 from wbc.walking.ground_kinematics import CentroidalMotion
 from wbc.walking.stabilizer.com_bias import ComBiasEstimator
 from wbc.walking.stabilizer.dcm_feedback import zmp_from_dcm_error
-from wbc.walking.stabilizer.disturbance import NO_PUSH, DisturbanceObserver, noise_rate
+from wbc.walking.stabilizer.disturbance import DisturbanceObserver
 from wbc.walking.stabilizer.push_recovery import PushRecovery, Reference
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
-from wbc.walking.stabilizer.swing_noise import SwingNoise
 
 
 @dataclass(slots=True)
@@ -65,12 +64,10 @@ class Stabilizer:
         self.support = SupportPolygon(robot)
         self.push_recovery = PushRecovery(robot, self.support)
         self._disturbance = DisturbanceObserver()
-        self._swing_noise = SwingNoise()
 
     def reset(self) -> None:
         """Start anew, at rest and without a known bias."""
         self.com_bias.reset()
-        self._swing_noise.reset()
         self.resume()
 
     def resume(self) -> None:
@@ -99,11 +96,7 @@ class Stabilizer:
         dcm = com.point + com.velocity / state.gait.omega
         state.com = com.point
         state.dcm = dcm - self.com_bias.update(dt, com, reaction, heading, hand_offset)
-        observer, noise = self._disturbance, self._swing_noise
-        state.disturbance_noise = noise.level if state.phase is Phase.SWING else NO_PUSH
-        state.disturbance = observer.update(state.dcm, dt, noise_rate(state))
-        state.disturbance_time = observer.lasted
-        noise.update(state)
+        state.disturbance = self._disturbance.update(state.dcm, dt)
 
     def update(self, state: GaitState, reference: Reference) -> StabilizerOutput:
         """Decide on ZMP, CoM acceleration and landing place of this tick.
