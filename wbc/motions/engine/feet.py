@@ -17,7 +17,8 @@ from wbc.robot.upper_body import SIDES, Side
 from wbc.telemetry import Footstep
 from wbc.walking import Walker
 
-_SETTLED = 0.005  # m, DCM error below which the robot is settled
+_SETTLED = 0.2  # share of the soles' half width, DCM error below which the robot is settled
+_LEAST_SETTLED = 0.005  # m, the same of narrow soles
 _SETTLE_TIME = 0.25  # s for which the error has to stay below
 _SETTLE_TIMEOUT = 4.0  # s
 _BRAKING = 0.3  # share of the sole's half width that brakes a shift of the weight
@@ -45,6 +46,8 @@ class FootReferences:
         self._foot = SmoothReference(np.zeros(4), speed=0.4, acceleration=2.0)
         # Share of the weight that the foot which is to be lifted may carry.
         self._load = SmoothReference(1.0, speed=4.0, acceleration=40.0)
+        half_width = min(sole.half_width for sole in walker.robot.soles)
+        self._settled_error = max(_SETTLED * half_width, _LEAST_SETTLED)  # m
         self._settled_for = 0.0
 
     def reset(self) -> None:
@@ -241,5 +244,5 @@ class FootReferences:
 
     def observe(self) -> None:
         """After a tick: count for how long the DCM has been close to its plan."""
-        settled = self._walker.dcm_error < _SETTLED
+        settled = self._walker.dcm_error < self._settled_error
         self._settled_for = self._settled_for + self._clock.dt if settled else 0.0
