@@ -5,6 +5,7 @@ import pickle
 
 import numpy as np
 import pytest
+from cases import slow
 from simtools import robot
 
 import wbc
@@ -118,6 +119,23 @@ def test_servo_properties_that_make_no_sense_are_refused() -> None:
         JointServos(friction=-0.1)
     with pytest.raises(PlantError, match="2 joints"):
         Mujoco(simple, servos=JointServos(gains=ServoGains(np.ones(2), np.ones(2))))
+
+
+@pytest.mark.parametrize("name", [slow("talos"), "g1"])
+def test_joints_with_a_known_play_make_no_step_quick(name: str) -> None:
+    robot = wbc.load(name)
+    walker = wbc.Walker(robot, 0.002)
+    plant = Mujoco(robot, dt=0.002, latency=0.002, seed=1, servos=JointServos())
+    quick = []
+
+    def command(time: float) -> None:
+        walker.velocity = (0.3 if time > 0.5 else 0.0, 0.0, 0.0)
+        quick.append(walker.gait_state.shortened or walker.gait_state.recovering)
+
+    report = wbc.run(walker, plant, 3.5, before_tick=command)
+    assert report.survived
+    assert report.steps >= 2
+    assert not any(quick)
 
 
 def test_a_robot_with_servos_of_soft_gains_walks_and_its_plant_copies() -> None:
