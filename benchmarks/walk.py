@@ -1,13 +1,14 @@
 """Simulates the walks of each robot: the walking table of the README.
 
-Every run is in MuJoCo with physics at 1 kHz, friction 0.8, the URDF's torque limits, noisy
-sensors (encoders, joint velocities, IMU, foot forces) and without ground truth for the walker. A
-cell passes if the robot does not fall and reaches its goal, no QP fails, and no torque and no
-joint position exceeds its limit.
+Every run is in MuJoCo with physics at 1 kHz, friction 0.8 unless told otherwise, the URDF's torque
+limits, noisy sensors (encoders, joint velocities, IMU, foot forces) and without ground truth for
+the walker. A cell passes if the robot does not fall and reaches its goal, no QP fails, and no
+torque and no joint position exceeds its limit.
 
     python benchmarks/walk.py                     # all robots, 5 seeds
     python benchmarks/walk.py --robot g1 --seeds 2
     python benchmarks/walk.py --no-foot-sensors   # contact from joint torques and IMU
+    python benchmarks/walk.py --friction 0.3 --stop-from 0.3   # slippery ground
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ import statistics
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import wbc
@@ -61,10 +62,38 @@ SCENARIOS: dict[str, list[Scenario]] = {
 }
 
 
-def trial(job: tuple[str, int, int, bool]) -> tuple[str, int, int, wbc.Report]:
+@dataclass(frozen=True)
+class Variant:
+    """What may differ from the walking table.
+
+    Attributes:
+        foot_sensors: the soles have force sensors.
+        friction: Coulomb coefficient between soles and ground.
+        stop_from: instead of the scenarios, stop from this speed and stand, m/s.
+    """
+
+    foot_sensors: bool
+    friction: float
+    stop_from: float | None
+
+    def scenarios(self, name: str) -> list[Scenario]:
+        """Return the scenarios of a robot."""
+        if self.stop_from is not None:
+            return [stop_and_stand(self.stop_from)]
+        return SCENARIOS[name]
+
+
+def trial(job: tuple[str, int, int, Variant]) -> tuple[str, int, int, wbc.Report]:
     """Run one trial."""
-    name, index, seed, foot_sensors = job
-    report = run_scenario(wbc.load(name), SCENARIOS[name][index], seed, foot_sensors=foot_sensors)
+    name, index, seed, variant = job
+    scenario = variant.scenarios(name)[index]
+    report = run_scenario(
+        wbc.load(name),
+        scenario,
+        seed,
+        foot_sensors=variant.foot_sensors,
+        friction=variant.friction,
+    )
     return name, index, seed, report
 
 
@@ -86,6 +115,19 @@ def main() -> int:
         help="soles without force sensors; joint torques are measured instead",
     )
     parser.add_argument(
+        "--friction",
+        type=float,
+        default=0.8,
+        metavar="MU",
+        help="between soles and ground (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--stop-from",
+        type=float,
+        metavar="SPEED",
+        help="instead of the scenarios: walk for 4 s at this speed, m/s, stop and stand",
+    )
+    parser.add_argument(
         "--jobs",
         type=int,
         default=1,
@@ -94,10 +136,12 @@ def main() -> int:
     parser.add_argument("--json", type=Path, help="write all reports to this file")
     parser.add_argument("--readme", type=Path, help="update the table in this file")
     args = parser.parse_args()
+    variant = Variant(args.foot_sensors, args.friction, args.stop_from)
+    scenarios = {name: variant.scenarios(name) for name in args.robot or SCENARIOS}
     jobs = [
-        (name, index, seed, args.foot_sensors)
-        for name in (args.robot or SCENARIOS)
-        for index, scenario in enumerate(SCENARIOS[name])
+        (name, index, seed, variant)
+        for name, own in scenarios.items()
+        for index, scenario in enumerate(own)
         if args.scenario in scenario.name
         for seed in range(args.seeds)
     ]
@@ -106,7 +150,7 @@ def main() -> int:
     with ProcessPoolExecutor(args.jobs) as pool:
         for name, index, seed, report in pool.map(trial, jobs):
             results.setdefault((name, index), []).append(report)
-            scenario = SCENARIOS[name][index]
+            scenario = scenarios[name][index]
             result = "ok  " if scenario.passed(report) else "FAIL"
             reason = report.fell_why or (report.explanation[:80] if report.qp_failures else "")
             print(
@@ -115,27 +159,29 @@ def main() -> int:
                 file=sys.stderr,
                 flush=True,
             )
-    print(table(results))
+    print(table(results, scenarios))
     print(f"\n{len(jobs)} runs in {time.perf_counter() - start:.0f} s")
     if args.readme:
         head, rest = args.readme.read_text(encoding="utf-8").split("<!-- walk:begin -->")
         tail = rest.split("<!-- walk:end -->")[1]
-        new = f"{head}<!-- walk:begin -->\n{table(results)}\n<!-- walk:end -->{tail}"
+        new = f"{head}<!-- walk:begin -->\n{table(results, scenarios)}\n<!-- walk:end -->{tail}"
         args.readme.write_text(new, encoding="utf-8")
     if args.json:
         rows = [
-            {"robot": n, "scenario": SCENARIOS[n][i].name, "seed": s, **asdict(r)}
+            {"robot": n, "scenario": scenarios[n][i].name, "seed": s, **asdict(r)}
             for (n, i), reports in results.items()
             for s, r in enumerate(reports)
         ]
         args.json.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
     failed = [
-        r for (n, i), reports in results.items() for r in reports if not SCENARIOS[n][i].passed(r)
+        r for (n, i), reports in results.items() for r in reports if not scenarios[n][i].passed(r)
     ]
     return 1 if failed else 0
 
 
-def table(results: dict[tuple[str, int], list[wbc.Report]]) -> str:
+def table(
+    results: dict[tuple[str, int], list[wbc.Report]], scenarios: dict[str, list[Scenario]]
+) -> str:
     """Return a Markdown table with one row per robot and scenario."""
     lines = [
         "| robot | scenario | passed | reached (worst) | cruise, m/s | DCM error, mm rms | "
@@ -144,7 +190,7 @@ def table(results: dict[tuple[str, int], list[wbc.Report]]) -> str:
         "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for (name, index), reports in results.items():
-        scenario = SCENARIOS[name][index]
+        scenario = scenarios[name][index]
         passed = sum(scenario.passed(r) for r in reports)
 
         def median(key: str, of: list[wbc.Report] = reports) -> float:

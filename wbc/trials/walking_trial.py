@@ -22,6 +22,7 @@ def run_scenario(
     estimator: StateEstimator | None = None,
     start: State | None = None,
     foot_sensors: bool = True,
+    friction: float = 0.8,
 ) -> Report:
     """Run a scenario in MuJoCo with noisy sensors and the base-state estimator.
 
@@ -34,6 +35,7 @@ def run_scenario(
             `GroundTruthEstimator` gets the exact state.
         start: initial state; by default the robot stands at the origin.
         foot_sensors: the soles have force sensors; without them the joints' torques are measured.
+        friction: Coulomb coefficient between soles and ground.
     """
     walker = walker or Walker(robot)
 
@@ -42,7 +44,12 @@ def run_scenario(
 
     truth = isinstance(estimator, GroundTruthEstimator)
     with Mujoco(
-        robot, dt=walker.dt, seed=seed, ground_truth=truth, foot_sensors=foot_sensors
+        robot,
+        dt=walker.dt,
+        friction=friction,
+        seed=seed,
+        ground_truth=truth,
+        foot_sensors=foot_sensors,
     ) as plant:
         if start is not None:
             plant.reset(start)
