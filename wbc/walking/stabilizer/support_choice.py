@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
-from wbc.gait import GaitState, Placement
-from wbc.gait.footsteps import clamp_footstep, other_side
+from wbc.gait import GaitState
 from wbc.walking.stabilizer.disturbance import dcm_ahead
+from wbc.walking.stabilizer.step_adjustment import footstep_adjustment
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 _LOOKAHEAD = 0.05  # s for which the push is taken to last on
@@ -32,8 +30,8 @@ def has_to_return(state: GaitState, support: SupportPolygon) -> bool:
 def _error_after_step(state: GaitState, side: str, support: SupportPolygon) -> float:
     """Distance of the DCM from the foot that lands after a quick step, along the support sole, m.
 
-    Linear inverted pendulum, `ξ(T) = p + (ξ − p) e^(ωT)`: the ZMP p is where it is nearest to the
-    DCM on the support sole, and the other foot lands as near to the DCM as its leg reaches.
+    The ZMP is at the edge of the support sole that the DCM is beyond, and the other foot lands as
+    near to the DCM as its leg reaches.
 
     Only along the sole: of four pushes of G1 to each side both choices survive one.
 
@@ -42,11 +40,8 @@ def _error_after_step(state: GaitState, side: str, support: SupportPolygon) -> f
         side: of the foot that carries the robot in the step.
         support: the support polygon.
     """
-    quick, stance = state.recovery_gait, state.feet.of(side)
-    dcm = stance.to_local(dcm_ahead(state, _LOOKAHEAD))
-    along, across = support.zmp_range(side, 1.0)
-    zmp = complex(max(-along, min(along, dcm.real)), max(-across, min(across, dcm.imag)))
-    dcm = zmp + (dcm - zmp) * math.exp(quick.omega * quick.single_support)
-    wanted = Placement(stance.to_world(dcm), stance.yaw, stance.height)
-    landing = clamp_footstep(stance, other_side(side), wanted, quick)
-    return abs((dcm - stance.to_local(landing.point)).real)
+    quick = state.recovery_gait
+    dcm = state.feet.of(side).to_local(dcm_ahead(state, _LOOKAHEAD))
+    reach = support.zmp_range(side, 1.0)
+    landing = footstep_adjustment(dcm, quick.omega, quick.single_support, reach)
+    return max(0.0, abs(landing.real) - quick.max_step)
