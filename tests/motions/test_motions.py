@@ -365,7 +365,7 @@ def test_player_walks_identically_to_the_walker():
 
 
 def test_motions_that_a_robot_cannot_do_are_refused_with_the_bound():
-    with pytest.raises(MotionError, match=r"squat: g1 .*ankle_pitch.* limit; 2\d\.\d % is the"):
+    with pytest.raises(MotionError, match=r"squat: g1 .*ankle_pitch.* limit, and 2\d\.\d % is the"):
         MotionPlayer(robot("g1"), motions=[Squat(depth=40.0)])
     with pytest.raises(MotionError, match=r"sway: the circle .* size at most 0\.0\d\d m"):
         MotionPlayer(robot("g1")).play(Sway(size=0.2))
