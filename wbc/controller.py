@@ -39,7 +39,7 @@ from wbc.qp import (
 )
 from wbc.qp.inputs import ProgramInputs, pack_inputs
 from wbc.qp.relaxation import relaxation_text, relaxed_problem
-from wbc.robot import Robot
+from wbc.robot import Robot, checked_robot
 from wbc.state import State
 from wbc.tasks import Task, TaskCollection
 
@@ -100,7 +100,8 @@ class WholeBodyController(TaskCollection):
         problem: the last tick's QP; its arrays are overwritten by the next one.
 
     Raises:
-        WbcError: dt is not positive, or the solver has no method `solve`.
+        WbcError: dt is not positive, the base of the robot is fixed, or the solver has no
+            method `solve`.
         LimitError: see `set_limits`.
         SolverNotFound: the solver is unknown or not installed.
     """
@@ -119,7 +120,7 @@ class WholeBodyController(TaskCollection):
     ) -> None:
         if not 0.0 < dt < math.inf:
             raise WbcError(f"dt = {dt} must be positive: it is the control period in seconds")
-        super().__init__(robot, _COUPLING_KP)
+        super().__init__(checked_robot(robot, "WholeBodyController"), _COUPLING_KP)
         self.dt = dt
         self.solver = resolve_solver(solver)
         if limits is None:

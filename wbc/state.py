@@ -37,20 +37,23 @@ class State:
     def is_valid(self, nq: int, nv: int) -> bool:
         """Return whether this is a floating-base state that `validated` returns as it is.
 
-        True only for float arrays of these sizes, finite, with a unit quaternion. When it is
-        False, `validated` converts the state or tells what is wrong.
+        True only for float arrays of these sizes that compiled kernels take (contiguous,
+        writeable), finite, with a unit quaternion. When it is False, `validated` converts the
+        state or tells what is wrong.
         """
         q, v = self.q, self.v
         if not (type(q) is np.ndarray and type(v) is np.ndarray and nq == nv + 1):
             return False
         if q.shape != (nq,) or v.shape != (nv,) or q.dtype is not _FLOAT or v.dtype is not _FLOAT:
             return False
+        if not (q.flags.carray and v.flags.carray):
+            return False
         quaternion = q[3:7]
         length = quaternion.dot(quaternion)
         return _SHORTEST < length < _LONGEST and math.isfinite(q.dot(q) + v.dot(v))
 
     def validated(self, model: pin.Model) -> State:
-        """Return this state as float arrays.
+        """Return this state as contiguous, writeable float arrays, which are copies where needed.
 
         Raises:
             StateError: wrong size, NaN or infinity, or a quaternion that is
@@ -70,7 +73,7 @@ class State:
 
 
 def _checked_vector(name: str, x: np.ndarray, size: int, model: pin.Model) -> np.ndarray:
-    x = np.asarray(x, dtype=float)
+    x = np.require(x, dtype=float, requirements=("C", "A", "W"))
     if x.shape != (size,):
         raise StateError(f"state.{name} has shape {x.shape}, the model needs ({size},)")
     # One fast reduction: the square is finite only if every entry is (and not absurd).

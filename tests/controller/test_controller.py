@@ -261,6 +261,20 @@ def test_arguments_of_the_wrong_type_are_refused_without_changes(use, error, tex
     assert control.step(control.robot.standing()).status is Status.OK
 
 
+def test_states_of_any_memory_layout_are_taken():
+    robot = wbc.load("simple_humanoid")
+    zero = np.zeros(robot.nv)
+    commands = []
+    columns = np.column_stack((robot.q_nominal, robot.q_nominal))
+    for q in (robot.q_nominal.copy(), robot.q_nominal, columns[:, 0], robot.q_nominal.tolist()):
+        controller = wbc.WholeBodyController(robot)
+        controller.set_contacts([wbc.SurfaceContact.from_sole(sole) for sole in robot.soles])
+        controller.add(wbc.PostureTask(robot))
+        commands.append(controller.step(wbc.State(q, zero)))
+        assert commands[-1].status is Status.OK
+        assert (commands[-1].tau == commands[0].tau).all()
+
+
 def test_a_posture_target_that_is_not_finite_is_refused_or_named():
     bot = robot("talos")
     with pytest.raises(TaskError, match=r"target\[0\] \(leg_left_1_joint\) is nan"):

@@ -194,6 +194,23 @@ def test_infeasible_tasks_raise_an_error_that_names_them():
         ik.step(one.q_nominal, DT)
 
 
+def test_a_target_that_is_not_finite_is_named_in_a_step_and_in_a_search():
+    one = panda()
+    ik = InverseKinematics(one)
+    hand = ik.add(wbc.FrameTask("panda_hand"))
+    posture = ik.add(wbc.PostureTask(one))
+    ik.step(one.q_nominal, DT)
+    nowhere = pin.SE3(np.eye(3), np.array([0.5, np.nan, 0.5]))
+    for task, target in ((hand, nowhere), (posture, np.nan * posture.target)):
+        sound, task.target = task.target, target
+        with pytest.raises(NoSolutionFound, match=f"'{task.name}' are not finite: target = .*nan"):
+            ik.step(one.q_nominal, DT)
+        with pytest.raises(NoSolutionFound, match=f"'{task.name}' are not finite"):
+            ik.reach(one.q_nominal)
+        task.target = sound
+    ik.step(one.q_nominal, DT)
+
+
 def test_coupled_joints_move_together_and_are_left_alone_where_none_of_them_moves():
     one = panda()  # the second finger mimics the first
     ik = InverseKinematics(one)

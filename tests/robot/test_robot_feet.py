@@ -7,7 +7,7 @@ from robottools import SIMPLE, changed
 
 import wbc
 import wbc.robot
-from wbc.errors import RobotDescriptionError
+from wbc.errors import RobotDescriptionError, WbcError
 from wbc.gait.parameters import GaitParameters
 from wbc.motions import Jump
 from wbc.robot import load_fixed_base
@@ -85,6 +85,27 @@ def test_a_fixed_base_is_no_walker_but_loads_as_one(tmp_path):
     path = changed(tmp_path, ("</robot>", f'{world}<child link="base_link"/></joint></robot>'))
     assert wbc.load(path).model.joints[1].shortname() == "JointModelFreeFlyer"
     assert load_fixed_base(path).na == wbc.load(SIMPLE).na
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        wbc.WholeBodyController,
+        wbc.Walker,
+        wbc.QuadrupedWalker,
+        wbc.Estimator,
+        wbc.GroundTruthEstimator,
+        wbc.sim.Mujoco,
+        wbc.view.Meshcat,
+        wbc.motions.MotionPlayer,
+        wbc.ik.PostureIK,
+    ],
+)
+def test_what_needs_feet_refuses_a_fixed_base_and_a_name(use):
+    with pytest.raises(WbcError, match=r"the base of 'panda' is fixed; wbc\.InverseKinematics"):
+        use(load_fixed_base("panda"))
+    with pytest.raises(WbcError, match=r"takes a robot, such as wbc\.load\('talos'\), not 'g1'"):
+        use("g1")
 
 
 def test_the_package_of_a_clone_is_that_of_its_package_xml(tmp_path):

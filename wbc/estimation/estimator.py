@@ -20,7 +20,7 @@ from wbc.estimation.legs import LegKinematics, leg_covariance
 from wbc.estimation.noise import EstimatorNoise
 from wbc.estimation.wrench_observer import WrenchObserver
 from wbc.measurement import Measurement
-from wbc.robot import Robot
+from wbc.robot import Robot, checked_robot
 from wbc.state import State
 
 #: Without foot sensors, soles within this of the lowest one are taken to stand, m.
@@ -87,7 +87,7 @@ class Estimator:
         ):
             if not value > 0:
                 raise MeasurementError(f"Estimator: {name} = {value} must be positive")
-        self.robot = robot
+        self.robot = checked_robot(robot, "Estimator")
         self.dt = dt
         self._noise = EstimatorNoise() if noise is None else noise
         encoder, joint_velocity = self._noise.joint_readings

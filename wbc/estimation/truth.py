@@ -8,7 +8,7 @@ from wbc.errors import MeasurementError
 from wbc.estimation.contact import ContactDetector, ContactTrigger
 from wbc.estimation.estimate import Estimate
 from wbc.measurement import Measurement
-from wbc.robot import Robot
+from wbc.robot import Robot, checked_robot
 from wbc.state import State
 
 
@@ -23,7 +23,7 @@ class GroundTruthEstimator:
     """
 
     def __init__(self, robot: Robot, trigger: ContactTrigger | None = None) -> None:
-        self._detector = ContactDetector(robot, trigger)
+        self._detector = ContactDetector(checked_robot(robot, "GroundTruthEstimator"), trigger)
 
     def reset(self, state: State) -> None:
         """Start with all soles in the air; the first measurement tells which stand."""

@@ -12,7 +12,12 @@ from wbc.errors import TaskError, short_repr
 from wbc.ik.configuration_kinematics import ConfigurationKinematics
 from wbc.ik.errors import InverseKinematicsError, NoSolutionFound
 from wbc.ik.reach import ReachSearch, ReachSolution
-from wbc.ik.velocity_program import Unknown, VelocityProblemLayout, VelocityProgram
+from wbc.ik.velocity_program import (
+    Unknown,
+    VelocityProblemLayout,
+    VelocityProgram,
+    non_finite_error,
+)
 from wbc.limits import AnyLimit, JointJerkLimit, JointPositionLimit, JointVelocityLimit, LimitSet
 from wbc.qp import Outcome, Problem, Solver, explain, load_qp_kernels, resolve_solver
 from wbc.qp.priorities import PriorityOrder
@@ -136,7 +141,8 @@ class InverseKinematics(TaskCollection):
         Raises:
             StateError: q has a wrong size, a NaN or a non-unit quaternion.
             InverseKinematicsError: dt is not positive, or v has a wrong size or a NaN.
-            NoSolutionFound: no velocity holds all limits and exact tasks.
+            NoSolutionFound: no velocity holds all limits and exact tasks, or a target, weight or
+                gain is not finite.
         """
         if not 0.0 < dt < math.inf:
             raise InverseKinematicsError(f"dt = {dt} must be positive: the step's duration in s")
@@ -191,6 +197,7 @@ class InverseKinematics(TaskCollection):
         Raises:
             StateError: q has a wrong size, a NaN or a non-unit quaternion.
             TaskError: a target was not added.
+            NoSolutionFound: the target or gain of a task, or a limit, is not finite.
             InverseKinematicsError: there is nothing to reach, or a tolerance that is not positive.
         """
         reached = tuple(self._targets() if targets is None else targets)
@@ -231,6 +238,7 @@ class InverseKinematics(TaskCollection):
             self._columns,
             np.max([self.robot.q_min, *(b.lower for b in self._positions)], axis=0),
             np.min([self.robot.q_max, *(b.upper for b in self._positions)], axis=0),
+            limits,
             self.solver,
             others,
             self._program(displacement, others, targets, limits) if others else None,
@@ -303,10 +311,8 @@ class InverseKinematics(TaskCollection):
 
     def _solve(self, problem: Problem) -> np.ndarray:
         if not problem.finite:
-            raise NoSolutionFound(
-                "the QP is not finite: the target, weight or gain of a task or a limit is NaN or "
-                "infinite"
-            )
+            assert self.kinematics is not None
+            raise non_finite_error(self.kinematics, self.tasks, self._limit_set)
         solution = self._solver_of(problem).solve(problem)
         if solution.outcome is Outcome.INFEASIBLE:
             barriers = self._limit_set.barriers

@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.ik.objective import PostureObjective, PostureSolution
-from wbc.robot import Robot
+from wbc.robot import Robot, checked_robot
 from wbc.robot.posture_solver import (
     ComTerm,
     NearPostureTerm,
@@ -61,7 +61,7 @@ class PostureIK:
     """
 
     def __init__(self, robot: Robot) -> None:
-        self.robot = robot
+        self.robot = checked_robot(robot, "PostureIK")
         self.upper_body = UpperBody.of(robot)
         q = robot.q_nominal
         margin = np.minimum(_MARGIN, 0.25 * (robot.q_max - robot.q_min))

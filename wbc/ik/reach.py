@@ -10,7 +10,8 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.ik.configuration_kinematics import ConfigurationKinematics
-from wbc.ik.velocity_program import postures_last, weighted_squares
+from wbc.ik.velocity_program import non_finite_error, postures_last, weighted_squares
+from wbc.limits import LimitSet
 from wbc.qp import Outcome, Problem, Solver
 from wbc.robot import RobotModel
 from wbc.tasks import Task
@@ -82,6 +83,7 @@ class ReachSearch:
         targets: the tasks.
         columns: (n,) coordinates that move.
         lower, upper: (na,) range of the joints, rad or m.
+        limits: those that hold at every posture.
         solver: QP solver.
         others: tasks that improve what the targets leave open.
         secondary: displacements with the others as weighted tasks and the targets as exact ones;
@@ -96,6 +98,7 @@ class ReachSearch:
         columns: np.ndarray,
         lower: np.ndarray,
         upper: np.ndarray,
+        limits: LimitSet,
         solver: Solver,
         others: Sequence[Task] = (),
         secondary: VelocityProgram | CompiledVelocityProgram | None = None,
@@ -103,7 +106,7 @@ class ReachSearch:
         self._robot, self._program = robot, program
         self._targets = postures_last(targets)
         self._others, self._secondary = others, secondary
-        self._columns, self._solver = columns, solver
+        self._columns, self._limits, self._solver = columns, limits, solver
         self._joints = columns[columns >= 6] - 6
         self._lower, self._upper = lower[self._joints], upper[self._joints]
         self._weights = np.concatenate([task.weight for task in self._targets])
@@ -126,6 +129,9 @@ class ReachSearch:
             restarts: largest number of further attempts.
             seed: seed of their random postures.
             tolerance: largest error of a row that counts as reached, m and rad.
+
+        Raises:
+            NoSolutionFound: a task or limit is not finite.
         """
         self._tolerance = tolerance
         best = self._attempt(kin, q)
@@ -157,11 +163,19 @@ class ReachSearch:
         """
         self._tolerance = tolerance
         kin.set_configuration(posture.q)
-        problem = self._program.build(kin, self._rest, 1.0)
+        problem = self._build(self._program, kin)
         errors, violation = self._program.errors.copy(), self._violation(problem)
         best = _Best(posture.q, self._cost(errors, violation), errors, violation)
         self.iterations = before.iterations + posture.iterations
         return self._solution(kin, best, before.attempts + posture.attempts)
+
+    def _build(
+        self, program: VelocityProgram | CompiledVelocityProgram, kin: ConfigurationKinematics
+    ) -> Problem:
+        problem = program.build(kin, self._rest, 1.0)
+        if not problem.finite:
+            raise non_finite_error(kin, (*self._targets, *self._others), self._limits)
+        return problem
 
     def _reached(self, best: _Best) -> bool:
         largest = float(np.abs(best.errors).max(initial=0.0))
@@ -180,7 +194,7 @@ class ReachSearch:
         q = start.copy()
         q[7 + joints] = np.clip(q[7 + joints], self._lower, self._upper)
         kin.set_configuration(q)
-        problem = self._program.build(kin, self._rest, 1.0)
+        problem = self._build(self._program, kin)
         errors = self._program.errors.copy()
         violation = self._violation(problem)
         cost = self._cost(errors, violation)
@@ -198,7 +212,7 @@ class ReachSearch:
             trial = pin.integrate(model, q, displacement)
             trial[7 + joints] = np.clip(trial[7 + joints], self._lower, self._upper)
             kin.set_configuration(trial)
-            trial_problem = self._program.build(kin, self._rest, 1.0)
+            trial_problem = self._build(self._program, kin)
             trial_errors = self._program.errors
             trial_violation = self._violation(trial_problem)
             trial_cost = self._cost(trial_errors, trial_violation)
@@ -211,7 +225,7 @@ class ReachSearch:
                 if damping > _MAX_DAMPING:
                     break
                 kin.set_configuration(q)
-                problem = self._program.build(kin, self._rest, 1.0)
+                problem = self._build(self._program, kin)
             history.append(cost)
             stuck = len(history) > _PATIENCE
             if stuck and history[-1] > _PROGRESS * history[-1 - _PATIENCE]:
@@ -249,7 +263,7 @@ class ReachSearch:
         share = 1.0
         for _ in range(_IMPROVEMENTS):
             kin.set_configuration(best.q)
-            problem = secondary.build(kin, self._rest, 1.0)
+            problem = self._build(secondary, kin)
             solution = self._solver.solve(problem)
             if solution.outcome is not Outcome.SOLVED:
                 return best
@@ -262,7 +276,7 @@ class ReachSearch:
             displacement[self._columns] = scale * x
             other = self._attempt(kin, pin.integrate(self._robot.model, best.q, displacement))
             kin.set_configuration(other.q)
-            secondary.build(kin, self._rest, 1.0)
+            self._build(secondary, kin)
             cost = weighted_squares(self._others, secondary.errors)
             if self._reached(other) and cost < weighted_squares(self._others, before):
                 best, share = other, min(1.0, 2.0 * share)
@@ -290,7 +304,7 @@ class ReachSearch:
             if float(np.abs(errors[task.name]).max()) > self._tolerance
         ]
         kin.set_configuration(best.q)
-        problem = self._program.build(kin, self._rest, 1.0)
+        problem = self._build(self._program, kin)
         held = self._limits_in_the_way(problem)
         why = f"held back by {', '.join(held)}" if held else "no limit is in the way: out of reach"
         return f"{'; '.join(missed)}; {why}"

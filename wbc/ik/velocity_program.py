@@ -9,9 +9,10 @@ from enum import Enum
 import numpy as np
 
 from wbc.ik.configuration_kinematics import ConfigurationKinematics
+from wbc.ik.errors import NoSolutionFound
 from wbc.kinematics import Kinematics
 from wbc.limits import Limit, LimitRows, LimitSet
-from wbc.qp import Problem
+from wbc.qp import Problem, non_finite_rows
 from wbc.qp.row_errors import raise_row_error
 from wbc.qp.rows import RowBlock
 from wbc.robot import RobotModel
@@ -208,3 +209,11 @@ def joint_velocity_bounds(
         low, high = bound.velocity_bounds(kin, v, dt)
         lower, upper = np.clip(low, lower, upper), np.clip(high, lower, upper)
     return lower, upper
+
+
+def non_finite_error(
+    kin: ConfigurationKinematics, tasks: Sequence[Task], limits: LimitSet
+) -> NoSolutionFound:
+    """Return the error of a problem that is not finite, with the task or limit at fault."""
+    found = non_finite_rows(kin, tasks, (), limits)
+    return NoSolutionFound(found or "the QP is not finite: a weight is NaN or infinite")

@@ -127,5 +127,6 @@ def _culprits(owner: object) -> str:
     for name, value in vars(owner).items():
         array = value.homogeneous if isinstance(value, pin.SE3) else value
         if isinstance(array, (np.ndarray, float)) and not np.isfinite(array).all():
-            texts.append(f"{name.lstrip('_')} = {np.array2string(np.asarray(array), precision=3)}")
+            text = " ".join(np.array2string(np.asarray(array), precision=3).split())
+            texts.append(f"{name.lstrip('_')} = {text}")
     return f": {', '.join(texts)}" if texts else ""

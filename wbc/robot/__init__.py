@@ -6,7 +6,7 @@ from wbc.robot.finding import Fact, Finding
 from wbc.robot.fixed_base import FixedBaseRobot, load_fixed_base
 from wbc.robot.loader import load
 from wbc.robot.registry import available, examples
-from wbc.robot.robot import Robot
+from wbc.robot.robot import Robot, checked_robot
 from wbc.robot.robot_model import RobotModel
 from wbc.robot.soles import Sole
 
@@ -20,6 +20,7 @@ __all__ = [
     "Sole",
     "available",
     "check_file",
+    "checked_robot",
     "examples",
     "load",
     "load_fixed_base",

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import pinocchio as pin
 
-from wbc.errors import FrameNotFound
+from wbc.errors import FrameNotFound, WbcError, short_repr
 from wbc.robot.finding import Finding
 from wbc.robot.posture import has_soles
 from wbc.robot.robot_model import RobotModel
@@ -109,3 +109,23 @@ class Robot(RobotModel):
     def _leg_chain(self, sole: Sole) -> list[int]:
         leg = self.legs[self.soles.index(sole)]
         return [j for j in self.model.supports[sole.joint_id] if self.model.joints[j].idx_v in leg]
+
+
+def checked_robot(robot: object, user: str) -> Robot:
+    """Return a robot on feet.
+
+    Args:
+        robot: what was given.
+        user: who needs it, for the message.
+
+    Raises:
+        WbcError: it is something else, e.g. a robot whose base is fixed, or a name.
+    """
+    if isinstance(robot, Robot):
+        return robot
+    if isinstance(robot, RobotModel):
+        raise WbcError(
+            f"{user} is for robots on feet, and the base of '{robot.name}' is fixed; "
+            "wbc.InverseKinematics moves it"
+        )
+    raise WbcError(f"{user} takes a robot, such as wbc.load('talos'), not {short_repr(robot)}")

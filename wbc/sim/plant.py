@@ -11,7 +11,7 @@ from wbc.closeable import Closeable
 from wbc.command import Command
 from wbc.errors import PhysicsDiverged, PlantError
 from wbc.measurement import Measurement
-from wbc.robot import Robot
+from wbc.robot import Robot, checked_robot
 from wbc.robot.attitude import heading
 from wbc.servo import ServoCommand
 from wbc.sim.cart import Cart
@@ -112,7 +112,7 @@ class Mujoco(Closeable):
             raise PlantError(
                 f"collisions = {collisions!r} must be one of {', '.join(get_args(Collisions))}"
             )
-        self.robot = robot
+        self.robot = checked_robot(robot, "Mujoco")
         self.dt = dt
         self.timestep = timestep
         self.latency = latency

@@ -58,7 +58,9 @@ class Meshcat(ProcessObserver):
     ) -> None:
         if not rate > 0.0:
             raise ViewerError(f"rate is {rate} Hz; a viewer needs a positive one")
-        self._robot = robot
+        from wbc.robot import checked_robot
+
+        self._robot = checked_robot(robot, "Meshcat")
         config = ViewerConfig(robot, port, float(rate), checked_boxes(boxes))
         super().__init__(ChildProcess("wbc.view.server", title="the viewer"))
         self.url = str(self._configure(config, ViewerError, "the viewer: ")["url"])

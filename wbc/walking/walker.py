@@ -28,7 +28,7 @@ from wbc.gait.speed_adaptation import SpeedAdaptation
 from wbc.geometry.planar import rotation_about_z
 from wbc.kinematics import Kinematics
 from wbc.qp import Solver
-from wbc.robot import Robot
+from wbc.robot import Robot, checked_robot
 from wbc.robot.posture import has_soles
 from wbc.state import State
 from wbc.tasks import Task
@@ -96,7 +96,7 @@ class Walker:
         planner: str | Planner | None = None,
         solver: str | Solver | None = None,
     ) -> None:
-        self.robot = robot
+        self.robot = checked_robot(robot, "Walker")
         self.dt = dt
         self._workspace = workspace = LegWorkspace(robot)
         self.gait = gait or GaitParameters.for_robot(robot, workspace)

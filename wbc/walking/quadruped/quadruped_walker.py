@@ -17,7 +17,7 @@ from wbc.geometry.planar import planar_rotation, rotation_about_z, wrap_angle, y
 from wbc.geometry.polygon import clamp_to_polygon, convex_hull
 from wbc.kinematics import Kinematics
 from wbc.qp import Solver
-from wbc.robot import Robot
+from wbc.robot import Robot, checked_robot
 from wbc.robot.attitude import tilt
 from wbc.robot.posture import find_knee
 from wbc.state import State
@@ -80,7 +80,7 @@ class QuadrupedWalker:
         gains: WalkerGains | None = None,
         solver: str | Solver | None = None,
     ) -> None:
-        self.robot, self.dt = robot, dt
+        self.robot, self.dt = checked_robot(robot, "QuadrupedWalker"), dt
         self.gait = gait or QuadrupedGait.for_robot(robot)
         self.gains = gains or WalkerGains.for_robot(robot)
         self.controller = WholeBodyController(robot, dt, solver=solver)
