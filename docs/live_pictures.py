@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 
 from PIL import Image
+from playwright.sync_api import Page
 
 from wbc.view.browser import new_browser
 
@@ -51,19 +52,29 @@ def main() -> None:
                 page.set_default_timeout(TIMEOUT)
                 page.goto(url)
                 page.wait_for_function("wbc.ready && wbc.live.status && wbc.strips.samples() > 50")
-                page.click("[data-action=walk]")
-                page.wait_for_function("wbc.live.status.velocity[0] > 0")
-                page.evaluate("wbc.from = wbc.time")
-                page.wait_for_function("wbc.time > wbc.from + 4 && (wbc.strips.draw(), true)")
-                page.wait_for_function("!element('error').textContent")  # of a slow machine
-                page.evaluate("element('panel').scrollTop = 0")
-                with Image.open(io.BytesIO(page.screenshot())) as image:
+                while (picture := _picture(page)) is None:  # of a busy machine
+                    pass
+                with Image.open(io.BytesIO(picture)) as image:
                     image.save(FOLDER / f"{name}_{scheme}.webp", quality=QUALITY, method=6)
                 page.click("[data-action=reset]")
                 context.close()
     finally:
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=120.0)
+
+
+def _picture(page: Page) -> bytes | None:
+    """Return a picture of the walking robot; None if it stopped, as no sign came from the page."""
+    page.click("[data-action=walk]")
+    page.wait_for_function("wbc.live.status.velocity[0] > 0")
+    page.evaluate("wbc.from = wbc.time")
+    page.wait_for_function(
+        "wbc.time > wbc.from + 4 && (wbc.strips.draw(), true) && !element('error').textContent"
+    )
+    page.evaluate("element('panel').scrollTop = 0")
+    picture = page.screenshot()
+    walks = "wbc.live.status.velocity[0] > 0 && !element('error').textContent"
+    return picture if page.evaluate(walks) else None
 
 
 if __name__ == "__main__":

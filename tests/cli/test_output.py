@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 
@@ -86,6 +87,21 @@ def test_a_file_that_cannot_be_written_is_refused_before_the_run(option, capsys)
     assert out == ""
     assert "cannot write /proc/nowhere.mp4" in err
     assert len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("option", ["--html", "--json", "--log", "--video"])
+def test_a_full_disk_is_told_before_the_run_and_its_file_kept(
+    option, tmp_path, capsys, monkeypatch
+):
+    kept = tmp_path / "kept.mp4"
+    kept.write_text("before")
+    usage = shutil.disk_usage(tmp_path)._replace(free=1000)
+    monkeypatch.setattr("wbc.cli.argument_types.shutil.disk_usage", lambda folder: usage)
+    assert main((*STAND, option, str(kept))) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert f"cannot write {kept}: its disk is full" in err
+    assert kept.read_text() == "before"
 
 
 def test_a_check_whether_a_file_can_be_written_leaves_no_file_and_changes_none(tmp_path, capsys):

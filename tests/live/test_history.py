@@ -87,6 +87,7 @@ def test_a_stretch_becomes_a_log_and_a_film(robot, schema, tmp_path, monkeypatch
     stretch = Stretch(robot, np.empty((0, 6)), schema, records, 7.0 + 0.02 * np.arange(100), (), ())
     stretch.write("log", tmp_path / "a.mcap")
     run = LoggedRun.read(tmp_path / "a.mcap")
+    assert run.title == f"{robot.name}, 7.0 s to 9.0 s of a session"
     assert run.time == pytest.approx(stretch.time)
     assert run["q"][50] == pytest.approx(robot.q_nominal)
     stretch.write("film", tmp_path / "a.html")

@@ -330,9 +330,17 @@ def test_the_tuner_lists_the_tasks_and_a_gain_reaches_every_page(url, page):
     page.wait_for_function("wbc.live.frameTasks.length === 1")
     press(page, ".frame-task button")
     page.wait_for_function("wbc.live.frameTasks.length === 0")
+    page.keyboard.press("z")
+    page.wait_for_function("wbc.live.frameTasks.length === 1")
+    page.keyboard.press("z")
+    page.wait_for_function("wbc.live.frameTasks.length === 0")
+    weight = page.evaluate("wbc.live.values['com.weight']")
     page.click("details[open] >> text=Reset to defaults")
     page.wait_for_function("document.querySelector(\"[data-task='angular momentum']\").checked")
     assert page.evaluate("wbc.live.values['com.weight']") == pytest.approx(3000.0)
+    page.keyboard.press("z")  # the defaults together
+    page.wait_for_function("wbc.live.values['angular momentum.weight'] === 0")
+    assert page.evaluate("wbc.live.values['com.weight']") == pytest.approx(weight)
 
 
 def test_the_robot_walks_on_while_its_page_is_open_and_stops_when_it_is_gone(page):
@@ -516,6 +524,8 @@ def test_nothing_overlaps_nor_covers_the_robot_and_no_label_is_cut(page, width, 
     page.wait_for_function(f"['clientWidth', 'clientHeight'].every({fits})")
     found = page.evaluate(
         """() => {
+          element("text").textContent = "falling: the DCM is 0.37 m off the feet, the body is "
+            + "tilted by 38° at +153°/s, and the centre of mass is at 93 % of its height";
           const shown = (selector) => [...document.querySelectorAll(selector)]
             .map((e) => [e, e.getBoundingClientRect()]).filter(([, r]) => r.width && r.height);
           const parts = shown("#status, #tools > div, #legend, #panel, #dock, #tabs");
@@ -546,6 +556,12 @@ def test_nothing_overlaps_nor_covers_the_robot_and_no_label_is_cut(page, width, 
             const cut = e.scrollWidth > e.clientWidth + 1 && e.clientWidth;
             const outside = r.right > innerWidth + 1 && !e.closest("#strips");
             if (cut || outside) faults.push(`cut: ${e.textContent}`);
+          }
+          const strips = element("strips").getBoundingClientRect();
+          for (const [, r] of shown(".strip")) {
+            const across = r.left < strips.right - 1 && r.right > strips.right + 1;
+            const along = r.top < strips.bottom - 1 && r.bottom > strips.bottom + 1;
+            if (across || along) faults.push("cut strip");
           }
           return [...new Set(faults)];
         }"""

@@ -6,12 +6,16 @@ import argparse
 import functools
 import math
 import os
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 #: Start of a push, s, and its impulse, N·s, in world axes; the robot starts heading along +x.
 ScheduledPush = tuple[float, tuple[float, float, float]]
+
+
+_LEAST_SPACE = 64 * 1024  # bytes on a disk; no output is smaller than some of them
 
 
 class Argument(NamedTuple):
@@ -121,6 +125,9 @@ def _output_file(text: str) -> Path:
         raise argparse.ArgumentTypeError(f"cannot write {path}: {error.strerror}") from None
     if not existed:
         path.unlink()
+    is_device = path.exists() and not path.is_file()
+    if not is_device and shutil.disk_usage(path.resolve().parent).free < _LEAST_SPACE:
+        raise argparse.ArgumentTypeError(f"cannot write {path}: its disk is full")
     return path
 
 

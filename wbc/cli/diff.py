@@ -11,6 +11,9 @@ from wbc.cli.logged_run import SpanOptions, read_run
 from wbc.log.diff import Difference, Divergence, compare
 from wbc.runtime.event import RunEvent
 
+_WIDTH = 60  # characters of a parameter that are shown
+_CONTEXT = 8  # of what is equal before a difference
+
 #: What follows if a stage of the tick is the first that differs. The log holds measurements in
 #: single precision, so that smaller differences of them do not show.
 _FOLLOWS = {
@@ -46,8 +49,8 @@ def diff(log1: Path, log2: Path, span: SpanOptions, *, tolerance: float = 0.0) -
             print(f"  {number}  {_command(event)}")
         print()
     if difference.parameters:
-        rows = [(n, a or "—", b or "—") for n, (a, b) in difference.parameters.items()]
-        print(f"{table(('parameter', 'in 1', 'in 2'), [tuple(map(_short, r)) for r in rows])}\n")
+        rows = [_row(name, *values) for name, values in difference.parameters.items()]
+        print(f"{table(('parameter', 'in 1', 'in 2'), rows)}\n")
     print(_verdict(difference, tolerance))
     if difference.divergences:
         print(f"\n{_divergences(difference.divergences)}")
@@ -120,5 +123,15 @@ def _value(x: float) -> str:
     return "unknown" if not math.isfinite(x) else f"{x:.6g}"
 
 
+def _row(name: str, first: str | None, second: str | None) -> tuple[str, str, str]:
+    """Return the row of a parameter; of long values it shows where they begin to differ."""
+    values = [value or "—" for value in (first, second)]
+    pairs = enumerate(zip(*values, strict=False))
+    same = next((i for i, (a, b) in pairs if a != b), min(map(len, values)))
+    if max(map(len, values)) > _WIDTH and same > _WIDTH // 2:
+        values = [f"…{value[same - _CONTEXT :]}" for value in values]
+    return (_short(name), _short(values[0]), _short(values[1]))
+
+
 def _short(text: str) -> str:
-    return text if len(text) <= 60 else text[:57] + "…"
+    return text if len(text) <= _WIDTH else f"{text[: _WIDTH - 3]}…"

@@ -21,6 +21,7 @@ import wbc
 _PACKAGES = (
     "pin", "numpy", "mujoco", "daqp", "qpsolvers", "osqp", "numba", "mcap",
 )  # fmt: skip
+STRETCH = "stretch"  #: name of the table that only a part of a session has, see `write_log`
 _SMALL = 64  # numbers: larger arrays are data, not parameters
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from wbc.errors import did_you_mean
 from wbc.log.errors import LogError
+from wbc.log.metadata import STRETCH
 from wbc.log.reader import Log
 from wbc.log.robot_info import RobotInfo
 from wbc.log.time_span import WHOLE_RUN, TimeSpan
@@ -155,13 +156,14 @@ class LoggedRun:
     @property
     def title(self) -> str:
         """Robot, duration and outcome of the run, with its falls and resets."""
+        is_stretch = STRETCH in self.log.tables
         text = f"{self.robot_info.name}, "
-        if not self.log.span.whole:
+        if is_stretch or not self.log.span.whole:
             text += f"{self.time[0]:.1f} s to "
         text += f"{self.time[-1]:.1f} s"
         report = self.log.tables.get("report")
         if report is None:
-            text += ", interrupted"
+            text += " of a session" if is_stretch else ", interrupted"
         elif report.get("survived") != "True":
             text += f": {report.get('fell_why', 'fell')}"
         for kind, name in ((FALL, "fall"), (RESET, "reset")):

@@ -47,7 +47,7 @@ def write_log(
     require_packages()
     from wbc.log.event_log import EventLog
     from wbc.log.mcapfile import McapFile
-    from wbc.log.metadata import Metadata, versions
+    from wbc.log.metadata import STRETCH, Metadata, versions
     from wbc.log.robot_info import RobotInfo
 
     if not len(records):
@@ -72,7 +72,9 @@ def write_log(
                 log.advance()
                 file.commit()
             log.finish()
+            span = {"from_ns": str(stamps[0]), "to_ns": str(stamps[-1])}
             file.add(Metadata({"log": {"ticks": str(len(records)), "dropped": "0"}}))
+            file.add(Metadata({STRETCH: span}))
             file.finish()
     except OSError as error:
         raise LogError(f"cannot write {path}: {error.strerror}") from error

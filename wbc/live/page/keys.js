@@ -5,7 +5,7 @@ const {make} = wbc;
 const HELP = [
   ["↑ ↓", "walk forward, backward"], ["← →", "turn"], ["Shift ← →", "walk sideways"],
   ["S", "stand"], ["Space", "pause, resume"], ["R", "reset"], ["P", "push"],
-  ["Z, Ctrl Z", "undo the last change of a parameter"],
+  ["Z, Ctrl Z", "undo the last change of a task or a parameter"],
   [", .", "back, forward in time by 0.1 s (Shift: 2 s)"], ["L", "live: back to the present"],
   ["1 … 6", "camera: start, front, back, left, right, top"], ["F", "camera follows or stays"],
   ["V W X D H", "mouse: view, walk to, push, pull, lead the hands"], ["C", "picture"], ["?", "this table"],

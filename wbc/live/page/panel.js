@@ -12,7 +12,8 @@ const buttons = new Map();
 const UNDO_PERIOD = 1000;  // ms within which changes of one parameter count as one
 let pushSize = () => 0;
 let socket = null, controls = null, status = null, source = "page", errorEnds = 0;
-let changes = [];  // name, value before, and time of each change that can be undone
+let changes = [];  // name, function and time of each change that can be undone
+let group = null;  // the functions of changes that are being made together
 // Tests read this.
 wbc.live = {status: null, values: {}, errors: [], outcomes: [], saved: ""};
 
@@ -35,7 +36,8 @@ function makeSlider(parameter) {
     tasks.receiveWeight(parameter.name, value);
   };
   const change = (value) => {
-    remember(parameter.name, wbc.live.values[parameter.name]);
+    const before = wbc.live.values[parameter.name];
+    remember(parameter.name, () => sliders.get(parameter.name).change(before));
     show(value);
     send(parameter.name, value);
   };
@@ -63,25 +65,43 @@ function makeSlider(parameter) {
   return row;
 }
 
-// Velocities are no parameters: they are commanded anew all the time.
-function remember(name, value) {
+// Notes how a change is taken back. Changes of one name that follow each other at once, as those of a
+// slider that is dragged, are one. Velocities are no parameters: they are commanded anew all the time.
+function remember(name, takeBack) {
+  if (name?.startsWith("velocity.")) return;
+  if (group) {
+    group.push(takeBack);
+    return;
+  }
   const last = changes.at(-1), now = performance.now();
-  if (name.startsWith("velocity.")) return;
-  if (last?.name === name && now - last.time < UNDO_PERIOD) last.time = now;
-  else changes.push({name, value, time: now});
+  if (name && last?.name === name && now - last.time < UNDO_PERIOD) last.time = now;
+  else changes.push({name, takeBack, time: now});
   changes = changes.slice(-100);
+}
+
+// Makes changes that are taken back together.
+function together(perform) {
+  group = [];
+  perform();
+  const all = group;
+  group = null;
+  if (all.length) remember(null, () => { for (const takeBack of all) takeBack(); });
 }
 
 function undo() {
   const last = changes.pop();
   if (!last) return;
-  sliders.get(last.name).change(last.value);
-  changes.pop();  // the undoing itself
+  group = [];  // the undoing itself is no change
+  last.takeBack();
+  group = null;
 }
 
 const inGroup = (group) => controls.parameters.filter((parameter) => parameter.group === group);
 const defaultsButton = (includes) => make("button", {className: "defaults", textContent: "Reset to defaults", onclick: () => {
-  for (const parameter of controls.parameters.filter(includes)) sliders.get(parameter.name).change(parameter.default);
+  const isChanged = ({name, default: initial}) => wbc.live.values[name] !== initial;
+  together(() => {
+    for (const parameter of controls.parameters.filter(includes).filter(isChanged)) sliders.get(parameter.name).change(parameter.default);
+  });
 }});
 
 function section(title, ...content) {
@@ -213,7 +233,7 @@ function gainSection() {
   return folded("Tasks: weights and gains", ...names.flatMap((task) => {
     const rows = inGroup(task).map(makeSlider);
     return [tasks.title(task, sliders.get(`${task}.weight`), wbc.live.values), ...rows];
-  }), ...tasks.adder(send),
+  }), ...tasks.adder(send, remember),
     defaultsButton((parameter) => !others.has(parameter.group)));
 }
 
@@ -231,7 +251,7 @@ function saveGains() {
 
 function changesSection() {
   return make("div", {className: "buttons changes"},
-    action("undo", "Undo", "take back the last change of a gain, a gait parameter or the speed; key: Z", undo),
+    action("undo", "Undo", "take back the last change of a task, a gain, a gait parameter or the speed; key: Z", undo),
     action("save gains", "Save gains", "the changed gains and gait parameters as a file for --gains", saveGains));
 }
 

@@ -5,11 +5,15 @@
 (() => {
 const thousands = new Intl.NumberFormat("en", {notation: "compact", maximumSignificantDigits: 4});
 const axisLabel = (x) => (Math.abs(x) < 1e4 ? String(+x.toPrecision(6)) : thousands.format(x));
+const longest = (texts) => Math.max(0, ...(texts ?? []).map((one) => one.length));
 const {make} = wbc;
 const COLOURS = ["#2f7be8", "#e06a10", "#1f9d7a", "#a349c9", "#d1342b", "#8a7a10", "#0e8fae", "#d0478e"];
 const MARKS = {fall: "#d1342b", falling: "#d1342b", reset: "#8a949e", push: "#f0a202"};
 const LONGEST = 780;  // s that are kept
 const STORAGE = "wbc layouts";
+// Least size of a strip, px: as many as fit are seen whole, the others after scrolling.
+const NARROWEST = 230, LOWEST = 130;
+const DIGIT = 7;  // px, at most, of the font of the axes
 // Numbers of these units are shown in a smaller one.
 const SMALL = {s: ["µs", 1e6], m: ["mm", 1e3]};
 const SMALL_NAMES = /^(controller_time|estimator_time|period|dcm_error)\b/;
@@ -167,7 +171,7 @@ function makePlot(strip) {
     legend: {show: false},
     padding: [6, 8, 0, 0],
     scales: {x: {time: false, range: () => visibleWindow()}, y: {range: rangeOf(strip)}},
-    axes: [{...axis, size: 22, gap: 2}, {...axis, size: 46, gap: 3, values: (_, splits) => splits.map(axisLabel)}],
+    axes: [{...axis, size: 22, gap: 2}, {...axis, gap: 3, size: (_, labels) => Math.max(46, 12 + DIGIT * longest(labels)), values: (_, splits) => splits.map(axisLabel)}],
     cursor: {drag: {x: true, y: false, setScale: false}, sync: {key: "strips"}, y: false, points: {size: 5}},
     series: [{}, ...strip.signals.map((label, k) => (
       {label, stroke: COLOURS[k % COLOURS.length], width: 1.3, points: {show: false}}))],
@@ -362,7 +366,11 @@ function build(onSelect) {
   document.body.append(list);
   show(storedLayouts()[""] ?? PRESETS[layout]);
   dark.addEventListener("change", () => strips.forEach(makePlot));
-  new ResizeObserver(() => { dirty = true; }).observe(box);
+  new ResizeObserver(() => {
+    box.style.setProperty("--columns", Math.max(Math.floor(box.clientWidth / NARROWEST), 1));
+    box.style.setProperty("--rows", Math.max(Math.floor(box.clientHeight / LOWEST), 1));
+    dirty = true;
+  }).observe(box);
   return box;
 }
 
