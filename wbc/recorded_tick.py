@@ -29,6 +29,7 @@ from wbc.tasks import (
     AngularMomentumTask,
     ComTask,
     FrameTask,
+    JointCouplingTask,
     OrientationTask,
     PositionTask,
     PostureTask,
@@ -151,6 +152,10 @@ def recorded_controller(robot: Robot, structure: bytes, values: np.ndarray) -> W
     tasks = [_task(robot, entry, reader) for entry in recorded["tasks"]]
     contacts = [_contact(entry, reader) for entry in recorded["contacts"]]
     limits = [_limit(robot, entry, reader) for entry in recorded["limits"]]
+    for contact, entry in zip(contacts, recorded["contacts"], strict=True):
+        if entry["placed"]:
+            (placement,) = reader.take({"shapes": [[3, 4]]})
+            contact.placement = pin.SE3(placement[:, :3].copy(), placement[:, 3].copy())
     solver = _solver(recorded["solver"])
     regularisation = Regularisation(*recorded["regularisation"])
     controller = WholeBodyController(
@@ -203,6 +208,12 @@ def _task(robot: Robot, entry: dict[str, Any], reader: _ValueReader) -> Task:
     if entry["kind"] == "rows":
         A, b, root = arrays
         return RecordedTask(entry, A, b, _weight(root, b.size))
+    if entry["kind"] == "coupling":
+        *coefficients, b, root = arrays
+        A = np.zeros((1, robot.nv))
+        A[0, 6 + np.array(entry["joints"])] = np.ravel(coefficients)
+        described = {**entry, "unit": JointCouplingTask.unit, "labels": ()}
+        return RecordedTask(described, A, b, _weight(root, 1))
     if entry["kind"] == "joints":
         target, velocity, acceleration, kp, kd, weight = arrays
         posture = PostureTask(

@@ -1,8 +1,9 @@
 """A tick is solved again from what its QP was made of, whatever it was made of."""
 
 import numpy as np
+import pinocchio as pin
 import pytest
-from coretools import contact_set, hand, robot, standing_state
+from coretools import contact_set, hand, robot, sole_contact, standing_state
 from random_cases import SixteenSidedSole
 
 import wbc
@@ -12,7 +13,7 @@ from wbc.errors import WbcError
 from wbc.limits import AccelerationBound, Limit, SelfCollisionLimit
 from wbc.qp.inputs import packed_text, packed_values
 from wbc.recorded_tick import recorded_controller
-from wbc.tasks import JointTorqueTask
+from wbc.tasks import JointCouplingTask, JointTorqueTask
 
 WORDS = 8000
 
@@ -83,13 +84,37 @@ def of_own_classes(bot):
     return control
 
 
+def placed_contacts(bot):
+    control = plain(bot)
+    tilted = pin.SE3(pin.rpy.rpyToMatrix(0.3, -0.2, 1.0), np.array([0.02, -0.01, 0.05]))
+    control.set_contacts(
+        [
+            sole_contact(bot, "left"),
+            wbc.PointContact("right_sole", placement=pin.SE3.Identity(), motion_weight=3000.0),
+            wbc.PointContact(hand(bot), placement=tilted, friction=0.2, max_force=20.0),
+        ]
+    )
+    control.contacts[1].placement = tilted
+    return control
+
+
+def coupled(bot):
+    control = plain(bot)
+    first, second, *_, last = bot.joint_names
+    control.add(JointCouplingTask(bot, {second: 1.0, last: -0.5}, 0.1, priority=0))
+    control.add(JointCouplingTask(bot, {first: 2.0, second: 1.0, last: 1.0}, weight=30.0))
+    return control
+
+
 def self_collision(bot):
     control = plain(bot)
     control.set_limits((*control.limits, SelfCollisionLimit(bot, margin=0.0, detection=0.3)))
     return control
 
 
-@pytest.mark.parametrize("make", [plain, exact, of_own_classes, self_collision])
+@pytest.mark.parametrize(
+    "make", [plain, exact, of_own_classes, placed_contacts, coupled, self_collision]
+)
 def test_a_recorded_tick_is_solved_again_alone_to_the_same_torques(make):
     bot = robot("talos")
     control = make(bot)

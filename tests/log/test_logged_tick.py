@@ -6,11 +6,16 @@ import sys
 
 import numpy as np
 import pytest
+from robottools import changed
 
 import wbc
 from wbc.command import Status
 from wbc.log import FlightRecorder, LogError, LoggedRun, LoggedTick
+from wbc.qp.inputs import packed_text, packed_values
+from wbc.recorded_tick import recorded_controller
+from wbc.runtime.controller_inputs import controller_inputs
 from wbc.sim import Mujoco
+from wbc.walking import HandContact
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +59,14 @@ def test_command_line_explains_a_tick(walk):
     assert "com (priority 1)" in done.stdout
 
 
+@pytest.mark.parametrize("time", [-0.1, 2.1, np.nan])
+def test_a_time_that_the_log_does_not_have_is_refused_with_its_span(walk, time):
+    run, robot = walk
+    with pytest.raises(LogError, match=r"has no tick at .* s: it goes from 0 to 1\.998 s"):
+        LoggedTick(run, time, robot)
+    assert LoggedTick(run, 2.0, robot).time == pytest.approx(1.998)
+
+
 def test_a_log_without_inputs_says_so(walk):
     run, robot = walk
     older = LoggedRun.read(run.log.path)
@@ -62,3 +75,25 @@ def test_a_log_without_inputs_says_so(walk):
         LoggedTick(older, 1.0, robot)
     with pytest.raises(LogError, match="the log is of 'g1', not of 'talos'"):
         LoggedTick(run, 1.0, wbc.load("talos"))
+
+
+def test_enough_numbers_are_reserved_for_a_walk_with_hands_in_contact_and_coupled_joints(tmp_path):
+    mimic = '<mimic joint="left_{0}" multiplier="-1.0"/>'
+    changes = [
+        (child, child + mimic.format(joint))
+        for joint, link in (("elbow", "forearm"), ("shoulder_roll", "upper_arm"))
+        for child in [f'<child link="right_{link}"/>']
+    ]
+    robot = wbc.load(changed(tmp_path, *changes))
+    assert len(robot.couplings) == 2
+    walker = wbc.Walker(robot)
+    for frame in ("left_hand", "right_hand"):
+        walker.hand_contacts.add(HandContact(frame, np.array([-1.0, 0.0, 0.0]))).set_force(1.0, 9.0)
+    controller = walker.controller
+    walker.step(wbc.Estimate(robot.standing()))
+    assert len(controller.contacts) == 4
+    state = robot.standing()
+    command = controller.step(state)
+    words = command.source.packed_inputs(command, controller_inputs(robot).size)
+    again = recorded_controller(robot, packed_text(words), packed_values(words))
+    assert (again.step(state).tau == command.tau).all()

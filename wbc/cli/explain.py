@@ -13,7 +13,10 @@ from wbc.log.logged_tick import LoggedTick
 
 
 def explain(
-    log: Path, *, at: Annotated[float, Argument("T", number)] = 0.0, robot: RobotName | None = None
+    log: Path,
+    *,
+    at: Annotated[float | None, Argument("T", number)] = None,
+    robot: RobotName | None = None,
 ) -> None:
     """Explain a tick of a log: what tasks asked for and got, and what stood in their way.
 
@@ -21,12 +24,12 @@ def explain(
 
     Args:
         log: path of a log, see --log of the other subcommands.
-        at: time of the tick, s.
+        at: time of the tick, s (default: that of the first one).
         robot: the robot, if it cannot be found by its name in the log.
     """
     run = read_run(log)
     loaded = None if robot is None else logged_robot(run.robot_info, robot)
-    tick = LoggedTick(run, at, loaded)
+    tick = LoggedTick(run, run.time[0] if at is None else at, loaded)
     print(f"{log}: tick at {tick.time:.3f} s, {tick.status.value}", end="")
     if tick.status is Status.OK:
         print(f"; solved again, torques within {tick.torque_error:.1e} N·m of the log", end="")

@@ -27,9 +27,8 @@ class LoggedTick:
     """The last tick of a log at or before a time: solved again, explained, or changed.
 
     The log holds what the controller's QP was made of. From it the tick is solved again, alone, to
-    the torques of the log (1e-9 N·m with the solver "wbc"). Two kinds of ticks depend on those
-    before: after a failed solve the torques fade, and the solver of strict priorities gives
-    slightly other torques from another start.
+    the torques of the log (1e-9 N·m with the library's own solvers). After a failed solve the
+    torques fade from those of the tick before, which is not solved again.
 
     Example:
         >>> tick = LoggedTick(LoggedRun.read("walk.mcap"), 3.2)
@@ -51,11 +50,18 @@ class LoggedTick:
         command: The command of this controller, before any change.
 
     Raises:
-        LogError: The log does not hold what the tick was made of, or its robot cannot be loaded.
+        LogError: The log ends before that time or begins after it, does not hold what the tick
+            was made of, or its robot cannot be loaded.
     """
 
     def __init__(self, run: LoggedRun, time: float, robot: Robot | None = None) -> None:
-        tick = max(int(np.searchsorted(run.time, time + 1e-9, "right")) - 1, 0)
+        first, last = float(run.time[0]), float(run.time[-1])
+        period = (last - first) / max(len(run.time) - 1, 1)
+        if not first - 1e-9 <= time <= last + 1.5 * period:
+            raise LogError(
+                f"{run.log.path} has no tick at {time:g} s: it goes from {first:g} to {last:g} s"
+            )
+        tick = int(np.searchsorted(run.time, time + 1e-9, "right")) - 1
         self.time = float(run.time[tick])
         self.state = State(run["q"][tick], run["v"][tick])
         self.tau: np.ndarray = run["tau"][tick]

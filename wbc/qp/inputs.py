@@ -19,7 +19,7 @@ from wbc.limits import (
     TorqueLimit,
 )
 from wbc.robot import Robot
-from wbc.tasks import JointTask, MotionTask, Task
+from wbc.tasks import JointCouplingTask, JointTask, MotionTask, Task
 from wbc.tasks.motion import CENTROID
 
 #: What tasks, contacts and limits have written into an assembly's memory, as views of it.
@@ -34,7 +34,8 @@ class ProgramInputs:
     The structure is JSON: kinds, names, frames and sizes of tasks, contacts and limits, each of
     which has some of the values; `wbc.recorded_tick` makes them anew from both. Tasks, contacts
     and limits of other classes than the library's own are recorded by the rows that they wrote.
-    A change of the settings of a self-collision limit is recorded with the next structure only.
+    A change of the settings of a self-collision limit, or of which joints a `JointCouplingTask`
+    couples, is recorded with the next structure only.
 
     Args:
         robot: the robot.
@@ -59,6 +60,11 @@ class ProgramInputs:
         self._robot = robot
         self._owners = (tuple(tasks), tuple(contacts), tuple(limits))
         self._written: dict[object, Sequence[np.ndarray]] = dict(written)
+        for task in tasks:
+            if type(task) is JointCouplingTask:  # most of its row is zero
+                A, *further = self._written[task]
+                columns = [A[:, 6 + joint : 7 + joint] for joint in _coupled(task)]
+                self._written[task] = (*columns, *further)
         for limit in limits:
             if type(limit) is SelfCollisionLimit:  # its rows are many and follow from the state
                 self._written[limit] = ()
@@ -69,6 +75,7 @@ class ProgramInputs:
             for view in self._written[owner]
         ]
         self._places = np.concatenate(places) if places else np.empty(0, int)
+        self._placed = [contact for contact in contacts if contact.placement is not None]
         self._cones: list[np.ndarray] = []
         self._words = np.empty(0)
 
@@ -82,9 +89,10 @@ class ProgramInputs:
         cones = [contact.cone for contact in self._owners[1]]
         same = len(cones) == len(self._cones) and all(map(_is, cones, self._cones))
         count = self._places.size
+        further = np.concatenate((*map(_placement, self._placed), working_set))
         if not same or self._words.size != words:
             self._cones = cones
-            values = np.zeros(count + working_set.size)
+            values = np.zeros(count + further.size)
             self._words = pack_inputs(self._structure(working_set.size), values, words)
             self._fits = int(self._words[1]) == values.size
             self._start = _HEAD + -(-int(self._words[0]) // 8)
@@ -92,7 +100,7 @@ class ProgramInputs:
             end = self._start + count
             # "clip" writes without a buffer: in a quarter of the time.
             self._memory.take(self._places, out=self._words[self._start : end], mode="clip")
-            self._words[end : end + working_set.size] = working_set
+            self._words[end : end + further.size] = further
         return self._words
 
     def _structure(self, working_set: int) -> dict[str, Any]:
@@ -137,6 +145,16 @@ def packed_values(words: np.ndarray) -> np.ndarray:
     return values
 
 
+def _placement(contact: Contact) -> np.ndarray:
+    """Return the placement of a contact in its frame, (12,): exact, as that in its joint is not.
+
+    Soft contacts alone leave the QP so ill-conditioned that rounding would show in the torques.
+    """
+    assert contact.placement is not None
+    numbers: np.ndarray = contact.placement.homogeneous[:3].ravel()
+    return numbers
+
+
 def _is(one: object, other: object) -> bool:
     return one is other
 
@@ -160,10 +178,17 @@ def _task(robot: Robot, task: Task, written: Sequence[np.ndarray]) -> dict[str, 
         of_centroid = task.frame_id == CENTROID
         frame = "" if of_centroid else robot.model.frames[task.frame_id].name
         return {**described, "kind": "motion", "frame": frame, "first": task.components.start}
+    if type(task) is JointCouplingTask:
+        return {**common, "kind": "coupling", "joints": _coupled(task)}
     if isinstance(task, JointTask) and len(written) > _DENSE:
         joints = [robot.joint_names[i] for i in task.index]
         return {**common, "kind": "joints", "joints": joints}
     return {**described, "kind": "rows"}
+
+
+def _coupled(task: JointCouplingTask) -> list[int]:
+    """Return the joints of a coupling, as indices into (na,) vectors."""
+    return [int(joint) for joint in np.flatnonzero(task.coefficients)]
 
 
 def _contact(contact: Contact) -> dict[str, Any]:
@@ -171,6 +196,7 @@ def _contact(contact: Contact) -> dict[str, Any]:
         "name": contact.name,
         "frame": contact.frame,
         "soft": contact.motion_weight is not None,
+        "placed": contact.placement is not None,
         "friction": contact.friction,
     }
     if type(contact) is SurfaceContact:

@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from wbc.runtime.tick import Tick
 
 NAME = "controller_inputs"
-_WORDS, _WORDS_PER_JOINT = 512, 16  # a walk takes 300 and 14
+# A walk takes 300 and 14, each hand in contact 80, a coupling of two joints 30.
+_WORDS, _WORDS_PER_JOINT, _WORDS_PER_COUPLING = 1024, 16, 32
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class ControllerInputs:
 
 def controller_inputs(robot: Robot) -> Quantity:
     """Return the quantity of a robot's controller inputs."""
-    words = _WORDS + _WORDS_PER_JOINT * robot.na
+    words = _WORDS + _WORDS_PER_JOINT * robot.na + _WORDS_PER_COUPLING * len(robot.couplings)
     return Quantity(
         NAME,
         ControllerInputs(words),
