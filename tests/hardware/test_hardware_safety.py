@@ -24,6 +24,7 @@ from wbc.hardware.unitree.motors import G1_JOINTS
 from wbc.hardware.unitree.stand_in_server import serve
 from wbc.measurement import Measurement
 from wbc.robot import load
+from wbc.runtime.event import SAFETY, RunEvent
 from wbc.runtime.loop import StopRun
 from wbc.runtime.report import Report
 from wbc.runtime.statistics import RunStatistics
@@ -92,6 +93,36 @@ def test_the_end_of_a_run_damps_the_joints_before_anything_else_is_done(
     assert run.plant.transitions[-1].reason == "the run is over"
     with pytest.raises(StopRun, match="connect to the robot anew"):
         run.measure()
+
+
+def test_transitions_are_events_of_the_run(standing) -> None:
+    class Events:
+        def __init__(self) -> None:
+            self.all: list[RunEvent] = []
+
+        def begin(self, controller: object, plant: object) -> None: ...
+
+        def observe(self, tick: object) -> None: ...
+
+        def end(self, report: object) -> None: ...
+
+        def on_event(self, event: RunEvent) -> None:
+            self.all.append(event)
+
+    run, events = copy.deepcopy(standing), Events()
+    begin = run.plant.time
+
+    def cut_the_wire(time: float) -> None:
+        if time > begin + 0.01:
+            run.transport.on_state = lambda _, data: []
+
+    walker = wbc.Walker(standing.robot)
+    report = wbc.run(walker, run.plant, 0.1, observers=[events], before_tick=cut_the_wire)
+    assert not report.survived
+    (event,) = events.all
+    assert (event.kind, event.name) == (SAFETY, "damping")
+    assert event.reason.startswith("no valid state message for 20 ms")
+    assert begin + 0.005 < event.time < begin + 0.035
 
 
 def test_it_walks_with_10_ms_of_latency_and_5_percent_of_the_messages_lost(standing) -> None:

@@ -15,7 +15,7 @@ from wbc.cli.exit_code import ExitCode
 from wbc.cli.interrupt import exit_on_interrupt, graceful_interrupt
 from wbc.cli.outputs import RunOutputs
 from wbc.cli.progress import ProgressLine
-from wbc.cli.scripted_run import RunOptions, Schedule
+from wbc.cli.scripted_run import CommandEvents, RunOptions, Schedule
 from wbc.errors import WbcError
 from wbc.gait import VelocityLimits
 from wbc.hardware.safety.foot_load import feet_carry
@@ -86,11 +86,14 @@ def walk_on_hardware(
         stack.enter_context(garbage_collection_paused())
         line.print(stack.enter_context(real_time_thread(RealTime(priority))).describe())
 
+        told = CommandEvents(walker, (), observers)
+
         def command(time: float) -> None:
             if interrupted:
                 raise StopRun("interrupted")
             while schedule and time >= schedule[0][0]:
                 walker.velocity = schedule.pop(0)[1]
+            told.on_tick(time)
 
         def progress(now: Progress) -> None:
             line.show_run(now)

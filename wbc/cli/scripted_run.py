@@ -114,7 +114,7 @@ class ScriptedRun:
             if evaluator is not None:
                 observers.append(evaluator)
 
-            told = _CommandEvents(self.walker, self._options.push, observers)
+            told = CommandEvents(self.walker, self._options.push, observers)
 
             def tick(time: float) -> None:
                 before_tick(time, simulation.plant)
@@ -143,7 +143,7 @@ class ScriptedRun:
         return simulation.run(execute)
 
 
-class _CommandEvents:
+class CommandEvents:
     """Tells the observers of a run when its velocity changes and its pushes begin."""
 
     def __init__(

@@ -30,7 +30,7 @@ def _alike(a: RunEvent, b: RunEvent) -> bool:
 
 
 def _row(event: RunEvent, count: int) -> tuple[str, ...]:
-    what = event.kind if event.kind != COMMAND else event.name.replace("_", " ")
+    what = event.name.replace("_", " ") or event.kind
     if count > 1:
         what += f" ×{count}"
     about = ": ".join(filter(None, (event.value, event.reason)))

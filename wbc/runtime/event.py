@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-COMMAND, FALLING, FALL, RESET = "command", "falling", "fall", "reset"
+COMMAND, FALLING, FALL, RESET, SAFETY = "command", "falling", "fall", "reset", "safety"
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,11 +15,12 @@ class RunEvent:
 
     Attributes:
         time: plant time, s.
-        kind: "command"; "falling", when the controller finds a fall unavoidable; "fall"; or
-            "reset", at the beginning of the run that follows.
+        kind: "command"; "falling", when the controller finds a fall unavoidable; "fall"; "reset",
+            at the beginning of the run that follows; or "safety", a transition of the safety
+            layer.
         source: sender of a command, e.g. "page", "ros" or "script".
         number: number of a command, unique per sender.
-        name: name of a command, e.g. "velocity" or "push".
+        name: name of a command, e.g. "velocity" or "push", or of a state of the safety layer.
         value: values of a command, as JSON.
         outcome: outcome of a command, see `wbc.teleop.CommandOutcome`.
         reason: why, unless a command was accepted or done.
@@ -41,6 +42,17 @@ class EventObserver(Protocol):
 
     def on_event(self, event: RunEvent) -> None:
         """Process an event, without waiting: it may come inside a tick."""
+
+
+@runtime_checkable
+class EventSource(Protocol):
+    """A plant that has events of its own, e.g. the transitions of its safety layer.
+
+    Attributes:
+        emit: is called with each of them; `wbc.run` sets it.
+    """
+
+    emit: Callable[[RunEvent], object]
 
 
 def tell(observers: Iterable[object], event: RunEvent) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -12,7 +13,7 @@ import numpy as np
 from wbc.errors import PhysicsDiverged, WbcError
 from wbc.estimation import Estimator, EstimatorNoise
 from wbc.runtime.clock import Clock
-from wbc.runtime.event import FALL, FALLING, RunEvent, tell
+from wbc.runtime.event import FALL, FALLING, EventSource, RunEvent, tell
 from wbc.runtime.fall import fall_reason
 from wbc.runtime.loop_conditions import LoopConditions
 from wbc.runtime.protocols import (
@@ -73,7 +74,7 @@ def run(
     Each control period: `plant.measure()` → `estimator.update` → `controller.step` →
     `plant.step`; then the observers see the tick. The run starts from where the plant is: a
     simulator from its last reset. However it ends, a `StoppablePlant` is stopped before anything
-    else is done.
+    else is done. The events of an `EventSource` are told to the observers.
 
     Args:
         controller: e.g. a `Walker`.
@@ -115,6 +116,8 @@ def run(
     run_number = stream.begin_run() if stream is not None else 1
     for observer in observers:
         observer.begin(controller, plant)
+    if isinstance(plant, EventSource):
+        plant.emit = functools.partial(tell, observers)
     plan_every = max(1, round(1.0 / (_PLAN_RATE * plant.dt)))
     progress_every = max(1, round(_PROGRESS_PERIOD / plant.dt))
     end = plant.time + duration - 0.5 * plant.dt

@@ -25,6 +25,7 @@ from wbc.hardware.safety.transitions import (
     log_transition,
 )
 from wbc.measurement import Measurement
+from wbc.runtime.event import SAFETY, RunEvent
 from wbc.runtime.loop import StopRun
 from wbc.servo import ServoCommand, ServoGains
 from wbc.servo_reference import ServoReference
@@ -71,6 +72,7 @@ class SafeHardware(Closeable):
         lateness: delay of the last command behind the robot's clock, s.
         max_lateness: largest such delay so far, s.
         latency: measures the time from a reading to the torque that answers it.
+        emit: is told of every transition as an event of the run, see `EventSource`.
     """
 
     def __init__(
@@ -87,6 +89,7 @@ class SafeHardware(Closeable):
         self.state = SafetyState.DAMPING
         self.fault = ""
         self.transitions: list[Transition] = []
+        self.emit: Callable[[RunEvent], object] = lambda _: None
         self.lateness = self.max_lateness = 0.0
         self._hardware = hardware
         self._limits = limits or SafetyLimits()
@@ -269,6 +272,8 @@ class SafeHardware(Closeable):
         self.state = state
         self.transitions.append(Transition(self._states.time, state, reason))
         self._on_transition(self.transitions[-1])
+        time = self.time if self._start_time else 0.0
+        self.emit(RunEvent(time, SAFETY, "safety", 0, state.value, reason=reason))
 
     def _fail(self, reason: str) -> NoReturn:
         """Damp the joints for good.

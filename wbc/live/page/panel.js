@@ -396,7 +396,7 @@ function open() {
     if (received.starting) wbc.starting = received.starting;
     if (received.error) showError(received.error);
     if ("planning" in received) {
-      element("planning").textContent = received.planning ? `Planning: ${received.planning} …` : "";
+      element("planning").textContent = received.planning ? `Planning: ${received.planning} … (S cancels)` : "";
     }
   };
   socket.onclose = (event) => {
