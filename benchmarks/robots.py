@@ -327,7 +327,6 @@ def measure(entry: Entry, only: tuple[str, ...], known: dict[str, Outcome]) -> R
         row.defects = [str(f) for f in findings]
         facts = [f.name for f in robot.facts if f.origin == "stated" and not f.name.endswith("t")]
         stated = [name for name in facts if name not in entry.arguments]
-        stated += ["up axis of the meshes"] if robot.respect_up_axis else []
         row.stated = ", ".join(filter(None, [entry.stated, *stated]))
         sole = robot.soles[0]
         row.feet = len(robot.soles)

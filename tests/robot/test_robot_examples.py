@@ -98,7 +98,10 @@ def test_a_base_whose_x_axis_points_backwards_still_heads_forward():
 
 def test_collada_files_that_mean_their_up_axis_are_turned():
     """iCub's foot lies along x only if its meshes' y axis is taken as up."""
-    turned, plain = wbc.robot.load("icub"), wbc.robot.load("icub_reduced")
+    turned, plain = (wbc.robot.load("icub_reduced", respect_up_axis=up) for up in (None, False))
+    assert turned.respect_up_axis
+    assert not plain.respect_up_axis
+    assert [fact.origin for fact in turned.facts if fact.name == "meshes"] == ["derived"]
     assert turned.soles[0].half_length > turned.soles[0].half_width
     assert plain.soles[0].half_length < plain.soles[0].half_width
     assert len(turned.visual_model.geometryObjects) == len(plain.visual_model.geometryObjects)

@@ -55,7 +55,7 @@ class RobotData:
             `height` (sole plane in the foot link, m), `length`, `width`, and
             `center` (x, y).
         fixed_joints: joints to weld at zero, by name or pattern (`*Finger*`).
-        respect_up_axis: whether the Collada meshes mean their `<up_axis>`.
+        respect_up_axis: whether the Collada meshes mean their `<up_axis>`; None: the soles tell.
         package_dirs: folders that hold packages.
         source: name of the data file, for messages.
         arguments: keys that the caller of `load` states.
@@ -76,7 +76,7 @@ class RobotData:
     velocity_limits: Mapping[str, float] = field(default_factory=dict)
     sole: Mapping[str, Any] = field(default_factory=dict)
     fixed_joints: tuple[str, ...] = ()
-    respect_up_axis: bool = False
+    respect_up_axis: bool | None = None
     package_dirs: tuple[str | Path, ...] = ()
     source: str = "argument"
     arguments: frozenset[str] = frozenset()

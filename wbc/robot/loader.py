@@ -96,7 +96,8 @@ def load(
         package_dirs: folders that hold packages, for `package://`.
         torso: link of the upper trunk; by default the link from which the arms branch.
         imu: frame of the inertial unit; by default the base link.
-        respect_up_axis: whether the Collada meshes mean their `<up_axis>`, which ROS ignores.
+        respect_up_axis: whether the Collada meshes mean their `<up_axis>`, which ROS ignores; when
+            left out, they do if the soles would be wider than long otherwise.
         name: the robot's name; by default the data file's, or the URDF's `<robot name=…>`.
 
     Raises:
@@ -177,7 +178,7 @@ def build_robot(data: RobotData) -> Robot:
         start = bent_quadruped(model, start, links, legs, couplings)
     if len(feet) > 2:
         start = centered_quadruped(model, start, links, legs, couplings)
-    soles, sole_facts = add_soles(model, urdf, data, folders, links, zero, start.q)
+    soles, respect_up_axis, sole_facts = add_soles(model, urdf, data, folders, links, zero, start.q)
     posture = nominal_posture(model, start, soles, legs, couplings)
     torso = _frame(model, data, "torso", data.torso) or find_torso(model, urdf, legs)
     imu = _frame(model, data, "imu", data.imu) or base
@@ -206,7 +207,7 @@ def build_robot(data: RobotData) -> Robot:
         urdf=urdf,
         srdf=data.srdf or find_srdf(data.urdf),
         package_dirs=folders,
-        respect_up_axis=data.respect_up_axis,
+        respect_up_axis=respect_up_axis,
         couplings=couplings,
         facts=tuple(facts),
         findings=tuple(findings),

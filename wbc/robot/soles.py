@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError
 from wbc.robot.data_file import RobotData
-from wbc.robot.finding import Fact
+from wbc.robot.finding import Fact, Origin
 from wbc.robot.foot_surface import FootSurface, foot_surface
 from wbc.robot.joint_axes import joint_axes
 from wbc.robot.sole_fitting import SoleFit, fit_point, fit_sole, is_round, resting_normal
@@ -21,6 +21,8 @@ from wbc.robot.urdf import Urdf
 
 Side = Literal["left", "right", "front_left", "front_right", "hind_left", "hind_right"]
 SIDES: tuple[Side, ...] = ("left", "right")
+#: A sole that is as many times wider than long is turned, or its meshes are.
+WIDE = 1.2
 QUADRUPED_SIDES: tuple[Side, ...] = ("front_left", "front_right", "hind_left", "hind_right")
 
 
@@ -76,12 +78,13 @@ def add_soles(
     links: tuple[str, ...],
     zero: np.ndarray,
     start: np.ndarray,
-) -> tuple[tuple[Sole, ...], list[Fact]]:
+) -> tuple[tuple[Sole, ...], bool, list[Fact]]:
     """Fit the soles to the shapes of the feet, and add their frames to the model.
 
     A flat sole depends on the shape of the foot only: the upright zero position tells which side
     is down and where forward is. A round foot, and that of a quadruped, touches the ground where
-    its posture puts it.
+    its posture puts it. Unless it is stated, Collada meshes mean their `<up_axis>`, which ROS
+    ignores, where otherwise the soles of both feet would be wider than long.
 
     Args:
         model: the robot; gets the frames.
@@ -93,40 +96,26 @@ def add_soles(
         start: (nq,) the stated posture, before its legs are completed.
 
     Returns:
-        The soles in the order of the links, and a fact about each.
+        The soles in the order of the links, whether meshes mean their up axis, and facts.
 
     Raises:
         RobotDescriptionError: a foot has no geometry and none is stated, or is a wheel.
     """
     sides = sides_of(links)
     names = _frame_names(model, sides)
+    fitting = _Fitting(model, urdf, data, folders, links, zero, start)
+    respected = bool(data.respect_up_axis)
+    fits = [fitting.fit(link, respected) for link in links]
+    wide = all(fit.half_width > WIDE * fit.half_length for fit, _ in fits)
+    if wide and data.respect_up_axis is None and len(links) == len(SIDES) and not data.sole:
+        turned = [fitting.fit(link, True) for link in links]
+        if all(fit.half_length > WIDE * fit.half_width for fit, _ in turned):
+            fits, respected = turned, True
     soles, facts = [], []
-    for side, link in zip(sides, links, strict=True):
-        joint = parent_joint(model, link)
-        foot = model.frames[model.getFrameId(link, pin.BODY)]
-        if data.sole:
-            fit = _stated(data, foot.placement)
-            facts.append(Fact(f"{spoken(side)} sole", _size(fit), "stated", fit.source))
-        else:
-            surface = foot_surface(urdf, model, joint, folders, data.respect_up_axis)
-            if not len(surface.points):
-                raise RobotDescriptionError(_no_surface(urdf, link, surface.missing))
-            axes = np.hstack([foot.placement.rotation, np.eye(3)])
-            up, forward = _directions(model, zero, links, joint)
-            fit = fit_sole(surface, up, forward, axes)
-            if not fit.flat:
-                fit = fit_sole(surface, resting_normal(surface, up), forward, axes)
-            if not fit.flat or len(links) > len(SIDES):
-                _refuse_wheel(model, urdf, surface, link, joint)
-                at_start = _directions(model, start, links, joint)
-                # The feet of a quadruped turn with its shanks.
-                on_four = len(links) > len(SIDES)
-                fit = (
-                    fit_point(surface, *at_start) if on_four else fit_sole(surface, *at_start, axes)
-                )
-            source = f"{surface.kind} shapes, normal from the {fit.source}"
-            facts.append(Fact(f"{spoken(side)} sole", _size(fit), "derived", source))
-        name = names[side]
+    for side, link, (fit, source) in zip(sides, links, fits, strict=True):
+        origin: Origin = "stated" if data.sole else "derived"
+        facts.append(Fact(f"{spoken(side)} sole", _size(fit), origin, source))
+        name, joint = names[side], parent_joint(model, link)
         parent = model.getFrameId(link, pin.BODY)
         frame_id = model.addFrame(pin.Frame(name, joint, parent, fit.placement, pin.OP_FRAME))
         soles.append(
@@ -135,7 +124,48 @@ def add_soles(
                 float(fit.half_length), float(fit.half_width), link,
             )
         )  # fmt: skip
-    return tuple(soles), facts
+    if respected:
+        rule = "as their coordinates stand the soles are wider than long"
+        statement = data.statement_of("respect_up_axis")
+        facts.append(Fact.of("meshes", "turned by their <up_axis>", statement, rule))
+    return tuple(soles), respected, facts
+
+
+@dataclass(frozen=True)
+class _Fitting:
+    """Fits soles to feet; for the attributes see `add_soles`."""
+
+    model: pin.Model
+    urdf: Urdf
+    data: RobotData
+    folders: tuple[Path, ...]
+    links: tuple[str, ...]
+    zero: np.ndarray
+    start: np.ndarray
+
+    def fit(self, link: str, respect_up_axis: bool) -> tuple[SoleFit, str]:
+        """Return the sole of a foot and where it comes from."""
+        model, urdf, links = self.model, self.urdf, self.links
+        joint = parent_joint(model, link)
+        foot = model.frames[model.getFrameId(link, pin.BODY)]
+        if self.data.sole:
+            fit = _stated(self.data, foot.placement)
+            return fit, fit.source
+        surface = foot_surface(urdf, model, joint, self.folders, respect_up_axis)
+        if not len(surface.points):
+            raise RobotDescriptionError(_no_surface(urdf, link, surface.missing))
+        axes = np.hstack([foot.placement.rotation, np.eye(3)])
+        up, forward = _directions(model, self.zero, links, joint)
+        fit = fit_sole(surface, up, forward, axes)
+        if not fit.flat:
+            fit = fit_sole(surface, resting_normal(surface, up), forward, axes)
+        if not fit.flat or len(links) > len(SIDES):
+            _refuse_wheel(model, urdf, surface, link, joint)
+            at_start = _directions(model, self.start, links, joint)
+            # The feet of a quadruped turn with its shanks.
+            on_four = len(links) > len(SIDES)
+            fit = fit_point(surface, *at_start) if on_four else fit_sole(surface, *at_start, axes)
+        return fit, f"{surface.kind} shapes, normal from the {fit.source}"
 
 
 def sides_of(feet: Sequence[object]) -> tuple[Side, ...]:

@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from wbc.robot.finding import Finding
 from wbc.robot.posture import find_knee, has_soles
+from wbc.robot.soles import WIDE
 from wbc.robot.standing import unevenness
 from wbc.robot.statics import holding_torques
 
@@ -22,8 +23,6 @@ TILT, HEIGHT = 1e-3, 1e-4
 SINGULAR = 1e-2
 # Two soles whose sizes differ by more are not a pair, relative.
 UNLIKE = 0.1
-# A sole that is wider than long by this factor is suspicious.
-WIDE = 1.2
 # Mass over the cube of the leg's length, kg/m³: humans and humanoids have 20 to 300.
 DENSITY = (0.5, 5000.0)
 # Condition number of the mass matrix above which its inverse has lost half its digits.
