@@ -50,6 +50,15 @@ def test_call_of_a_missing_service_says_that_there_is_none(command):
     assert "there is no server for /none" in error
 
 
+def test_node_info_prints_every_type_of_a_topic(command, domain):
+    with node("driven", domain) as made:
+        for kind in ("Twist", "TwistStamped"):
+            made.create_subscription(f"geometry_msgs/msg/{kind}", "cmd_vel", print)
+        code, text, _ = command("node", "info", "/driven")
+    assert code == 0
+    assert "/cmd_vel: geometry_msgs/msg/Twist, geometry_msgs/msg/TwistStamped\n" in text
+
+
 def test_goal_is_sent_and_its_feedback_and_result_are_printed(command):
     kind = "nav2_msgs/action/NavigateToPose"
     goal = "{pose: {pose: {position: {x: 5.0}}}}"

@@ -48,12 +48,12 @@ def print_node(node_name: str, network: NetworkOptions, *, all: bool = False) ->
     print(name)
     for title, names in _endpoints(graph, name).items():
         print(f"  {title}:")
-        for topic, type_name in sorted(names.items()):
+        for topic, types in sorted(names.items()):
             if all or not is_hidden(topic):
-                print(f"    {topic}: {type_name}")
+                print(f"    {topic}: {', '.join(sorted(types))}")
 
 
-def _endpoints(graph: GraphSnapshot, node: str) -> dict[str, dict[str, str]]:
+def _endpoints(graph: GraphSnapshot, node: str) -> dict[str, dict[str, set[str]]]:
     """Return names and types of a node's topics, services and actions, by what they are."""
     subscription = EndpointType.SUBSCRIPTION
     titles = {
@@ -62,15 +62,16 @@ def _endpoints(graph: GraphSnapshot, node: str) -> dict[str, dict[str, str]]:
         (REQUEST, True): "Service Servers",
         (REQUEST, False): "Service Clients",
     }
-    found: dict[str, dict[str, str]] = {title: {} for title in titles.values()}
+    found: dict[str, dict[str, set[str]]] = {title: {} for title in titles.values()}
     found |= {"Action Servers": {}, "Action Clients": {}}
     for endpoint in graph.endpoints:
         if endpoint.node != node or endpoint.prefix == REPLY:
             continue
         receives = endpoint.endpoint_type is subscription
         title = titles[endpoint.prefix, receives]
-        found[title][endpoint.topic] = service_type_name(endpoint.type_name)
+        found[title].setdefault(endpoint.topic, set()).add(service_type_name(endpoint.type_name))
         action = action_of(endpoint.topic, service_type_name(endpoint.type_name))
         if action is not None and endpoint.prefix == REQUEST:
-            found["Action Servers" if receives else "Action Clients"][action[0]] = action[1]
+            servers_or_clients = found["Action Servers" if receives else "Action Clients"]
+            servers_or_clients[action[0]] = {action[1]}
     return found
