@@ -77,6 +77,23 @@ def test_a_foot_that_cannot_stop_before_the_support_foot_does_not_cross_over(g1)
     assert cross_over.side(state, wanted) == -1.0
 
 
+def test_a_foot_goes_on_crossing_over_only_while_it_has_to_or_is_about_to(g1):
+    cross_over = CrossOver(g1)
+    beside, between = swinging(g1, BEHIND, 0.24), swinging(g1, BEHIND, 0.05)
+    across, ahead = complex(0.0, -0.2), complex(0.3, 0.2)
+    assert cross_over.goes_on(beside, across)
+    assert not cross_over.goes_on(beside, ahead)
+    assert cross_over.goes_on(between, ahead)
+
+
+def test_a_foot_far_behind_that_is_a_little_too_near_swings_ahead(g1):
+    least = wbc.Walker(g1).gait_state.recovery_gait.least_width
+    behind = swinging(g1, 2.0 * BEHIND, 0.8 * least)
+    assert landing(g1, behind, 0.3, 0.2).real == pytest.approx(0.3)
+    crossed = swinging(g1, BEHIND, -0.5 * least)
+    assert landing(g1, crossed, 0.3, 0.2).real == pytest.approx(BEHIND, abs=0.03)
+
+
 def test_a_foot_does_not_cross_over_far_off_for_a_little_way_across(g1):
     state, cross_over = swinging(g1, BEHIND, 0.24), CrossOver(g1)
     assert cross_over.side(state, complex(0.15, -0.2)) == -1.0

@@ -66,11 +66,11 @@ def test_an_alarm_needs_the_sum_of_distance_tilt_rate_and_lost_height_for_30_ms(
         return ticks_until_alarm(detector, leaning(r, tilt, rate, axis), dcm, (1.0 - lost) * h)
 
     assert alarm() == 0
-    assert alarm(distance=1.45) == 0
-    assert alarm(distance=1.55) == 15
-    assert alarm(distance=0.5, tilt=0.5, rate=1.0, lost=0.25) == 0
-    assert alarm(distance=0.5, tilt=0.5, rate=1.0, lost=0.35) == 15
-    assert alarm(distance=0.5, tilt=0.5, rate=2.0, lost=0.15) == 15
+    assert alarm(distance=1.4) == 0
+    assert alarm(distance=1.5) == 15
+    assert alarm(distance=0.5, tilt=0.5, rate=1.0, lost=0.3) == 0
+    assert alarm(distance=0.5, tilt=0.5, rate=1.0, lost=0.4) == 15
+    assert alarm(distance=0.5, tilt=0.5, rate=2.0, lost=0.3) == 15
     # A robot that rises again is given the time to.
     assert alarm(distance=0.5, tilt=0.5, rate=-9.0, lost=0.35) == 0
 

@@ -9,14 +9,14 @@ from wbc.gait.footsteps import clamp_footstep, lateral_sign
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
 
-SWING_ACCELERATION = 7.0  # times gravity: what the hips accelerate a foot by without the trunk
+SWING_ACCELERATION = 5.5  # times gravity: what the hips accelerate a foot by without the trunk
 
 _CLEARANCE = 0.03  # m between the toe of one sole and the heel of the other
 _BEYOND = 0.15  # share of the legs' length by which a foot lands beyond the other one, at most
 _WORTHWHILE = 0.1  # m that it has to gain across the sole, at least
 _COST = 3.0  # times what it gains across that it may land off along the sole, at most
 _AHEAD = 0.04  # m that the foot still has to move forward or back until it passes, at most
-_ROUNDING = 0.01  # m by which a foot that stands beside the other one may be too near
+_CROSSED = 0.5  # share of the least width: a foot that is nearer has crossed over
 
 
 class CrossOver:
@@ -63,6 +63,12 @@ class CrossOver:
         off = self._length - side * wanted.real
         return side if off < min(self._caught_after(state, side), _COST * gain) else 0.0
 
+    def goes_on(self, state: GaitState, wanted: complex) -> bool:
+        """Return whether a foot that crosses over still has to, or is about to; see `side`."""
+        sign, least = lateral_sign(state.swing_side), state.recovery_gait.least_width
+        foot = state.stance.to_local(state.other_foot.point)
+        return min(sign * wanted.imag, sign * foot.imag) < least
+
     def _caught_after(self, state: GaitState, side: float) -> float:
         """Return how far off the DCM may be, away from `side`, for quick steps to catch it, m."""
         quick, usual = state.recovery_gait, state.normal_gait
@@ -85,7 +91,7 @@ class CrossOver:
             width = max(-self._beyond, sign * stance.to_local(wanted.point).imag)
         else:
             foot = stance.to_local(state.other_foot.point)
-            if sign * foot.imag < least - _ROUNDING and 2.0 * abs(foot.real) > self._length:
+            if sign * foot.imag < _CROSSED * least and 2.0 * abs(foot.real) > self._length:
                 side = math.copysign(1.0, foot.real)  # it comes back from a cross-over step
         place = clamp_footstep(stance, state.swing_side, wanted, limits)
         if side == 0.0:

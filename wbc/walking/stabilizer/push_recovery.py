@@ -97,7 +97,10 @@ class PushRecovery:
             if least > state.remaining:
                 state.duration = min(usual, state.time + least)
                 planned, shift = self._choose_gait(state, tolerance, reference, ankles)
-        if state.crossing == 0.0 and self._crosses_over(state, shift):
+        if state.crossing != 0.0:
+            if not self._cross_over.goes_on(state, self._wanted(state, shift)):
+                state.crossing = 0.0
+        elif self._begins_to_cross_over(state, shift):
             least = self._least_time(state, shift)
             state.duration = max(state.duration, state.time + least)
             planned, shift = self._choose_gait(state, tolerance, reference, ankles)
@@ -107,20 +110,22 @@ class PushRecovery:
         """The nearest landing place of the swing foot."""
         return self._cross_over.nearest(state, wanted)
 
-    def _crosses_over(self, state: GaitState, shift: complex) -> bool:
+    def _begins_to_cross_over(self, state: GaitState, shift: complex) -> bool:
         """Whether the swing foot crosses over to the other side of the support foot, from now on.
 
         A foot that has passed it can no longer: it is decided for the DCM to which the push, if it
-        lasts on, will have moved it.
+        lasts on, will have moved it. In quick steps what moves the DCM is mostly the motion of legs
+        and trunk, and the present one counts.
 
         Args:
             state: whose `crossing` it sets.
             shift: by how much the landing place has to move, in the support sole's axes, m.
         """
-        stance, gait = state.stance, state.gait
-        rate = lasting_rate(state) * planar_rotation(-stance.yaw)
-        ahead = min(_LOOKAHEAD, state.remaining) * math.exp(gait.omega * state.remaining)
-        wanted = stance.to_local(self._moved(state, shift)) + ahead * rate
+        wanted = self._wanted(state, shift)
+        if not state.recovering:
+            rate = lasting_rate(state) * planar_rotation(-state.stance.yaw)
+            growth = math.exp(state.gait.omega * state.remaining)
+            wanted += min(_LOOKAHEAD, state.remaining) * growth * rate
         state.crossing = self._cross_over.side(state, wanted)
         return state.crossing != 0.0
 
@@ -255,6 +260,10 @@ class PushRecovery:
         """How far the landing place, moved by `shift`, is out of the leg's reach, m."""
         wanted = self._moved(state, shift)
         return abs(self._reachable(state, wanted) - wanted)
+
+    def _wanted(self, state: GaitState, shift: complex) -> complex:
+        """The landing place, moved by `shift`, in the support sole's axes, m."""
+        return state.stance.to_local(self._moved(state, shift))
 
     def _moved(self, state: GaitState, shift: complex) -> complex:
         return state.landing.point + shift * planar_rotation(state.stance.yaw)
