@@ -721,6 +721,16 @@ def test_the_page_receives_the_past_of_signals_and_saves_a_stretch(live, handler
     assert run["dcm_error"][0] < 0.01
 
 
+def test_the_present_tick_is_explained_to_a_page_though_nothing_is_logged(live, handler):
+    page = Client(live.url)
+    with commanded(live, handler, 1000.0):
+        page.receive("status")
+        page.request("why", None)
+        why = page.receive("why")["why"]
+    assert "error" not in why
+    assert "com" in [task["name"] for task in why["tasks"]]
+
+
 def test_a_robot_walks_to_a_place_on_the_floor_until_its_page_says_otherwise(live, handler):
     page = Client(live.url)
     page.receive("controls")

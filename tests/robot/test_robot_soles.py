@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pinocchio as pin
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from robottools import FEET, changed
+from robottools import FEET, changed, element
 
 import wbc.robot
 from wbc.geometry.polygon import convex_hull
@@ -147,3 +149,13 @@ def test_a_link_named_like_a_sole_keeps_its_name(tmp_path):
     link_frame = robot.model.frames[robot.frame_id("left_sole")]
     np.testing.assert_allclose(link_frame.placement.translation, [0.0, 0.0, -0.08])
     assert robot.sole("left") is left
+
+
+def test_feet_of_which_one_lacks_a_collision_shape_are_measured_alike(tmp_path):
+    right = element("link", "right_foot")
+    bare = re.sub(r"\s*<collision>.*</collision>", "", right)
+    robot = wbc.robot.load(changed(tmp_path, (right, bare)))
+    facts = [fact.source for fact in robot.facts if fact.name.endswith("sole")]
+    assert [source.split()[0] for source in facts] == ["visual", "visual"]
+    left, right = ((sole.half_length, sole.half_width) for sole in robot.soles)
+    assert left == pytest.approx(right, abs=1e-6)

@@ -24,7 +24,6 @@ from wbc.live.tick_status import tick_status
 from wbc.live.uploads import Uploads
 from wbc.live.walk_to import WalkTo
 from wbc.motions import Motion
-from wbc.runtime.controller_inputs import NAME
 from wbc.runtime.mode import Mode
 from wbc.runtime.rate_limiter import RateLimiter
 from wbc.runtime.stream import TickReader
@@ -257,10 +256,8 @@ class RequestBroker:
 
     def _explain(self, value: Any, page: PageClient) -> None:
         """Explain the present tick (None) or the sample at a session time, s."""
-        if self._last is None or NAME not in self._signals.schema.by_name:
-            raise CommandRefused(
-                "ticks can be explained while they are logged: start  wbc live --log FILE"
-            )
+        if self._last is None:
+            raise CommandRefused("there is no tick yet to be explained")
         record = self._last
         if value is not None and len(self._history):
             record = self._history.record_at(check_number("why", value, 0.0, _LONGEST, "s"))

@@ -15,6 +15,7 @@ from wbc.live.address import is_local, needs_token
 from wbc.live.config import LiveServerConfig
 from wbc.live.errors import LiveError
 from wbc.process import ChildProcess
+from wbc.runtime.controller_inputs import controller_inputs
 from wbc.runtime.event_queue import EventQueue
 from wbc.runtime.process_observer import ProcessObserver
 from wbc.teleop import CommandHandler
@@ -105,8 +106,11 @@ class Live(ProcessObserver):
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """Quantities of the command handler; see `wbc.runtime.protocols.StreamObserver`."""
-        return self._handler.quantities
+        """Quantities of the command handler, and what ticks are explained from.
+
+        See `wbc.runtime.protocols.StreamObserver`.
+        """
+        return (*self._handler.quantities, controller_inputs(self._handler.player.robot))
 
     def on_event(self, event: RunEvent) -> None:
         """Show an event of the run; see `wbc.runtime.event.EventObserver`."""

@@ -47,10 +47,11 @@ def foot_surface(
     joint_id: int,
     folders: tuple[Path, ...],
     respect_up_axis: bool = False,
+    kinds: tuple[str, ...] = ("collision", "visual"),
 ) -> FootSurface:
-    """Return the collision shapes of all links that move with a joint; visuals without any."""
+    """Return the shapes of all links that move with a joint, of the first kind that there is."""
     missing: list[str] = []
-    for kind in ("collision", "visual"):
+    for kind in kinds:
         parts: list[tuple[np.ndarray, float]] = []
         for name, link in urdf.links.items():
             if not model.existBodyName(name):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -83,8 +83,10 @@ def add_soles(
 
     A flat sole depends on the shape of the foot only: the upright zero position tells which side
     is down and where forward is. A round foot, and that of a quadruped, touches the ground where
-    its posture puts it. Unless it is stated, Collada meshes mean their `<up_axis>`, which ROS
-    ignores, where otherwise the soles of both feet would be wider than long.
+    its posture puts it. All feet are measured by their collision shapes, or all by their visual
+    ones: one that lacks the former need not be unlike the others. Unless it is stated, Collada
+    meshes mean their `<up_axis>`, which ROS ignores, where otherwise the soles of both feet would
+    be wider than long.
 
     Args:
         model: the robot; gets the frames.
@@ -106,14 +108,18 @@ def add_soles(
     fitting = _Fitting(model, urdf, data, folders, links, zero, start)
     respected = bool(data.respect_up_axis)
     fits = [fitting.fit(link, respected) for link in links]
+    if len({kind for _, kind in fits}) > 1:
+        fitting = replace(fitting, kinds=("visual", "collision"))
+        fits = [fitting.fit(link, respected) for link in links]
     wide = all(fit.half_width > WIDE * fit.half_length for fit, _ in fits)
     if wide and data.respect_up_axis is None and len(links) == len(SIDES) and not data.sole:
         turned = [fitting.fit(link, True) for link in links]
         if all(fit.half_length > WIDE * fit.half_width for fit, _ in turned):
             fits, respected = turned, True
     soles, facts = [], []
-    for side, link, (fit, source) in zip(sides, links, fits, strict=True):
-        origin: Origin = "stated" if data.sole else "derived"
+    for side, link, (fit, kind) in zip(sides, links, fits, strict=True):
+        origin: Origin = "derived" if kind else "stated"
+        source = f"{kind} shapes, normal from the {fit.source}" if kind else fit.source
         facts.append(Fact(f"{spoken(side)} sole", _size(fit), origin, source))
         name, joint = names[side], parent_joint(model, link)
         parent = model.getFrameId(link, pin.BODY)
@@ -142,16 +148,16 @@ class _Fitting:
     links: tuple[str, ...]
     zero: np.ndarray
     start: np.ndarray
+    kinds: tuple[str, ...] = ("collision", "visual")  # of shapes, the first that a foot has
 
     def fit(self, link: str, respect_up_axis: bool) -> tuple[SoleFit, str]:
-        """Return the sole of a foot and where it comes from."""
+        """Return the sole of a foot, and the kind of its shapes; empty when it is stated."""
         model, urdf, links = self.model, self.urdf, self.links
         joint = parent_joint(model, link)
         foot = model.frames[model.getFrameId(link, pin.BODY)]
         if self.data.sole:
-            fit = _stated(self.data, foot.placement)
-            return fit, fit.source
-        surface = foot_surface(urdf, model, joint, self.folders, respect_up_axis)
+            return _stated(self.data, foot.placement), ""
+        surface = foot_surface(urdf, model, joint, self.folders, respect_up_axis, self.kinds)
         if not len(surface.points):
             raise RobotDescriptionError(_no_surface(urdf, link, surface.missing))
         axes = np.hstack([foot.placement.rotation, np.eye(3)])
@@ -165,7 +171,7 @@ class _Fitting:
             # The feet of a quadruped turn with its shanks.
             on_four = len(links) > len(SIDES)
             fit = fit_point(surface, *at_start) if on_four else fit_sole(surface, *at_start, axes)
-        return fit, f"{surface.kind} shapes, normal from the {fit.source}"
+        return fit, surface.kind
 
 
 def sides_of(feet: Sequence[object]) -> tuple[Side, ...]:
