@@ -60,7 +60,7 @@ function fileList(suffixes, others = []) {
 }
 
 const findingLines = ({severity, subject, what, consequence, cure}) =>
-  make("p", {className: severity, title: `${consequence}. Cure: ${cure}`}, make("b", {textContent: `${severity}: ${subject}`}), ` ${what}. ${cure}.`);
+  make("p", {className: severity}, make("b", {textContent: `${severity}, ${subject}:`}), ` ${what} → ${consequence}. Cure: ${cure}.`);
 
 function section(send) {
   ({sessions} = wbc.controls);
