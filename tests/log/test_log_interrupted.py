@@ -105,6 +105,7 @@ def test_a_killed_run_leaves_a_complete_log_with_every_tick(tmp_path):
         wait_until(lambda: gone(writer))
     run = LoggedRun.read(path)
     assert run.log.complete
+    assert run.title.endswith(", ended without a report")
     assert len(run) >= max([300, *ticks])
     assert run["tick"].tolist() == list(range(len(run)))
     assert reference_counts(path) == own_counts(path)

@@ -163,7 +163,10 @@ class LoggedRun:
         text += f"{self.time[-1]:.1f} s"
         report = self.log.tables.get("report")
         if report is None:
-            text += " of a session" if is_stretch else ", interrupted"
+            if is_stretch:
+                text += " of a session"
+            else:  # the process of the loop was killed; without an end, that of the log as well
+                text += ", ended without a report" if self.log.complete else ", interrupted"
         elif report.get("survived") != "True":
             text += f": {report.get('fell_why', 'fell')}"
         for kind, name in ((FALL, "fall"), (RESET, "reset")):
