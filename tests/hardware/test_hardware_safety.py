@@ -14,6 +14,7 @@ import pytest
 from hardwaretools import HardwareRun, changed_state, flipped_bit
 
 import wbc
+from wbc.cli.hardware_run import lateness_line
 from wbc.hardware import HardwareError, SafetyLimits, SafetyState, UnitreeG1
 from wbc.hardware.hardware import Hardware, Reading
 from wbc.hardware.safety.command_filter import CommandFilter
@@ -93,6 +94,16 @@ def test_the_end_of_a_run_damps_the_joints_before_anything_else_is_done(
     assert run.plant.transitions[-1].reason == "the run is over"
     with pytest.raises(StopRun, match="connect to the robot anew"):
         run.measure()
+
+
+def test_the_delays_of_commands_are_reported_as_those_of_a_simulation_are() -> None:
+    late = np.full(1000, 0.0002)
+    late[::50], late[7] = 0.0021, 0.009
+    assert lateness_line(late, 0.002) == (
+        "commands behind the robot's clock by 0.20 / 2.10 / 9.00 ms (median / 99 % / max), "
+        "21 of 1000 by more than a period"
+    )
+    assert lateness_line(late[:0], 0.002) == "no command was sent"
 
 
 def test_transitions_are_events_of_the_run(standing) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import select
 import sys
+from array import array
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal
 
@@ -88,7 +89,10 @@ def walk_on_hardware(
 
         told = CommandEvents(walker, (), observers)
 
+        late = array("d")  # s
+
         def command(time: float) -> None:
+            late.append(plant.lateness)
             if interrupted:
                 raise StopRun("interrupted")
             while schedule and time >= schedule[0][0]:
@@ -102,6 +106,7 @@ def walk_on_hardware(
             walker, plant, duration, observers=observers, before_tick=command, progress=progress,
             on_falling=lambda text: line.print(f"the robot is {text}"),
         )  # fmt: skip
+        late.append(plant.lateness)
         latency = plant.latency.seconds
     print(report.table())
     connection = plant.connection
@@ -109,7 +114,7 @@ def walk_on_hardware(
         f"connection: {connection.received} state messages, {plant.lost} lost, "
         f"{connection.corrupt} corrupt, {connection.reordered} out of order; latency "
         + ("unknown" if latency is None else f"{1e3 * latency:.0f} ms")
-        + f"; up to {1e3 * plant.max_lateness:.1f} ms behind the robot's clock"
+        + f"\n{lateness_line(np.array(late[1:]), plant.dt)}"
     )
     outputs.write(report)
     if interrupted:
@@ -127,6 +132,22 @@ def _connect(kind: Kind, robot: wbc.Robot, interface: str, command_topic: str) -
     from wbc.hardware.ros2_control.robot import Ros2ControlConfig
 
     return ros2_control.connect(robot, Ros2ControlConfig(command_topic=command_topic))
+
+
+def lateness_line(late: np.ndarray, dt: float) -> str:
+    """Return how far the commands of a run were behind the robot's clock.
+
+    Args:
+        late: delay of each command, s.
+        dt: control period, s.
+    """
+    if not late.size:
+        return "no command was sent"
+    median, most, worst = 1e3 * np.percentile(late, (50, 99, 100))
+    return (
+        f"commands behind the robot's clock by {median:.2f} / {most:.2f} / {worst:.2f} ms "
+        f"(median / 99 % / max), {np.count_nonzero(late > dt)} of {late.size} by more than a period"
+    )
 
 
 def _warm_up(walker: wbc.Walker) -> None:
