@@ -68,10 +68,12 @@ def test_compiled_program_equals_the_one_in_numpy(name, seed, unknown):
     exact[0].velocity[:] = random.standard_normal(6)
     for task in (*tasks, *exact):
         task.bind(one)
+    position = JointPositionLimit(one)
+    continuous = random.random(one.na) < 0.2
+    position.lower = np.where(continuous, -np.inf, position.lower)
+    position.upper = np.where(continuous, np.inf, position.upper)
     limits = LimitSet.sort(
-        [JointPositionLimit(one), JointVelocityLimit(one), JointAccelerationLimit(one, 30.0)],
-        one,
-        0.0,
+        [position, JointVelocityLimit(one), JointAccelerationLimit(one, 30.0)], one, 0.0
     )
     state = random_state(one, seed)
     moving = np.array([*range(8, one.nv), *range(6)])
@@ -209,6 +211,21 @@ def test_a_target_that_is_not_finite_is_named_in_a_step_and_in_a_search():
             ik.reach(one.q_nominal)
         task.target = sound
     ik.step(one.q_nominal, DT)
+
+
+@pytest.mark.parametrize("name", ["kinova", "double_pendulum_continuous"])
+def test_joints_that_turn_without_end_go_the_short_way_and_are_reached(name):
+    one = wbc.load_fixed_base(name)
+    assert np.isinf(one.q_max).any()
+    ik = InverseKinematics(one)
+    posture = ik.add(wbc.PostureTask(one, kp=1.0, kd=1.0))
+    offset = np.where(np.isinf(one.q_max), 0.3, 0.0)
+    for sign in (-1.0, 1.0):
+        posture.target = one.q_nominal[7:] + sign * offset
+        assert ik.step(one.q_nominal, DT)[6:] == pytest.approx(sign * offset, abs=1e-3)
+        found = ik.reach(one.q_nominal)
+        assert found.reached
+        assert found.q[7:] == pytest.approx(posture.target, abs=1e-5)
 
 
 def test_coupled_joints_move_together_and_are_left_alone_where_none_of_them_moves():

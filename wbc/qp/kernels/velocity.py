@@ -161,7 +161,9 @@ def stopping_speed(distance: float, braking: float, dt: float, recovery: float) 
     if distance < 0.0:
         return distance / max(recovery, dt)
     unit = braking * dt * dt
-    if not math.isfinite(unit) or not math.isfinite(distance):
+    # Not `isfinite`, which is `x − x == 0` to the compiler: it may reorder the sums, also those
+    # that the distance comes from, and took an infinite one for finite.
+    if unit == math.inf or distance == math.inf:
         return distance / dt
     k = math.floor(0.5 * (math.sqrt(1.0 + 8.0 * distance / unit) - 1.0))
     return distance / ((k + 1.0) * dt) + 0.5 * k * unit / dt
