@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from cases import slow
 from needs import need_browser
 
 import wbc
@@ -235,7 +236,8 @@ def test_replay_page_plays_seeks_and_steps(served):
 
 
 @pytest.mark.browser
-def test_a_video_has_the_recordings_frames_with_motion(timeline, tmp_path, monkeypatch):
+@pytest.mark.parametrize("suffix", [".mp4", slow(".gif")])
+def test_a_video_has_the_recordings_frames_with_motion(timeline, tmp_path, monkeypatch, suffix):
     monkeypatch.setattr("wbc.view.video.usable_cores", lambda: 2)
     monkeypatch.setattr("wbc.view.video._FRAMES_PER_BROWSER", 3)
     imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg")
@@ -245,7 +247,7 @@ def test_a_video_has_the_recordings_frames_with_motion(timeline, tmp_path, monke
         recording.show(timeline.at(2.0 + 0.2 * k))
     told = []
     video_format = VideoFormat((320, 240), rate=5.0, camera=(0.0, 10.0, 4.0))
-    path = Video(tmp_path / "deep" / "timeline.mp4", video_format).render(
+    path = Video(tmp_path / "deep" / f"timeline{suffix}", video_format).render(
         recording, lambda done, frames: told.append((done, frames))
     )
     assert told == [(k, 6) for k in range(1, 7)]
