@@ -31,7 +31,8 @@ def swing_momentum(robot: Robot) -> np.ndarray:
     moving = [0, 1, 2, *(int(index) for leg in robot.legs for index in leg)]
     constraints = np.vstack([*feet, com])[:, moving]
     wanted = np.eye(15)[:, :2]
-    motion = np.linalg.lstsq(constraints, wanted, rcond=None)[0]
+    # Legs of fewer than six degrees of freedom leave rows that depend on each other.
+    motion = np.linalg.lstsq(constraints, wanted, rcond=1e-6)[0]
     return np.asarray(data.Ag[3:, moving] @ motion)
 
 

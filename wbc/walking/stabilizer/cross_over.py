@@ -15,6 +15,7 @@ _CLEARANCE = 0.03  # m between the toe of one sole and the heel of the other
 _BEYOND = 0.15  # share of the legs' length by which a foot lands beyond the other one, at most
 _WORTHWHILE = 0.1  # m that it has to gain across the sole, at least
 _COST = 3.0  # times what it gains across that it may land off along the sole, at most
+_LAG = 0.015  # s by which a foot follows its reference
 _AHEAD = 0.04  # m that the foot still has to move forward or back until it passes, at most
 _CROSSED = 0.5  # share of the least width: a foot that is nearer has crossed over
 
@@ -114,4 +115,4 @@ def _stopping_distance(state: GaitState, side: float) -> float:
     x, y, *_ = state.swing.motion.velocity.tolist()
     velocity = complex(x, y) * planar_rotation(-state.stance.yaw)
     speed = max(-side * velocity.real, 0.0)
-    return float(0.5 * speed * speed / (SWING_ACCELERATION * state.gait.gravity))
+    return float(speed * _LAG + 0.5 * speed * speed / (SWING_ACCELERATION * state.gait.gravity))
