@@ -25,6 +25,7 @@ _SWING_LOOKAHEAD = 0.05  # s, the same of a robot whose swing foot goes on to an
 _USED_SOLE = 0.9  # the same on one leg
 _HOLD = 0.01  # s by which a transfer is prolonged at a time
 _LONGEST_HOLD = 1.0  # s
+_INSIDE = 0.02  # share of the CoM height by which the DCM has to be off toe and heel, to wait there
 _PREVIEW = 3  # steps looked ahead to choose the foot that steps out of standing
 
 #: The wanted DCM for a landing place of the swing foot, or, given None, for the planned one.
@@ -210,11 +211,11 @@ class PushRecovery:
             return held
         state.gait = quick
         # The other foot carries little by now: the ZMP is on the support sole.
-        dcm = state.stance.to_local(state.dcm)
+        dcm, inside = state.stance.to_local(state.dcm), _INSIDE * normal.com_height
         along, across = self._support.zmp_range(state.support, 1.0)
         if (
             state.time > _LONGEST_HOLD
-            or math.copysign(dcm.real, dcm.real * local.real) > along
+            or math.copysign(dcm.real, dcm.real * local.real) > along - inside
             or math.copysign(dcm.imag, dcm.imag * local.imag) > across
         ):
             return planned
