@@ -64,6 +64,16 @@ def test_a_joint_that_hardly_moves_names_what_slows_the_walk(tmp_path) -> None:
     assert "to the side" in findings["left_hip_roll"].what
 
 
+@pytest.mark.parametrize("joint", ["*hip_pitch", "*hip_roll"])
+def test_legs_that_cannot_lift_a_foot_and_keep_it_level_are_refused(joint: str) -> None:
+    robot = wbc.load("simple_humanoid", fixed_joints=[joint])
+    with pytest.raises(
+        GaitError, match=r"lifted by 0\.0\d+ m, its legs cannot hold both soles level"
+    ):
+        wbc.Walker(robot)
+    assert [finding.code for finding in check_walking(robot)] == ["cannot-walk"]
+
+
 @pytest.mark.parametrize(
     ("fixed", "share"), [(["*ankle_roll"], 0.5), (["*ankle_roll", "*hip_yaw"], 0.25)]
 )
