@@ -71,7 +71,7 @@ def test_a_foot_that_cannot_stop_before_the_support_foot_does_not_cross_over(g1)
     state.swing = SwingFoot(start, start, 0.2, 0.05, 0.05)
     wanted = complex(0.0, -0.2)
     assert cross_over.side(state, wanted) == -1.0
-    state.swing.motion.velocity[0] = 3.5  # stops after 0.09 m
+    state.swing.motion.velocity[0] = 3.5  # stops after 0.17 m
     assert cross_over.side(state, wanted) == 0.0
     state.swing.motion.velocity[0] = -3.5
     assert cross_over.side(state, wanted) == -1.0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -44,15 +43,15 @@ def support_effort(robot: Robot, motion: StepMotion, gait: GaitParameters) -> Su
     """
     worst = SupportEffort("", 0.0, 0.0)
     for side, leg in zip(SIDES, robot.legs, strict=True):
-        torques = np.abs(motion.support_torques(gait, side)).tolist()
-        if any(map(math.isnan, torques)):
+        torques = np.abs(motion.support_torques(gait, side))
+        if np.isnan(torques).any():
             raise GaitError(
                 f"'{robot.name}' cannot walk: with the centre of mass {gait.com_height:.3g} m "
                 f"above its {side} sole and the other foot lifted by {gait.swing_height:.3g} m, "
                 "its legs cannot hold both soles level; state a posture with more bent knees, or "
                 "fix no joints of the legs"
             )
-        for torque, index in zip(torques, leg, strict=True):
+        for torque, index in zip(torques.tolist(), leg, strict=True):
             share = torque / float(robot.tau_max[index - 6])
             if share > worst.share:
                 worst = SupportEffort(robot.joint_names[index - 6], torque, share)

@@ -9,10 +9,10 @@ from wbc.gait import Placement
 from wbc.geometry.polygon import clamp_to_polygon, convex_hull, sole_corners
 from wbc.robot import Robot
 
-#: Sum of the four measures from which on no run recovered, and for how long, s. On pushes of 0.4 to
-#: 1.0 N·s/kg (six robots, standing and walking, six phases, two seeds) the largest sum from which a
-#: robot recovered was 1.42, of 77 that did. Four feet catch more: on pushes of 0.7 to 1.4 N·s/kg
-#: from four sides, standing, eight quadrupeds recovered from sums of up to 1.73.
+#: Sum of the four measures from which on no run recovered, and for how long, s. On pushes of 0.25
+#: to 1.0 N·s/kg (five robots, standing and walking, six phases, two seeds) the largest sum from
+#: which a robot recovered was 1.42, of 77 that did. Four feet catch more: on pushes of 0.7 to
+#: 1.4 N·s/kg from four sides, standing, eight quadrupeds recovered from sums of up to 1.73.
 _MAX_INDEX, _MAX_INDEX_ON_FOUR = 1.45, 1.9
 _LEAST_TIME = 0.03
 #: Time over which the tilt is extrapolated, s; on four feet times √(h / g). On two feet a longer
