@@ -448,3 +448,21 @@ def test_estimate_is_the_same_without_a_working_numba(numba):
     states = [estimator.update(m).state for m in measurements]
     expected = np.array([np.concatenate([s.q, s.v]) for s in states])
     np.testing.assert_allclose(pickle.loads(done.stdout), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize(("jump", "found"), [(EstimatorNoise().jump, True), (np.inf, False)])
+def test_shock_that_the_accelerometer_does_not_tell_is_found_by_the_legs(jump: float, found: bool):
+    r = robot("g1")
+    hold = JointPDController(r)
+    estimator = Estimator(r, noise=EstimatorNoise(jump=jump))
+    with Mujoco(r, ground_truth=True, seed=1) as plant:
+        estimator.reset(plant.ground_truth())
+        off = []
+        for period in range(230):
+            if period == 200:
+                plant.kick((0.8, 0.0, 0.0))
+            m = plant.measure()
+            off.append(abs(estimator.update(m).state.v[0] - m.ground_truth.v[0]))
+            plant.step(hold(m))
+    assert off[200] > 0.7
+    assert (max(off[215:]) < 0.15) == found

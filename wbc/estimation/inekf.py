@@ -92,7 +92,7 @@ class InvariantFilter:
             record[name] = 0.0
         record["vectors"][0, 0] = v
         record["origin"] = origin
-        record["pending"] = record["corrections"] = record["started"] = 0
+        record["pending"] = record["corrections"] = record["started"] = record["agreed"] = 0
         sigma = np.zeros(record["xi"].size)
         # Heading and position are what the reset says they are: nothing measures them.
         sigma[:2] = noise.tilt
@@ -164,14 +164,44 @@ class InvariantFilter:
         """Correct by soles that stand still, as the legs see them.
 
         Innovations too large to be noise mean that a sole has slipped: the least likely
-        one is taken in anew where it is, and nothing else is corrected this time.
+        one is taken in anew where it is, and nothing else is corrected this time. But if all soles
+        that stand seem to be at `noise.jump` or more all at once, it is the robot that moves: a
+        shock was more than the accelerometer can tell. Then its velocity is taken for unknown.
 
         Args:
             held: (n,) whole numbers, 1 for a sole that stands still, else 0.
             h: (n, 3) sole centres in IMU axes, m.
             F: (n, 3, 3) sole axes to IMU axes.
         """
-        slipped = kernels.correct(self.record, held, h, F)
+        record = self.record
+        slipped = kernels.correct(record, held, h, F)
+        if slipped >= 0 and record["agreed"][0]:
+            speed = self._least_slip(np.flatnonzero(held).size)
+            if speed > self._noise.jump:
+                self._doubt_velocity(speed)
+                slipped = kernels.correct(record, held, h, F)
+        record["agreed"] = slipped < 0
         if slipped >= 0:
             # Taken for truth, the slip of a sole would turn into a bias of the gyro.
             kernels.land(self.record, slipped, h[slipped], F[slipped])
+
+    def _least_slip(self, soles: int) -> float:
+        """Return the speed of the slowest sole by the last innovations, m/s."""
+        record = self.record
+        moved = record["residual"][0, : 6 * soles].reshape(-1, 6)[:, :3]
+        time = float(record["every"][0] * record["dt"][0])
+        return float(np.linalg.norm(moved, axis=1).min()) / time
+
+    def _doubt_velocity(self, speed: float) -> None:
+        """Add a jump of the velocity by about `speed`, a period ago, to the covariance."""
+        P = self.P
+        time = float(self.record["every"][0] * self.record["dt"][0])
+        velocity = np.arange(layout.VELOCITY, layout.POSITION)
+        position = velocity + 3
+        for rows, columns, factor in (
+            (velocity, velocity, 1.0),
+            (velocity, position, time),
+            (position, velocity, time),
+            (position, position, time * time),
+        ):
+            P[rows, columns] += factor * speed * speed
