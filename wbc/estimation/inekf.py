@@ -92,7 +92,7 @@ class InvariantFilter:
             record[name] = 0.0
         record["vectors"][0, 0] = v
         record["origin"] = origin
-        record["pending"] = record["corrections"] = record["started"] = record["agreed"] = 0
+        record["pending"] = record["corrections"] = record["started"] = record["at_once"] = 0
         sigma = np.zeros(record["xi"].size)
         # Heading and position are what the reset says they are: nothing measures them.
         sigma[:2] = noise.tilt
@@ -165,8 +165,8 @@ class InvariantFilter:
 
         Innovations too large to be noise mean that a sole has slipped: the least likely
         one is taken in anew where it is, and nothing else is corrected this time. But if all soles
-        that stand seem to be at `noise.jump` or more all at once, it is the robot that moves: a
-        shock was more than the accelerometer can tell. Then its velocity is taken for unknown.
+        that stand are at `noise.jump` or more at once, and a velocity that is not known explains
+        it, it is the robot that was moved, by a shock of more than the accelerometer can tell.
 
         Args:
             held: (n,) whole numbers, 1 for a sole that stands still, else 0.
@@ -175,15 +175,26 @@ class InvariantFilter:
         """
         record = self.record
         slipped = kernels.correct(record, held, h, F)
-        if slipped >= 0 and record["agreed"][0]:
-            speed = self._least_slip(np.flatnonzero(held).size)
-            if speed > self._noise.jump:
-                self._doubt_velocity(speed)
-                slipped = kernels.correct(record, held, h, F)
-        record["agreed"] = slipped < 0
         if slipped >= 0:
+            fast = self._least_slip(np.flatnonzero(held).size) > self._noise.jump
+            at_once = fast and bool(record["at_once"][0])
+            record["at_once"] = at_once
+            if at_once and self._explain_by_jump(held, h, F):
+                slipped = -1
+        if slipped < 0:
+            record["at_once"] = True
+        else:
             # Taken for truth, the slip of a sole would turn into a bias of the gyro.
-            kernels.land(self.record, slipped, h[slipped], F[slipped])
+            kernels.land(record, slipped, h[slipped], F[slipped])
+
+    def _explain_by_jump(self, held: np.ndarray, h: np.ndarray, F: np.ndarray) -> bool:
+        """Correct with a velocity that is not known, and return whether no sole has slipped then."""
+        record, P = self.record, self.P.copy()
+        self._doubt_velocity(self._least_slip(np.flatnonzero(held).size))
+        if kernels.correct(record, held, h, F) < 0:
+            return True
+        record["P"] = P
+        return False
 
     def _least_slip(self, soles: int) -> float:
         """Return the speed of the slowest sole by the last innovations, m/s."""

@@ -40,10 +40,10 @@ class EstimatorNoise:
             leg, so that nothing is known of it.
         slip_gate: χ² of a sole's six readings from which on it has slipped; noise alone
             gets there once in 3000 corrections; infinity: a slip is never detected.
-        jump: speed, m/s: when all soles that stand have it at once, they have not slipped, but a
-            shock has moved the robot that the accelerometer has not told. A sole that slips on
-            a ground with friction 0.3 has 0.1 m/s when it is found, and gains 0.05 m/s per
-            correction. Infinity: it is always the soles that have slipped.
+        jump: speed, m/s: when all soles that stand have it at once, a shock may have moved the
+            robot that the accelerometer has not told. A sole that slips on a ground with
+            friction 0.3 has 0.1 m/s when it is found, and gains 0.05 m/s per correction.
+            Infinity: it is always the soles that have slipped.
         tilt: error of the tilt given at a reset, rad.
         speed: error of the velocity given at a reset, m/s.
 
@@ -65,7 +65,7 @@ class EstimatorNoise:
     rock: float = 0.05
     pivot: float = 10.0
     slip_gate: float = 25.0
-    jump: float = 0.2
+    jump: float = 0.4
     tilt: float = 0.01
     speed: float = 0.05
 

@@ -181,7 +181,7 @@ class GaitParameters:
             double_support=min(_RECOVERY_TRANSFER / gait.omega, gait.double_support),
             first_transfer=min(_RECOVERY_TRANSFER / gait.omega, gait.first_transfer),
             least_width=min(foot_width + _CLEARANCE, gait.least_width),
-            max_step=max(_RECOVERY_REACH * robot.com_height, gait.max_step),
+            max_step=max(0.85 * robot.com_height, gait.max_step),
             max_side_step=max(_RECOVERY_REACH * robot.leg_length, gait.max_side_step),
         )
 

@@ -32,7 +32,7 @@ def filter_type(feet: int) -> np.dtype:
             ("started", np.int64),  # whether there is a reading of the gyro since the reset
             ("gyro", float, (3,)),  # the last one, IMU axes, rad/s
             ("corrections", np.int64),
-            ("agreed", np.int64),  # whether no sole had slipped at the last one
+            ("at_once", np.int64),  # whether soles that slip have done so fast since the last one
             # Constants.
             ("origin", float, (3,)),  # where positions count from, world axes, m
             ("dt", float),  # s
