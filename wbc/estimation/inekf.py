@@ -16,6 +16,11 @@ from wbc.estimation.kernels import filter_record as layout
 from wbc.estimation.kernels import inekf as kernels
 from wbc.estimation.noise import EstimatorNoise
 
+_SAME = 0.15  # m/s by which a velocity may change between two corrections, to count as the same
+_LASTING = 2  # corrections for which soles seem to slip at the same velocity until it is a jump
+_LEVER = 0.15  # m from the centre of a sole to its edge, at most
+_TURNED = 0.1  # rad by which a shock may turn a sole
+
 
 class InvariantFilter:
     """Orientation, velocity and position of an IMU, the soles it stands on, its biases.
@@ -92,7 +97,8 @@ class InvariantFilter:
             record[name] = 0.0
         record["vectors"][0, 0] = v
         record["origin"] = origin
-        record["pending"] = record["corrections"] = record["started"] = record["at_once"] = 0
+        record["pending"] = record["corrections"] = record["started"] = 0
+        record["at_once"] = record["lasting"] = 0
         sigma = np.zeros(record["xi"].size)
         # Heading and position are what the reset says they are: nothing measures them.
         sigma[:2] = noise.tilt
@@ -175,33 +181,52 @@ class InvariantFilter:
         """
         record = self.record
         slipped = kernels.correct(record, held, h, F)
-        if slipped >= 0:
-            fast = self._least_slip(np.flatnonzero(held).size) > self._noise.jump
-            at_once = fast and bool(record["at_once"][0])
-            record["at_once"] = at_once
-            if at_once and self._explain_by_jump(held, h, F):
-                slipped = -1
+        if slipped >= 0 and self._is_jump(held, h, F):
+            slipped = -1
         if slipped < 0:
-            record["at_once"] = True
-        else:
-            # Taken for truth, the slip of a sole would turn into a bias of the gyro.
-            kernels.land(record, slipped, h[slipped], F[slipped])
+            record["at_once"], record["lasting"] = True, 0
+            return
+        # Taken for truth, the slip of a sole would turn into a bias of the gyro.
+        for foot in np.flatnonzero(held) if record["at_once"][0] else (slipped,):
+            kernels.land(record, foot, h[foot], F[foot])
 
-    def _explain_by_jump(self, held: np.ndarray, h: np.ndarray, F: np.ndarray) -> bool:
-        """Correct with a velocity that is not known, and return whether no sole has slipped then."""
-        record, P = self.record, self.P.copy()
-        self._doubt_velocity(self._least_slip(np.flatnonzero(held).size))
+    def _is_jump(self, held: np.ndarray, h: np.ndarray, F: np.ndarray) -> bool:
+        """Return whether the robot was moved and no sole has slipped; if so, correct."""
+        record = self.record
+        velocity = self._slip_velocity(np.flatnonzero(held).size)
+        record["at_once"] &= bool(np.linalg.norm(velocity) > self._noise.jump)
+        if not record["at_once"][0]:
+            return False
+        same = np.linalg.norm(velocity - record["slip_velocity"][0]) < _SAME
+        record["lasting"] = record["lasting"] + 1 if same else 0
+        record["slip_velocity"] = velocity
+        P = self.P.copy()
+        self._doubt_velocity(float(np.linalg.norm(velocity)))
+        if record["lasting"][0] >= _LASTING and not self._turns(np.flatnonzero(held).size):
+            self._doubt_soles()
         if kernels.correct(record, held, h, F) < 0:
             return True
         record["P"] = P
         return False
 
-    def _least_slip(self, soles: int) -> float:
-        """Return the speed of the slowest sole by the last innovations, m/s."""
+    def _slip_velocity(self, soles: int) -> np.ndarray:
+        """Return the velocity of the slowest sole by the last innovations, (3,), m/s."""
         record = self.record
         moved = record["residual"][0, : 6 * soles].reshape(-1, 6)[:, :3]
-        time = float(record["every"][0] * record["dt"][0])
-        return float(np.linalg.norm(moved, axis=1).min()) / time
+        slowest: np.ndarray = moved[np.linalg.norm(moved, axis=1).argmin()]
+        return slowest / float(record["every"][0] * record["dt"][0])
+
+    def _turns(self, soles: int) -> bool:
+        """Return whether soles that turn about an edge have moved as the last innovations say."""
+        moved = self.record["residual"][0, : 6 * soles].reshape(-1, 2, 3)
+        way, turn = np.linalg.norm(moved, axis=2).T
+        return bool((way < _LEVER * turn).any())
+
+    def _doubt_soles(self) -> None:
+        """Take it for unknown how the soles are turned."""
+        P, feet = self.P, self.F.shape[0]
+        turns = layout.FOOT_POSITION + 3 * feet + np.arange(3 * feet)
+        P[turns, turns] += _TURNED**2
 
     def _doubt_velocity(self, speed: float) -> None:
         """Add a jump of the velocity by about `speed`, a period ago, to the covariance."""

@@ -32,7 +32,9 @@ def filter_type(feet: int) -> np.dtype:
             ("started", np.int64),  # whether there is a reading of the gyro since the reset
             ("gyro", float, (3,)),  # the last one, IMU axes, rad/s
             ("corrections", np.int64),
-            ("at_once", np.int64),  # whether soles that slip have done so fast since the last one
+            ("at_once", np.int64),  # whether soles that slip have done so fast from the start
+            ("slip_velocity", float, (3,)),  # theirs at the last correction, m/s
+            ("lasting", np.int64),  # corrections for which it has been the same
             # Constants.
             ("origin", float, (3,)),  # where positions count from, world axes, m
             ("dt", float),  # s

@@ -44,4 +44,4 @@ def _error_after_step(state: GaitState, side: str, support: SupportPolygon) -> f
     dcm = state.feet.of(side).to_local(dcm_ahead(state, _LOOKAHEAD))
     reach = support.zmp_range(side, 1.0)
     landing = footstep_adjustment(dcm, quick.omega, quick.single_support, reach)
-    return max(0.0, abs(landing.real) - quick.max_step)
+    return max(0.0, abs(landing.real) - 0.65 * quick.com_height)
