@@ -34,7 +34,8 @@ _UPRIGHT = 0.3  # least vertical part of the axis of a joint that turns the foot
 # Durations of the recovery gait times ω.
 _RECOVERY_SWING = 0.77
 _RECOVERY_TRANSFER = 0.155
-_RECOVERY_REACH = 0.65  # longest step over the CoM's height, widening over the legs' length
+_RECOVERY_STEP = 0.85  # longest step over the height of the CoM
+_RECOVERY_WIDENING = 0.65  # largest, over the length of the legs
 
 
 @dataclass(frozen=True)
@@ -166,7 +167,7 @@ class GaitParameters:
         swing of 0.77/ω doubles it, one of the usual 2/ω multiplies it by seven (N-step
         capturability, Koolen et al., IJRR 2012). The feet may come as near to each other as they
         do without touching, as far apart as 0.65 of the legs' length more than usual, and as far
-        ahead as 0.65 of the height of the centre of mass: a step that is not to be repeated may be
+        ahead as 0.85 of the height of the centre of mass: a step that is not to be repeated may be
         longer than the knees could carry the robot on.
 
         Args:
@@ -181,8 +182,8 @@ class GaitParameters:
             double_support=min(_RECOVERY_TRANSFER / gait.omega, gait.double_support),
             first_transfer=min(_RECOVERY_TRANSFER / gait.omega, gait.first_transfer),
             least_width=min(foot_width + _CLEARANCE, gait.least_width),
-            max_step=max(0.85 * robot.com_height, gait.max_step),
-            max_side_step=max(_RECOVERY_REACH * robot.leg_length, gait.max_side_step),
+            max_step=max(_RECOVERY_STEP * robot.com_height, gait.max_step),
+            max_side_step=max(_RECOVERY_WIDENING * robot.leg_length, gait.max_side_step),
         )
 
 

@@ -8,6 +8,7 @@ from wbc.walking.stabilizer.step_adjustment import footstep_adjustment
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 _LOOKAHEAD = 0.05  # s for which the push is taken to last on
+_EASY_STEP = 0.65  # share of the CoM height up to which the length of a quick step costs nothing
 _WORTHWHILE = 0.05  # share of the CoM height by which the other foot has to be better
 
 
@@ -28,10 +29,11 @@ def has_to_return(state: GaitState, support: SupportPolygon) -> bool:
 
 
 def _error_after_step(state: GaitState, side: str, support: SupportPolygon) -> float:
-    """Distance of the DCM from the foot that lands after a quick step, along the support sole, m.
+    """Distance of the DCM from an easy step, at the end of a quick one, along the support sole, m.
 
     The ZMP is at the edge of the support sole that the DCM is beyond, and the other foot lands as
-    near to the DCM as its leg reaches.
+    near to the DCM as a step of 0.65 of the CoM's height gets: longer ones are possible, but the
+    foot that comes back from one has twice the way.
 
     Only along the sole: of four pushes of G1 to each side both choices survive one.
 
@@ -44,4 +46,4 @@ def _error_after_step(state: GaitState, side: str, support: SupportPolygon) -> f
     dcm = state.feet.of(side).to_local(dcm_ahead(state, _LOOKAHEAD))
     reach = support.zmp_range(side, 1.0)
     landing = footstep_adjustment(dcm, quick.omega, quick.single_support, reach)
-    return max(0.0, abs(landing.real) - 0.65 * quick.com_height)
+    return max(0.0, abs(landing.real) - _EASY_STEP * quick.com_height)
