@@ -103,6 +103,19 @@ def test_a_standing_robot_steps_when_pushed_and_stands_again_with_its_feet_side_
     assert abs(between - complex(0.0, -walker.gait.step_width)) < 0.03
 
 
+@pytest.mark.parametrize("velocity", [(-1.0, 0.0, 0.0), slow((1.0, 0.0, 0.0))])
+def test_a_standing_robot_survives_a_kick_that_no_sensor_tells(velocity):
+    robot = wbc.load("g1")
+
+    def kick(time: float) -> None:
+        if abs(time - 0.3) < 1e-6:
+            plant.kick(velocity)
+
+    with Mujoco(robot, seed=3) as plant:
+        report = wbc.run(wbc.Walker(robot), plant, 1.8, before_tick=kick)
+    assert report.survived
+
+
 @pytest.mark.parametrize("name", ["g1", "talos", "simple_humanoid"])
 def test_mirrored_pushes_make_a_standing_robot_step_with_mirrored_feet(name):
     walker = wbc.Walker(wbc.load(name))
