@@ -8,6 +8,7 @@ from wbc.gait import GaitState, Placement, SwingFoot
 from wbc.gait.footsteps import clamp_footstep, lateral_sign
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
+from wbc.walking.stabilizer.support_choice import EASY_STEP
 
 SWING_ACCELERATION = 5.5  # times gravity: what the hips accelerate a foot by without the trunk
 
@@ -30,8 +31,8 @@ class CrossOver:
     and behind if it is behind, and can stop there. The step after it comes back the same way.
 
     It lands a distance d behind or ahead of the wanted place. The steps after it have to catch the
-    DCM that is so far off, beside the way L of a step at the present velocity: with the reach R of
-    a step, that of the ZMP, m, and the growth E of the DCM in a step, as many as it takes,
+    DCM that is so far off, beside the way L of a step at the present velocity: with the length R
+    of an easy step, that of the ZMP, m, and the growth E of the DCM in a step, as many as it takes,
 
         d ≤ (R − L) / (E − 1) + m
 
@@ -76,7 +77,8 @@ class CrossOver:
         growth = math.exp(quick.omega * quick.step_duration)
         way = state.stance.to_local(state.landing.point).real / usual.step_duration
         length = -side * way * quick.step_duration
-        return (quick.max_step - length) / (growth - 1.0) + self._sole
+        reach = min(EASY_STEP * quick.com_height, quick.max_step)
+        return (reach - length) / (growth - 1.0) + self._sole
 
     def nearest(self, state: GaitState, wanted: Placement) -> Placement:
         """Return the nearest landing place that the leg reaches without touching the other one.

@@ -8,7 +8,8 @@ from wbc.walking.stabilizer.step_adjustment import footstep_adjustment
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 _LOOKAHEAD = 0.05  # s for which the push is taken to last on
-_EASY_STEP = 0.65  # share of the CoM height up to which the length of a quick step costs nothing
+#: Share of the CoM's height up to which quick steps are as easy to go on from as short ones.
+EASY_STEP = 0.65
 _WORTHWHILE = 0.05  # share of the CoM height by which the other foot has to be better
 
 
@@ -46,4 +47,4 @@ def _error_after_step(state: GaitState, side: str, support: SupportPolygon) -> f
     dcm = state.feet.of(side).to_local(dcm_ahead(state, _LOOKAHEAD))
     reach = support.zmp_range(side, 1.0)
     landing = footstep_adjustment(dcm, quick.omega, quick.single_support, reach)
-    return max(0.0, abs(landing.real) - _EASY_STEP * quick.com_height)
+    return max(0.0, abs(landing.real) - EASY_STEP * quick.com_height)
