@@ -93,12 +93,12 @@ class InvariantFilter:
         """
         record, noise = self.record, self._noise
         record["R"], record["F"] = R, np.eye(3)
-        for name in ("vectors", "gyro_bias", "accelerometer_bias", "drift_factor"):
+        for name in ("vectors", "gyro_bias", "accelerometer_bias", "drift_factor", "slip_velocity"):
             record[name] = 0.0
         record["vectors"][0, 0] = v
         record["origin"] = origin
-        record["pending"] = record["corrections"] = record["started"] = 0
-        record["at_once"] = record["lasting"] = 0
+        for name in ("pending", "corrections", "started", "at_once", "lasting"):
+            record[name] = 0
         sigma = np.zeros(record["xi"].size)
         # Heading and position are what the reset says they are: nothing measures them.
         sigma[:2] = noise.tilt
@@ -181,46 +181,40 @@ class InvariantFilter:
         """
         record = self.record
         slipped = kernels.correct(record, held, h, F)
-        if slipped >= 0 and self._is_jump(held, h, F):
-            slipped = -1
-        if slipped < 0:
-            record["at_once"], record["lasting"] = True, 0
+        if slipped < 0 or self._correct_for_jump(held, h, F):
+            record["at_once"], record["slip_velocity"] = True, 0.0
             return
         # Taken for truth, the slip of a sole would turn into a bias of the gyro.
         for foot in np.flatnonzero(held) if record["at_once"][0] else (slipped,):
             kernels.land(record, foot, h[foot], F[foot])
 
-    def _is_jump(self, held: np.ndarray, h: np.ndarray, F: np.ndarray) -> bool:
-        """Return whether the robot was moved and no sole has slipped; if so, correct."""
+    def _correct_for_jump(self, held: np.ndarray, h: np.ndarray, F: np.ndarray) -> bool:
+        """Correct if the robot was moved and no sole has slipped; return whether it was."""
         record = self.record
-        velocity = self._slip_velocity(np.flatnonzero(held).size)
-        record["at_once"] &= bool(np.linalg.norm(velocity) > self._noise.jump)
+        moved = record["residual"][0, : 6 * np.count_nonzero(held)].reshape(-1, 2, 3)
+        way, turn = np.linalg.norm(moved, axis=2).T
+        velocity = moved[way.argmin(), 0] / self._period  # of the slowest sole
+        speed = float(np.linalg.norm(velocity))
+        record["at_once"] &= speed > self._noise.jump
         if not record["at_once"][0]:
             return False
         same = np.linalg.norm(velocity - record["slip_velocity"][0]) < _SAME
         record["lasting"] = record["lasting"] + 1 if same else 0
         record["slip_velocity"] = velocity
         P = self.P.copy()
-        self._doubt_velocity(float(np.linalg.norm(velocity)))
-        if record["lasting"][0] >= _LASTING and not self._turns(np.flatnonzero(held).size):
+        self._doubt_velocity(speed)
+        # A sole that turns about its edge moves by as much as that.
+        if record["lasting"][0] >= _LASTING and (way >= _LEVER * turn).all():
             self._doubt_soles()
         if kernels.correct(record, held, h, F) < 0:
             return True
         record["P"] = P
         return False
 
-    def _slip_velocity(self, soles: int) -> np.ndarray:
-        """Return the velocity of the slowest sole by the last innovations, (3,), m/s."""
-        record = self.record
-        moved = record["residual"][0, : 6 * soles].reshape(-1, 6)[:, :3]
-        slowest: np.ndarray = moved[np.linalg.norm(moved, axis=1).argmin()]
-        return slowest / float(record["every"][0] * record["dt"][0])
-
-    def _turns(self, soles: int) -> bool:
-        """Return whether soles that turn about an edge have moved as the last innovations say."""
-        moved = self.record["residual"][0, : 6 * soles].reshape(-1, 2, 3)
-        way, turn = np.linalg.norm(moved, axis=2).T
-        return bool((way < _LEVER * turn).any())
+    @property
+    def _period(self) -> float:
+        """Time between two corrections, s."""
+        return float(self.record["every"][0] * self.record["dt"][0])
 
     def _doubt_soles(self) -> None:
         """Take it for unknown how the soles are turned."""
@@ -230,8 +224,7 @@ class InvariantFilter:
 
     def _doubt_velocity(self, speed: float) -> None:
         """Add a jump of the velocity by about `speed`, a period ago, to the covariance."""
-        P = self.P
-        time = float(self.record["every"][0] * self.record["dt"][0])
+        P, time = self.P, self._period
         velocity = np.arange(layout.VELOCITY, layout.POSITION)
         position = velocity + 3
         for rows, columns, factor in (

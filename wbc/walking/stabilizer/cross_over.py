@@ -8,7 +8,7 @@ from wbc.gait import GaitState, Placement, SwingFoot
 from wbc.gait.footsteps import clamp_footstep, lateral_sign
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
-from wbc.walking.stabilizer.support_choice import EASY_STEP
+from wbc.walking.stabilizer.step_adjustment import easy_step
 
 SWING_ACCELERATION = 5.5  # times gravity: what the hips accelerate a foot by without the trunk
 
@@ -77,8 +77,7 @@ class CrossOver:
         growth = math.exp(quick.omega * quick.step_duration)
         way = state.stance.to_local(state.landing.point).real / usual.step_duration
         length = -side * way * quick.step_duration
-        reach = min(EASY_STEP * quick.com_height, quick.max_step)
-        return (reach - length) / (growth - 1.0) + self._sole
+        return (easy_step(quick) - length) / (growth - 1.0) + self._sole
 
     def nearest(self, state: GaitState, wanted: Placement) -> Placement:
         """Return the nearest landing place that the leg reaches without touching the other one.

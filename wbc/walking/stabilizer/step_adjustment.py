@@ -4,8 +4,22 @@ from __future__ import annotations
 
 import math
 
-from wbc.gait import DcmReference, GaitState
+from wbc.gait import DcmReference, GaitParameters, GaitState
 from wbc.geometry.planar import planar_rotation
+
+_EASY_STEP = 0.65  # share of the CoM's height
+
+
+def easy_step(quick: GaitParameters) -> float:
+    """Length up to which a quick step is easy to go on from, m.
+
+    Longer ones catch more, but the foot that comes back from one has twice the way: they are not
+    counted on when a choice between two ways to step has to be made.
+
+    Args:
+        quick: parameters of the quick steps.
+    """
+    return min(_EASY_STEP * quick.com_height, quick.max_step)
 
 
 def footstep_adjustment(

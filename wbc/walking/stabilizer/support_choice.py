@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from wbc.gait import GaitState
 from wbc.walking.stabilizer.disturbance import dcm_ahead
-from wbc.walking.stabilizer.step_adjustment import footstep_adjustment
+from wbc.walking.stabilizer.step_adjustment import easy_step, footstep_adjustment
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 _LOOKAHEAD = 0.05  # s for which the push is taken to last on
-#: Share of the CoM's height up to which quick steps are as easy to go on from as short ones.
-EASY_STEP = 0.65
 _WORTHWHILE = 0.05  # share of the CoM height by which the other foot has to be better
 
 
@@ -33,8 +31,7 @@ def _error_after_step(state: GaitState, side: str, support: SupportPolygon) -> f
     """Distance of the DCM from an easy step, at the end of a quick one, along the support sole, m.
 
     The ZMP is at the edge of the support sole that the DCM is beyond, and the other foot lands as
-    near to the DCM as a step of 0.65 of the CoM's height gets: longer ones are possible, but the
-    foot that comes back from one has twice the way.
+    near to the DCM as an easy step gets (`easy_step`).
 
     Only along the sole: of four pushes of G1 to each side both choices survive one.
 
@@ -47,4 +44,4 @@ def _error_after_step(state: GaitState, side: str, support: SupportPolygon) -> f
     dcm = state.feet.of(side).to_local(dcm_ahead(state, _LOOKAHEAD))
     reach = support.zmp_range(side, 1.0)
     landing = footstep_adjustment(dcm, quick.omega, quick.single_support, reach)
-    return max(0.0, abs(landing.real) - EASY_STEP * quick.com_height)
+    return max(0.0, abs(landing.real) - easy_step(quick))
