@@ -170,16 +170,28 @@ class Contact(ABC):
 
         `a` is in m/s² (and rad/s²).
         """
-        at = kin.motion_local(self._frame_id)
         n = self.motion_size
-        jacobian, velocity, bias = at.jacobian, at.velocity, at.bias
-        if self.placement is not None:
-            X = self.placement.toActionMatrixInverse()
-            jacobian, velocity = X @ jacobian, X @ velocity
-            # The classical acceleration of another point adds ω × (ω × p).
-            w, p = at.velocity[3:], self.placement.translation
-            bias = X @ bias
-            bias[:3] += self.placement.rotation.T @ (w * w.dot(p) - p * w.dot(w))
+        jacobian, velocity, bias = self.motion(kin)
         J[:] = jacobian[:n]
         np.multiply(velocity[:n], -self.damping, out=a)
         a -= bias[:n]
+
+    def motion(self, kin: Kinematics) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return `J` (6, nv), `J v` and `J̇ v` (6,) of the contact's point, in contact axes."""
+        at = kin.motion_local(self._frame_id)
+        if self.placement is None:
+            return at.jacobian, at.velocity, at.bias
+        X = self.placement.toActionMatrixInverse()
+        # The classical acceleration of another point adds ω × (ω × p).
+        w, p = at.velocity[3:], self.placement.translation
+        bias = X @ at.bias
+        bias[:3] += self.placement.rotation.T @ (w * w.dot(p) - p * w.dot(w))
+        return X @ at.jacobian, X @ at.velocity, bias
+
+    def wrench(self, force: np.ndarray) -> np.ndarray:
+        """Return the wrench (6,) at the contact's point, contact axes, of the QP's unknowns.
+
+        Args:
+            force: (motion_size,)
+        """
+        return np.concatenate((force, np.zeros(6 - force.size))) if force.size < 6 else force

@@ -33,7 +33,8 @@ _POINT_DURATIONS = 1.15, 0.17, 0.17
 _UPRIGHT = 0.3  # least vertical part of the axis of a joint that turns the foot
 # Durations of the recovery gait times ω.
 _RECOVERY_SWING = 0.77
-_RECOVERY_TRANSFER = 0.155
+_RECOVERY_TRANSFER = 0.025
+_RECOVERY_FIRST_TRANSFER = 0.155
 _RECOVERY_STEP = 0.85  # longest step over the height of the CoM
 _RECOVERY_WIDENING = 0.65  # largest, over the length of the legs
 
@@ -180,7 +181,7 @@ class GaitParameters:
             gait,
             single_support=min(_RECOVERY_SWING / gait.omega, gait.single_support),
             double_support=min(_RECOVERY_TRANSFER / gait.omega, gait.double_support),
-            first_transfer=min(_RECOVERY_TRANSFER / gait.omega, gait.first_transfer),
+            first_transfer=min(_RECOVERY_FIRST_TRANSFER / gait.omega, gait.first_transfer),
             least_width=min(foot_width + _CLEARANCE, gait.least_width),
             max_step=max(_RECOVERY_STEP * robot.com_height, gait.max_step),
             max_side_step=max(_RECOVERY_WIDENING * robot.leg_length, gait.max_side_step),

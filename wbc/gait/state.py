@@ -67,6 +67,8 @@ class GaitState:
         time: since the phase began, s; 0 in the tick in which it begins.
         duration: duration of the phase, s.
         hold: time at the beginning of a transfer in which the weight does not move yet, s.
+        tipping: edge of its sole over which the support foot tips: direction from the sole's centre
+            to it, x + iy in the sole's axes; 0 when the sole is flat on the ground.
         shortened: the phase ends before its usual time, to catch a push.
         crossing: 1 if the swing foot crosses over in front of the support foot, −1 behind it, 0 if
             it lands on its own side.
@@ -104,6 +106,7 @@ class GaitState:
     time: float = 0.0
     duration: float = 0.0
     hold: float = 0.0
+    tipping: complex = 0j
     shortened: bool = False
     crossing: float = 0.0
     pushed_at_rest: bool = False

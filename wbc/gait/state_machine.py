@@ -188,7 +188,7 @@ class GaitStateMachine:
     def _enter(self, phase: Phase, duration: float) -> None:
         state = self.state
         state.phase, state.time, state.duration, state.hold = phase, 0.0, duration, 0.0
-        state.shortened, state.crossing = False, 0.0
+        state.shortened, state.crossing, state.tipping = False, 0.0, 0j
 
     def _lift_off(self, landing: Placement, lifted: LiftedFoot | None) -> None:
         """Begin the swing to a landing place; a foot that was held up begins it where it is."""

@@ -133,9 +133,7 @@ class Assembly:
         f = m.W @ x1
         wrenches = {}
         for contact, rows in self.contacts:
-            wrench = np.zeros(6)
-            wrench[: contact.motion_size] = f[rows]
-            wrenches[contact.name] = wrench
+            wrenches[contact.name] = contact.wrench(f[rows])
         acceleration, tau = m.acceleration(x1), m.T @ x1
         if not (math.isfinite(tau.dot(tau)) and math.isfinite(acceleration.dot(acceleration))):
             return None

@@ -181,10 +181,7 @@ class CompiledAssembly:
             return None
         wrenches = {}
         for contact, forces in self._contacts:
-            wrench = out[start + forces.start : start + forces.stop]
-            if wrench.size < 6:
-                wrench = np.concatenate((wrench, np.zeros(6 - wrench.size)))
-            wrenches[contact.name] = wrench
+            wrenches[contact.name] = contact.wrench(out[start + forces.start : start + forces.stop])
         return Command(
             out[nv : nv + na],
             out[:nv],

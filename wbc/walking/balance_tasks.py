@@ -43,6 +43,7 @@ class BalanceTasks:
         gains: WalkerGains,
     ) -> None:
         robot, kp = controller.robot, gains.height_kp
+        self._gains = gains
         self._com_target = np.zeros(3)
         self.com = controller.add(
             ComTask(
@@ -105,9 +106,19 @@ class BalanceTasks:
         if share != self._arm_share:
             self._swing_arms(share)
         swing = state.swing
-        catches = state.phase is Phase.SWING and state.steps_out
-        self._trunk.set_yielding(catches)
+        self._trunk.set_share(self._trunk_share(state))
         self._trunk.update(heading, 0.0 if swing is None else 0.5 * swing.yaw_rate, offset)
+
+    def _trunk_share(self, state: GaitState) -> float:
+        """Return the share of its weight with which the trunk is held.
+
+        In quick steps it is held firmly: what they leave of the DCM's error the next step catches,
+        but none rights a trunk that turns, for which the soles are too small. Of a robot that stood
+        it yields in the first one: its foot starts late and far from where it is needed.
+        """
+        if state.phase is Phase.SWING and state.steps_out:
+            return self._gains.trunk_step_out_share
+        return self._gains.trunk_recovery_share if state.recovering or state.shortened else 1.0
 
     def _swing_arms(self, share: float) -> None:
         """Have the arms swing against the legs, for a share of the moment that the sole lacks."""

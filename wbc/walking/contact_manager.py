@@ -14,6 +14,7 @@ from wbc.robot.posture import has_soles
 from wbc.walking.gains import WalkerGains
 from wbc.walking.hand_contacts import HandContacts
 from wbc.walking.swing_task import SwingTask
+from wbc.walking.tipping_foot import TippingFoot
 
 _HIGH = 0.03  # m, height above which a lifted foot need not be flat
 _FREE = 0.01  # share of the weight of the flatness in the first half of a fast swing
@@ -28,7 +29,8 @@ class ContactManager:
     in double support by a high weight, because two exact feet and a stretched knee may have
     no solution. A foot whose leg has fewer joints than that takes is always held by the weight:
     the leg cannot turn it against all moments of the robot's motion, which would need a wrench
-    beyond the sole's edges. Towards the end of double support the leaving foot is unloaded.
+    beyond the sole's edges. A support foot that tips is held by an edge of its sole. Towards the
+    end of double support the leaving foot is unloaded.
 
     Args:
         robot: the robot.
@@ -52,6 +54,7 @@ class ContactManager:
         self._support_weight: dict[str, float | None] = {}
         self._swing_tasks: dict[str, SwingTask] = {}
         self._soles: dict[str, Sole] = {sole.side: sole for sole in robot.soles}
+        self._tipping: dict[str, TippingFoot] = {}
         self._tracking: SwingTask | None = None
         self._has_soles = has_soles(robot.soles)
         self._loose = False  # the weight of a swing task is not the usual one
@@ -59,6 +62,8 @@ class ContactManager:
             contact = _contact(sole, gains)
             contact.bind(robot)
             self._contacts[sole.side] = contact
+            if self._has_soles:
+                self._tipping[sole.side] = TippingFoot(sole, controller, gains)
             lacks_joints = len(leg) < contact.motion_size
             self._support_weight[sole.side] = gains.second_contact_weight if lacks_joints else None
             self._swing_tasks[sole.side] = SwingTask(
@@ -77,7 +82,13 @@ class ContactManager:
         support.motion_weight = self._support_weight[state.support]
         support.max_force = other.max_force = math.inf
         self._track_swing(state)
+        for side, foot in self._tipping.items():
+            foot.update(state.tipping if side == state.support else 0j, state.stance)
         if state.phase is Phase.SWING:
+            if state.tipping != 0j and self._has_soles:
+                edge = self._tipping[state.support].contact(state.tipping)
+                edge.motion_weight = support.motion_weight
+                support = edge
             self._hold((support,))
             return
         other.motion_weight = self._gains.second_contact_weight

@@ -22,8 +22,10 @@ class WalkerGains:
         swing_kp: stiffness of the swing foot, 1/s².
         trunk_weight: weight of torso and base orientation.
         trunk_kp: 1/s².
-        trunk_recovery_share: share of the trunk's weight in a swing that catches a push: the trunk
-            takes up momentum that would move the ZMP away from the DCM.
+        trunk_recovery_share: share of the trunk's weight in quick steps.
+        trunk_step_out_share: share of the trunk's weight in the swing with which a robot that stood
+            catches a push: the trunk takes up momentum that would move the ZMP away from the DCM.
+        tipping_weight: weight of the orientation of a support foot that tips over an edge.
         posture_weight: weight of the posture of arms, trunk and head.
         leg_posture_weight: weight of the legs' posture without the knees: too little to pull on
             the CoM.
@@ -50,7 +52,9 @@ class WalkerGains:
     swing_kp: float = 400.0
     trunk_weight: float = 20.0
     trunk_kp: float = 80.0
-    trunk_recovery_share: float = 0.3
+    trunk_recovery_share: float = 3.0
+    trunk_step_out_share: float = 1.0
+    tipping_weight: float = 20.0
     posture_weight: float = 1.0
     leg_posture_weight: float = 0.02
     knee_posture_weight: float = 0.5

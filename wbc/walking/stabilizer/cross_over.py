@@ -13,7 +13,8 @@ from wbc.walking.stabilizer.step_adjustment import easy_step
 SWING_ACCELERATION = 5.5  # times gravity: what the hips accelerate a foot by without the trunk
 
 _CLEARANCE = 0.03  # m between the toe of one sole and the heel of the other
-_BEYOND = 0.15  # share of the legs' length by which a foot lands beyond the other one, at most
+_BEYOND = 0.15  # share of the legs' length by which a foot lands beyond the CoM, at most
+_FARTHEST = 0.5  # the same beyond the other foot
 _WORTHWHILE = 0.1  # m that it has to gain across the sole, at least
 _COST = 3.0  # times what it gains across that it may land off along the sole, at most
 _LAG = 0.015  # s by which a foot follows its reference
@@ -45,7 +46,9 @@ class CrossOver:
     def __init__(self, robot: Robot) -> None:
         self._length = sum(sole.half_length for sole in robot.soles) + _CLEARANCE
         self._beyond = _BEYOND * robot.leg_length
+        self._farthest_beyond = _FARTHEST * robot.leg_length
         self._sole = min(sole.half_length for sole in robot.soles)
+        self._half_width = min(sole.half_width for sole in robot.soles)
 
     def side(self, state: GaitState, wanted: complex) -> float:
         """Return on which side of the support foot to cross over: 1 in front, −1 behind, 0 not.
@@ -56,7 +59,7 @@ class CrossOver:
         """
         sign, least = lateral_sign(state.swing_side), state.recovery_gait.least_width
         foot = state.stance.to_local(state.other_foot.point)
-        gain = least - max(sign * wanted.imag, -self._beyond)
+        gain = least - max(sign * wanted.imag, -self._farthest(state))
         if gain < _WORTHWHILE or sign * foot.imag < least:
             return 0.0
         side = math.copysign(1.0, foot.real)
@@ -79,6 +82,23 @@ class CrossOver:
         length = -side * way * quick.step_duration
         return (easy_step(quick) - length) / (growth - 1.0) + self._sole
 
+    def _farthest(self, state: GaitState) -> float:
+        """Return how far beyond the support foot the swing foot may land, m.
+
+        Legs that cross are as close as thighs and pelvis let them be, and the pelvis goes along with
+        the centre of mass: the foot may land a little beyond where that will be, by the linear
+        inverted pendulum on the edge of the support sole,
+
+            c(t) = p + ((ξ − p) e^(ωt) + (2 (c − p) − (ξ − p)) e^(−ωt)) / 2.
+        """
+        inwards = lateral_sign(state.swing_side)
+        com, dcm = (-inwards * state.stance.to_local(p).imag for p in (state.com, state.dcm))
+        edge = self._half_width
+        growth = math.exp(state.gait.omega * state.remaining)
+        rest = 2.0 * (com - edge) - (dcm - edge)
+        com_then = edge + 0.5 * ((dcm - edge) * growth + rest / growth)
+        return min(max(com_then + self._beyond, self._beyond), self._farthest_beyond)
+
     def nearest(self, state: GaitState, wanted: Placement) -> Placement:
         """Return the nearest landing place that the leg reaches without touching the other one.
 
@@ -90,7 +110,7 @@ class CrossOver:
         least = state.recovery_gait.least_width
         side, width = state.crossing, math.inf
         if side != 0.0:
-            width = max(-self._beyond, sign * stance.to_local(wanted.point).imag)
+            width = max(-self._farthest(state), sign * stance.to_local(wanted.point).imag)
         else:
             foot = stance.to_local(state.other_foot.point)
             if sign * foot.imag < _CROSSED * least and 2.0 * abs(foot.real) > self._length:

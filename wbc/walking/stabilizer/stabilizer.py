@@ -15,6 +15,7 @@ from wbc.walking.stabilizer.dcm_feedback import zmp_from_dcm_error
 from wbc.walking.stabilizer.disturbance import DisturbanceObserver
 from wbc.walking.stabilizer.push_recovery import PushRecovery, Reference
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
+from wbc.walking.stabilizer.tipping import edge_to_tip_over
 
 
 @dataclass(slots=True)
@@ -44,7 +45,8 @@ class Stabilizer:
     1. the bias of the estimated CoM is taken off the DCM (`ComBiasEstimator`);
     2. the landing place moves by what the ankles cannot catch (`footstep_adjustment`), and
        the step is quickened when no landing place in reach does (`PushRecovery`);
-    3. the DCM error becomes a ZMP (`zmp_from_dcm_error`), clamped to the support
+    3. a support foot whose edge the DCM has left tips over it (`edge_to_tip_over`);
+    4. the DCM error becomes a ZMP (`zmp_from_dcm_error`), clamped to the support
        (`SupportPolygon`) and realised by the CoM acceleration `c̈ = ω² (c − p − δ)` of the linear
        inverted pendulum on the centroidal moment pivot p + δ.
 
@@ -110,6 +112,8 @@ class Stabilizer:
         gait, dcm = state.gait, state.dcm
         omega = gait.omega
         zmp = zmp_from_dcm_error(dcm, wanted, omega, gait.dcm_gain)
+        if state.tipping == 0j:
+            state.tipping = edge_to_tip_over(state, zmp, self.support)
         zmp = self.support.clamp(zmp, state, self._gains.zmp_margin)
         # The CoM as estimated, with its bias: the QP uses the same, so the ZMP is as commanded.
         acceleration = omega * omega * (state.com - zmp - wanted.cmp_offset)

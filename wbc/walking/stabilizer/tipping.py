@@ -1,0 +1,43 @@
+"""Whether the support foot of a quick step tips over an edge of its sole."""
+
+from __future__ import annotations
+
+import math
+
+from wbc.gait import GaitState, Phase
+from wbc.walking.stabilizer.support_polygon import SupportPolygon
+
+_ZMP_BEYOND = 0.045  # share of the CoM's height by which the wanted ZMP is beyond the edge
+_DCM_BEYOND = 0.1  # the same of the DCM
+
+
+def edge_to_tip_over(state: GaitState, zmp: complex, support: SupportPolygon) -> complex:
+    """Return the edge over which the support foot is to tip, see `GaitState.tipping`; 0: none.
+
+    Once the DCM is beyond an edge of the sole, the pressure belongs at that edge until the other
+    foot has landed. A foot that is held flat adds nothing, and only lets the leg lean as far as
+    the ankle bends (15° of roll on G1): then the trunk turns in place of the leg. A foot that tips
+    lets the leg lean on.
+
+    Only in a swing that catches a push: any other robot brings its DCM back.
+
+    Args:
+        state: phase, support foot and DCM.
+        zmp: ZMP that the DCM error asks for, not clamped to the sole, m.
+        support: the support polygon.
+    """
+    if state.phase is not Phase.SWING or not (state.shortened or state.recovering):
+        return 0j
+    height, stance = state.gait.com_height, state.stance
+    wanted, dcm = stance.to_local(zmp), stance.to_local(state.dcm)
+    along, across = support.zmp_range(state.support, 1.0)
+    if _is_beyond(wanted.imag, dcm.imag, across, height):
+        return complex(0.0, math.copysign(1.0, dcm.imag))
+    if _is_beyond(wanted.real, dcm.real, along, height):
+        return complex(math.copysign(1.0, dcm.real), 0.0)
+    return 0j
+
+
+def _is_beyond(zmp: float, dcm: float, edge: float, height: float) -> bool:
+    zmp_beyond = math.copysign(zmp, zmp * dcm) - edge
+    return zmp_beyond > _ZMP_BEYOND * height and abs(dcm) - edge > _DCM_BEYOND * height
