@@ -14,7 +14,9 @@ from wbc.tasks import AngularMomentumTask, ComTask, PostureTask, Task
 from wbc.walking.gains import WalkerGains
 from wbc.walking.height_reference import HeightReference
 from wbc.walking.reference_offset import ReferenceOffset
+from wbc.walking.stabilizer.disturbance import lasting_rate
 from wbc.walking.trunk_tasks import TrunkTasks
+from wbc.walking.weight_share import WeightShare
 
 
 class BalanceTasks:
@@ -54,6 +56,7 @@ class BalanceTasks:
             )
         )
         self._trunk = TrunkTasks(controller, kin, gains)
+        self._trunk_share = WeightShare(self._trunk.tasks)
         weights = np.full(robot.na, gains.posture_weight)
         for leg in robot.legs:
             weights[np.array(leg) - 6] = gains.leg_posture_weight
@@ -106,19 +109,20 @@ class BalanceTasks:
         if share != self._arm_share:
             self._swing_arms(share)
         swing = state.swing
-        self._trunk.set_share(self._trunk_share(state))
+        self._trunk_share.set(self._trunk_weight_share(state))
         self._trunk.update(heading, 0.0 if swing is None else 0.5 * swing.yaw_rate, offset)
 
-    def _trunk_share(self, state: GaitState) -> float:
+    def _trunk_weight_share(self, state: GaitState) -> float:
         """Return the share of its weight with which the trunk is held.
 
-        In quick steps it is held firmly: what they leave of the DCM's error the next step catches,
+        In quick steps it is held firmly: what a step leaves of the DCM's error the next one catches,
         but none rights a trunk that turns, for which the soles are too small. Of a robot that stood
-        it yields in the first one: its foot starts late and far from where it is needed.
+        it yields in the first step, whose foot starts late and far from where it is needed.
         """
         if state.phase is Phase.SWING and state.steps_out:
             return self._gains.trunk_step_out_share
-        return self._gains.trunk_recovery_share if state.recovering or state.shortened else 1.0
+        pushed = state.recovering or state.shortened or lasting_rate(state) != 0j
+        return self._gains.trunk_recovery_share if pushed else 1.0
 
     def _swing_arms(self, share: float) -> None:
         """Have the arms swing against the legs, for a share of the moment that the sole lacks."""

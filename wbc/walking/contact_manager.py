@@ -57,7 +57,7 @@ class ContactManager:
         self._tipping: dict[str, TippingFoot] = {}
         self._tracking: SwingTask | None = None
         self._has_soles = has_soles(robot.soles)
-        self._loose = False  # the weight of a swing task is not the usual one
+        self._changed = False  # the weight of a swing task is not the usual one
         for sole, leg in zip(robot.soles, robot.legs, strict=True):
             contact = _contact(sole, gains)
             contact.bind(robot)
@@ -118,16 +118,20 @@ class ContactManager:
             self._tracking = wanted
         if wanted is None:
             return
+        share = self._gains.swing_recovery_share if state.shortened or state.recovering else 1.0
         if isinstance(swing, LiftedFoot):
             wanted.weight = self._held_weight(float(swing.offset[2]))
-            self._loose = True
+            self._changed = True
         elif state.fast_share > 0.0 and self._has_soles:
-            wanted.weight = self._fast_weight(state)
-            self._loose = True
-        elif self._loose:
+            wanted.weight = share * self._fast_weight(state)
+            self._changed = True
+        elif share != 1.0:
+            wanted.weight = share * _swing_weight(self._soles[state.swing_side], self._gains)
+            self._changed = True
+        elif self._changed:
             for side, task in self._swing_tasks.items():
                 task.weight = _swing_weight(self._soles[side], self._gains)
-            self._loose = False
+            self._changed = False
         wanted.foot = swing
 
     def _fast_weight(self, state: GaitState) -> np.ndarray:

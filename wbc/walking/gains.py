@@ -19,6 +19,8 @@ class WalkerGains:
         com_weight: weight of the CoM's acceleration.
         height_kp: stiffness of the CoM height, 1/s².
         swing_weight: weight of the swing foot's pose.
+        swing_recovery_share: share of it in quick steps, where nothing counts as much as the place
+            of the foot.
         swing_kp: stiffness of the swing foot, 1/s².
         trunk_weight: weight of torso and base orientation.
         trunk_kp: 1/s².
@@ -49,10 +51,11 @@ class WalkerGains:
     com_weight: float = 3000.0
     height_kp: float = 40.0
     swing_weight: float = 300.0
+    swing_recovery_share: float = 3.3
     swing_kp: float = 400.0
     trunk_weight: float = 20.0
     trunk_kp: float = 80.0
-    trunk_recovery_share: float = 3.0
+    trunk_recovery_share: float = 6.0
     trunk_step_out_share: float = 1.0
     tipping_weight: float = 20.0
     posture_weight: float = 1.0

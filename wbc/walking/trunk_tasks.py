@@ -33,30 +33,8 @@ class TrunkTasks:
             controller.add(OrientationTask(name, weight=gains.trunk_weight, kp=gains.trunk_kp))
             for name in frames
         )
-        self._share = 1.0
-        # Tasks with another share of their weight, with their usual weights and those of now.
-        self._changed: list[tuple[OrientationTask, np.ndarray, np.ndarray]] = []
         self._upright = np.array([kin.frame(name).rotation for name in frames])
         self._targets = self._upright.copy()
-
-    def set_share(self, share: float) -> None:
-        """Choose the share of its usual weight with which the trunk is held.
-
-        A weight that is set meanwhile stays as it is set.
-        """
-        if share == self._share:
-            return
-        for task, usual, changed in self._changed:
-            if task.weight is changed:
-                task.weight = usual
-        self._changed.clear()
-        self._share = share
-        if share == 1.0:
-            return
-        for task in self.tasks:
-            usual = task.weight
-            task.weight = share * usual
-            self._changed.append((task, usual, task.weight))
 
     def update(self, yaw: float, yaw_rate: float, offset: ReferenceOffset | None) -> None:
         """Set the references: upright along a heading, turned by an offset.

@@ -8,7 +8,7 @@ from wbc.gait import GaitState, Phase
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 _ZMP_BEYOND = 0.045  # share of the CoM's height by which the wanted ZMP is beyond the edge
-_DCM_BEYOND = 0.1  # the same of the DCM
+_DCM_BEYOND = 0.17  # the same of the DCM
 
 
 def edge_to_tip_over(state: GaitState, zmp: complex, support: SupportPolygon) -> complex:
