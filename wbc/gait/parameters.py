@@ -12,8 +12,9 @@ import pinocchio as pin
 from wbc.errors import GaitError
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.step_motion import StepMotion, find_velocity_limits
-from wbc.gait.strength import check_knees, check_support
+from wbc.gait.strength import check_knees, check_support, foot_acceleration
 from wbc.gait.velocity_limits import VelocityLimits
+from wbc.geometry.quintic import PEAK_ACCELERATION
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 from wbc.robot.posture import has_soles
@@ -35,6 +36,7 @@ _UPRIGHT = 0.3  # least vertical part of the axis of a joint that turns the foot
 _RECOVERY_SWING = 0.77
 _RECOVERY_TRANSFER = 0.025
 _RECOVERY_FIRST_TRANSFER = 0.155
+_RECOVERY_WAY = 0.45  # share of the CoM's height that a foot gets to in it, from rest to rest
 _RECOVERY_STEP = 0.85  # longest step over the height of the CoM
 _RECOVERY_WIDENING = 0.65  # largest, over the length of the legs
 
@@ -166,7 +168,8 @@ class GaitParameters:
 
         A DCM error grows by `e^(ωT)` until touchdown, so that time is worth more than place: a
         swing of 0.77/ω doubles it, one of the usual 2/ω multiplies it by seven (N-step
-        capturability, Koolen et al., IJRR 2012). The feet may come as near to each other as they
+        capturability, Koolen et al., IJRR 2012). Hips that are too weak to move a foot over 0.45 of
+        the height of the centre of mass in that time have longer steps. The feet may come as near to each other as they
         do without touching, as far apart as 0.65 of the legs' length more than usual, and as far
         ahead as 0.85 of the height of the centre of mass: a step that is not to be repeated may be
         longer than the knees could carry the robot on.
@@ -177,9 +180,14 @@ class GaitParameters:
         """
         left, right = robot.soles
         foot_width = left.half_width + right.half_width
+        way = _RECOVERY_WAY * robot.com_height
+        swing = max(
+            _RECOVERY_SWING / gait.omega,
+            math.sqrt(PEAK_ACCELERATION * way / foot_acceleration(robot)),
+        )
         return replace(
             gait,
-            single_support=min(_RECOVERY_SWING / gait.omega, gait.single_support),
+            single_support=min(swing, gait.single_support),
             double_support=min(_RECOVERY_TRANSFER / gait.omega, gait.double_support),
             first_transfer=min(_RECOVERY_FIRST_TRANSFER / gait.omega, gait.first_transfer),
             least_width=min(foot_width + _CLEARANCE, gait.least_width),

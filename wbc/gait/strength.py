@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import pinocchio as pin
 
 from wbc.errors import GaitError
 from wbc.gait.footsteps import SIDES
@@ -56,6 +58,31 @@ def support_effort(robot: Robot, motion: StepMotion, gait: GaitParameters) -> Su
             if share > worst.share:
                 worst = SupportEffort(robot.joint_names[index - 6], torque, share)
     return worst
+
+
+def foot_acceleration(robot: Robot) -> float:
+    """Return how fast the legs' torques accelerate a foot that is in the air, horizontally, m/s².
+
+    In the nominal posture, with the body at rest: the torques `M J⁺ a` are at their limit. The
+    smallest of both feet, forward and to the side.
+
+    Args:
+        robot: the robot.
+    """
+    model, q = robot.model, robot.q_nominal
+    data = model.createData()
+    pin.computeJointJacobians(model, data, q)
+    mass_matrix = np.triu(pin.crba(model, data, q))
+    mass_matrix += np.triu(mass_matrix, 1).T
+    least = math.inf
+    for sole, leg in zip(robot.soles, robot.legs, strict=True):
+        joints = np.array(leg)
+        axes = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        jacobian = pin.getFrameJacobian(model, data, sole.frame_id, axes)[:, joints]
+        motion = np.linalg.pinv(jacobian)[:, :2]
+        torques = np.abs(mass_matrix[np.ix_(joints, joints)] @ motion)
+        least = min(least, 1.0 / float((torques / robot.tau_max[joints - 6, None]).max()))
+    return least
 
 
 def check_knees(robot: Robot, workspace: LegWorkspace) -> None:

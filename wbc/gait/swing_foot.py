@@ -9,10 +9,9 @@ import numpy as np
 
 from wbc.gait.kernels.swing import APEX, LIFT, advance_swing, tilt
 from wbc.geometry.planar import Placement
-from wbc.geometry.quintic import evaluate_quintic, quintic_coefficients
+from wbc.geometry.quintic import PEAK_ACCELERATION, evaluate_quintic, quintic_coefficients
 from wbc.tasks import TaskReference
 
-_PEAK = 10.0 / math.sqrt(3.0)  # largest acceleration of a quintic, times T² over the distance
 _UPRIGHT = 0.25  # share of the duration in which a foot goes straight up a high stair, or down
 _FREEZE = 0.2  # share of the duration, at its end, in which the target no longer moves
 
@@ -126,7 +125,7 @@ class SwingFoot:
         if distance == 0.0:
             return 0.0
         half_speed = 0.5 * (complex(v_x, v_y) * way.conjugate()).real / distance
-        a = acceleration / _PEAK
+        a = acceleration / PEAK_ACCELERATION
         return (math.sqrt(half_speed * half_speed + 4.0 * a * distance) - half_speed) / (2.0 * a)
 
     def start_from(self, motion: TaskReference, yaw: float) -> None:

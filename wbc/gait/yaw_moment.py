@@ -6,12 +6,12 @@ import math
 
 from wbc.gait.kernels.swing import LIFT
 from wbc.gait.limb_momentum import arm_yaw_momentum, swing_momentum
+from wbc.geometry.quintic import PEAK_ACCELERATION
 from wbc.robot import Robot
 from wbc.robot.posture import has_soles
 
 _FRICTION = 0.4  # of the ground
 _GRIP = 0.45  # share of the friction's moment about the vertical for the swing leg
-_PEAK = 10.0 / math.sqrt(3.0)  # peak acceleration of a quintic over distance / duration²
 _ARM_SWING = 0.5  # rad by which the arms' joints swing at most, against the legs
 
 
@@ -60,4 +60,6 @@ class YawMoment:
         return max(self._needed(step_length, swing) - arms, 0.0) - self._grip
 
     def _needed(self, step_length: float, swing: float) -> float:
-        return self._ratio * _PEAK * 2.0 * abs(step_length) / ((1.0 - LIFT) * swing) ** 2
+        return (
+            self._ratio * PEAK_ACCELERATION * 2.0 * abs(step_length) / ((1.0 - LIFT) * swing) ** 2
+        )

@@ -8,10 +8,14 @@ the ground) or arrays.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+
+#: Largest acceleration of a quintic from rest to rest, times T² over the distance.
+PEAK_ACCELERATION = 10.0 / math.sqrt(3.0)
 
 
 def quintic_coefficients(

@@ -21,7 +21,9 @@ class WeightShare:
     def __init__(self, tasks: Sequence[Task]) -> None:
         self._tasks = tuple(tasks)
         self._share = 1.0
-        self._changed: list[tuple[Task, np.ndarray, np.ndarray]] = []  # usual weight and that of now
+        self._changed: list[
+            tuple[Task, np.ndarray, np.ndarray]
+        ] = []  # usual weight and that of now
 
     def set(self, share: float) -> None:
         """Set the share; 1 is the usual weight."""
