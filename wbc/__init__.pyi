@@ -23,6 +23,7 @@ from . import walking as walking
 from .command import Command as Command
 from .command import Status as Status
 from .contacts import Contact as Contact
+from .contacts import EdgeContact as EdgeContact
 from .contacts import PointContact as PointContact
 from .contacts import SurfaceContact as SurfaceContact
 from .controller import WholeBodyController as WholeBodyController

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 
-import wbc
 from wbc.walking.stabilizer.disturbance import DisturbanceObserver
 
 DT, OMEGA, ZMP = 0.002, 3.5, 0.02 - 0.01j
@@ -49,19 +47,3 @@ def test_where_the_dcm_is_after_a_reset_is_no_disturbance():
     observer = observe(0.5 - 1.5j, 50)
     observer.reset()
     assert observer.update(7.0 + 3.0j, DT) == 0j
-
-
-def test_a_trunk_yields_to_a_step_that_catches_a_push_and_is_held_again_after_it():
-    walker = wbc.Walker(wbc.load("g1"))
-    usual = walker.gains.trunk_weight
-    share = walker.gains.trunk_recovery_share
-    trunk = walker._tasks._trunk
-    tasks = trunk.tasks
-    trunk.set_yielding(True)
-    trunk.set_yielding(True)
-    for task in tasks:
-        np.testing.assert_allclose(task.weight, share * usual)
-    tasks[0].weight = 7.0
-    trunk.set_yielding(False)
-    np.testing.assert_array_equal(tasks[0].weight, np.full(3, 7.0))
-    np.testing.assert_allclose(tasks[1].weight, usual)

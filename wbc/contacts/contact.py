@@ -189,9 +189,9 @@ class Contact(ABC):
         return X @ at.jacobian, X @ at.velocity, bias
 
     def wrench(self, force: np.ndarray) -> np.ndarray:
-        """Return the wrench (6,) at the contact's point, contact axes, of the QP's unknowns.
+        """Return the wrench (6,) at the contact's point, contact axes, in N and N·m.
 
         Args:
-            force: (motion_size,)
+            force: the unknowns of the quadratic program, (motion_size,).
         """
         return np.concatenate((force, np.zeros(6 - force.size))) if force.size < 6 else force

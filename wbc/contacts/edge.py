@@ -22,7 +22,7 @@ _MOTION = [0, 1, 2, 4, 5]  # rows of the edge's motion: all but the turning abou
 
 
 class EdgeContact(Contact):
-    """A straight edge that does not slip and about which the body is free to turn.
+    """A straight edge that does not slip, and about which the body is free to turn.
 
     The edge lies along the contact's x axis. It transmits a force and the moments about y and z,
     but none about itself: two points at its ends with friction pyramids, so that, with the half
@@ -32,7 +32,8 @@ class EdgeContact(Contact):
         |X f_y + τ_z| ≤ μ (X f_z − τ_y),  |X f_y − τ_z| ≤ μ (X f_z + τ_y),
 
     which is the wrench cone of a rectangle without a width (Caron, Pham and Nakamura, Stability of
-    surface contacts for humanoid robots, ICRA 2015).
+    surface contacts for humanoid robots, ICRA 2015). `Command.wrenches` has its wrench at the
+    frame's origin, in the frame's axes.
 
     Args:
         frame: name of the frame; without a `placement` it is at the edge's centre.
@@ -118,5 +119,8 @@ class EdgeContact(Contact):
         a[:] = -self.damping * velocity[_MOTION] - bias[_MOTION]
 
     def wrench(self, force: np.ndarray) -> np.ndarray:
-        """See `Contact.wrench`."""
-        return np.array([*force[:3], 0.0, *force[3:]])
+        """Return the wrench (6,) at the frame's origin, in its axes, like that of a whole sole."""
+        at_edge = pin.Force(force[:3], np.array([0.0, force[3], force[4]]))
+        if self.placement is None:
+            return np.array(at_edge.vector)
+        return np.array(self.placement.act(at_edge).vector)

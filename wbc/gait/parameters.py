@@ -169,7 +169,8 @@ class GaitParameters:
         A DCM error grows by `e^(ωT)` until touchdown, so that time is worth more than place: a
         swing of 0.77/ω doubles it, one of the usual 2/ω multiplies it by seven (N-step
         capturability, Koolen et al., IJRR 2012). Hips that are too weak to move a foot over 0.45 of
-        the height of the centre of mass in that time have longer steps. The feet may come as near to each other as they
+        the height of the centre of mass in that time have longer swings. The weight is transferred
+        at once: it belongs at the next foot's edge. The feet may come as near to each other as they
         do without touching, as far apart as 0.65 of the legs' length more than usual, and as far
         ahead as 0.85 of the height of the centre of mass: a step that is not to be repeated may be
         longer than the knees could carry the robot on.

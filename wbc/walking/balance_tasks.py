@@ -115,9 +115,9 @@ class BalanceTasks:
     def _trunk_weight_share(self, state: GaitState) -> float:
         """Return the share of its weight with which the trunk is held.
 
-        In quick steps it is held firmly: what a step leaves of the DCM's error the next one catches,
-        but none rights a trunk that turns, for which the soles are too small. Of a robot that stood
-        it yields in the first step, whose foot starts late and far from where it is needed.
+        In quick steps it is held firmly: what a step leaves of the DCM's error the next one
+        catches, but none rights a trunk that turns, for which the soles are too small. Of a robot
+        that stood it yields in the first step, whose foot starts late and far from its place.
         """
         if state.phase is Phase.SWING and state.steps_out:
             return self._gains.trunk_step_out_share

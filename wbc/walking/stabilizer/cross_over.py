@@ -85,9 +85,9 @@ class CrossOver:
     def _farthest(self, state: GaitState) -> float:
         """Return how far beyond the support foot the swing foot may land, m.
 
-        Legs that cross are as close as thighs and pelvis let them be, and the pelvis goes along with
-        the centre of mass: the foot may land a little beyond where that will be, by the linear
-        inverted pendulum on the edge of the support sole,
+        Thighs and pelvis bound how far legs cross, and the pelvis goes along with the centre of
+        mass: the foot may land a little beyond where that will be, by the linear inverted pendulum
+        on the edge of the support sole,
 
             c(t) = p + ((ξ − p) e^(ωt) + (2 (c − p) − (ξ − p)) e^(−ωt)) / 2.
         """
