@@ -64,7 +64,7 @@ def pushed(robot):
 
 def test_a_robot_that_is_pushed_towards_its_support_foot_tips_it_and_goes_on(g1):
     tilt, again = 0.0, None
-    for walker, command in pushed(g1):  # noqa: B007 - the last walker is looked at
+    for walker, command in pushed(g1):
         state, kin = walker.gait_state, walker.kinematics
         if state.tipping.imag != 0.0:
             normal = kin.frame(f"{state.support}_sole").rotation[:, 2]
