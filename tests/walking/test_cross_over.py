@@ -59,7 +59,7 @@ def test_a_robot_that_walks_ahead_fast_does_not_cross_over_behind(g1):
     state, cross_over = swinging(g1, BEHIND, 0.24), CrossOver(g1)
     wanted, stance = complex(0.12, -0.2), state.stance
     assert cross_over.side(state, wanted) == -1.0
-    state.landing = state.landing._replace(point=stance.to_world(complex(0.4, 0.2)))
+    state.landing = state.landing._replace(point=stance.to_world(complex(0.55, 0.2)))
     assert cross_over.side(state, wanted) == 0.0
     state.landing = state.landing._replace(point=stance.to_world(complex(-0.3, 0.2)))
     assert cross_over.side(state, wanted) == -1.0
