@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.errors import GaitError
-from wbc.gait.leg_workspace import LegWorkspace
+from wbc.gait.leg_workspace import TRAIL, LegWorkspace
 from wbc.gait.step_motion import StepMotion, find_velocity_limits
 from wbc.gait.strength import check_knees, check_support
 from wbc.gait.velocity_limits import VelocityLimits
@@ -57,6 +57,7 @@ class GaitParameters:
         com_height: height of the CoM above the soles while walking, m.
         dcm_gain: k of the DCM feedback, 1/s.
         gravity: gravitational acceleration, m/s².
+        trail: share of a step that the rear foot is behind the hip when it leaves the ground.
         velocity_limits: velocities that the leg joints allow, whatever the steps' reach.
     """
 
@@ -73,6 +74,7 @@ class GaitParameters:
     com_height: float
     dcm_gain: float = _DCM_GAIN
     gravity: float = _GRAVITY
+    trail: float = TRAIL
     velocity_limits: VelocityLimits = _NO_LIMITS
 
     def __post_init__(self) -> None:

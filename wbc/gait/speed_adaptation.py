@@ -144,10 +144,25 @@ class SpeedAdaptation:
         duration = gait.step_duration / x**_CADENCE
         double_support = gait.double_support / x**_DOUBLE_SUPPORT
         step = speed * duration
+        trail = gait.trail * _behind(gait.omega, duration, double_support)
+        trail /= _behind(gait.omega, gait.step_duration, gait.double_support)
         return replace(
             gait,
             single_support=duration - double_support,
             double_support=double_support,
             max_step=max(gait.max_step, _RESERVE * step),
-            com_height=min(gait.com_height, self._workspace.com_height(step)),
+            com_height=min(gait.com_height, self._workspace.com_height(step, trail)),
+            trail=trail,
         )
+
+
+def _behind(omega: float, duration: float, double_support: float) -> float:
+    """Return the share of a step that the rear foot is behind the CoM when it leaves the ground.
+
+    Args:
+        omega: natural frequency ω, 1/s.
+        duration: single plus double support, s.
+        double_support: duration of the double support, s.
+    """
+    a, b = 0.5 * omega * (duration - double_support), 0.5 * omega * double_support
+    return 1.0 - 0.5 * math.sinh(a) / (math.sinh(a) + b * math.cosh(a))

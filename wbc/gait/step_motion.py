@@ -121,7 +121,7 @@ class StepMotion:
         A row is infinite where a leg does not reach its foot.
         """
         step = velocity.speed * gait.step_duration
-        height = min(gait.com_height, self._workspace.com_height(step))
+        height = min(gait.com_height, self._workspace.com_height(step, gait.trail))
         feet = {
             "left": Placement(0j, 0.0),
             "right": Placement(complex(0.0, -gait.step_width), 0.0),
