@@ -12,7 +12,7 @@ from wbc.gait.leg_workspace import LegWorkspace
 if TYPE_CHECKING:  # which has the limits that are found with this module
     from wbc.gait.parameters import GaitParameters
 
-FASTEST = 1.85  # x of the fastest walk: faster ones have not been shown to be reliable
+FASTEST = 2.25  # x of the fastest walk: faster ones have not been shown to be reliable
 
 _CADENCE = 0.6  # exponent of the speed with which steps become shorter in time
 _DOUBLE_SUPPORT = 2.0  # the same of the double support
@@ -144,8 +144,8 @@ class SpeedAdaptation:
         duration = gait.step_duration / x**_CADENCE
         double_support = gait.double_support / x**_DOUBLE_SUPPORT
         step = speed * duration
-        trail = gait.trail * _behind(gait.omega, duration, double_support)
-        trail /= _behind(gait.omega, gait.step_duration, gait.double_support)
+        behind = _behind(gait.omega, duration, double_support)
+        trail = gait.trail * (behind / _behind(gait.omega, gait.step_duration, gait.double_support))
         return replace(
             gait,
             single_support=duration - double_support,

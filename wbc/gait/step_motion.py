@@ -267,9 +267,9 @@ def find_velocity_limits(
     allowed = np.maximum(in_place + slack, 0.0)
     reach = gait.max_velocity
 
-    def largest(direction: Velocity) -> float:
-        """The largest multiple of a velocity, 0 to 1, that the joints allow."""
-        low, high, share = 0.0, 1.0, 1.0
+    def largest(direction: Velocity, low: float = 0.0) -> float:
+        """The largest multiple of a velocity, from one that they allow to 1, that joints allow."""
+        high, share = 1.0, 1.0
         for _ in range(_BISECTIONS):
             scaled = Velocity(
                 share * direction.forward, share * direction.left, share * direction.turn
@@ -287,7 +287,7 @@ def find_velocity_limits(
 
     forward = reach.forward * largest(Velocity(forward=reach.forward))
     if forward == reach.forward:
-        forward *= FASTEST * largest(Velocity(forward=FASTEST * reach.forward))
+        forward *= FASTEST * largest(Velocity(forward=FASTEST * reach.forward), 1.0 / FASTEST)
     return VelocityLimits(
         forward,
         _BACKWARD * reach.backward * largest(Velocity(forward=-reach.backward)),
