@@ -11,9 +11,10 @@ import pinocchio as pin
 
 from wbc.errors import GaitError
 from wbc.gait.leg_workspace import TRAIL, LegWorkspace
-from wbc.gait.step_motion import StepMotion, find_velocity_limits
+from wbc.gait.step_motion import StepMotion
 from wbc.gait.strength import check_knees, check_support
 from wbc.gait.velocity_limits import VelocityLimits
+from wbc.gait.velocity_search import find_velocity_limits
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 from wbc.robot.posture import has_soles
