@@ -26,7 +26,7 @@ _LARGE = 0.45  # m: with the centre of mass below this, the feedback is as much 
 # Share of the widest step and of the largest turn that steady walking uses. What is left is for
 # step adjustment: at the very limit it only takes way off, and the robot is slower than told.
 _STEADY = 0.92
-_CHANGE = 1.85  # change of the velocity within a step over that of the longest usual step
+_CHANGE = 1.85  # largest change of the velocity in a step over the speed of the longest usual one
 _CLEARANCE = 0.02  # m between the soles at the narrowest step
 # Durations of swing, transfer and first transfer times ω. Points have no area on which the weight
 # could be moved slowly, so that their steps are quick.

@@ -35,7 +35,12 @@ class SpeedAdaptation:
     so that length and frequency of the steps grow together, as they do in people (Alexander,
     Principles of Animal Locomotion, 2003), and the swing keeps most of its time: what bounds the
     speed are the speeds of the swing leg's joints. The natural frequency is that of the height at
-    which the legs reach the footholds.
+    which the legs reach the footholds. The shorter the double support, the less far behind the
+    rear foot leaves the ground: of a step's length, by the linear inverted pendulum,
+
+        1 − ½ sinh a / (sinh a + b cosh a),   a = ω T_single / 2,   b = ω T_double / 2,
+
+    and in proportion to this the height allows for less.
 
     The speed goes beyond v₁, and comes back from there, step by step. There a swing leg takes the
     knees and hips to what they can do, and each step ends with the DCM ahead of its plan, which
