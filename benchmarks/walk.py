@@ -33,7 +33,7 @@ from wbc.trials import Scenario, circle, forward, run_scenario, sideways, stop_a
 SCENARIOS: dict[str, list[Scenario]] = {
     "talos": [
         forward(10.0, 0.53, min_cruise_speed=0.5),
-        forward(10.0, 0.95, min_cruise_speed=0.9),
+        forward(10.0, 1.0, min_cruise_speed=0.95),
         sideways(2.0, 0.15),
         turn(180.0, 0.3),
         circle(1.0, 0.25),
@@ -42,7 +42,7 @@ SCENARIOS: dict[str, list[Scenario]] = {
     ],
     "g1": [
         forward(10.0, 0.39, min_cruise_speed=0.35),
-        forward(10.0, 0.85, min_cruise_speed=0.81),
+        forward(10.0, 1.0, min_cruise_speed=0.95),
         turn(90.0, 0.3),
         sideways(1.0, 0.1),
         stop_and_stand(0.35),

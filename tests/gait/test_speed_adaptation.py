@@ -34,6 +34,16 @@ def test_durations_stay_up_to_the_usual_speed_and_shrink_continuously_beyond() -
         before = gait
 
 
+def test_the_rear_foot_is_left_less_far_behind_the_less_double_support_there_is() -> None:
+    adaptation = SpeedAdaptation(GAIT, WORKSPACE)
+    assert adaptation.at(Velocity(0.5 * USUAL)).trail == GAIT.trail
+    speed = 1.8 * USUAL
+    fast = adaptation.at(Velocity(speed))
+    assert 0.5 < fast.trail < GAIT.trail
+    step = speed * fast.step_duration
+    assert WORKSPACE.com_height(step) < fast.com_height < GAIT.com_height
+
+
 @given(st.floats(-GAIT.max_velocity.backward, GAIT.max_velocity.forward), st.floats(-0.1, 0.1))
 def test_velocity_ramps_beyond_the_usual_speed_and_stays_within_the_limits(
     forward: float, left: float

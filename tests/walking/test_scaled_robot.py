@@ -15,7 +15,8 @@ import wbc
 def test_a_scaled_robot_walks_at_its_own_speed(tmp_path, factor: float) -> None:
     path = scaled_urdf(SIMPLE, factor, tmp_path / "scaled.urdf")
     robot = wbc.load(path, armature=0.01 * factor**INERTIA, **FEET)
-    original = wbc.Walker(wbc.load("simple_humanoid")).gait.max_velocity.forward
+    same_size = scaled_urdf(SIMPLE, 1.0, tmp_path / "same.urdf")
+    original = wbc.Walker(wbc.load(same_size, armature=0.01, **FEET)).gait.max_velocity.forward
     walker = wbc.Walker(robot)
     limit = walker.gait.max_velocity.forward
     assert limit == pytest.approx(math.sqrt(factor) * original, rel=0.05)

@@ -1,21 +1,25 @@
 """The support foot of a quick step tips over the edge that the DCM has left."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from cases import slow
 
 import wbc
-from wbc.gait import Phase
+from wbc.gait import Feet, GaitParameters, GaitState, Phase, Placement
 from wbc.qp.inputs import packed_text, packed_values
 from wbc.recorded_tick import recorded_controller
 from wbc.runtime.controller_inputs import controller_inputs
 from wbc.sim import Mujoco
+from wbc.walking.gains import WalkerGains
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 from wbc.walking.stabilizer.tipping import edge_to_tip_over
 
 pytest.importorskip("mujoco")
+
+BEYOND = WalkerGains().tipping_distance
 
 
 @pytest.fixture(scope="module")
@@ -37,11 +41,26 @@ def test_a_foot_tips_over_the_edge_that_the_dcm_has_left(g1, edge):
     support, sole = SupportPolygon(g1), g1.soles[0]
     reach = sole.half_length if edge.real else sole.half_width
     state, zmp = swinging(g1, (reach + 0.2 * g1.com_height) * edge)
-    assert edge_to_tip_over(state, zmp, support) == edge
+    assert edge_to_tip_over(state, zmp, support, BEYOND) == edge
     state.shortened = False  # an undisturbed robot brings its DCM back
-    assert edge_to_tip_over(state, zmp, support) == 0j
+    assert edge_to_tip_over(state, zmp, support, BEYOND) == 0j
     state, zmp = swinging(g1, (reach + 0.05 * g1.com_height) * edge)
-    assert edge_to_tip_over(state, zmp, support) == 0j
+    assert edge_to_tip_over(state, zmp, support, BEYOND) == 0j
+
+
+def test_the_heel_rises_late_in_a_fast_swing_once_the_pressure_is_on_its_way_to_the_toe():
+    robot = wbc.load("simple_humanoid")
+    gait, support = GaitParameters.for_robot(robot), SupportPolygon(robot)
+    feet = Feet(Placement(0j, 0.0), Placement(complex(0.0, -gait.step_width), 0.0))
+    state = GaitState(gait, feet, replace(gait, single_support=0.2))
+    state.phase, state.duration, state.time, state.fast_share = Phase.SWING, 0.4, 0.36, 1.0
+    toe = robot.soles[0].half_length
+    assert edge_to_tip_over(state, complex(0.8 * toe), support, BEYOND) == 1 + 0j
+    assert edge_to_tip_over(state, 0j, support, BEYOND) == 0j
+    state.time = 0.2
+    assert edge_to_tip_over(state, complex(0.8 * toe), support, BEYOND) == 0j
+    state.time, state.fast_share = 0.4, 0.0
+    assert edge_to_tip_over(state, complex(math.inf), support, BEYOND) == 0j
 
 
 def pushed(robot):

@@ -17,7 +17,8 @@ _STRENGTH = 0.84  # share of the knee's torque limit that may go into carrying t
 _ROLL_MARGIN = 0.08  # rad of the ankle's roll that is left to balance
 _ROLLS = 0.5  # cosine of an axis to forward, from which on its joint rolls the foot
 _TILT = 0.7  # share of the feet's extra distance by which the farther foot is off its hip
-_TRAIL = 0.7  # share of a step that the rear foot is behind the hip when it leaves the ground
+#: Share of a step that the rear foot is behind the hip when it leaves the ground, at usual speeds.
+TRAIL = 0.7
 
 
 class LegWorkspace:
@@ -58,12 +59,17 @@ class LegWorkspace:
         drop = min(left.drop, right.drop)
         self.min_knee_torque = max(left.min_torque, right.min_torque)
         hip = max(left.hip_height - drop, 0.0)
-        self.max_step = math.sqrt(max(self.reach**2 - hip**2, 0.0)) / _TRAIL
+        self.max_step = math.sqrt(max(self.reach**2 - hip**2, 0.0)) / TRAIL
 
-    def com_height(self, step: float) -> float:
-        """Greatest CoM height (m) for steps of length `step` (m), at most the nominal one."""
-        trail = min(_TRAIL * abs(step), 0.9 * self.reach)
-        hip = math.sqrt(self.reach**2 - trail**2)
+    def com_height(self, step: float, trail: float = TRAIL) -> float:
+        """Greatest height of the CoM that the legs allow, m; at most the nominal one.
+
+        Args:
+            step: length of the steps L, m.
+            trail: share of L that the rear foot is behind the hip when it leaves the ground.
+        """
+        behind = min(trail * abs(step), 0.9 * self.reach)
+        hip = math.sqrt(self.reach**2 - behind**2)
         return self._com_height + min(hip - self._hip_height, 0.0)
 
 

@@ -10,10 +10,11 @@ import numpy as np
 import pinocchio as pin
 
 from wbc.errors import GaitError
-from wbc.gait.leg_workspace import LegWorkspace
-from wbc.gait.step_motion import StepMotion, find_velocity_limits
+from wbc.gait.leg_workspace import TRAIL, LegWorkspace
+from wbc.gait.step_motion import StepMotion
 from wbc.gait.strength import check_knees, check_support, foot_acceleration
 from wbc.gait.velocity_limits import VelocityLimits
+from wbc.gait.velocity_search import find_velocity_limits
 from wbc.geometry.quintic import PEAK_ACCELERATION
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
@@ -26,6 +27,7 @@ _LARGE = 0.45  # m: with the centre of mass below this, the feedback is as much 
 # Share of the widest step and of the largest turn that steady walking uses. What is left is for
 # step adjustment: at the very limit it only takes way off, and the robot is slower than told.
 _STEADY = 0.92
+_CHANGE = 1.85  # largest change of the velocity in a step over the speed of the longest usual one
 _CLEARANCE = 0.02  # m between the soles at the narrowest step
 # Durations of swing, transfer and first transfer times ω. Points have no area on which the weight
 # could be moved slowly, so that their steps are quick.
@@ -59,6 +61,8 @@ class GaitParameters:
         com_height: height of the CoM above the soles while walking, m.
         dcm_gain: k of the DCM feedback, 1/s.
         gravity: gravitational acceleration, m/s².
+        trail: share of a step that the rear foot is behind the hip when it leaves the ground.
+        velocity_change: by how much the forward velocity may change within a step, m/s.
         velocity_limits: velocities that the leg joints allow, whatever the steps' reach.
     """
 
@@ -75,6 +79,8 @@ class GaitParameters:
     com_height: float
     dcm_gain: float = _DCM_GAIN
     gravity: float = _GRAVITY
+    trail: float = TRAIL
+    velocity_change: float = math.inf
     velocity_limits: VelocityLimits = _NO_LIMITS
 
     def __post_init__(self) -> None:
@@ -82,7 +88,7 @@ class GaitParameters:
             value = getattr(self, field)
             if isinstance(value, VelocityLimits):
                 continue
-            if not (math.isfinite(value) and value > 0.0):
+            if not (value > 0.0 and (math.isfinite(value) or field == "velocity_change")):
                 raise GaitError(f"gait parameter {field} = {value} must be a positive number")
         if self.least_width > self.step_width:
             raise GaitError(f"least_width {self.least_width} exceeds step_width {self.step_width}")
@@ -160,7 +166,12 @@ class GaitParameters:
         limits = find_velocity_limits(motion, gait, reach)
         if not can_turn(robot):
             limits = replace(limits, turn=0.0)
-        return replace(gait, velocity_limits=limits.scaled(_joints_share(robot)))
+        share = _joints_share(robot)
+        return replace(
+            gait,
+            velocity_limits=limits.scaled(share),
+            velocity_change=share * (_CHANGE * (gait.max_step / gait.step_duration)),
+        )
 
     @classmethod
     def for_recovery(cls, robot: Robot, gait: GaitParameters) -> GaitParameters:

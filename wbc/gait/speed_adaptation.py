@@ -12,7 +12,7 @@ from wbc.gait.leg_workspace import LegWorkspace
 if TYPE_CHECKING:  # which has the limits that are found with this module
     from wbc.gait.parameters import GaitParameters
 
-FASTEST = 1.85  # x of the fastest walk: faster ones have not been shown to be reliable
+FASTEST = 2.25  # x of the fastest walk: faster ones have not been shown to be reliable
 
 _CADENCE = 0.6  # exponent of the speed with which steps become shorter in time
 _DOUBLE_SUPPORT = 2.0  # the same of the double support
@@ -35,7 +35,12 @@ class SpeedAdaptation:
     so that length and frequency of the steps grow together, as they do in people (Alexander,
     Principles of Animal Locomotion, 2003), and the swing keeps most of its time: what bounds the
     speed are the speeds of the swing leg's joints. The natural frequency is that of the height at
-    which the legs reach the footholds.
+    which the legs reach the footholds. The shorter the double support, the less far behind the
+    rear foot leaves the ground: of a step's length, by the linear inverted pendulum,
+
+        1 − ½ sinh a / (sinh a + b cosh a),   a = ω T_single / 2,   b = ω T_double / 2,
+
+    and in proportion to this the height allows for less.
 
     The speed goes beyond v₁, and comes back from there, step by step. There a swing leg takes the
     knees and hips to what they can do, and each step ends with the DCM ahead of its plan, which
@@ -144,10 +149,25 @@ class SpeedAdaptation:
         duration = gait.step_duration / x**_CADENCE
         double_support = gait.double_support / x**_DOUBLE_SUPPORT
         step = speed * duration
+        behind = _behind(gait.omega, duration, double_support)
+        trail = gait.trail * (behind / _behind(gait.omega, gait.step_duration, gait.double_support))
         return replace(
             gait,
             single_support=duration - double_support,
             double_support=double_support,
             max_step=max(gait.max_step, _RESERVE * step),
-            com_height=min(gait.com_height, self._workspace.com_height(step)),
+            com_height=min(gait.com_height, self._workspace.com_height(step, trail)),
+            trail=trail,
         )
+
+
+def _behind(omega: float, duration: float, double_support: float) -> float:
+    """Return the share of a step that the rear foot is behind the CoM when it leaves the ground.
+
+    Args:
+        omega: natural frequency ω, 1/s.
+        duration: single plus double support, s.
+        double_support: duration of the double support, s.
+    """
+    a, b = 0.5 * omega * (duration - double_support), 0.5 * omega * double_support
+    return 1.0 - 0.5 * math.sinh(a) / (math.sinh(a) + b * math.cosh(a))

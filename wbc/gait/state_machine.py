@@ -11,7 +11,7 @@ from wbc.gait.parameters import GaitParameters
 from wbc.gait.planners.planner import Planner
 from wbc.gait.speed_adaptation import SpeedAdaptation
 from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
-from wbc.gait.swing_foot import SwingFoot
+from wbc.gait.swing_foot import SwingFoot, lift_share
 from wbc.geometry.planar import Feet, Placement
 
 _STAIR = 0.05  # m; footholds whose heights differ by more are on stairs
@@ -201,6 +201,7 @@ class GaitStateMachine:
             gait.swing_height,
             gait.touchdown_speed,
             state.lift_off_slope,
+            lift_share(state.fast_share),
         )
         if lifted is not None:
             swing.start_from(lifted.motion, lifted.yaw)

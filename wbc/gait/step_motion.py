@@ -11,9 +11,7 @@ import pinocchio as pin
 
 from wbc.gait.footsteps import SIDES, Velocity, next_footstep, other_side
 from wbc.gait.leg_workspace import LegWorkspace
-from wbc.gait.speed_adaptation import FASTEST, SpeedAdaptation
 from wbc.gait.swing_foot import SwingFoot
-from wbc.gait.velocity_limits import VelocityLimits
 from wbc.gait.yaw_moment import YawMoment
 from wbc.geometry.planar import Placement, planar_rotation, rotation_about_z
 from wbc.robot import Robot
@@ -33,10 +31,6 @@ _FREE_ROTATION = 1e-3  # weight of the orientation of a foot whose leg has too f
 _MARGIN = 0.03  # rad that hips and knees keep from their limits; balance takes the rest
 _TILT = 0.15  # rad by which an ankle may be beyond them: a foot that leaves the ground may tilt
 _SPEED = 1.4  # share of a joint's speed limit: at the peak the foot may lag behind
-# By how much a walk may take a joint farther beyond its limit than steps in place do.
-_POSITION_SLACK, _SPEED_SLACK = 0.02, 0.1  # rad, share of the speed limit
-_BISECTIONS = 6
-_BACKWARD = 0.75  # share of what the joints allow: the supporting knee bears more than forward
 _CENTRING = 3  # times that the base moves until the CoM is where it should be
 
 
@@ -76,6 +70,11 @@ class StepMotion:
         for i in moving:
             joint = self._model.getJointId(joints[i])
             self._start[self._model.idx_qs[joint]] = q[i + 1]
+        # A knee stays on its side of being straight, where the other solution begins.
+        self._range = {c: (-math.inf, math.inf) for columns in self._legs for c in columns}
+        for i in workspace.knees:
+            column = self._model.idx_vs[self._model.getJointId(joints[i + 6])]
+            self._range[column] = (float(robot.q_min[i]), float(robot.q_max[i]))
         indices = np.array(moving) - 6
         self._ankles = np.concatenate([np.arange(len(leg)) >= len(leg) - 2 for leg in robot.legs])
         self._q_min, self._q_max = robot.q_min[indices], robot.q_max[indices]
@@ -121,7 +120,7 @@ class StepMotion:
         A row is infinite where a leg does not reach its foot.
         """
         step = velocity.speed * gait.step_duration
-        height = min(gait.com_height, self._workspace.com_height(step))
+        height = min(gait.com_height, self._workspace.com_height(step, gait.trail))
         feet = {
             "left": Placement(0j, 0.0),
             "right": Placement(complex(0.0, -gait.step_width), 0.0),
@@ -233,7 +232,10 @@ class StepMotion:
                 H[np.diag_indices_from(H)] += _DAMPING
                 step = np.linalg.solve(H, J.T @ (weight * error))
                 for column, delta in zip(columns, step.tolist(), strict=True):
-                    q[column + 1] += max(-_LARGEST_STEP, min(_LARGEST_STEP, delta))
+                    angle = float(q[column + 1])
+                    lower, upper = (0.5 * (angle + limit) for limit in self._range[column])
+                    delta = max(-_LARGEST_STEP, min(_LARGEST_STEP, delta))
+                    q[column + 1] = max(lower, min(upper, angle + delta))
             if worst < _CONVERGED:
                 break
         if worst > _REACHED:
@@ -245,52 +247,3 @@ def _beside(gait: GaitParameters) -> float:
     """Return the CoM's lateral distance from the support foot at lift-off, share of the width."""
     a, b = 0.5 * gait.omega * gait.single_support, 0.5 * gait.omega * gait.double_support
     return 0.5 * math.cosh(a) / (math.cosh(a) + b * math.sinh(a))
-
-
-def find_velocity_limits(
-    motion: StepMotion, gait: GaitParameters, workspace: LegWorkspace
-) -> VelocityLimits:
-    """The velocities at which the leg joints stay within their ranges and speeds.
-
-    What a joint is beyond already when the robot steps in place counts as its limit, and so does
-    a little more, which the trunk gives by leaning.
-
-    Args:
-        motion: what walking asks of the leg joints.
-        gait: timing, step width and reach, without other limits.
-        workspace: workspace of the legs.
-    """
-    adaptation = SpeedAdaptation(gait, workspace)
-    in_place = motion.excess(gait, Velocity())
-    joints = len(in_place) // 2
-    slack = np.repeat([_POSITION_SLACK, _SPEED_SLACK, 0.0], [joints, joints, 1])
-    allowed = np.maximum(in_place + slack, 0.0)
-    reach = gait.max_velocity
-
-    def largest(direction: Velocity) -> float:
-        """The largest multiple of a velocity, 0 to 1, that the joints allow."""
-        low, high, share = 0.0, 1.0, 1.0
-        for _ in range(_BISECTIONS):
-            scaled = Velocity(
-                share * direction.forward, share * direction.left, share * direction.turn
-            )
-            fast = adaptation.fast_share(scaled) > 0.0
-            excess = motion.excess(adaptation.at(scaled), scaled, swings_arms=fast)
-            if np.all(excess <= allowed):
-                low = share
-                if share == 1.0:
-                    break
-            else:
-                high = share
-            share = 0.5 * (low + high)
-        return max(low, 0.5 ** (_BISECTIONS + 1))
-
-    forward = reach.forward * largest(Velocity(forward=reach.forward))
-    if forward == reach.forward:
-        forward *= FASTEST * largest(Velocity(forward=FASTEST * reach.forward))
-    return VelocityLimits(
-        forward,
-        _BACKWARD * reach.backward * largest(Velocity(forward=-reach.backward)),
-        reach.left * largest(Velocity(left=reach.left)),
-        reach.turn * largest(Velocity(turn=reach.turn)),
-    )

@@ -32,6 +32,7 @@ class SwingFoot:
         touchdown_speed: downward, m/s.
         slope: slope of the sole when it leaves the ground: rise per metre along world x, and along
             y as the imaginary part.
+        lift: share of the duration in which it goes straight up at its start; see `lift_share`.
 
     Attributes:
         start: placement at which the sole left the ground.
@@ -50,6 +51,7 @@ class SwingFoot:
         height: float,
         touchdown_speed: float,
         slope: complex = 0j,
+        lift: float = LIFT,
     ) -> None:
         self.start = start
         self.target = target
@@ -63,7 +65,7 @@ class SwingFoot:
         # Up a stair the toe first clears its edge, down one the heel that of the stair it leaves.
         rise = target.height - start.height
         steep = min(abs(rise) / (abs(rise) + height), 1.0)
-        self._lift = LIFT + (_UPRIGHT * steep if rise > 0.0 else 0.0)
+        self._lift = lift + (_UPRIGHT * steep if rise > 0.0 else 0.0)
         self._arrival = 1.0 - (_UPRIGHT * steep if rise < 0.0 else 0.0)
         tilt(self.motion.pose, start.yaw, slope.real, slope.imag)
         self._higher = max(start.height, target.height)
@@ -179,6 +181,18 @@ class SwingFoot:
             height = up(t) if t < rise else down(t - rise)
             way.append((p.real, p.imag, height.real))
         return way
+
+
+def lift_share(fast_share: float) -> float:
+    """Return the share of a swing, at its start, in which the foot goes straight up.
+
+    In fast walking it goes forward at once, because its leg's joints have no time to lose: the heel
+    has risen before, so that the toe leaves the ground in an arc.
+
+    Args:
+        fast_share: see `GaitState.fast_share`.
+    """
+    return LIFT * (1.0 - fast_share)
 
 
 def _quintic(

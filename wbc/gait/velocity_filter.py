@@ -14,7 +14,8 @@ class VelocityFilter:
     """Filters a velocity command that may jump from tick to tick.
 
     Each component is a critically damped second-order low-pass of the command. Its
-    acceleration is bounded to the largest velocity over the duration of a step.
+    acceleration is bounded to the largest velocity over the duration of a step, forward to
+    `GaitParameters.velocity_change` over it.
     """
 
     def __init__(self) -> None:
@@ -39,7 +40,8 @@ class VelocityFilter:
         now = (velocity.forward, velocity.left, velocity.turn)
         goal = (wanted.forward, wanted.left, wanted.turn)
         lag = min(dt / _LAG, 1.0)
-        limits = gait.max_velocity.largest
+        forward, left, turn = gait.max_velocity.largest
+        limits = (min(forward, gait.velocity_change), left, turn)
         accelerations, reached = [], []
         for v, w, a, most in zip(now, goal, self._acceleration, limits, strict=True):
             bound = share * most / gait.step_duration

@@ -29,8 +29,8 @@ class ContactManager:
     in double support by a high weight, because two exact feet and a stretched knee may have
     no solution. A foot whose leg has fewer joints than that takes is always held by the weight:
     the leg cannot turn it against all moments of the robot's motion, which would need a wrench
-    beyond the sole's edges. A support foot that tips is held by an edge of its sole. Towards the
-    end of double support the leaving foot is unloaded.
+    beyond the sole's edges. A support foot that tips is held by an edge of its sole until the other
+    one has landed. Towards the end of double support the leaving foot is unloaded.
 
     Args:
         robot: the robot.

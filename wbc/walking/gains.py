@@ -27,6 +27,8 @@ class WalkerGains:
         trunk_recovery_share: share of the trunk's weight in quick steps.
         trunk_step_out_share: share of the trunk's weight in the swing with which a robot that stood
             catches a push: the trunk takes up momentum that would move the ZMP away from the DCM.
+        tipping_distance: how far the DCM has left an edge of the sole over which the support foot
+            of a quick step tips, share of the CoM's height; infinity: it never tips.
         tipping_weight: weight of the orientation of a support foot that tips over an edge.
         posture_weight: weight of the posture of arms, trunk and head.
         leg_posture_weight: weight of the legs' posture without the knees: too little to pull on
@@ -57,6 +59,7 @@ class WalkerGains:
     trunk_kp: float = 80.0
     trunk_recovery_share: float = 6.0
     trunk_step_out_share: float = 1.0
+    tipping_distance: float = 0.17
     tipping_weight: float = 20.0
     posture_weight: float = 1.0
     leg_posture_weight: float = 0.02

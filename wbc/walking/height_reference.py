@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wbc.gait import GaitState, Phase
-from wbc.gait.leg_workspace import LegWorkspace
+from wbc.gait.leg_workspace import TRAIL, LegWorkspace
 
 _FASTEST = 0.25  # m/s, of the ground's height: more takes the weight off the soles, or doubles it
 _SLOWER = 0.25  # the height over the ground changes slower than the ground by this factor
@@ -27,7 +27,7 @@ class HeightReference:
     def __init__(self, workspace: LegWorkspace, time_constant: float) -> None:
         self._workspace = workspace
         self._time_constant = time_constant
-        self._step_length = 0.0
+        self._step_length, self._trail = 0.0, TRAIL
         self._reachable = workspace.com_height(0.0)
         self.ground = self.above_ground = 0.0
 
@@ -46,10 +46,10 @@ class HeightReference:
         blend = min(dt / self._time_constant, 1.0)
         most, change = _FASTEST * dt, blend * (_ground_below(state) - self.ground)
         self.ground += most if change > most else -most if change < -most else change
-        if step_length != self._step_length:
-            self._step_length = step_length
-            self._reachable = self._workspace.com_height(step_length)
-        height = state.gait.com_height
+        height, trail = state.gait.com_height, state.gait.trail
+        if step_length != self._step_length or trail != self._trail:
+            self._step_length, self._trail = step_length, trail
+            self._reachable = self._workspace.com_height(step_length, trail)
         if height > self._reachable:
             height = self._reachable
         self.above_ground += _SLOWER * blend * (height - self.above_ground)

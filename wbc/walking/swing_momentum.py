@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from wbc.gait import DcmReference, GaitState, Phase, Planner, SwingFoot
-from wbc.gait.kernels.swing import LIFT
 from wbc.gait.limb_momentum import swing_momentum
+from wbc.gait.swing_foot import lift_share
 from wbc.robot import Robot
 from wbc.walking.kernels.swing_momentum import swing_acceleration
 
@@ -73,7 +73,7 @@ class SwingMomentum:
             state.duration,
             gap,
             gait.single_support,
-            LIFT,
+            lift_share(state.fast_share),
             gait.omega,
             self.ratio,
             distance,

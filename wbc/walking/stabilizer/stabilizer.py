@@ -113,7 +113,7 @@ class Stabilizer:
         omega = gait.omega
         zmp = zmp_from_dcm_error(dcm, wanted, omega, gait.dcm_gain)
         if state.tipping == 0j:
-            state.tipping = edge_to_tip_over(state, zmp, self.support)
+            state.tipping = edge_to_tip_over(state, zmp, self.support, self._gains.tipping_distance)
         zmp = self.support.clamp(zmp, state, self._gains.zmp_margin)
         # The CoM as estimated, with its bias: the QP uses the same, so the ZMP is as commanded.
         acceleration = omega * omega * (state.com - zmp - wanted.cmp_offset)
