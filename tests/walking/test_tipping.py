@@ -11,7 +11,7 @@ from wbc.walking.stabilizer.support_polygon import SupportPolygon
 from wbc.walking.stabilizer.tipping import edge_to_tip_over
 
 
-def test_the_heel_rises_late_in_a_fast_swing_once_the_pressure_is_on_its_way_to_the_toe() -> None:
+def test_the_heel_is_free_late_in_a_fast_swing_once_the_pressure_is_on_its_way_to_the_toe() -> None:
     robot = wbc.load("simple_humanoid")
     gait, support = GaitParameters.for_robot(robot), SupportPolygon(robot)
     feet = Feet(Placement(0j, 0.0), Placement(complex(0.0, -gait.step_width), 0.0))
