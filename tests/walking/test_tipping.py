@@ -48,7 +48,7 @@ def test_a_foot_tips_over_the_edge_that_the_dcm_has_left(g1, edge):
     assert edge_to_tip_over(state, zmp, support, BEYOND) == 0j
 
 
-def test_the_heel_rises_late_in_a_fast_swing_once_the_pressure_is_on_its_way_to_the_toe():
+def test_the_heel_is_free_late_in_a_fast_swing_once_the_pressure_is_on_its_way_to_the_toe():
     robot = wbc.load("simple_humanoid")
     gait, support = GaitParameters.for_robot(robot), SupportPolygon(robot)
     feet = Feet(Placement(0j, 0.0), Placement(complex(0.0, -gait.step_width), 0.0))

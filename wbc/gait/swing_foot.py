@@ -186,8 +186,7 @@ class SwingFoot:
 def lift_share(fast_share: float) -> float:
     """Return the share of a swing, at its start, in which the foot goes straight up.
 
-    In fast walking it goes forward at once, because its leg's joints have no time to lose: the heel
-    has risen before, so that the toe leaves the ground in an arc.
+    In fast walking it goes forward at once, because its leg's joints have no time to lose.
 
     Args:
         fast_share: see `GaitState.fast_share`.

@@ -8,7 +8,7 @@ from wbc.gait import GaitState, Phase
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 _ZMP_BEYOND = 0.045  # share of the CoM's height by which the wanted ZMP is beyond the edge
-_HEEL_OFF = 0.2  # share of the swing, at its end, in which the heel of a fast walk may rise
+_HEEL_OFF = 0.2  # share of the swing, at its end, in which the heel is free in fast walking
 _TOWARDS_TOE = 0.3  # share of the way from the sole's centre to its toe from which on it does
 
 
@@ -23,8 +23,8 @@ def edge_to_tip_over(
     lets the leg lean on.
 
     Only in a swing that catches a push, any other robot brings its DCM back; and at the end of
-    swings in fast walking, where the leg that is left behind leans farther than the ankle of a flat
-    foot bends: there the heel rises once the pressure is on its way to the toe.
+    swings in fast walking, once the pressure is on its way to the toe: there the DCM is ahead of
+    its plan, and the ankle of the leg that is left behind need not keep the foot flat exactly.
 
     Args:
         state: phase, support foot and DCM.
@@ -36,7 +36,7 @@ def edge_to_tip_over(
     if state.phase is not Phase.SWING:
         return 0j
     if not (state.shortened or state.recovering):
-        return 1 + 0j if _lifts_heel(state, zmp, support) else 0j
+        return 1 + 0j if _frees_heel(state, zmp, support) else 0j
     height, stance = state.gait.com_height, state.stance
     wanted, dcm = stance.to_local(zmp), stance.to_local(state.dcm)
     along, across = support.zmp_range(state.support, 1.0)
@@ -47,7 +47,7 @@ def edge_to_tip_over(
     return 0j
 
 
-def _lifts_heel(state: GaitState, zmp: complex, support: SupportPolygon) -> bool:
+def _frees_heel(state: GaitState, zmp: complex, support: SupportPolygon) -> bool:
     if state.progress <= 1.0 - _HEEL_OFF * state.fast_share:
         return False
     toe, _ = support.zmp_range(state.support, 1.0)
