@@ -118,7 +118,8 @@ class ContactManager:
             self._tracking = wanted
         if wanted is None:
             return
-        share = self._gains.swing_recovery_share if state.shortened or state.recovering else 1.0
+        quick = (state.shortened or state.recovering) and not state.steps_out
+        share = self._gains.swing_recovery_share if quick else 1.0
         if isinstance(swing, LiftedFoot):
             wanted.weight = self._held_weight(float(swing.offset[2]))
             self._changed = True

@@ -20,7 +20,7 @@ class WalkerGains:
         height_kp: stiffness of the CoM height, 1/s².
         swing_weight: weight of the swing foot's pose.
         swing_recovery_share: share of it in quick steps, where nothing counts as much as the place
-            of the foot.
+            of the foot, but for the first one of a robot that stood, in which the trunk yields.
         swing_kp: stiffness of the swing foot, 1/s².
         trunk_weight: weight of torso and base orientation.
         trunk_kp: 1/s².
