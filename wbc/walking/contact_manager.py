@@ -118,16 +118,14 @@ class ContactManager:
             self._tracking = wanted
         if wanted is None:
             return
-        quick = (state.shortened or state.recovering) and not state.steps_out
-        share = self._gains.swing_recovery_share if quick else 1.0
         if isinstance(swing, LiftedFoot):
             wanted.weight = self._held_weight(float(swing.offset[2]))
             self._changed = True
-        elif state.fast_share > 0.0 and self._has_soles:
-            wanted.weight = share * self._fast_weight(state)
+        elif state.shortened or state.recovering:
+            wanted.weight = self._recovery_weight(state)
             self._changed = True
-        elif share != 1.0:
-            wanted.weight = share * _swing_weight(self._soles[state.swing_side], self._gains)
+        elif state.fast_share > 0.0 and self._has_soles:
+            wanted.weight = self._fast_weight(state)
             self._changed = True
         elif self._changed:
             for side, task in self._swing_tasks.items():
@@ -144,6 +142,20 @@ class ContactManager:
         s = (state.progress - _FLAT_FROM) / (_FLAT_AT - _FLAT_FROM)
         free = state.fast_share * (1.0 - min(max(s, 0.0), 1.0))
         return _tilting_weight(self._gains.swing_weight, _FREE**free)
+
+    def _recovery_weight(self, state: GaitState) -> np.ndarray:
+        """Return the (6,) task weight of a foot in a quick step.
+
+        The ground turns it flat when it lands. Kept level in the air, an ankle at its stop holds
+        the whole leg back: that of G1 rolls by 15°, less than a wide step asks for. Only its pitch
+        is kept, for a toe that hangs down scuffs the ground on the way.
+        """
+        gains = self._gains
+        place = (1.0 if state.steps_out else gains.swing_recovery_share) * gains.swing_weight
+        if not self._has_soles:
+            return np.array([place] * 3 + [0.0] * 3)
+        turn = gains.swing_recovery_turn_share * gains.swing_weight
+        return np.array((place, place, place, turn, place, turn))
 
     def _held_weight(self, height: float) -> np.ndarray:
         """Return the (6,) task weight of a foot that is held up at a height, m.

@@ -21,6 +21,8 @@ class WalkerGains:
         swing_weight: weight of the swing foot's pose.
         swing_recovery_share: share of it in quick steps, where nothing counts as much as the place
             of the foot, but for the first one of a robot that stood, in which the trunk yields.
+        swing_recovery_turn_share: share of it in quick steps that the foot's roll and yaw have: an
+            ankle at its stop must not hold the leg back.
         swing_kp: stiffness of the swing foot, 1/s².
         trunk_weight: weight of torso and base orientation.
         trunk_kp: 1/s².
@@ -54,6 +56,7 @@ class WalkerGains:
     height_kp: float = 40.0
     swing_weight: float = 300.0
     swing_recovery_share: float = 3.3
+    swing_recovery_turn_share: float = 0.033
     swing_kp: float = 400.0
     trunk_weight: float = 20.0
     trunk_kp: float = 80.0

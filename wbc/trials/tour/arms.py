@@ -199,7 +199,9 @@ class TourController:
 def _yield_arms(walker: Walker, arms: ArmMotion) -> JointTorqueTask:
     """Take the arms out of a walker's posture and limits; return the task that knows their torques.
 
-    A limit of the QP would contradict what the arms really do, for instance at a joint's stop.
+    A limit of the QP would contradict what the arms really do, for instance at a joint's stop. The
+    task is exact: as a cost, it would give way under a punch, and the QP would count on arms that
+    catch it.
     """
     joints, robot, controller = arms.joints, walker.robot, walker.controller
     weight = walker.posture.weight.copy()
@@ -207,7 +209,7 @@ def _yield_arms(walker: Walker, arms: ArmMotion) -> JointTorqueTask:
     walker.posture.weight = weight
     controller.set_limits([_without(limit, joints, robot) for limit in controller.limits])
     names = [robot.joint_names[joint] for joint in joints]
-    return controller.add(JointTorqueTask(robot, names))
+    return controller.add(JointTorqueTask(robot, names, priority=0))
 
 
 def _without(limit: AnyLimit, joints: np.ndarray, robot: Robot) -> AnyLimit:
