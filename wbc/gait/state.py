@@ -92,6 +92,8 @@ class GaitState:
         requested_swing: side of the foot that has to step although nobody commands a step,
             because the robot falls otherwise, or that steps although the weight moves to it; None:
             no step is needed.
+        lost_foot: side of a foot that a blow knocked off the place where it stood, see
+            `wbc.gait.lost_contact`; None: both are where they are to be.
     """
 
     gait: GaitParameters
@@ -122,6 +124,7 @@ class GaitState:
     ground_slope: complex = 0j
     lift_off_slope: complex = 0j
     requested_swing: str | None = None
+    lost_foot: str | None = None
     normal_gait: GaitParameters = field(init=False)
 
     def __post_init__(self) -> None:

@@ -7,6 +7,7 @@ import math
 from wbc.errors import GaitError
 from wbc.gait.footsteps import other_side
 from wbc.gait.lifted_foot import LiftedFoot
+from wbc.gait.lost_contact import lost_foot
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.planners.planner import Planner
 from wbc.gait.speed_adaptation import SpeedAdaptation
@@ -19,6 +20,8 @@ _SHORTENING = 0.5  # share of the double support that a late touchdown may take 
 _MOVED = 0.03  # m from its planned place at which the last step is followed by another one
 _FROM_THE_AIR = 0.7  # share of the single support after which a foot that was held up lands
 _FIRST_TRANSFER = 0.2  # share of the transfer out of standing before a step that catches a push
+_HIGH = 0.04  # m over its landing place from which on the end of a quick step waits for the foot
+_LONGEST_WAIT = 0.06  # s, the same
 _EARLIEST_TOUCHDOWN = 0.6  # share of the swing before which contact is lift-off noise
 
 
@@ -59,6 +62,7 @@ class GaitStateMachine:
         self.step_length = 0.0
         self._planner = planner
         self._planned_landing: Placement | None = None
+        self._stood = feet  # when the phase began
         planner.reset(self.state)
 
     def update(
@@ -86,6 +90,7 @@ class GaitStateMachine:
         state.time += dt
         self._since_touchdown += dt
         state.on_stairs = _leads_over_stairs(state, lifted, command.footsteps)
+        state.lost_foot = lost_foot(state, self._stood, contacts)
         asked = state.requested_swing if state.may_choose_side else None
         if command.footsteps and asked == state.support:
             asked = None  # the first of the given footsteps is the other foot's
@@ -101,7 +106,9 @@ class GaitStateMachine:
                 share = _FIRST_TRANSFER if state.pushed_at_rest else 1.0
                 self._enter(Phase.TRANSFER, share * state.gait.first_transfer)
         elif state.phase is Phase.TRANSFER:
-            if state.requested_swing == state.support and not command.footsteps:
+            if state.lost_foot is not None and not state.starting:
+                self._swing_from_the_air(state.lost_foot)
+            elif state.requested_swing == state.support and not command.footsteps:
                 # The weight goes back to the foot that it comes from.
                 state.support, state.requested_swing = state.swing_side, None
                 self._enter(Phase.TRANSFER, state.recovery_gait.double_support)
@@ -189,13 +196,23 @@ class GaitStateMachine:
         state = self.state
         state.phase, state.time, state.duration, state.hold = phase, 0.0, duration, 0.0
         state.shortened, state.crossing, state.tipping = False, 0.0, 0j
+        self._stood = state.feet
+
+    def _swing_from_the_air(self, side: str) -> None:
+        """Step with a foot that was knocked off the ground; the other one carries the robot."""
+        state = self.state
+        state.support, state.gait = other_side(side), state.recovery_gait
+        state.stopping, state.requested_swing = False, None
+        self._enter(Phase.SWING, state.gait.single_support)
+        state.shortened = True
 
     def _lift_off(self, landing: Placement, lifted: LiftedFoot | None) -> None:
         """Begin the swing to a landing place; a foot that was held up begins it where it is."""
         state = self.state
         gait, start = state.gait, state.other_foot if lifted is None else lifted.target
+        airborne = state.lost_foot == state.swing_side
         swing = SwingFoot(
-            start,
+            start._replace(height=landing.height) if airborne else start,
             landing,
             state.duration,
             gait.swing_height,
@@ -205,6 +222,8 @@ class GaitStateMachine:
         )
         if lifted is not None:
             swing.start_from(lifted.motion, lifted.yaw)
+        elif airborne:
+            swing.motion.position[2] = start.height
         state.swing = swing
 
     def _adapt_to_speed(self, command: GaitCommand) -> None:
@@ -227,8 +246,18 @@ class GaitStateMachine:
         state = self.state
         # A quick foot is low and may scuff; one that is late costs more than one that is pressed
         # down, because the DCM runs away.
-        if contacts is None or state.shortened:
+        if contacts is None:
             return state.time >= state.duration
+        if state.lost_foot == state.support:
+            return True
+        if state.shortened:
+            late = state.time - state.duration
+            if late < 0.0:
+                return False
+            # On the other one, which still stands, the robot falls less than on none.
+            high = state.other_foot.height - state.landing.height > _HIGH
+            standing = state.support in contacts and state.swing_side not in contacts
+            return not (high and standing and late < _LONGEST_WAIT)
         return state.swing_side in contacts and state.progress >= _EARLIEST_TOUCHDOWN
 
     def _was_moved(self) -> bool:

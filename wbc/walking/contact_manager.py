@@ -19,6 +19,7 @@ from wbc.walking.tipping_foot import TippingFoot
 _HIGH = 0.03  # m, height above which a lifted foot need not be flat
 _FREE = 0.01  # share of the weight of the flatness in the first half of a fast swing
 _FLAT_FROM, _FLAT_AT = 0.5, 0.8  # share of the swing from which, and at which, it is whole again
+_ON_TIME = 3.0  # times its weight that the height of a foot in a quick step has
 _LOOSE = 0.1  # square root of the share of the weight that its flatness keeps
 
 
@@ -148,14 +149,15 @@ class ContactManager:
 
         The ground turns it flat when it lands. Kept level in the air, an ankle at its stop holds
         the whole leg back: that of G1 rolls by 15°, less than a wide step asks for. Only its pitch
-        is kept, for a toe that hangs down scuffs the ground on the way.
+        is kept, for a toe that hangs down scuffs the ground on the way. Where the place is out of
+        reach, a foot that is on the ground in time is worth more than one that is nearer to it.
         """
         gains = self._gains
         place = (1.0 if state.steps_out else gains.swing_recovery_share) * gains.swing_weight
         if not self._has_soles:
             return np.array([place] * 3 + [0.0] * 3)
         turn = gains.swing_recovery_turn_share * gains.swing_weight
-        return np.array((place, place, place, turn, place, turn))
+        return np.array((place, place, _ON_TIME * place, turn, place, turn))
 
     def _held_weight(self, height: float) -> np.ndarray:
         """Return the (6,) task weight of a foot that is held up at a height, m.

@@ -60,7 +60,7 @@ class WalkerGains:
     swing_kp: float = 400.0
     trunk_weight: float = 20.0
     trunk_kp: float = 80.0
-    trunk_recovery_share: float = 6.0
+    trunk_recovery_share: float = 3.0
     trunk_step_out_share: float = 1.0
     tipping_distance: float = 0.17
     tipping_weight: float = 20.0

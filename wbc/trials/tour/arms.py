@@ -28,7 +28,7 @@ _STEPS = 25  # of the random walk within a window
 _DRAWS = 8  # of a target, before the last one is kept
 _NECK = 0.1  # share of the arms' height above the shoulders up to which hands may rise
 _FREE = 1e4  # rad, rad/s, N·m: beyond what any arm reaches
-_OBSERVER_TIME = 0.02  # s, of the disturbance of the arms
+_OBSERVER_TIME = 0.05  # s, of the disturbance of the arms
 _FREQUENCY, _DAMPING = 2.0 * math.pi * 10.0, 2.0  # of the motors alone: rad/s, ratio
 
 

@@ -227,6 +227,9 @@ class PushRecovery:
         state.gait, state.requested_swing = state.normal_gait, None
         if state.recovery_gait is state.gait or state.on_stairs:
             return
+        if state.lost_foot is not None:
+            state.requested_swing, state.gait = state.lost_foot, state.recovery_gait
+            return
         lifted = state.lifted is not None
         # A motion may bring the planned ZMP itself to the edge: small errors are the ankles'. On
         # one leg, where the sole's edge is as near, those that the ankle can still catch are.
