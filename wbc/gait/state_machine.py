@@ -89,7 +89,7 @@ class GaitStateMachine:
         state.feet = feet
         state.time += dt
         self._since_touchdown += dt
-        state.on_stairs = _leads_over_stairs(state, lifted, command.footsteps)
+        state.on_stairs = _leads_over_stairs(state, lifted, command.footsteps, contacts)
         state.lost_foot = lost_foot(state, self._stood, contacts)
         asked = state.requested_swing if state.may_choose_side else None
         if command.footsteps and asked == state.support:
@@ -294,14 +294,19 @@ class GaitStateMachine:
 
 
 def _leads_over_stairs(
-    state: GaitState, lifted: LiftedFoot | None, given: list[PlannedFootstep]
+    state: GaitState,
+    lifted: LiftedFoot | None,
+    given: list[PlannedFootstep],
+    contacts: frozenset[str] | None,
 ) -> bool:
     """Whether the footholds of now and those given differ much in height."""
     present = state.stance.height
+    if any(abs(step.placement.height - present) > _STAIR for step in given):
+        return True
     if state.phase is Phase.SWING:
         other = state.landing.height if lifted is None else present
+    elif contacts is not None and len(contacts) < 2:
+        return state.on_stairs  # a foot that is in the air although both are to stand is no stair
     else:
         other = state.other_foot.height
-    if abs(other - present) > _STAIR:
-        return True
-    return bool(given) and any(abs(step.placement.height - present) > _STAIR for step in given)
+    return abs(other - present) > _STAIR

@@ -1,0 +1,171 @@
+"""A foot that a blow knocks off the ground no longer carries the robot."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import wbc
+from wbc.gait import (
+    DcmPlanner,
+    Feet,
+    GaitCommand,
+    GaitParameters,
+    GaitStateMachine,
+    Phase,
+    Placement,
+    Velocity,
+)
+from wbc.gait.leg_workspace import LegWorkspace
+from wbc.gait.lost_contact import lost_foot
+
+DT = 0.002
+BOTH, LEFT, RIGHT = frozenset({"left", "right"}), frozenset({"left"}), frozenset({"right"})
+
+
+@pytest.fixture(scope="module")
+def gaits():
+    robot = wbc.load("g1")
+    gait = GaitParameters.for_robot(robot, LegWorkspace(robot))
+    return gait, GaitParameters.for_recovery(robot, gait)
+
+
+class Walking:
+    """A gait that walks on the spot, whose feet are where they are put."""
+
+    def __init__(self, gaits) -> None:
+        gait, recovery = gaits
+        half = 0.5 * gait.step_width
+        self.feet = Feet(Placement(complex(0.0, half), 0.0), Placement(complex(0.0, -half), 0.0))
+        self.machine = GaitStateMachine(gait, self.feet, DcmPlanner(), recovery)
+        self.state = self.machine.state
+        self.command = GaitCommand(Velocity(0.1, 0.0, 0.0))
+
+    def tick(self, contacts: frozenset[str] | None) -> None:
+        self.machine.update(DT, self.feet, self.command, contacts)
+        self.machine.move_swing(DT, self.state.landing)
+
+    def walk_until(self, phase: Phase, support: str) -> None:
+        """Walk with feet that follow their swing and touch when they are to."""
+        state = self.state
+        for _ in range(2000):
+            if state.phase is phase and state.support == support and not state.starting:
+                return
+            swinging = state.phase is Phase.SWING
+            landed = swinging and state.time + DT >= state.duration
+            carrying = frozenset({state.support}) if swinging and not landed else BOTH
+            self.tick(carrying)
+            if state.swing is not None:
+                x, y, z = state.swing.motion.position
+                self.put(state.swing_side, Placement(complex(x, y), state.swing.yaw, z))
+        raise AssertionError(f"no {phase.name} on the {support} foot")
+
+    def put(self, side: str, place: Placement) -> None:
+        self.feet = replace(self.feet, **{side: place})
+
+    def knock(self, side: str, way: complex, up: float) -> None:
+        place = self.feet.of(side)
+        self.put(side, Placement(place.point + way, place.yaw, place.height + up))
+
+
+def test_a_foot_that_the_weight_moves_to_and_that_is_knocked_away_steps_from_where_it_is(gaits):
+    walking = Walking(gaits)
+    walking.walk_until(Phase.TRANSFER, "left")
+    walking.tick(BOTH)
+    walking.knock("left", -0.06 + 0j, 0.08)
+    knocked = walking.feet.left
+    walking.tick(RIGHT)
+    state = walking.state
+    assert (state.phase, state.support, state.lost_foot) == (Phase.SWING, "right", "left")
+    assert state.recovering and state.shortened
+    x, y, z = state.swing.motion.position
+    assert abs(complex(x, y) - knocked.point) < 0.005
+    assert z == pytest.approx(knocked.height, abs=0.005)
+    for _ in range(round(state.duration / DT) - 1):
+        walking.tick(RIGHT)
+    assert state.swing.motion.position[2] < 0.01  # back on the ground when its time is over
+
+
+def test_a_standing_foot_that_is_knocked_away_is_the_one_that_steps(gaits):
+    walking = Walking(gaits)
+    walking.command = GaitCommand()
+    walking.tick(BOTH)
+    walking.knock("right", 0.1 + 0j, 0.05)
+    walking.tick(LEFT)
+    assert walking.state.lost_foot == "right"
+
+
+@pytest.mark.parametrize(
+    ("way", "up", "contacts"),
+    [
+        (0.1 + 0j, 0.0, BOTH),  # it slips, and carries on
+        (0.01j, 0.02, RIGHT),  # it bounces where it stands
+        (0.1 + 0j, 0.1, frozenset()),  # the other one does not carry either
+        (0.1 + 0j, 0.1, None),  # nobody measures it
+    ],
+)
+def test_a_foot_that_slips_bounces_or_is_not_measured_is_not_lost(gaits, way, up, contacts):
+    walking = Walking(gaits)
+    walking.walk_until(Phase.TRANSFER, "left")
+    stood = walking.feet
+    walking.knock("left", way, up)
+    walking.state.feet = walking.feet
+    assert lost_foot(walking.state, stood, contacts) is None
+    walking.knock("left", 0.1j, 0.1)
+    walking.state.feet = walking.feet
+    assert lost_foot(walking.state, stood, RIGHT) == "left"
+
+
+def test_the_foot_in_the_air_takes_over_from_a_support_foot_that_is_knocked_away(gaits):
+    walking = Walking(gaits)
+    walking.walk_until(Phase.SWING, "left")
+    state = walking.state
+    while state.time < 0.1:
+        walking.tick(LEFT)
+    walking.knock("left", -0.1 + 0j, 0.1)
+    walking.tick(frozenset())
+    assert (state.phase, state.support) == (Phase.SWING, "left")  # on neither: nothing to do
+    walking.tick(RIGHT)
+    assert state.steps > 0 and state.phase is Phase.TRANSFER
+
+
+def test_the_end_of_a_quick_swing_waits_for_a_foot_that_is_still_high(gaits):
+    walking = Walking(gaits)
+    walking.walk_until(Phase.SWING, "left")
+    state = walking.state
+    state.shortened, state.duration = True, state.time + 0.02
+    steps = state.steps
+    walking.put("right", replace_height(walking.feet.right, 0.08))
+    ended = None
+    for k in range(60):
+        walking.tick(LEFT)
+        if state.steps > steps:
+            ended = k * DT
+            break
+    assert ended == pytest.approx(0.02 + 0.06, abs=0.005)  # it does not wait for ever
+
+
+def replace_height(place: Placement, height: float) -> Placement:
+    return Placement(place.point, place.yaw, height)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_g1_stays_up_when_a_foot_is_knocked_from_under_it(side):
+    mujoco = pytest.importorskip("mujoco")
+    assert mujoco
+    robot = wbc.load("g1")
+    plant, estimator, walker = wbc.sim.Mujoco(robot, seed=3), wbc.Estimator(robot), wbc.Walker(robot)
+    impulse = robot.mass * np.array([-0.35, 0.0, 0.45])
+    plant.schedule_push(0.2, impulse, duration=0.08, frame=f"{side}_ankle_roll_joint")
+    expected, highest, lost = None, 0.0, False
+    for _ in range(1000):
+        command = walker.step(estimator.update(plant.measure(), acceleration=expected))
+        expected = command.acceleration
+        plant.step(command)
+        highest = max(highest, walker.feet.of(side).height)
+        lost = lost or walker.gait_state.lost_foot == side
+    assert highest > 0.1 and lost  # it was
+    assert not walker.falling_why
+    assert plant.ground_truth().q[2] > 0.9 * robot.q_nominal[2]
