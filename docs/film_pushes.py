@@ -20,8 +20,8 @@ SIZE = (360, 320)  # pixels
 DISTANCES = {"g1": 3.4, "talos": 4.6}  # m, of the camera
 #: Robot, time of each push, s, and its impulse in N·s per kg of the robot.
 PUSHES = {
-    "g1": ((1.5, (0.0, 0.5, 0.0)), (4.0, (0.6, 0.0, 0.0))),
-    "talos": ((1.5, (0.0, -0.3, 0.0)), (4.0, (0.6, 0.0, 0.0))),
+    "g1": ((1.5, (0.0, 0.7, 0.0)), (4.0, (0.8, 0.0, 0.0))),
+    "talos": ((1.5, (0.0, -0.5, 0.0)), (4.0, (0.8, 0.0, 0.0))),
 }
 DURATION = 6.5  # s
 

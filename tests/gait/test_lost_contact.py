@@ -79,7 +79,8 @@ def test_a_foot_that_the_weight_moves_to_and_that_is_knocked_away_steps_from_whe
     walking.tick(RIGHT)
     state = walking.state
     assert (state.phase, state.support, state.lost_foot) == (Phase.SWING, "right", "left")
-    assert state.recovering and state.shortened
+    assert state.recovering
+    assert state.shortened
     x, y, z = state.swing.motion.position
     assert abs(complex(x, y) - knocked.point) < 0.005
     assert z == pytest.approx(knocked.height, abs=0.005)
@@ -128,7 +129,8 @@ def test_the_foot_in_the_air_takes_over_from_a_support_foot_that_is_knocked_away
     walking.tick(frozenset())
     assert (state.phase, state.support) == (Phase.SWING, "left")  # on neither: nothing to do
     walking.tick(RIGHT)
-    assert state.steps > 0 and state.phase is Phase.TRANSFER
+    assert state.steps > 0
+    assert state.phase is Phase.TRANSFER
 
 
 def test_the_end_of_a_quick_swing_waits_for_a_foot_that_is_still_high(gaits):
@@ -137,7 +139,7 @@ def test_the_end_of_a_quick_swing_waits_for_a_foot_that_is_still_high(gaits):
     state = walking.state
     state.shortened, state.duration = True, state.time + 0.02
     steps = state.steps
-    walking.put("right", replace_height(walking.feet.right, 0.08))
+    walking.put("right", walking.feet.right._replace(height=0.08))
     ended = None
     for k in range(60):
         walking.tick(LEFT)
@@ -147,16 +149,12 @@ def test_the_end_of_a_quick_swing_waits_for_a_foot_that_is_still_high(gaits):
     assert ended == pytest.approx(0.02 + 0.06, abs=0.005)  # it does not wait for ever
 
 
-def replace_height(place: Placement, height: float) -> Placement:
-    return Placement(place.point, place.yaw, height)
-
-
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_g1_stays_up_when_a_foot_is_knocked_from_under_it(side):
-    mujoco = pytest.importorskip("mujoco")
-    assert mujoco
+    pytest.importorskip("mujoco")
     robot = wbc.load("g1")
-    plant, estimator, walker = wbc.sim.Mujoco(robot, seed=3), wbc.Estimator(robot), wbc.Walker(robot)
+    plant = wbc.sim.Mujoco(robot, seed=3)
+    estimator, walker = wbc.Estimator(robot), wbc.Walker(robot)
     impulse = robot.mass * np.array([-0.35, 0.0, 0.45])
     plant.schedule_push(0.2, impulse, duration=0.08, frame=f"{side}_ankle_roll_joint")
     expected, highest, lost = None, 0.0, False
@@ -166,6 +164,7 @@ def test_g1_stays_up_when_a_foot_is_knocked_from_under_it(side):
         plant.step(command)
         highest = max(highest, walker.feet.of(side).height)
         lost = lost or walker.gait_state.lost_foot == side
-    assert highest > 0.1 and lost  # it was
+    assert highest > 0.1
+    assert lost
     assert not walker.falling_why
     assert plant.ground_truth().q[2] > 0.9 * robot.q_nominal[2]

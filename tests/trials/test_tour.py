@@ -94,7 +94,7 @@ def test_arm_torques_are_those_of_the_tour_and_the_walker_knows_them(g1):
     # The equation of motion of the arms with these torques gives the accelerations it counts on.
     kin = wbc.Kinematics(g1, state)
     force = kin.mass_matrix @ command.acceleration + kin.bias_forces
-    np.testing.assert_allclose(force[6 + motion.joints], torque, atol=0.05)
+    np.testing.assert_allclose(force[6 + motion.joints], torque, atol=1e-6)
     assert any(isinstance(task, JointTorqueTask) for task in walker.controller.tasks)
 
 
@@ -111,7 +111,7 @@ def test_the_limits_of_the_arms_do_not_contradict_what_somebody_else_does_with_t
     # Nothing brakes the arm but its motor and its weight, which the controller knows.
     kin = wbc.Kinematics(g1, state)
     force = kin.mass_matrix @ command.acceleration + kin.bias_forces
-    np.testing.assert_allclose(force[6 + motion.joints], command.tau[motion.joints], atol=0.1)
+    np.testing.assert_allclose(force[6 + motion.joints], command.tau[motion.joints], atol=1e-6)
 
 
 def test_a_policy_sees_arms_that_obey_it(g1, tmp_path):
