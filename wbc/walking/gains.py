@@ -55,7 +55,7 @@ class WalkerGains:
     com_weight: float = 3000.0
     height_kp: float = 40.0
     swing_weight: float = 300.0
-    swing_recovery_share: float = 3.3
+    swing_recovery_share: float = 4.5
     swing_recovery_turn_share: float = 0.033
     swing_kp: float = 400.0
     trunk_weight: float = 20.0
