@@ -144,7 +144,7 @@ def test_a_falling_robot_gives_up_its_motion_and_the_log_has_the_phase(tmp_path)
     r = robot("simple_humanoid")
     player, file = MotionPlayer(r, motions=[Squat()]), tmp_path / "fall.mcap"
     plant = Mujoco(r, seed=2)
-    plant.schedule_push(0.5, [1.7 * r.mass, 0.0, 0.0])
+    plant.schedule_push(0.5, [2.3 * r.mass, 0.0, 0.0])
     with FlightRecorder(file, r) as recorder:
         report = wbc.run(player, plant, 3.0, observers=[recorder], on_falling=lambda text: None)
     assert report.falling_at_s is not None
