@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from wbc.gait.footsteps import other_side
 from wbc.gait.state import GaitState, Phase
 from wbc.geometry.planar import Feet
 
@@ -29,7 +30,7 @@ def lost_foot(state: GaitState, stood: Feet, contacts: frozenset[str] | None) ->
     """
     if contacts is None or len(contacts) != 1 or state.lifted is not None or state.on_stairs:
         return None
-    side = "left" if "right" in contacts else "right"
+    side = other_side(*contacts)
     if state.phase is Phase.SWING and (side != state.support or state.time < _EARLIEST):
         return None
     before, now = stood.of(side), state.feet.of(side)

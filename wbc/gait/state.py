@@ -141,9 +141,14 @@ class GaitState:
         return self.gait is not self.normal_gait
 
     @property
+    def is_quick(self) -> bool:
+        """Whether the present step is one that catches a push."""
+        return self.shortened or self.recovering
+
+    @property
     def steps_out(self) -> bool:
         """Whether the present step is one that catches a push on a robot that stood."""
-        return self.pushed_at_rest and (self.shortened or self.recovering)
+        return self.pushed_at_rest and self.is_quick
 
     def on_slope(self, placement: Placement) -> Placement:
         """The same placement at the height that the ground has there, from the support foot on."""

@@ -223,7 +223,7 @@ class GaitStateMachine:
         if lifted is not None:
             swing.start_from(lifted.motion, lifted.yaw)
         elif airborne:
-            swing.motion.position[2] = start.height
+            swing.start_at(start.height)
         state.swing = swing
 
     def _adapt_to_speed(self, command: GaitCommand) -> None:
@@ -244,20 +244,18 @@ class GaitStateMachine:
 
     def _has_landed(self, contacts: frozenset[str] | None) -> bool:
         state = self.state
-        # A quick foot is low and may scuff; one that is late costs more than one that is pressed
-        # down, because the DCM runs away.
         if contacts is None:
             return state.time >= state.duration
         if state.lost_foot == state.support:
             return True
         if state.shortened:
+            # A quick foot is low and may scuff; one that is late costs more than one that is
+            # pressed down, because the DCM runs away. But while it is high, the robot would have
+            # no foot on the ground instead of the one that still stands.
             late = state.time - state.duration
-            if late < 0.0:
-                return False
-            # On the other one, which still stands, the robot falls less than on none.
             high = state.other_foot.height - state.landing.height > _HIGH
-            standing = state.support in contacts and state.swing_side not in contacts
-            return not (high and standing and late < _LONGEST_WAIT)
+            waits = high and late < _LONGEST_WAIT and contacts == {state.support}
+            return late >= 0.0 and not waits
         return state.swing_side in contacts and state.progress >= _EARLIEST_TOUCHDOWN
 
     def _was_moved(self) -> bool:

@@ -142,6 +142,13 @@ class SwingFoot:
         self.motion.acceleration[:] = motion.acceleration
         self.yaw = yaw
 
+    def start_at(self, height: float) -> None:
+        """Start at a height above the ground, m: a blow brought the foot there.
+
+        Its apex is that of a foot that stood on the ground.
+        """
+        self.motion.position[2] = height
+
     @property
     def yaw_rate(self) -> float:
         """rad/s."""

@@ -121,7 +121,7 @@ class BalanceTasks:
         """
         if state.phase is Phase.SWING and state.steps_out:
             return self._gains.trunk_step_out_share
-        pushed = state.recovering or state.shortened or lasting_rate(state) != 0j
+        pushed = state.is_quick or lasting_rate(state) != 0j
         return self._gains.trunk_recovery_share if pushed else 1.0
 
     def _swing_arms(self, share: float) -> None:

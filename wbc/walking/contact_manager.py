@@ -8,7 +8,7 @@ import numpy as np
 
 from wbc.contacts import Contact, PointContact, SurfaceContact
 from wbc.controller import WholeBodyController
-from wbc.gait import GaitState, LiftedFoot, Phase
+from wbc.gait import GaitState, Phase
 from wbc.robot import Robot, Sole
 from wbc.robot.posture import has_soles
 from wbc.walking.gains import WalkerGains
@@ -54,11 +54,15 @@ class ContactManager:
         self._contacts: dict[str, Contact] = {}
         self._support_weight: dict[str, float | None] = {}
         self._swing_tasks: dict[str, SwingTask] = {}
-        self._soles: dict[str, Sole] = {sole.side: sole for sole in robot.soles}
         self._tipping: dict[str, TippingFoot] = {}
         self._tracking: SwingTask | None = None
         self._has_soles = has_soles(robot.soles)
-        self._changed = False  # the weight of a swing task is not the usual one
+        self._usual_weight: float | np.ndarray = gains.swing_weight
+        if not self._has_soles:
+            self._usual_weight = _place_weight(gains.swing_weight)
+        self._quick_weight = self._recovery_weight(gains.swing_recovery_share)
+        self._step_out_weight = self._recovery_weight(1.0)
+        self._set_weight: np.ndarray | None = None  # of the foot in the air; None: the usual one
         for sole, leg in zip(robot.soles, robot.legs, strict=True):
             contact = _contact(sole, gains)
             contact.bind(robot)
@@ -68,7 +72,7 @@ class ContactManager:
             lacks_joints = len(leg) < contact.motion_size
             self._support_weight[sole.side] = gains.second_contact_weight if lacks_joints else None
             self._swing_tasks[sole.side] = SwingTask(
-                sole.name, weight=_swing_weight(sole, gains), kp=gains.swing_kp
+                sole.name, weight=self._usual_weight, kp=gains.swing_kp
             )
 
     @property
@@ -113,26 +117,31 @@ class ContactManager:
         wanted = self._swing_tasks[state.swing_side] if swing is not None else None
         if wanted is not self._tracking:
             if self._tracking is not None:
+                self._weigh(self._tracking, None)
                 self._controller.remove(self._tracking)
             if wanted is not None:
                 self._controller.add(wanted)
             self._tracking = wanted
         if wanted is None:
             return
-        if isinstance(swing, LiftedFoot):
-            wanted.weight = self._held_weight(float(swing.offset[2]))
-            self._changed = True
-        elif state.shortened or state.recovering:
-            wanted.weight = self._recovery_weight(state)
-            self._changed = True
-        elif state.fast_share > 0.0 and self._has_soles:
-            wanted.weight = self._fast_weight(state)
-            self._changed = True
-        elif self._changed:
-            for side, task in self._swing_tasks.items():
-                task.weight = _swing_weight(self._soles[side], self._gains)
-            self._changed = False
+        self._weigh(wanted, self._special_weight(state))
         wanted.foot = swing
+
+    def _weigh(self, task: SwingTask, weight: np.ndarray | None) -> None:
+        """Give the foot in the air a weight if it has another one; None is the usual one."""
+        if weight is not self._set_weight:
+            task.weight = self._usual_weight if weight is None else weight
+            self._set_weight = weight
+
+    def _special_weight(self, state: GaitState) -> np.ndarray | None:
+        """Return the (6,) weight of a foot that does not have the usual one, else None."""
+        if state.lifted is not None:
+            return self._held_weight(float(state.lifted.offset[2]))
+        if state.is_quick:
+            return self._step_out_weight if state.steps_out else self._quick_weight
+        if state.fast_share > 0.0 and self._has_soles:
+            return self._fast_weight(state)
+        return None
 
     def _fast_weight(self, state: GaitState) -> np.ndarray:
         """Return the (6,) task weight of a foot in a swing of fast walking.
@@ -144,19 +153,18 @@ class ContactManager:
         free = state.fast_share * (1.0 - min(max(s, 0.0), 1.0))
         return _tilting_weight(self._gains.swing_weight, _FREE**free)
 
-    def _recovery_weight(self, state: GaitState) -> np.ndarray:
-        """Return the (6,) task weight of a foot in a quick step.
+    def _recovery_weight(self, share: float) -> np.ndarray:
+        """Return the (6,) task weight of a foot in a quick step; its place has a share of its own.
 
         The ground turns it flat when it lands. Kept level in the air, an ankle at its stop holds
         the whole leg back: that of G1 rolls by 15°, less than a wide step asks for. Only its pitch
         is kept, for a toe that hangs down scuffs the ground on the way. Where the place is out of
         reach, a foot that is on the ground in time is worth more than one that is nearer to it.
         """
-        gains = self._gains
-        place = (1.0 if state.steps_out else gains.swing_recovery_share) * gains.swing_weight
+        place = share * self._gains.swing_weight
         if not self._has_soles:
-            return np.array([place] * 3 + [0.0] * 3)
-        turn = gains.swing_recovery_turn_share * gains.swing_weight
+            return _place_weight(place)
+        turn = self._gains.swing_recovery_turn_share * self._gains.swing_weight
         return np.array((place, place, _ON_TIME * place, turn, place, turn))
 
     def _held_weight(self, height: float) -> np.ndarray:
@@ -182,8 +190,6 @@ def _tilting_weight(weight: float, flatness: float) -> np.ndarray:
     return weights
 
 
-def _swing_weight(sole: Sole, gains: WalkerGains) -> float | np.ndarray:
-    """Return the weight of a foot in the air; a point need not be turned."""
-    if has_soles((sole, sole)):
-        return gains.swing_weight
-    return np.array([gains.swing_weight] * 3 + [0.0] * 3)
+def _place_weight(weight: float) -> np.ndarray:
+    """Return the (6,) weight of a foot that need not be turned."""
+    return np.array([weight] * 3 + [0.0] * 3)

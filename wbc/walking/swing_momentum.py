@@ -62,7 +62,7 @@ class SwingMomentum:
             return reference
         if state.time == 0.0:
             self._next = _next_displacement(state, planner)
-        if state.shortened or state.recovering:
+        if state.is_quick:
             return self._apply_recovery(reference, state)
         gait, swing = state.gait, state.swing
         gap, distance = 0.0, 0j

@@ -117,7 +117,7 @@ class PlacoPlanner(DcmPlanner):
     def update(self, state: GaitState, command: GaitCommand, dt: float) -> StepPlan:
         """See `Planner.update`."""
         plan = super().update(state, command, dt)
-        if state.at_rest or state.recovering or state.shortened:
+        if state.at_rest or state.is_quick:
             self._forget()
             self._com = state.standing_point if state.at_rest else state.com
             return plan

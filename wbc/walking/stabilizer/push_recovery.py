@@ -77,7 +77,7 @@ class PushRecovery:
             how much the landing place has to move then, in the support sole's axes, m.
         """
         quick, usual = state.recovery_gait, state.duration
-        undisturbed = not (state.shortened or state.recovering)
+        undisturbed = not state.is_quick
         if undisturbed:
             # Not in quick steps: what moves the DCM there is mostly the motion of legs and trunk.
             ahead = dcm_ahead(state, min(_SWING_LOOKAHEAD, state.remaining))

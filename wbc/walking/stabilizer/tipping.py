@@ -35,7 +35,7 @@ def edge_to_tip_over(
     """
     if state.phase is not Phase.SWING:
         return 0j
-    if not (state.shortened or state.recovering):
+    if not state.is_quick:
         return 1 + 0j if _frees_heel(state, zmp, support) else 0j
     height, stance = state.gait.com_height, state.stance
     wanted, dcm = stance.to_local(zmp), stance.to_local(state.dcm)
