@@ -18,6 +18,7 @@ from wbc.estimation.kernels.legs import write_state
 from wbc.estimation.kernels.prediction import CORRECTION_DUE, REFUSED, predict
 from wbc.estimation.legs import LegKinematics, leg_covariance
 from wbc.estimation.noise import EstimatorNoise
+from wbc.estimation.tipping import TippingSoles
 from wbc.estimation.wrench_observer import WrenchObserver
 from wbc.measurement import Measurement
 from wbc.robot import Robot, checked_robot
@@ -93,6 +94,7 @@ class Estimator:
         encoder, joint_velocity = self._noise.joint_readings
         self._detector = ContactDetector(robot, trigger)
         self._legs = LegKinematics(robot)
+        self._tipping = TippingSoles(robot, self._noise.tip)
         self.filter = InvariantFilter(
             dt,
             np.array(robot.model.gravity.linear),
@@ -187,7 +189,7 @@ class Estimator:
             detector.decide(self._lowest())
         due, stands = outcome == CORRECTION_DUE, detector.stands
         if due or stands != before:
-            self._correct(before, stands, due)
+            self._correct(before, stands, due, measurement.foot_wrenches)
             write_state(self.filter.record, self._legs.poses, self._joints.state, q, v)
         if not measurement.foot_wrenches:
             # Observed loads lag and chatter: steps that are timed by them become shorter.
@@ -259,11 +261,19 @@ class Estimator:
         heights = (self._legs.sole_positions @ self.filter.R[2]).tolist()
         return [height < min(heights) + _LEVEL for height in heights]
 
-    def _correct(self, before: list[bool], stands: list[bool], due: bool) -> None:
+    def _correct(
+        self,
+        before: list[bool],
+        stands: list[bool],
+        due: bool,
+        wrenches: Mapping[str, np.ndarray],
+    ) -> None:
         """Correct by the soles that stood and stand; take in those that came down."""
         h, F = self._legs.sole_positions, self._legs.sole_rotations
         if due:
             held = [now and then for now, then in zip(stands, before, strict=True)]
+            if wrenches:
+                self._tipping.add(self.filter.record, held, wrenches, self.filter.period)
             self.filter.correct(np.array(held, dtype=np.int64), h, F)
         for i, now in enumerate(stands):
             if now and not before[i]:

@@ -66,6 +66,8 @@ class InvariantFilter:
         feet = len(covariances)
         self.record = record = np.zeros(1, layout.filter_type(feet))
         record["dt"], record["every"], record["gravity"] = dt, every, gravity
+        record["early"] = early = (every + 1) // 2
+        record["moved"] = noise.jump * early * dt
         record["slip_gate"] = noise.slip_gate
         record["leg_noise"] = covariances
         # What a period adds to the covariance: by the gyro, by the drift of a sole, by the rest.
@@ -106,6 +108,7 @@ class InvariantFilter:
         sigma[layout.GYRO_BIAS : layout.ACCELEROMETER_BIAS] = noise.gyro_bias
         sigma[layout.ACCELEROMETER_BIAS :] = noise.accelerometer_bias
         record["P"] = np.diag(np.square(sigma))
+        record["elapsed"] = record["every"] * record["dt"]
 
     @property
     def R(self) -> np.ndarray:
@@ -193,7 +196,7 @@ class InvariantFilter:
         record = self.record
         moved = record["residual"][0, : 6 * np.count_nonzero(held)].reshape(-1, 2, 3)
         way, turn = np.linalg.norm(moved, axis=2).T
-        velocity = moved[way.argmin(), 0] / self._period  # of the slowest sole
+        velocity = moved[way.argmin(), 0] / self.period  # of the slowest sole
         speed = float(np.linalg.norm(velocity))
         record["at_once"] &= speed > self._noise.jump
         if not record["at_once"][0]:
@@ -212,9 +215,9 @@ class InvariantFilter:
         return False
 
     @property
-    def _period(self) -> float:
-        """Time between two corrections, s."""
-        return float(self.record["every"][0] * self.record["dt"][0])
+    def period(self) -> float:
+        """Time between the last two corrections, s."""
+        return float(self.record["elapsed"][0])
 
     def _doubt_soles(self) -> None:
         """Take it for unknown how the soles are turned."""
@@ -224,7 +227,7 @@ class InvariantFilter:
 
     def _doubt_velocity(self, speed: float) -> None:
         """Add a jump of the velocity by about `speed`, a period ago, to the covariance."""
-        P, time = self.P, self._period
+        P, time = self.P, self.period
         velocity = np.arange(layout.VELOCITY, layout.POSITION)
         position = velocity + 3
         for rows, columns, factor in (

@@ -36,6 +36,7 @@ class EstimatorNoise:
         twist: turning of a fully loaded sole about the vertical, rad per √s.
         rock: tilting of a fully loaded sole, rad per √s: large for uneven ground, where a
             sole rolls over edges; a tilt that is assumed fixed would bias the velocity.
+        tip: rate at which a sole turns over an edge where its pressure is, rad/s; 0: none does.
         pivot: turning of a foot that touches the ground at a point, rad per √s: it turns with its
             leg, so that nothing is known of it.
         slip_gate: χ² of a sole's six readings from which on it has slipped; noise alone
@@ -63,6 +64,7 @@ class EstimatorNoise:
     slip: float = 0.003
     twist: float = 0.005
     rock: float = 0.05
+    tip: float = 3.0
     pivot: float = 10.0
     slip_gate: float = 25.0
     jump: float = 0.4

@@ -29,6 +29,7 @@ def filter_type(feet: int) -> np.dtype:
             ("P", float, (size, size)),
             ("drift_factor", float, (feet,)),  # sum of squared slip factors since its last step
             ("pending", np.int64),  # periods since then
+            ("elapsed", float),  # time over which that step went, s
             ("started", np.int64),  # whether there is a reading of the gyro since the reset
             ("gyro", float, (3,)),  # the last one, IMU axes, rad/s
             ("corrections", np.int64),
@@ -39,6 +40,8 @@ def filter_type(feet: int) -> np.dtype:
             ("origin", float, (3,)),  # where positions count from, world axes, m
             ("dt", float),  # s
             ("every", np.int64),  # periods between two corrections
+            ("early", np.int64),  # the same while a sole seems to move
+            ("moved", float),  # distance from which on it does, m
             ("gravity", float, (3,)),  # m/s²
             ("gyro_step", float),  # variance that a period's gyro noise adds, rad²
             ("process", float, (size,)),  # diagonal that a period adds

@@ -57,13 +57,13 @@ def _set_transition(f: np.ndarray, time: float) -> None:
 
 
 @subkernel
-def _propagate_covariance(f: np.ndarray) -> None:
+def propagate_covariance(f: np.ndarray) -> None:
     """Propagate the covariance over the periods since it was last."""
     count = f["pending"]
     if count == 0:
         return
     f["pending"] = 0
-    time = count * f["dt"]
+    time = f["elapsed"] = count * f["dt"]
     P, Phi, product, lever = f["P"], f["transition"], f["product"], f["lever"]
     _set_transition(f, time)
     np.dot(Phi, P, product)
@@ -90,7 +90,7 @@ def _leg_noise_in_world(f: np.ndarray, foot: int) -> None:
 
 @subkernel
 def _land(f: np.ndarray, foot: int, h: np.ndarray, F: np.ndarray) -> None:
-    _propagate_covariance(f)
+    propagate_covariance(f)
     P, R, vectors, place = f["P"], f["R"], f["vectors"], f["a"]
     rotate(R, h, place)
     for i in range(3):
@@ -222,10 +222,7 @@ def propagate(
     f["pending"] += 1
     for i in range(f["F"].shape[0]):
         f["drift_factor"][i] += slip[i] * slip[i]
-    if f["pending"] < f["every"]:
-        return False
-    _propagate_covariance(f)
-    return True
+    return bool(f["pending"] >= f["every"])
 
 
 @kernel(*(argument_types(np.zeros(1, filter_type(n)), 0, _VECTOR, np.zeros((3, 3))) for n in FEET))

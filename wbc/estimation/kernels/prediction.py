@@ -7,9 +7,10 @@ import math
 import numpy as np
 
 from wbc.estimation.kernels.filter_record import FEET, filter_type
-from wbc.estimation.kernels.inekf import propagate
+from wbc.estimation.kernels.inekf import propagate, propagate_covariance
 from wbc.estimation.kernels.joints import update_joints
 from wbc.estimation.kernels.legs import LINK, find_poses, find_state, poses_type
+from wbc.estimation.kernels.moving_soles import seems_to_move
 from wbc.jit.compile import argument_types, kernel, subkernel
 
 #: What `predict` returns.
@@ -98,4 +99,7 @@ def predict(
     update_joints(joint_update, joints, acceleration, joint_position, joint_velocity)
     find_poses(links, ends, joints, poses[0])
     find_state(filter_[0], poses[0], joints, q, v)
-    return CORRECTION_DUE if due else DONE
+    if not (due or seems_to_move(filter_[0], poses[0]["sole_position"], slip)):
+        return DONE
+    propagate_covariance(filter_[0])
+    return CORRECTION_DUE
