@@ -465,4 +465,4 @@ def test_shock_that_the_accelerometer_does_not_tell_is_found_by_the_legs(jump: f
             off.append(abs(estimator.update(m).state.v[0] - m.ground_truth.v[0]))
             plant.step(hold(m))
     assert off[200] > 0.7
-    assert (max(off[215:]) < 0.15) == found
+    assert (max(off[210:]) < 0.15) == found

@@ -11,28 +11,30 @@ from wbc.estimation.contact import ContactTrigger
 from wbc.estimation.inekf import InvariantFilter
 from wbc.estimation.joints import JointFilter, stationary_gain
 from wbc.estimation.kernels.legs import LINK, poses_type
+from wbc.estimation.kernels.moving_soles import tip
 from wbc.estimation.kernels.prediction import predict
 
 
 def period(
     f: InvariantFilter,
     slip: tuple[float, ...],
-    joints: tuple[np.ndarray, ...],
+    joints: tuple[np.ndarray | float, ...],
     imu: tuple[np.ndarray, ...],
 ) -> None:
     """One period of a robot without legs: the sole centres are at the IMU."""
-    update, state, acceleration, position, velocity = joints
+    update, gate, state, acceleration, position, velocity = joints
     chains = (np.zeros(3, LINK), np.array([1, 2, 3]), np.zeros(1, poses_type(2)))
     chains[0]["joint"] = -1
     result = (np.zeros(7 + position.size), np.zeros(6 + position.size))
-    predict(f.record, slip, update, state, *chains, *result, acceleration, position, velocity, *imu)
+    filters = (f.record, slip, update, gate, state, *chains)
+    predict(*filters, *result, acceleration, position, velocity, *imu)
 
 
 def propagate(
     f: InvariantFilter, gyro: np.ndarray, accelerometer: np.ndarray, slip: tuple[float, ...]
 ) -> None:
     none = np.zeros(0)
-    joints = (np.zeros((2, 5)), np.zeros((2, 0)), none, none, none)
+    joints = (np.zeros((2, 2, 5)), 1.0, np.zeros((2, 0)), none, none, none)
     period(f, slip, joints, (gyro, accelerometer))
 
 
@@ -41,7 +43,7 @@ def read(f: JointFilter, reading: np.ndarray, acceleration: np.ndarray | None = 
     imu = InvariantFilter(0.002, np.zeros(3), EstimatorNoise(), [np.eye(6)] * 2)
     foreseen = np.zeros(1) if acceleration is None else acceleration
     update = f.update_matrix(acceleration is not None)
-    joints = (update, f.state, foreseen, reading[:1], reading[1:])
+    joints = (update, f.gate, f.state, foreseen, reading[:1], reading[1:])
     period(imu, (0.0, 0.0), joints, (np.zeros(3), np.zeros(3)))
     f.fresh = False
 
@@ -196,12 +198,53 @@ def test_joint_filter_predicts_and_then_corrects(foreseen):
     assert (q, v) == (0.3, -0.2)
     known = None if foreseen is None else np.array([foreseen])
     K = stationary_gain(dt, 1e-3, 0.05, sigma if foreseen is None else surprise)
-    for reading in ([0.31, -0.1], [0.28, 0.3]):
+    for reading in ([0.31, -0.1], [0.28, 0.05]):
         v += dt * (foreseen or 0.0)
         q += dt * v
         q, v = np.array([q, v]) + K @ (np.array(reading) - [q, v])
         read(f, np.array(reading), known)
         np.testing.assert_allclose(f.state[:, 0], [q, v], rtol=1e-12)
+
+
+@pytest.mark.parametrize("foreseen", [None, 3.0])
+def test_joint_that_does_what_nobody_foresaw_is_followed_at_once(foreseen):
+    f = JointFilter(1, 0.002, 1e-3, 0.05, 20.0, 6.0)
+    known = None if foreseen is None else np.array([foreseen])
+    read(f, np.zeros(2), known)
+    for period in range(1, 6):
+        read(f, np.array([0.002 * period * 2.0, 2.0]), known)
+    assert f.state[1, 0] == pytest.approx(2.0, abs=0.03)
+    slow = JointFilter(1, 0.002, 1e-3, 0.05, 20.0, 6.0)
+    slow.gate = np.inf
+    read(slow, np.zeros(2), known)
+    for period in range(1, 6):
+        read(slow, np.array([0.002 * period * 2.0, 2.0]), known)
+    assert slow.state[1, 0] < (1.99 if foreseen is None else 1.6)
+
+
+def tipped(f: InvariantFilter, h: np.ndarray, F: np.ndarray, angle: float, pivot: np.ndarray):
+    """Where legs and sole are seen after the first sole has tipped about a point of its own."""
+    R = pin.rpy.rpyToMatrix(0.0, angle, 0.0)
+    sole, turned = f.R @ F[0], f.R @ F[0] @ R
+    place = f.R @ h[0] + sole @ pivot - turned @ pivot
+    seen_h, seen_F = h.copy(), F.copy()
+    seen_h[0], seen_F[0] = f.R.T @ place, f.R.T @ turned
+    return seen_h, seen_F
+
+
+def test_sole_that_tips_about_its_pressure_is_no_slip_and_moves_no_base():
+    angle, pivot = 0.03, np.array([0.1, 0.0, 0.0])
+    held = np.array([1, 0])
+    for told in (True, False):
+        f, h, F = filled()
+        f.correct(held, h, F)
+        velocity, corrections = f.v.copy(), int(f.record["corrections"][0])
+        if told:
+            tip(f.record, 0, *pivot[:2], 0.0, 0.05**2)
+        f.correct(held, *tipped(f, h, F, angle, pivot))
+        assert (int(f.record["corrections"][0]) > corrections) == told  # else: taken in anew
+        np.testing.assert_allclose(f.v, velocity, atol=0.02)
+        assert np.linalg.eigvalsh(f.P).min() > -1e-12
 
 
 def test_stationary_gain_is_a_fixed_point_of_the_riccati_equation():

@@ -18,6 +18,7 @@ from wbc.estimation.noise import EstimatorNoise
 
 _SAME = 0.15  # m/s by which a velocity may change between two corrections, to count as the same
 _LASTING = 2  # corrections for which soles seem to slip at the same velocity until it is a jump
+_STILL = 2  # corrections without a slip, after which the next one is another
 _LEVER = 0.15  # m from the centre of a sole to its edge, at most
 _TURNED = 0.1  # rad by which a shock may turn a sole
 
@@ -99,7 +100,7 @@ class InvariantFilter:
             record[name] = 0.0
         record["vectors"][0, 0] = v
         record["origin"] = origin
-        for name in ("pending", "corrections", "started", "at_once", "lasting"):
+        for name in ("pending", "corrections", "started", "at_once", "lasting", "still"):
             record[name] = 0
         sigma = np.zeros(record["xi"].size)
         # Heading and position are what the reset says they are: nothing measures them.
@@ -185,8 +186,11 @@ class InvariantFilter:
         record = self.record
         slipped = kernels.correct(record, held, h, F)
         if slipped < 0 or self._correct_for_jump(held, h, F):
-            record["at_once"], record["slip_velocity"] = True, 0.0
+            record["still"] += 1
+            if record["still"][0] >= _STILL:
+                record["at_once"], record["slip_velocity"] = True, 0.0
             return
+        record["still"] = 0
         # Taken for truth, the slip of a sole would turn into a bias of the gyro.
         for foot in np.flatnonzero(held) if record["at_once"][0] else (slipped,):
             kernels.land(record, foot, h[foot], F[foot])
@@ -196,7 +200,9 @@ class InvariantFilter:
         record = self.record
         moved = record["residual"][0, : 6 * np.count_nonzero(held)].reshape(-1, 2, 3)
         way, turn = np.linalg.norm(moved, axis=2).T
-        velocity = moved[way.argmin(), 0] / self.period  # of the slowest sole
+        # A sole that was taken in anew is two corrections away from there, if one was without slip.
+        time = self.period * (2.0 if record["still"][0] == 1 else 1.0)
+        velocity = moved[way.argmin(), 0] / time  # of the slowest sole
         speed = float(np.linalg.norm(velocity))
         record["at_once"] &= speed > self._noise.jump
         if not record["at_once"][0]:
@@ -204,10 +210,14 @@ class InvariantFilter:
         same = np.linalg.norm(velocity - record["slip_velocity"][0]) < _SAME
         record["lasting"] = record["lasting"] + 1 if same else 0
         record["slip_velocity"] = velocity
+        # A sole alone may as well have been hit, or drag: only a robot that was moved has the same
+        # velocity again. One that turns about its edge moves by as much as that.
+        beyond_turn = bool((way >= _LEVER * turn).all())
+        if len(way) == 1 and not (record["lasting"][0] and beyond_turn):
+            return False
         P = self.P.copy()
-        self._doubt_velocity(speed)
-        # A sole that turns about its edge moves by as much as that.
-        if record["lasting"][0] >= _LASTING and (way >= _LEVER * turn).all():
+        self._doubt_velocity(speed, time)
+        if record["lasting"][0] >= _LASTING and beyond_turn:
             self._doubt_soles()
         if kernels.correct(record, held, h, F) < 0:
             return True
@@ -225,9 +235,9 @@ class InvariantFilter:
         turns = layout.FOOT_POSITION + 3 * feet + np.arange(3 * feet)
         P[turns, turns] += _TURNED**2
 
-    def _doubt_velocity(self, speed: float) -> None:
-        """Add a jump of the velocity by about `speed`, a period ago, to the covariance."""
-        P, time = self.P, self.period
+    def _doubt_velocity(self, speed: float, time: float) -> None:
+        """Add a jump of the velocity by about `speed`, a time ago (s), to the covariance."""
+        P = self.P
         velocity = np.arange(layout.VELOCITY, layout.POSITION)
         position = velocity + 3
         for rows, columns, factor in (

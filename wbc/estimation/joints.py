@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+_GATE = 4.0  # standard deviations of a velocity reading by which a joint does what is not foreseen
+_SURPRISED = 200.0  # rad/s², standard deviation of the acceleration of such a joint
+
 
 class JointFilter:
     """One stationary Kalman filter per joint over position and velocity.
@@ -13,6 +16,9 @@ class JointFilter:
     joints alike, the stationary gain K is one 2×2 matrix, computed once, and an update is
 
         x⁺ = (1 − K) (A x + b a) + K z.
+
+    A joint whose velocity reading is more than four standard deviations off does something that
+    nobody foresaw, as in a push: it has a second gain, which nearly believes the readings.
 
     Args:
         na: number of joints.
@@ -26,6 +32,7 @@ class JointFilter:
     Attributes:
         state: (2, na) filtered positions, rad, and velocities, rad/s.
         fresh: the next reading is taken as it is.
+        gate: difference of a velocity reading that tells such joints, rad/s.
     """
 
     def __init__(
@@ -39,14 +46,23 @@ class JointFilter:
     ) -> None:
         self.state = np.zeros((2, na))
         self.fresh = True
-        self._pass = _update_matrix(dt, np.eye(2))
-        self._plain = _update_matrix(dt, stationary_gain(dt, position, velocity, acceleration))
-        self._foreseen = self._plain
-        if np.isfinite(acceleration):
-            self._foreseen = _update_matrix(dt, stationary_gain(dt, position, velocity, surprise))
+        usual, foreseen, surprised = (
+            _update_matrix(dt, stationary_gain(dt, position, velocity, sigma))
+            for sigma in (
+                acceleration,
+                surprise if np.isfinite(acceleration) else acceleration,
+                max(_SURPRISED, acceleration),
+            )
+        )
+        self.gate = _GATE * velocity
+        self._pass = np.stack([_update_matrix(dt, np.eye(2))] * 2)
+        self._plain = np.stack((usual, surprised))
+        self._foreseen = np.stack((foreseen, surprised))
 
     def update_matrix(self, foreseen: bool) -> np.ndarray:
-        """Return `U` (2, 5) of this period, `[q, v] ← U [q, v, a, reading of q, reading of v]`.
+        """Return `U` (2, 2, 5) of this period, `[q, v] ← U [q, v, a, reading of q, reading of v]`.
+
+        Its second half is for joints that do what nobody foresaw.
 
         Args:
             foreseen: whether somebody foresees the acceleration a; else a is to be zero.

@@ -34,8 +34,9 @@ def filter_type(feet: int) -> np.dtype:
             ("gyro", float, (3,)),  # the last one, IMU axes, rad/s
             ("corrections", np.int64),
             ("at_once", np.int64),  # whether soles that slip have done so fast from the start
-            ("slip_velocity", float, (3,)),  # theirs at the last correction, m/s
+            ("slip_velocity", float, (3,)),  # theirs when they last did, m/s
             ("lasting", np.int64),  # corrections for which it has been the same
+            ("still", np.int64),  # corrections since then
             # Constants.
             ("origin", float, (3,)),  # where positions count from, world axes, m
             ("dt", float),  # s
