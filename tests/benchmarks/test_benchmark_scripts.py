@@ -51,6 +51,16 @@ def test_the_scaling_benchmark_prints_exponents_and_writes_json(tmp_path):
     assert all(p["p50_us"] > 0.0 for what in found.values() for p in what["points"])
 
 
+def test_the_terrain_benchmark_tells_who_gets_across(tmp_path):
+    pytest.importorskip("mujoco")
+    out = tmp_path / "terrain.json"
+    flags = ["--robot", "simple_humanoid", "--terrain", "stones", "--seeds", "1", "--jobs", "1"]
+    assert "| simple_humanoid | 1/1 |" in run("terrain.py", *flags, "--json", str(out))
+    (found,) = json.loads(out.read_text())
+    assert found["passed"]
+    assert found["way"] > 1.5
+
+
 @pytest.mark.slow
 def test_the_solver_benchmark_says_what_the_default_is_and_why(tmp_path):
     out = tmp_path / "solvers.json"
