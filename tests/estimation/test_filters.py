@@ -34,7 +34,7 @@ def propagate(
     f: InvariantFilter, gyro: np.ndarray, accelerometer: np.ndarray, slip: tuple[float, ...]
 ) -> None:
     none = np.zeros(0)
-    joints = (np.zeros((2, 2, 5)), 1.0, np.zeros((2, 0)), none, none, none)
+    joints = (np.zeros((2, 2, 5)), 1.0, np.zeros((3, 0)), none, none, none)
     period(f, slip, joints, (gyro, accelerometer))
 
 

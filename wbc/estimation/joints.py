@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-_GATE = 4.0  # standard deviations of a velocity reading by which a joint does what is not foreseen
+_GATE = 5.0  # standard deviations of a velocity reading by which a joint does what is not foreseen
 _SURPRISED = 200.0  # rad/s², standard deviation of the acceleration of such a joint
 
 
@@ -17,8 +17,8 @@ class JointFilter:
 
         x⁺ = (1 − K) (A x + b a) + K z.
 
-    A joint whose velocity reading is more than four standard deviations off does something that
-    nobody foresaw, as in a push: it has a second gain, which nearly believes the readings.
+    A joint whose velocity readings are more than five standard deviations off twice in a row does
+    something that nobody foresaw, as in a push: it has a second gain, which nearly believes them.
 
     Args:
         na: number of joints.
@@ -30,7 +30,8 @@ class JointFilter:
         surprise: that of e when an acceleration is foreseen, rad/s².
 
     Attributes:
-        state: (2, na) filtered positions, rad, and velocities, rad/s.
+        state: (3, na) filtered positions, rad, and velocities, rad/s; and by how much the last
+            readings of the velocity were off, rad/s.
         fresh: the next reading is taken as it is.
         gate: difference of a velocity reading that tells such joints, rad/s.
     """
@@ -44,7 +45,7 @@ class JointFilter:
         acceleration: float,
         surprise: float,
     ) -> None:
-        self.state = np.zeros((2, na))
+        self.state = np.zeros((3, na))
         self.fresh = True
         usual, foreseen, surprised = (
             _update_matrix(dt, stationary_gain(dt, position, velocity, sigma))

@@ -39,7 +39,7 @@ def _fits(x: np.ndarray, size: int) -> bool:
             (0.0,) * feet,
             np.zeros((2, 2, 5)),
             0.0,
-            np.zeros((2, 1)),
+            np.zeros((3, 1)),
             np.zeros(1, LINK),
             np.zeros(1, np.int64),
             np.zeros(1, poses_type(feet)),
@@ -72,7 +72,7 @@ def predict(
         slip: a factor on the drift of each sole; 0 for one in the air.
         joint_update: (2, 2, 5), see `update_joints`.
         joint_gate: see `update_joints`, rad/s.
-        joints: (2, na) positions and velocities, rad and rad/s.
+        joints: (3, na), see `update_joints`.
         links: see `find_poses`.
         ends: see `find_poses`.
         poses: (1,) result.
