@@ -203,7 +203,7 @@ class Estimator:
             observer = self._wrench_observer = WrenchObserver(self.robot, self.dt)
         if self._joints.fresh:
             return observer.update(m, m.joint_position, m.joint_velocity)
-        return observer.update(m, *self._joints.state[:2])
+        return observer.update(m, *self._joints.state)
 
     def _predict(
         self,
@@ -220,7 +220,6 @@ class Estimator:
             record,
             slip,
             update,
-            joints.gate,
             joints.state,
             legs.links,
             legs.ends,

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-_GATE = 5.0  # standard deviations of a velocity reading by which a joint does what is not foreseen
-_SURPRISED = 200.0  # rad/s², standard deviation of the acceleration of such a joint
-
 
 class JointFilter:
     """One stationary Kalman filter per joint over position and velocity.
@@ -16,9 +13,6 @@ class JointFilter:
     joints alike, the stationary gain K is one 2×2 matrix, computed once, and an update is
 
         x⁺ = (1 − K) (A x + b a) + K z.
-
-    A joint whose velocity readings are more than five standard deviations off twice in a row does
-    something that nobody foresaw, as in a push: it has a second gain, which nearly believes them.
 
     Args:
         na: number of joints.
@@ -30,10 +24,8 @@ class JointFilter:
         surprise: that of e when an acceleration is foreseen, rad/s².
 
     Attributes:
-        state: (3, na) filtered positions, rad, and velocities, rad/s; and by how much the last
-            readings of the velocity were off, rad/s.
+        state: (2, na) filtered positions, rad, and velocities, rad/s.
         fresh: the next reading is taken as it is.
-        gate: difference of a velocity reading that tells such joints, rad/s.
     """
 
     def __init__(
@@ -45,25 +37,16 @@ class JointFilter:
         acceleration: float,
         surprise: float,
     ) -> None:
-        self.state = np.zeros((3, na))
+        self.state = np.zeros((2, na))
         self.fresh = True
-        usual, foreseen, surprised = (
-            _update_matrix(dt, stationary_gain(dt, position, velocity, sigma))
-            for sigma in (
-                acceleration,
-                surprise if np.isfinite(acceleration) else acceleration,
-                max(_SURPRISED, acceleration),
-            )
-        )
-        self.gate = _GATE * velocity
-        self._pass = np.stack([_update_matrix(dt, np.eye(2))] * 2)
-        self._plain = np.stack((usual, surprised))
-        self._foreseen = np.stack((foreseen, surprised))
+        self._pass = _update_matrix(dt, np.eye(2))
+        self._plain = _update_matrix(dt, stationary_gain(dt, position, velocity, acceleration))
+        self._foreseen = self._plain
+        if np.isfinite(acceleration):
+            self._foreseen = _update_matrix(dt, stationary_gain(dt, position, velocity, surprise))
 
     def update_matrix(self, foreseen: bool) -> np.ndarray:
-        """Return `U` (2, 2, 5) of this period, `[q, v] ← U [q, v, a, reading of q, reading of v]`.
-
-        Its second half is for joints that do what nobody foresaw.
+        """Return `U` (2, 5) of this period, `[q, v] ← U [q, v, a, reading of q, reading of v]`.
 
         Args:
             foreseen: whether somebody foresees the acceleration a; else a is to be zero.

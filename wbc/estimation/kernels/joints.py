@@ -10,8 +10,6 @@ from wbc.jit.compile import subkernel
 @subkernel
 def update_joints(
     U: np.ndarray,
-    gate: float,
-    dt: float,
     joints: np.ndarray,
     acceleration: np.ndarray,
     read_position: np.ndarray,
@@ -20,21 +18,15 @@ def update_joints(
     """`[q, v] ← U [q, v, a, reading of q, reading of v]`, joint by joint, in place.
 
     Args:
-        U: (2, 2, 5): for a joint that does what is foreseen, then for one that does not.
-        gate: difference of the read from the foreseen velocity that tells them apart, rad/s.
-        dt: period, s.
-        joints: (3, na) positions and velocities, rad and rad/s, and the differences of the last
-            period, rad/s: only the second one in a row is more than noise.
+        U: (2, 5).
+        joints: (2, na) positions and velocities, rad and rad/s.
         acceleration: (na,) rad/s².
         read_position: (na,) rad.
         read_velocity: (na,) rad/s.
     """
-    position, velocity, last = joints[0], joints[1], joints[2]
+    position, velocity = joints[0], joints[1]
     for i in range(position.size):
         q, v, a = position[i], velocity[i], acceleration[i]
         x, y = read_position[i], read_velocity[i]
-        off = y - v - dt * a
-        M = U[1] if min(off, last[i]) > gate or max(off, last[i]) < -gate else U[0]
-        last[i] = off
-        position[i] = M[0, 0] * q + M[0, 1] * v + M[0, 2] * a + M[0, 3] * x + M[0, 4] * y
-        velocity[i] = M[1, 0] * q + M[1, 1] * v + M[1, 2] * a + M[1, 3] * x + M[1, 4] * y
+        position[i] = U[0, 0] * q + U[0, 1] * v + U[0, 2] * a + U[0, 3] * x + U[0, 4] * y
+        velocity[i] = U[1, 0] * q + U[1, 1] * v + U[1, 2] * a + U[1, 3] * x + U[1, 4] * y

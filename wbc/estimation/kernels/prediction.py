@@ -37,9 +37,8 @@ def _fits(x: np.ndarray, size: int) -> bool:
         argument_types(
             np.zeros(1, filter_type(feet)),
             (0.0,) * feet,
-            np.zeros((2, 2, 5)),
-            0.0,
-            np.zeros((3, 1)),
+            np.zeros((2, 5)),
+            np.zeros((2, 1)),
             np.zeros(1, LINK),
             np.zeros(1, np.int64),
             np.zeros(1, poses_type(feet)),
@@ -52,7 +51,6 @@ def predict(
     filter_: np.ndarray,
     slip: tuple[float, ...],
     joint_update: np.ndarray,
-    joint_gate: float,
     joints: np.ndarray,
     links: np.ndarray,
     ends: np.ndarray,
@@ -70,9 +68,8 @@ def predict(
     Args:
         filter_: (1,) the invariant filter.
         slip: a factor on the drift of each sole; 0 for one in the air.
-        joint_update: (2, 2, 5), see `update_joints`.
-        joint_gate: see `update_joints`, rad/s.
-        joints: (3, na), see `update_joints`.
+        joint_update: (2, 5), see `update_joints`.
+        joints: (2, na) positions and velocities, rad and rad/s.
         links: see `find_poses`.
         ends: see `find_poses`.
         poses: (1,) result.
@@ -99,10 +96,7 @@ def predict(
     if not total < math.inf:
         return REFUSED
     due = propagate(filter_[0], gyro, accelerometer, slip)
-    dt = filter_[0]["dt"]
-    update_joints(
-        joint_update, joint_gate, dt, joints, acceleration, joint_position, joint_velocity
-    )
+    update_joints(joint_update, joints, acceleration, joint_position, joint_velocity)
     find_poses(links, ends, joints, poses[0])
     find_state(filter_[0], poses[0], joints, q, v)
     if not (due or seems_to_move(filter_[0], poses[0]["sole_position"], slip)):
