@@ -216,15 +216,7 @@ class Estimator:
         m, joints, legs = measurement, self._joints, self._legs
         update = joints.update_matrix(acceleration is not None)
         record, slip = self.filter.record, self._detector.slip
-        filters = (
-            record,
-            slip,
-            update,
-            joints.state,
-            legs.links,
-            legs.ends,
-            legs.poses,
-        )
+        filters = (record, slip, update, joints.state, legs.links, legs.ends, legs.poses)
         if acceleration is None:
             foreseen = self._no_acceleration
         elif isinstance(acceleration, np.ndarray) and acceleration.ndim == 1:
