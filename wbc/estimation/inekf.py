@@ -210,10 +210,10 @@ class InvariantFilter:
         same = np.linalg.norm(velocity - record["slip_velocity"][0]) < _SAME
         record["lasting"] = record["lasting"] + 1 if same else 0
         record["slip_velocity"] = velocity
-        # A sole alone may as well have been hit, or drag: only a robot that was moved has the same
-        # velocity again. One that turns about its edge moves by as much as that.
+        # A sole that turns about its edge moves by as much as that; one alone may as well have been
+        # hit, or drag.
         beyond_turn = bool((way >= _LEVER * turn).all())
-        if len(way) == 1 and not (record["lasting"][0] and beyond_turn):
+        if len(way) == 1 and not beyond_turn:
             return False
         P = self.P.copy()
         self._doubt_velocity(speed, time)
