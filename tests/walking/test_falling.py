@@ -158,12 +158,11 @@ def test_a_robot_in_its_fall_comes_to_rest_without_flailing():
     plant, estimator, walker = Mujoco(r, seed=1), wbc.Estimator(r), wbc.Walker(r)
     plant.schedule_push(0.1, [-1.2 * r.mass, 0.0, 0.0])
     expected, speeds = None, []
-    for _ in range(2600):
+    for _ in range(5000):  # a foot in the air sinks at the pace that its damper allows
         command = walker.step(estimator.update(plant.measure(), acceleration=expected))
         expected = command.acceleration
         plant.step(command)
         speeds.append(np.abs(plant.ground_truth().v[6:]).max())
     assert walker.falling_why
     assert fall_reason(r, plant.ground_truth())
-    # Under its weight a joint may still yield slowly, as its damper lets it.
-    assert max(speeds[-50:]) < 0.2
+    assert max(speeds[-50:]) < 0.1

@@ -7,10 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from wbc.estimation.kernels.moving_soles import tip
+from wbc.geometry.wrench import centre_of_pressure
 from wbc.robot import Robot
 
 _EDGE = 0.8  # share of the way from the centre to an edge from which on the sole may tip over it
-_LEAST_LOAD = 0.05  # share of the weight: the pressure of a sole with less is not known
+_LEAST_LOAD = 0.05  # share of the weight: where the pressure of a sole with less is, is not known
 
 
 class TippingSoles:
@@ -54,10 +55,7 @@ class TippingSoles:
         for i, name, half_length, half_width in self._edges:
             if not held[i]:
                 continue
-            _, _, force, m_x, m_y, _ = wrenches[name].tolist()
-            if force < self._least:
-                continue
-            x, y = -m_y / force, m_x / force
+            x, y, _ = centre_of_pressure(wrenches[name], self._least).tolist()
             about_x = variance if abs(y) > half_width else 0.0
             about_y = variance if abs(x) > half_length else 0.0
             if about_x + about_y > 0.0:

@@ -115,16 +115,23 @@ def _land(f: np.ndarray, foot: int, h: np.ndarray, F: np.ndarray) -> None:
 
 
 @subkernel
+def find_offset(f: np.ndarray, foot: int, h: np.ndarray, out: np.ndarray) -> None:
+    """How far a sole is off the place where it stands, `out = p + R h − d`."""
+    place, vectors = f["a"], f["vectors"]
+    rotate(f["R"], h, place)
+    for i in range(3):
+        out[i] = vectors[1, i] + place[i] - vectors[2 + foot, i]
+
+
+@subkernel
 def _innovate(f: np.ndarray, foot: int, row: int, h: np.ndarray, F: np.ndarray) -> None:
     """Six rows of H P and of the residual: where a sole is off, and how it is turned."""
-    P, HP, residual, R, vectors = f["P"], f["HP"], f["residual"], f["R"], f["vectors"]
-    seen, off, place = f["A"], f["B"], f["a"]
+    P, HP, residual, R = f["P"], f["HP"], f["residual"], f["R"]
+    seen, off = f["A"], f["B"]
     rotation = FOOT_POSITION + 3 * f["F"].shape[0]
     difference(P, POSITION, FOOT_POSITION + 3 * foot, HP[row : row + 3])
     difference(P, 0, rotation + 3 * foot, HP[row + 3 : row + 6])
-    rotate(R, h, place)
-    for i in range(3):
-        residual[row + i] = vectors[1, i] + place[i] - vectors[2 + foot, i]
+    find_offset(f, foot, h, residual[row : row + 3])
     multiply(R, F, seen)
     for i in range(3):
         for j in range(3):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.estimation.kernels.filter_record import FEET, FOOT_POSITION, filter_type
-from wbc.estimation.kernels.rotation import multiply, rotate, skew
+from wbc.estimation.kernels.inekf import find_offset
+from wbc.estimation.kernels.rotation import multiply, skew
 from wbc.jit.compile import argument_types, kernel, subkernel
 
 
@@ -20,15 +21,11 @@ def seems_to_move(f: np.ndarray, h: np.ndarray, slip: tuple[float, ...]) -> bool
     """
     if f["pending"] < f["early"]:
         return False
-    R, vectors, place = f["R"], f["vectors"], f["a"]
+    off, least = f["b"], f["moved"] * f["moved"]
     for foot in range(h.shape[0]):
         if slip[foot] > 0.0:
-            rotate(R, h[foot], place)
-            square = 0.0
-            for i in range(3):
-                off = vectors[1, i] + place[i] - vectors[2 + foot, i]
-                square += off * off
-            if square > f["moved"] * f["moved"]:
+            find_offset(f, foot, h[foot], off)
+            if off[0] * off[0] + off[1] * off[1] + off[2] * off[2] > least:
                 return True
     return False
 
