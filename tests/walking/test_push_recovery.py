@@ -116,6 +116,27 @@ def test_a_standing_robot_survives_a_kick_that_no_sensor_tells(velocity):
     assert report.survived
 
 
+def test_a_blow_on_an_arm_turns_the_torso_but_neither_pelvis_nor_feet_and_it_turns_back():
+    robot = wbc.load("g1")
+    walker = wbc.Walker(robot)
+    yaws = []
+
+    def record(_: float) -> None:
+        kin = wbc.Kinematics(robot, plant.ground_truth())
+        rotations = [kin.frame(name).rotation for name in (robot.torso, robot.base)]
+        yaws.append([np.arctan2(rotation[1, 0], rotation[0, 0]) for rotation in rotations])
+
+    with Mujoco(robot, seed=1) as plant:
+        impulse = (0.6 * robot.mass, 0.0, 0.0)
+        plant.schedule_push(0.3, impulse, duration=0.08, frame="left_elbow_joint")
+        report = wbc.run(walker, plant, 3.0, before_tick=record)
+    assert report.survived
+    torso, base = np.degrees(yaws).T
+    assert np.abs(torso - base).max() > 45.0
+    assert np.abs(base).max() < 12.0
+    assert abs(torso[-1] - base[-1]) < 3.0
+
+
 @pytest.mark.parametrize("name", ["g1", "talos", "simple_humanoid"])
 def test_mirrored_pushes_make_a_standing_robot_step_with_mirrored_feet(name):
     walker = wbc.Walker(wbc.load(name))

@@ -18,6 +18,8 @@ from wbc.walking.stabilizer.disturbance import lasting_rate
 from wbc.walking.trunk_tasks import TrunkTasks
 from wbc.walking.weight_share import WeightShare
 
+_TURNED = 0.3  # rad; quick steps without a blow on an arm turn the torso less, mostly
+
 
 class BalanceTasks:
     """Adds the tasks to the controller and sets their references in each tick.
@@ -56,7 +58,8 @@ class BalanceTasks:
             )
         )
         self._trunk = TrunkTasks(controller, kin, gains)
-        self._trunk_share = WeightShare(self._trunk.tasks)
+        *torso, base = self._trunk.tasks
+        self._torso_share, self._base_share = WeightShare(torso), WeightShare((base,))
         weights = np.full(robot.na, gains.posture_weight)
         for leg in robot.legs:
             weights[np.array(leg) - 6] = gains.leg_posture_weight
@@ -109,8 +112,20 @@ class BalanceTasks:
         if share != self._arm_share:
             self._swing_arms(share)
         swing = state.swing
-        self._trunk_share.set(self._trunk_weight_share(state))
+        self._hold_trunk(state)
         self._trunk.update(heading, 0.0 if swing is None else 0.5 * swing.yaw_rate, offset)
+
+    def _hold_trunk(self, state: GaitState) -> None:
+        """Set the weights of torso and base.
+
+        In quick steps only its posture holds a torso about the vertical that a blow has turned on
+        its waist: to turn it back takes more than one sole transmits by friction, and the waist
+        turns much farther than the legs.
+        """
+        share = self._trunk_weight_share(state)
+        self._base_share.set(share)
+        turned = state.is_quick and abs(self._trunk.torso_turn()) > _TURNED
+        self._torso_share.set((share, share, 0.0) if turned else share)
 
     def _trunk_weight_share(self, state: GaitState) -> float:
         """Return the share of its weight with which the trunk is held.

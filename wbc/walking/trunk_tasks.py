@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from wbc.controller import WholeBodyController
@@ -33,8 +35,14 @@ class TrunkTasks:
             controller.add(OrientationTask(name, weight=gains.trunk_weight, kp=gains.trunk_kp))
             for name in frames
         )
+        self._kin, self._torso = kin, controller.robot.torso
         self._upright = np.array([kin.frame(name).rotation for name in frames])
         self._targets = self._upright.copy()
+
+    def torso_turn(self) -> float:
+        """Return the angle of the torso from its reference about the vertical, rad."""
+        turned = self._kin.frame(self._torso).rotation @ self._targets[0].T
+        return math.atan2(turned[1, 0] - turned[0, 1], turned[0, 0] + turned[1, 1])
 
     def update(self, yaw: float, yaw_rate: float, offset: ReferenceOffset | None) -> None:
         """Set the references: upright along a heading, turned by an offset.

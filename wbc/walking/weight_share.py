@@ -20,13 +20,13 @@ class WeightShare:
 
     def __init__(self, tasks: Sequence[Task]) -> None:
         self._tasks = tuple(tasks)
-        self._share = 1.0
+        self._share: float | tuple[float, ...] = 1.0
         self._changed: list[
             tuple[Task, np.ndarray, np.ndarray]
         ] = []  # usual weight and that of now
 
-    def set(self, share: float) -> None:
-        """Set the share; 1 is the usual weight."""
+    def set(self, share: float | tuple[float, ...]) -> None:
+        """Set the share, one for all rows or one for each; 1 is the usual weight."""
         if share == self._share:
             return
         for task, usual, changed in self._changed:
@@ -38,5 +38,5 @@ class WeightShare:
             return
         for task in self._tasks:
             usual = task.weight
-            task.weight = share * usual
+            task.weight = np.multiply(share, usual)
             self._changed.append((task, usual, task.weight))
