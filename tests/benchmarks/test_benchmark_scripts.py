@@ -1,6 +1,7 @@
 """The benchmarks of correctness, scaling and solvers keep running and keep their keys."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -59,6 +60,19 @@ def test_the_terrain_benchmark_tells_who_gets_across(tmp_path):
     (found,) = json.loads(out.read_text())
     assert found["passed"]
     assert found["way"] > 1.5
+
+
+def test_the_punches_benchmark_counts_every_punch_by_part_and_turn():
+    pytest.importorskip("mujoco")
+    head, titles, row, _ = run("punches.py", "--tours", "1", "--condition", "strength").splitlines()
+    assert head.startswith("g1: ")
+    assert "hips, knees, waist" in titles
+    counts = [tuple(map(int, cell.split("/"))) for cell in re.findall(r"\d+/\d+", row)]
+    survived, punches = counts[0]
+    assert 1 <= punches <= 3
+    assert punches - survived <= 1
+    # Once by part, once by turn.
+    assert [sum(column) for column in zip(*counts[1:], strict=True)] == [2 * survived, 2 * punches]
 
 
 @pytest.mark.slow
