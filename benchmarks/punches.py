@@ -3,8 +3,9 @@
 Short tours (`wbc trials tour`) whose punches all have their greatest force: how many are survived,
 by the part of the body that is hit and by the angular momentum that a punch gives about the
 vertical, which only the friction of the soles takes up again. Beside the plant as it is, the same
-tours with one thing changed: the state known exactly; ground of four times the friction; legs and
-waist of twice the torque and speed. These show what bounds the controller, none is a result of it.
+tours with one thing changed: the torso always held about the vertical; the state known exactly;
+ground of four times the friction; legs and waist of twice the torque and speed. The last three show
+what bounds the controller, they are no results of it.
 
     python benchmarks/punches.py
     python benchmarks/punches.py --tours 20 --condition as-it-is
@@ -53,17 +54,20 @@ class Condition:
         exact: whether the controller knows the state exactly.
         friction: Coulomb coefficient of the ground.
         assumed_friction: the same that the controller counts on.
+        release_angle: see `WalkerGains.torso_release_angle`.
         strength: factor on torque and velocity limits of legs and waist.
     """
 
     exact: bool = False
     friction: float = 0.8
     assumed_friction: float = WalkerGains().friction
+    release_angle: float = WalkerGains().torso_release_angle
     strength: float = 1.0
 
 
 CONDITIONS = {
     "as-it-is": Condition(),
+    "torso-held": Condition(release_angle=math.inf),
     "exact-state": Condition(exact=True),
     "friction": Condition(exact=True, friction=3.2, assumed_friction=2.4),
     "strength": Condition(exact=True, strength=2.0),
@@ -97,7 +101,11 @@ def tour(name: str, condition: Condition, seed: int) -> list[Outcome]:
         ground_truth=condition.exact,
         friction=condition.friction,
     )
-    gains = dataclasses.replace(WalkerGains.for_robot(robot), friction=condition.assumed_friction)
+    gains = dataclasses.replace(
+        WalkerGains.for_robot(robot),
+        friction=condition.assumed_friction,
+        torso_release_angle=condition.release_angle,
+    )
     estimator = GroundTruthEstimator(robot) if condition.exact else None
     walker = wbc.Walker(robot, _DT, gains=gains)
     result = run_tour(robot, walker, drawn, plant=plant, estimator=estimator)

@@ -18,8 +18,6 @@ from wbc.walking.stabilizer.disturbance import lasting_rate
 from wbc.walking.trunk_tasks import TrunkTasks
 from wbc.walking.weight_share import WeightShare
 
-_TURNED = 0.3  # rad; quick steps without a blow on an arm turn the torso less, mostly
-
 
 class BalanceTasks:
     """Adds the tasks to the controller and sets their references in each tick.
@@ -120,11 +118,12 @@ class BalanceTasks:
 
         In quick steps only its posture holds a torso about the vertical that a blow has turned on
         its waist: to turn it back takes more than one sole transmits by friction, and the waist
-        turns much farther than the legs.
+        turns much farther than the legs. Other quick steps turn it less.
         """
         share = self._trunk_weight_share(state)
         self._base_share.set(share)
-        turned = state.is_quick and abs(self._trunk.torso_turn()) > _TURNED
+        angle = self._gains.torso_release_angle
+        turned = state.is_quick and abs(self._trunk.torso_turn()) > angle
         self._torso_share.set((share, share, 0.0) if turned else share)
 
     def _trunk_weight_share(self, state: GaitState) -> float:

@@ -29,6 +29,8 @@ class WalkerGains:
         trunk_recovery_share: share of the trunk's weight in quick steps.
         trunk_step_out_share: share of the trunk's weight in the swing with which a robot that stood
             catches a push: the trunk takes up momentum that would move the ZMP away from the DCM.
+        torso_release_angle: angle about the vertical by which a blow has to turn the torso on its
+            waist, rad, for a quick step not to turn it back; infinity: it always does.
         tipping_distance: how far the DCM has left an edge of the sole over which the support foot
             of a quick step tips, share of the CoM's height; infinity: it never tips.
         tipping_weight: weight of the orientation of a support foot that tips over an edge.
@@ -62,6 +64,7 @@ class WalkerGains:
     trunk_kp: float = 80.0
     trunk_recovery_share: float = 3.0
     trunk_step_out_share: float = 1.0
+    torso_release_angle: float = 0.3
     tipping_distance: float = 0.17
     tipping_weight: float = 20.0
     posture_weight: float = 1.0
