@@ -25,7 +25,7 @@ import itertools
 import math
 import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -44,6 +44,7 @@ _FIRST_SEED = 200
 _SEGMENTS = 3  # punches of a tour
 _TURNS = 0.0, 2.0, 4.0, math.inf  # kg·m²/s: bounds of the columns
 _PARTS = "arms", "ankles", "hips, knees, waist"
+_TITLES = "all", *_PARTS, "turn 0 to 2", "turn 2 to 4", "turn over 4"
 
 
 @dataclass(frozen=True)
@@ -111,8 +112,9 @@ def tour(name: str, condition: Condition, seed: int) -> list[Outcome]:
     result = run_tour(robot, walker, drawn, plant=plant, estimator=estimator)
     hit = [punch for punch in drawn.punches if punch.time <= result.survived]
     felled = None if result.completed else hit[-1]
+    arms = _arm_joints(robot)
     return [
-        Outcome(_part(robot, punch), turn, punch is not felled)
+        Outcome(_part(robot, arms, punch), turn, punch is not felled)
         for punch, turn in zip(hit, plant.turns, strict=True)
     ]
 
@@ -138,7 +140,7 @@ def _load(name: str, strength: float) -> wbc.Robot:
     robot = wbc.load(name)
     if strength == 1.0:
         return robot
-    arms = {index for arm in UpperBody.of(robot).arms for index in arm.joints}
+    arms = _arm_joints(robot)
     joints = [i for i in range(robot.na) if i not in arms]
     velocity = robot.model.velocityLimit[6:]
     return wbc.load(
@@ -148,9 +150,13 @@ def _load(name: str, strength: float) -> wbc.Robot:
     )
 
 
-def _part(robot: wbc.Robot, punch: Punch) -> str:
+def _arm_joints(robot: wbc.Robot) -> set[int]:
+    return {index for arm in UpperBody.of(robot).arms for index in arm.joints}
+
+
+def _part(robot: wbc.Robot, arms: set[int], punch: Punch) -> str:
     index = robot.joint_index(punch.joint)
-    if any(index in arm.joints for arm in UpperBody.of(robot).arms):
+    if index in arms:
         return "arms"
     ankles = [dof - 6 for leg in robot.legs for dof in leg[-2:]]
     return "ankles" if index in ankles else "hips, knees, waist"
@@ -163,20 +169,20 @@ def _share(outcomes: Iterable[Outcome]) -> str:
     return f"{sum(survived)}/{len(survived)} {100.0 * float(np.mean(survived)):3.0f} %"
 
 
-def _row(title: str, outcomes: list[Outcome]) -> str:
+def _row(name: str, outcomes: list[Outcome]) -> str:
     cells = [_share(outcomes)]
     cells += [_share(o for o in outcomes if o.part == part) for part in _PARTS]
     cells += [
         _share(o for o in outcomes if least <= o.turn < most)
         for least, most in itertools.pairwise(_TURNS)
     ]
-    return f"{title:13}" + "".join(f"{cell:>20}" for cell in cells)
+    return _line(name, cells)
 
 
-def _titles() -> str:
-    turns = [f"turn {a:g} to {b:g}" for a, b in itertools.pairwise(_TURNS)]
-    turns[-1] = f"turn over {_TURNS[-2]:g}"
-    return f"{'condition':13}" + "".join(f"{title:>20}" for title in ("all", *_PARTS, *turns))
+def _line(name: str, cells: Sequence[str]) -> str:
+    return f"{name:11}" + "".join(
+        f"  {cell:>{max(len(title), 13)}}" for title, cell in zip(_TITLES, cells, strict=True)
+    )
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -188,7 +194,7 @@ def main(argv: list[str] | None = None) -> int:
     )
     options = parser.parse_args(argv)
     print(f"{options.robot}: punches at full force that are survived; turn in kg·m²/s")
-    print(_titles())
+    print(_line("condition", _TITLES))
     start = time.perf_counter()
     seeds = range(_FIRST_SEED, _FIRST_SEED + options.tours)
     with ProcessPoolExecutor() as pool:

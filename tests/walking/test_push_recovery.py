@@ -10,6 +10,7 @@ from cases import slow
 
 import wbc
 from wbc.gait import DcmReference, Phase, SwingFoot
+from wbc.geometry.planar import yaw_of
 from wbc.sim import Mujoco
 
 pytest.importorskip("mujoco")
@@ -123,8 +124,7 @@ def test_a_blow_on_an_arm_turns_the_torso_but_neither_pelvis_nor_feet_and_it_tur
 
     def record(_: float) -> None:
         kin = wbc.Kinematics(robot, plant.ground_truth())
-        rotations = [kin.frame(name).rotation for name in (robot.torso, robot.base)]
-        yaws.append([np.arctan2(rotation[1, 0], rotation[0, 0]) for rotation in rotations])
+        yaws.append([yaw_of(kin.frame(name).rotation) for name in (robot.torso, robot.base)])
 
     with Mujoco(robot, seed=1) as plant:
         impulse = (0.6 * robot.mass, 0.0, 0.0)

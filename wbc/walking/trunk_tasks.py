@@ -39,11 +39,6 @@ class TrunkTasks:
         self._upright = np.array([kin.frame(name).rotation for name in frames])
         self._targets = self._upright.copy()
 
-    def torso_turn(self) -> float:
-        """Return the angle of the torso from its reference about the vertical, rad."""
-        turned = self._kin.frame(self._torso).rotation @ self._targets[0].T
-        return math.atan2(turned[1, 0] - turned[0, 1], turned[0, 0] + turned[1, 1])
-
     def update(self, yaw: float, yaw_rate: float, offset: ReferenceOffset | None) -> None:
         """Set the references: upright along a heading, turned by an offset.
 
@@ -70,3 +65,14 @@ class TrunkTasks:
             task.velocity = heading @ velocity
             task.velocity[2] += yaw_rate
             task.acceleration = heading @ acceleration
+
+    def torso_turn(self) -> float:
+        """Return the angle of the torso from its reference about the vertical, rad.
+
+        It is 0 where the torso is the base, which has no waist to turn on.
+        """
+        target = self.tasks[0].target
+        if target is None or len(self.tasks) == 1:
+            return 0.0
+        turned = self._kin.frame(self._torso).rotation @ target.T
+        return math.atan2(turned[1, 0] - turned[0, 1], turned[0, 0] + turned[1, 1])

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from wbc.geometry.planar import ground_point, rotation_about_z
+from wbc.geometry.planar import ground_point, rotation_about_z, yaw_of
 from wbc.kinematics import Kinematics
 from wbc.motions.jumping.plan import JumpPlan
 from wbc.motions.jumping.profile import HeightState, MinimumJerk
@@ -83,7 +83,7 @@ class SoleFlightReference:
             place = np.array(
                 [x + progress[0] * shift.real, y + progress[0] * shift.imag, self._ground + height]
             )
-            yaw = math.atan2(start.rotation[1, 0], start.rotation[0, 0])
+            yaw = yaw_of(start.rotation)
             task.target = pin.SE3(rotation_about_z(yaw), place)
             task.velocity[:3] = progress[1] * shift.real, progress[1] * shift.imag, rate
             task.acceleration[:3] = progress[2] * shift.real, progress[2] * shift.imag, acceleration
