@@ -43,10 +43,10 @@ class RobotSide:
             self.node, "std_msgs/msg/Float64MultiArray", "effort_controller/commands"
         )
 
-    def await_controller(self) -> None:
+    def await_controller(self, processes: int = 1) -> None:
         publishers = (self._joints, self._imu)
         assert self.node.spin_until(
-            lambda: all(p.get_subscription_count() for p in publishers), TIMEOUT
+            lambda: all(p.get_subscription_count() >= processes for p in publishers), TIMEOUT
         )
 
     def publish(
@@ -151,7 +151,7 @@ def test_a_second_process_damps_the_joints_after_the_controller_has_gone(
 ) -> None:
     network = replace(Network(), domain_id=domain)
     hardware = connect(g1, network=network)
-    robot_side.await_controller()
+    robot_side.await_controller(processes=2)  # the one state that is published reaches both
     v = np.full(g1.na, 0.7)
     robot_side.publish(1.0, 0.0 * v, v)
     assert hardware.receive(TIMEOUT) is not None
