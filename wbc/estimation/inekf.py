@@ -19,6 +19,7 @@ from wbc.estimation.noise import EstimatorNoise
 _SAME = 0.15  # m/s by which a velocity may change between two corrections, to count as the same
 _LASTING = 2  # corrections for which soles seem to slip at the same velocity until it is a jump
 _STILL = 2  # corrections without a slip, after which the next one is another
+_ONSET = 2  # corrections in which a shock shows: the first one may come right after it
 _LEVER = 0.15  # m from the centre of a sole to its edge, at most
 _TURNED = 0.1  # rad by which a shock may turn a sole
 
@@ -100,7 +101,7 @@ class InvariantFilter:
             record[name] = 0.0
         record["vectors"][0, 0] = v
         record["origin"] = origin
-        for name in ("pending", "corrections", "started", "at_once", "lasting", "still"):
+        for name in ("pending", "corrections", "started", "onset", "lasting", "still"):
             record[name] = 0
         sigma = np.zeros(record["xi"].size)
         # Heading and position are what the reset says they are: nothing measures them.
@@ -188,11 +189,11 @@ class InvariantFilter:
         if slipped < 0 or self._correct_for_jump(held, h, F):
             record["still"] += 1
             if record["still"][0] >= _STILL:
-                record["at_once"], record["slip_velocity"] = True, 0.0
+                record["onset"], record["slip_velocity"] = _ONSET, 0.0
             return
         record["still"] = 0
         # Taken for truth, the slip of a sole would turn into a bias of the gyro.
-        for foot in np.flatnonzero(held) if record["at_once"][0] else (slipped,):
+        for foot in np.flatnonzero(held) if record["onset"][0] else (slipped,):
             kernels.land(record, foot, h[foot], F[foot])
 
     def _correct_for_jump(self, held: np.ndarray, h: np.ndarray, F: np.ndarray) -> bool:
@@ -204,8 +205,10 @@ class InvariantFilter:
         time = self.period * (2.0 if record["still"][0] == 1 else 1.0)
         velocity = moved[way.argmin(), 0] / time  # of the slowest sole
         speed = float(np.linalg.norm(velocity))
-        record["at_once"] &= speed > self._noise.jump
-        if not record["at_once"][0]:
+        if speed <= self._noise.jump:
+            record["onset"] = max(record["onset"][0] - 1, 0)
+            return False
+        if record["onset"][0] == 0:
             return False
         same = np.linalg.norm(velocity - record["slip_velocity"][0]) < _SAME
         record["lasting"] = record["lasting"] + 1 if same else 0

@@ -33,7 +33,7 @@ def filter_type(feet: int) -> np.dtype:
             ("started", np.int64),  # whether there is a reading of the gyro since the reset
             ("gyro", float, (3,)),  # the last one, IMU axes, rad/s
             ("corrections", np.int64),
-            ("at_once", np.int64),  # whether soles that slip have done so fast from the start
+            ("onset", np.int64),  # corrections in which soles that slip may still turn out to be a shock
             ("slip_velocity", float, (3,)),  # theirs when they last did, m/s
             ("lasting", np.int64),  # corrections for which it has been the same
             ("still", np.int64),  # corrections since then
