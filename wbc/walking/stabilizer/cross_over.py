@@ -18,7 +18,10 @@ _FARTHEST = 0.5  # the same beyond the other foot
 _WORTHWHILE = 0.1  # m that it has to gain across the sole, at least
 _COST = 3.0  # times what it gains across that it may land off along the sole, at most
 _LAG = 0.015  # s by which a foot follows its reference
+_CAUGHT = 0.75  # share of what quick steps catch in any number that a foot may land off along the sole
+_HALFWAY = 0.16  # share of its speed times its time by which a quintic is farther halfway
 _AHEAD = 0.04  # m that the foot still has to move forward or back until it passes, at most
+_SCRAPE = 0.01  # m by which it may be nearer than that halfway
 _CROSSED = 0.5  # share of the least width: a foot that is nearer has crossed over
 
 
@@ -35,9 +38,9 @@ class CrossOver:
     DCM that is so far off, beside the way L of a step at the present velocity: with the length R
     of an easy step, that of the ZMP, m, and the growth E of the DCM in a step, as many as it takes,
 
-        d ≤ (R − L) / (E − 1) + m
+        d ≤ 0.75 ((R − L) / (E − 1) + m)
 
-    (N-step capturability, Koolen et al., IJRR 2012).
+    (N-step capturability, Koolen et al., IJRR 2012; at the bound itself no step would leave less).
 
     Args:
         robot: the robot.
@@ -80,7 +83,16 @@ class CrossOver:
         growth = math.exp(quick.omega * quick.step_duration)
         way = state.stance.to_local(state.landing.point).real / usual.step_duration
         length = -side * way * quick.step_duration
-        return (easy_step(quick) - length) / (growth - 1.0) + self._sole
+        return _CAUGHT * ((easy_step(quick) - length) / (growth - 1.0) + self._sole)
+
+    def _way_past(self, state: GaitState, side: float) -> float:
+        """Return how far ahead or behind a foot has to land to be past the other one halfway, m."""
+        foot = state.stance.to_local(state.other_foot.point)
+        if not isinstance(state.swing, SwingFoot) or lateral_sign(state.swing_side) * foot.imag < 0:
+            return self._length
+        nearer = max(_speed_towards(state, side), 0.0) * state.remaining
+        past = self._length - _SCRAPE + _HALFWAY * nearer
+        return max(self._length, 2.0 * past - side * foot.real)
 
     def _farthest(self, state: GaitState) -> float:
         """Return how far beyond the support foot the swing foot may land, m.
@@ -119,7 +131,8 @@ class CrossOver:
         if side == 0.0:
             return place
         local = stance.to_local(place.point)
-        forward = side * max(self._length, side * local.real)
+        past = self._way_past(state, side) if state.crossing != 0.0 else self._length
+        forward = side * max(past, side * local.real)
         width = min(width, sign * local.imag)
         return place._replace(point=stance.to_world(complex(forward, sign * width)))
 
@@ -131,9 +144,14 @@ def _stopping_distance(state: GaitState, side: float) -> float:
         state: during a swing.
         side: 1 if the swing foot is in front, −1 if it is behind.
     """
+    speed = max(_speed_towards(state, side), 0.0)
+    return speed * _LAG + 0.5 * speed * speed / (SWING_ACCELERATION * state.gait.gravity)
+
+
+def _speed_towards(state: GaitState, side: float) -> float:
+    """Return the speed along the support sole with which the swing foot comes nearer to it, m/s."""
     if not isinstance(state.swing, SwingFoot):
         return 0.0
     x, y, *_ = state.swing.motion.velocity.tolist()
     velocity = complex(x, y) * planar_rotation(-state.stance.yaw)
-    speed = max(-side * velocity.real, 0.0)
-    return float(speed * _LAG + 0.5 * speed * speed / (SWING_ACCELERATION * state.gait.gravity))
+    return float(-side * velocity.real)
