@@ -16,9 +16,12 @@ from simtools import JointPDController, SwayOffsets, moved, robot, roll_pitch_ya
 
 from wbc.errors import ContactError, MeasurementError, StateError
 from wbc.estimation import ContactTrigger, Estimator, EstimatorNoise, GroundTruthEstimator
+from wbc.gait import Phase
 from wbc.measurement import Measurement
 from wbc.sim import Mujoco, SensorNoise
 from wbc.state import State
+from wbc.trials.closed_loop import ClosedLoop
+from wbc.walking import Walker
 
 pytest.importorskip("mujoco")
 
@@ -466,3 +469,26 @@ def test_shock_that_the_accelerometer_does_not_tell_is_found_by_the_legs(jump: f
             plant.step(hold(m))
     assert off[200] > 0.7
     assert (max(off[210:]) < 0.15) == found
+
+
+def test_a_kick_in_a_step_is_found_whenever_it_comes_between_two_corrections():
+    """One that comes right before a correction has moved the sole by a fraction only by then."""
+    r = robot("g1")
+    walker = Walker(r)
+    walker.velocity = (0.3, 0.0, 0.0)
+    loop = ClosedLoop(r, Mujoco(r, ground_truth=True, seed=2), Estimator(r), walker)
+    loop.reset()
+    state = walker.gait_state
+    while not (state.steps == 2 and state.phase is Phase.SWING and state.time > 0.1):
+        loop.tick()
+    saved = pickle.dumps(loop)
+    for later in range(4):
+        loop = pickle.loads(saved)
+        for _ in range(later):
+            loop.tick()
+        towards_support = 1.0 if loop.controller.gait_state.support == "left" else -1.0
+        loop.plant.kick((0.0, towards_support, 0.0))
+        for _ in range(20):
+            estimate, _ = loop.tick()
+        off = estimate.state.v[1] - loop.plant.measure().ground_truth.v[1]
+        assert abs(off) < 0.35, f"kicked {later} ticks later"
