@@ -486,8 +486,8 @@ def test_a_kick_in_a_step_is_found_whenever_it_comes_between_two_corrections():
         loop = pickle.loads(saved)
         for _ in range(later):
             loop.tick()
-        towards_support = 1.0 if loop.controller.gait_state.support == "left" else -1.0
-        loop.plant.kick((0.0, towards_support, 0.0))
+        away = -1.0 if state.support == "left" else 1.0  # from the foot that stands
+        loop.plant.kick((0.0, away, 0.0))
         for _ in range(20):
             estimate, _ = loop.tick()
         off = estimate.state.v[1] - loop.plant.measure().ground_truth.v[1]
