@@ -193,7 +193,8 @@ class InvariantFilter:
             return
         record["still"] = 0
         # Taken for truth, the slip of a sole would turn into a bias of the gyro.
-        for foot in np.flatnonzero(held) if record["onset"][0] else (slipped,):
+        shock = record["slip_velocity"].any()
+        for foot in np.flatnonzero(held) if shock else (slipped,):
             kernels.land(record, foot, h[foot], F[foot])
 
     def _correct_for_jump(self, held: np.ndarray, h: np.ndarray, F: np.ndarray) -> bool:
@@ -205,10 +206,9 @@ class InvariantFilter:
         time = self.period * (2.0 if record["still"][0] == 1 else 1.0)
         velocity = moved[way.argmin(), 0] / time  # of the slowest sole
         speed = float(np.linalg.norm(velocity))
-        if speed <= self._noise.jump:
+        if speed <= self._noise.jump or record["onset"][0] == 0:
             record["onset"] = max(record["onset"][0] - 1, 0)
-            return False
-        if record["onset"][0] == 0:
+            record["slip_velocity"] = 0.0
             return False
         same = np.linalg.norm(velocity - record["slip_velocity"][0]) < _SAME
         record["lasting"] = record["lasting"] + 1 if same else 0

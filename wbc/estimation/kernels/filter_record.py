@@ -33,8 +33,8 @@ def filter_type(feet: int) -> np.dtype:
             ("started", np.int64),  # whether there is a reading of the gyro since the reset
             ("gyro", float, (3,)),  # the last one, IMU axes, rad/s
             ("corrections", np.int64),
-            ("onset", np.int64),  # corrections in which soles that slip may still turn out to be a shock
-            ("slip_velocity", float, (3,)),  # theirs when they last did, m/s
+            ("onset", np.int64),  # corrections left in which slipping soles may be a shock
+            ("slip_velocity", float, (3,)),  # theirs at the last one, m/s; 0 if it was no shock
             ("lasting", np.int64),  # corrections for which it has been the same
             ("still", np.int64),  # corrections since then
             # Constants.
