@@ -96,9 +96,18 @@ def test_a_foot_far_behind_that_is_a_little_too_near_swings_ahead(g1):
 
 def test_a_foot_does_not_cross_over_far_off_for_a_little_way_across(g1):
     state, cross_over = swinging(g1, BEHIND, 0.24), CrossOver(g1)
-    assert cross_over.side(state, complex(0.15, -0.2)) == -1.0
-    assert cross_over.side(state, complex(0.15, -0.04)) == 0.0
-    assert cross_over.side(state, complex(-0.2, -0.04)) == -1.0
+    assert cross_over.side(state, complex(0.12, -0.2)) == -1.0
+    assert cross_over.side(state, complex(0.12, -0.034)) == 0.0
+    assert cross_over.side(state, complex(-0.2, -0.034)) == -1.0
+
+
+def test_a_foot_that_moves_towards_the_support_foot_lands_farther_off(g1):
+    state = swinging(g1, BEHIND, 0.24)
+    state.crossing, state.duration = -1.0, 0.2
+    state.swing = SwingFoot(state.feet.left, state.feet.left, 0.2, 0.05, 0.05)
+    at_rest = landing(g1, state, 0.0, -0.3).real
+    state.swing.motion.velocity[0] = 1.5
+    assert landing(g1, state, 0.0, -0.3).real < at_rest - 0.03
 
 
 def test_a_cross_over_step_lands_beyond_the_support_foot_and_a_sole_behind_it(g1):
