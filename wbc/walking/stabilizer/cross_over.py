@@ -19,7 +19,7 @@ _WORTHWHILE = 0.1  # m that it has to gain across the sole, at least
 _COST = 3.0  # times what it gains across that it may land off along the sole, at most
 _LAG = 0.015  # s by which a foot follows its reference
 _CAUGHT = 0.75  # share of what any number of quick steps catch that it may land off along the sole
-_HALFWAY = 0.16  # share of its speed times its time by which a quintic is farther halfway
+_HALFWAY = 0.16  # share of its speed times its time by which a quintic is farther halfway, 5/32
 _AHEAD = 0.04  # m that the foot still has to move forward or back until it passes, at most
 _SCRAPE = 0.01  # m by which it may be nearer than that halfway
 _CROSSED = 0.5  # share of the least width: a foot that is nearer has crossed over
@@ -86,12 +86,21 @@ class CrossOver:
         return _CAUGHT * ((easy_step(quick) - length) / (growth - 1.0) + self._sole)
 
     def _way_past(self, state: GaitState, side: float) -> float:
-        """Return how far ahead or behind a foot has to land to be past the other one halfway, m."""
+        """Return how far ahead or behind a foot has to land to be past the other one halfway, m.
+
+        On a quintic from x with the speed v to rest at x_T it is then at
+
+            x(T/2) = (x + x_T) / 2 + 5/32 v T.
+
+        Args:
+            state: during a swing that crosses over.
+            side: 1 if the swing foot is in front, −1 if it is behind.
+        """
         foot = state.stance.to_local(state.other_foot.point)
-        if not isinstance(state.swing, SwingFoot) or lateral_sign(state.swing_side) * foot.imag < 0:
+        if lateral_sign(state.swing_side) * foot.imag < 0.0:  # it already is
             return self._length
-        nearer = max(_speed_towards(state, side), 0.0) * state.remaining
-        past = self._length - _SCRAPE + _HALFWAY * nearer
+        way = _speed_towards(state, side) * state.remaining
+        past = self._length - _SCRAPE + _HALFWAY * way
         return max(self._length, 2.0 * past - side * foot.real)
 
     def _farthest(self, state: GaitState) -> float:
@@ -120,8 +129,9 @@ class CrossOver:
         """
         stance, sign, limits = state.stance, lateral_sign(state.swing_side), state.limits
         least = state.recovery_gait.least_width
-        side, width = state.crossing, math.inf
+        side, width, past = state.crossing, math.inf, self._length
         if side != 0.0:
+            past = self._way_past(state, side)
             width = max(-self._farthest(state), sign * stance.to_local(wanted.point).imag)
         else:
             foot = stance.to_local(state.other_foot.point)
@@ -131,7 +141,6 @@ class CrossOver:
         if side == 0.0:
             return place
         local = stance.to_local(place.point)
-        past = self._way_past(state, side) if state.crossing != 0.0 else self._length
         forward = side * max(past, side * local.real)
         width = min(width, sign * local.imag)
         return place._replace(point=stance.to_world(complex(forward, sign * width)))
@@ -144,14 +153,17 @@ def _stopping_distance(state: GaitState, side: float) -> float:
         state: during a swing.
         side: 1 if the swing foot is in front, −1 if it is behind.
     """
-    speed = max(_speed_towards(state, side), 0.0)
+    speed = _speed_towards(state, side)
     return speed * _LAG + 0.5 * speed * speed / (SWING_ACCELERATION * state.gait.gravity)
 
 
 def _speed_towards(state: GaitState, side: float) -> float:
-    """Return the speed along the support sole with which the swing foot comes nearer to it, m/s."""
+    """Return the speed along the support sole with which the swing foot comes nearer to it, m/s.
+
+    It is 0 if the foot moves away.
+    """
     if not isinstance(state.swing, SwingFoot):
         return 0.0
     x, y, *_ = state.swing.motion.velocity.tolist()
     velocity = complex(x, y) * planar_rotation(-state.stance.yaw)
-    return float(-side * velocity.real)
+    return max(-side * velocity.real, 0.0)
