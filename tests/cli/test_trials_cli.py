@@ -8,10 +8,12 @@ import time
 
 import pytest
 from clitools import start
+from policytools import write_standing_policy
 from trialtools import made_up
 
+import wbc
 from wbc.cli.entry import run
-from wbc.trials import ControllerSpec
+from wbc.trials import ControllerSpec, read_results
 
 
 @pytest.fixture
@@ -91,6 +93,31 @@ def test_a_finished_grid_is_shown_and_not_run_again(tmp_path, capsys, monkeypatc
     printed = capsys.readouterr()
     assert f"{len(results.rows)} of {len(results.rows)} results are in grid.parquet" in printed.err
     assert str(tmp_path / "grid.parquet") in printed.out
+
+
+def test_a_policy_is_run_with_the_robots_of_a_grid_that_it_is_made_for(
+    tmp_path, capsys, monkeypatch
+):
+    pytest.importorskip("mujoco")
+    pytest.importorskip("onnxruntime")
+    pytest.importorskip("yaml")
+    monkeypatch.chdir(tmp_path)
+    write_standing_policy(tmp_path, wbc.load("simple_humanoid"))
+    grid = 'sizes = [0.05]\nphases = 1\nduration = 0.2\ndirections = ["left"]\n'
+    robots = [f'[[robots]]\nrobot = "{name}"\n' for name in ("simple_humanoid", "icub")]
+    (tmp_path / "both.toml").write_text(grid + "".join(robots))
+    (tmp_path / "neither.toml").write_text(grid + robots[1])
+    assert run(["trials", "neither.toml", "--policy", "."]) == 2
+    assert "the policy commands 20 joints and icub has 29" in capsys.readouterr().err
+    assert run(["trials", "both.toml", "--policy", ".", "--rates"]) == 0
+    printed = capsys.readouterr()
+    assert "without the policy: " in printed.err
+    runs = read_results("both.parquet").runs
+    assert {(row.robot, row.controller) for row in runs} == {
+        ("simple_humanoid", "walker"),
+        ("simple_humanoid", "policy"),
+        ("icub", "walker"),
+    }
 
 
 def test_a_signal_ends_a_run_without_losing_what_was_finished(tmp_path):

@@ -109,6 +109,15 @@ def test_a_grid_is_read_back_as_it_was_written(declared, tmp_path):
     assert pickle.loads(pickle.dumps(declared)) == copy.deepcopy(declared) == declared
 
 
+def test_a_robot_is_run_with_the_controllers_that_it_names():
+    controllers = tuple(map(ControllerSpec, ("walker", "other")))
+    robots = RobotCases("g1"), RobotCases("talos", controllers=("other",))
+    grid = Grid(robots, (0.3,), controllers=controllers)
+    runs = [(run.robot, run.controller.name) for run in grid.runs()]
+    assert runs == [("g1", "walker"), ("g1", "other"), ("talos", "other")]
+    assert parse_grid(json.loads(grid_to_json(grid))) == grid
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -126,6 +135,8 @@ def test_a_grid_is_read_back_as_it_was_written(declared, tmp_path):
         ({"robots": [{"robot": "g1", "velocities": [[0.1, 0.2]]}]}, "three of forward, left"),
         ({"robots": [{"robot": "g1"}, {"robot": "g1"}]}, "'g1 at .* more than once"),
         ({"robots": [{"robot": "g1", "sizes": {"up": [0.3]}}]}, "direction 'up' must be one of"),
+        ({"robots": [{"robot": "g1", "controllers": ["wlker"]}]}, "'wlker'; did you mean 'walker'"),
+        ({"robots": [{"robot": "g1", "controllers": []}]}, "'g1' has no controllers"),
         ({"conditions": [{"latncy": 0.1}]}, r"conditions\[0\].latncy'; did you mean 'latency'"),
         ({"conditions": [{"name": "x", "mass": 0.0}]}, "'x': mass = 0.0 must be positive"),
         ({"conditions": [{}, {}]}, "'nominal' more than once"),

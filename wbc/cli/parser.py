@@ -191,7 +191,8 @@ def _settings(parameter: _Parameter) -> dict[str, Any]:
     parts = (kind, *get_args(kind))
     argument = next((p.__metadata__[0] for p in parts if hasattr(p, "__metadata__")), None)
     if argument is None:
-        metavar, parse = _PARSERS.get(kind, (name.upper(), str))
+        known = (_PARSERS[part] for part in parts if part in _PARSERS)  # also of `Path | None`
+        metavar, parse = next(known, (name.upper(), str))
         argument = Argument(metavar or name.upper(), parse)
     settings: dict[str, Any] = {"metavar": argument.metavar, "type": argument.parse}
     if default is inspect.Parameter.empty:

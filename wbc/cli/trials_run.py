@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
-from wbc.cli.argument_types import Argument, OutputFile, positive_number
+from wbc.cli.argument_types import Argument, OutputFile, PolicyFolder, positive_number
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.interrupt import graceful_interrupt
 from wbc.cli.output import writing_results
 from wbc.cli.progress import ProgressLine
 from wbc.cli.trials_tables import results_text
+from wbc.errors import JointNotFound
+from wbc.robot import load
 from wbc.trials.controllers import ControllerSpec
 from wbc.trials.errors import ResultsError
+from wbc.trials.grid import Grid
 from wbc.trials.grid_file import read_grid
+from wbc.trials.policy import PolicyError, load_policy
 from wbc.trials.runner import GridProgress, run_grid
 from wbc.trials.workers import Workers, dask_workers, local_workers
 
@@ -25,7 +30,7 @@ def run(
     output: OutputFile | None = None,
     workers: Annotated[int | None, Argument("N", positive_number)] = None,
     cluster: Annotated[str | None, Argument("ADDRESS")] = None,
-    policy: Path | None = None,
+    policy: PolicyFolder | None = None,
     restart: bool = False,
     rates: bool = False,
 ) -> ExitCode:
@@ -39,14 +44,14 @@ def run(
         output: Parquet file of the results (default: the grid's name with .parquet, here).
         workers: number of processes (default: one per core).
         cluster: address of a Dask scheduler whose workers run the trials, e.g. tcp://host:8786.
-        policy: folder of a learned policy, which is run besides the controllers of the grid.
+        policy: folder of a learned policy, which is run besides the controllers of the grid, with
+            the robots whose joints it commands.
         restart: discard earlier results of the output.
         rates: print survival rates with their confidence intervals too.
     """
     declared = read_grid(grid)
     if policy is not None:
-        spec = ControllerSpec("policy", "policy", {"folder": str(policy.expanduser().resolve())})
-        declared = replace(declared, controllers=(*declared.controllers, spec))
+        declared = _with_policy(declared, policy.expanduser().resolve())
     path = output or Path(f"{grid.stem}.parquet")
     pool = dask_workers(cluster) if cluster is not None else local_workers(workers)
     with graceful_interrupt() as received, ProgressLine(period=10.0) as line, pool as available:
@@ -67,6 +72,32 @@ def run(
     print(results_text(results, rates))
     print(f"\n{path.resolve()}")
     return ExitCode.SUCCESS
+
+
+def _with_policy(grid: Grid, folder: Path) -> Grid:
+    """Add a policy to the controllers of a grid, for the robots that it is made for.
+
+    Raises:
+        PolicyError: it cannot be read, or is made for none of the robots.
+    """
+    spec = ControllerSpec("policy", "policy", {"folder": str(folder)})
+    others = tuple(controller.name for controller in grid.controllers)
+    robots, refused = [], []
+    for cases in grid.robots:
+        try:
+            load_policy(load(cases.robot), folder=folder)
+        except (PolicyError, JointNotFound) as error:
+            refused.append(error)
+            cases = replace(cases, controllers=cases.controllers or others)
+        else:
+            own = cases.controllers
+            cases = replace(cases, controllers=own if own is None else (*own, spec.name))
+        robots.append(cases)
+    if len(refused) == len(robots):
+        raise refused[0]
+    for refusal in refused:
+        print(f"without the policy: {refusal}", file=sys.stderr)
+    return replace(grid, controllers=(*grid.controllers, spec), robots=tuple(robots))
 
 
 class _Progress:

@@ -18,7 +18,7 @@ from wbc.robot import Robot
 from wbc.runtime.protocols import ControllerFactory
 from wbc.trials.digest import path_digest
 from wbc.trials.errors import TrialError
-from wbc.trials.policy import load_policy
+from wbc.trials.policy import load_policy, policy_files
 from wbc.walking import Walker
 from wbc.walking.gains import WalkerGains
 
@@ -44,12 +44,20 @@ class ControllerSpec:
             object.__setattr__(self, "name", self.factory)
 
     def content(self) -> dict[str, Any]:
-        """Return all that decides how it behaves: the name left out, files by their content."""
+        """Return all that decides how it behaves: the name left out, files by their content.
+
+        Raises:
+            PolicyError: a file of a policy is missing.
+        """
         module, colon, _ = self.factory.partition(":")
+        options = _without_paths(self.options)
+        if self.factory == "policy" and "folder" in self.options:
+            # Only these files: results may be written to the same folder.
+            options["folder"] = [path_digest(path) for path in policy_files(self.options["folder"])]
         return {
             "factory": self.factory,
             "source": _source_digest(module) if colon else "",
-            "options": _without_paths(self.options),
+            "options": options,
         }
 
     def resolve(self) -> ControllerFactory:

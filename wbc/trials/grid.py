@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from wbc.errors import did_you_mean
 from wbc.trials.condition import Condition
 from wbc.trials.controllers import ControllerSpec
 from wbc.trials.disturbance import DIRECTIONS, Disturbance, PushDisturbance, parse_direction
@@ -25,11 +26,13 @@ class RobotCases:
         velocities: forward (m/s), or forward, left (m/s) and turn (rad/s); 0 is standing.
         sizes: sizes of the disturbance in place of the grid's; or name of a direction -> sizes, in
             place of the grid's directions too.
+        controllers: names of the controllers that it is run with; all of the grid's when left out.
     """
 
     robot: str
     velocities: tuple[float | Velocity, ...] = (0.0,)
     sizes: tuple[float, ...] | dict[str, tuple[float, ...]] | None = None
+    controllers: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         if not self.velocities:
@@ -71,7 +74,8 @@ class Grid:
         duration: time simulated from the disturbance on, s.
 
     Raises:
-        TrialError: an empty list, a repeated entry or a number out of its range.
+        TrialError: an empty list, a repeated entry, an unknown controller or a number out of its
+            range.
     """
 
     robots: tuple[RobotCases, ...]
@@ -104,12 +108,27 @@ class Grid:
                     f"grid '{self.name}': {what} has {min(repeated)!r} more than once; give each "
                     "a name of its own"
                 )
+        for cases in self.robots:
+            self._check_controllers(cases)
         if self.phases < 1:
             raise TrialError(f"phases = {self.phases} must be at least 1")
         if not all(seed >= 0 for seed in self.seeds):
             raise TrialError("seeds must be whole numbers of at least 0")
         if not (math.isfinite(self.duration) and self.duration > 0.0):
             raise TrialError(f"duration = {self.duration} s must be positive")
+
+    def _check_controllers(self, cases: RobotCases) -> None:
+        known = [controller.name for controller in self.controllers]
+        if cases.controllers is None:
+            return
+        if not cases.controllers:
+            raise TrialError(f"robot '{cases.robot}' has no controllers")
+        for name in cases.controllers:
+            if name not in known:
+                raise TrialError(
+                    f"robot '{cases.robot}': the grid has no controller '{name}'"
+                    f"{did_you_mean(name, known)}"
+                )
 
     def fractions(self) -> tuple[Fraction, ...]:
         """Return the phases as shares of a gait cycle."""
@@ -120,6 +139,8 @@ class Grid:
         for cases, controller, condition, seed in itertools.product(
             self.robots, self.controllers, self.conditions, self.seeds
         ):
+            if cases.controllers is not None and controller.name not in cases.controllers:
+                continue
             for velocity in cases.velocities:
                 assert isinstance(velocity, tuple)
                 yield UndisturbedRun(cases.robot, controller, velocity, condition, seed)

@@ -1,6 +1,6 @@
 """Learned policies as controllers: an ONNX network and the description of how to drive it."""
 
-from wbc.trials.policy.controller import PolicyController, load_policy
+from wbc.trials.policy.controller import PolicyController, load_policy, policy_files
 from wbc.trials.policy.description import PolicyDescription
 from wbc.trials.policy.errors import PolicyError
 from wbc.trials.policy.network import PolicyNetwork
@@ -13,4 +13,5 @@ __all__ = [
     "PolicyError",
     "PolicyNetwork",
     "load_policy",
+    "policy_files",
 ]

@@ -208,10 +208,23 @@ def load_policy(robot: Robot, dt: float = 0.002, *, folder: Path | str) -> Polic
         JointNotFound: the robot lacks one of the policy's joints.
         MissingExtra: `onnxruntime` or PyYAML is not installed.
     """
+    description, network = policy_files(folder)
+    return PolicyController(
+        robot, PolicyDescription.load(description), PolicyNetwork.load(network), dt
+    )
+
+
+def policy_files(folder: Path | str) -> tuple[Path, Path]:
+    """Return the files of a policy in a folder: its description and its network.
+
+    Args:
+        folder: see `load_policy`.
+
+    Raises:
+        PolicyError: one is missing.
+    """
     folder = Path(folder).expanduser()
-    description = PolicyDescription.load(_find(folder, _DESCRIPTIONS))
-    network = PolicyNetwork.load(_find(folder, _NETWORKS))
-    return PolicyController(robot, description, network, dt)
+    return _find(folder, _DESCRIPTIONS), _find(folder, _NETWORKS)
 
 
 def _find(folder: Path, places: Sequence[str]) -> Path:
