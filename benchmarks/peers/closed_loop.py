@@ -13,6 +13,7 @@ from __future__ import annotations
 import contextlib
 import math
 import os
+import select
 import subprocess
 import sys
 import tempfile
@@ -31,6 +32,7 @@ from wbc.trials.controllers import make_walker
 
 BENCHMARKS = Path(__file__).resolve().parent.parent
 POSTURE_WEIGHT = 0.1  # as high as in the comparison of ticks it moves the CoM by a centimetre
+_LONGEST_TICK = 5.0  # s: ten thousand times the usual
 _LEAVING = {"left": LEFT, "right": RIGHT}
 
 
@@ -38,7 +40,8 @@ class LibraryController(Closeable):
     """A walker whose QP another library solves, in a process of its own.
 
     A copy has a process of its own. It goes on bit-identically, because the library keeps nothing
-    from tick to tick; where the library finds no solution, the last torques stay.
+    from tick to tick; where the library finds no solution, the last torques stay. So they do where
+    it does not end within some seconds (eiquadprog may cycle for ever): its process starts anew.
 
     Args:
         robot: the robot.
@@ -126,8 +129,14 @@ class LibraryController(Closeable):
         assert self._process.stdin is not None
         self._process.stdin.write(reference.pack().tobytes())
         self._process.stdin.flush()
-        reply = self._reply()
         na, state = self._robot.na, estimate.state
+        if self._replies():
+            reply = self._reply()
+        else:
+            self._process.kill()
+            self.close()
+            self._start()
+            reply = np.zeros(1)
         if reply[0]:
             self._last = reply[1 : 1 + na], reply[1 + na :]
         tau, acceleration = self._last
@@ -156,6 +165,10 @@ class LibraryController(Closeable):
         process.stdout.close()
         self._log.close()
         self._scratch.cleanup()
+
+    def _replies(self) -> bool:
+        """Wait for a reply; return whether there is one in time."""
+        return bool(select.select([self._process.stdout], [], [], _LONGEST_TICK)[0])
 
     def _reply(self) -> np.ndarray:
         na = self._robot.na

@@ -119,6 +119,16 @@ def test_a_foot_that_slips_bounces_or_is_not_measured_is_not_lost(gaits, way, up
     assert lost_foot(walking.state, stood, RIGHT) == "left"
 
 
+def test_a_foot_that_bounces_while_the_whole_robot_seems_to_move_is_not_lost(gaits):
+    walking = Walking(gaits)
+    walking.walk_until(Phase.TRANSFER, "left")
+    stood = walking.feet
+    for side in ("left", "right"):
+        walking.knock(side, 0.1 + 0.05j, 0.06)
+    walking.state.feet = walking.feet
+    assert lost_foot(walking.state, stood, RIGHT) is None
+
+
 def test_the_foot_in_the_air_takes_over_from_a_support_foot_that_is_knocked_away(gaits):
     walking = Walking(gaits)
     walking.walk_until(Phase.SWING, "left")

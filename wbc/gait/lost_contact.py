@@ -19,6 +19,9 @@ def lost_foot(state: GaitState, stood: Feet, contacts: frozenset[str] | None) ->
     on holding that foot, and counts on its force, lifts the other one too, which alone carries the
     robot by now. Contact alone flickers under a blow: the foot also has to be elsewhere.
 
+    In double support it has to be elsewhere as seen from the foot that carries. The robot as a
+    whole may seem to move, by centimetres when a foot that has just landed bounces.
+
     Args:
         state: phase, feet and support.
         stood: soles when the phase began.
@@ -33,6 +36,14 @@ def lost_foot(state: GaitState, stood: Feet, contacts: frozenset[str] | None) ->
     side = other_side(*contacts)
     if state.phase is Phase.SWING and (side != state.support or state.time < _EARLIEST):
         return None
-    before, now = stood.of(side), state.feet.of(side)
-    way = math.hypot(abs(now.point - before.point), now.height - before.height)
-    return side if way > _MOVED else None
+    across, up = _way(stood, state.feet, side)
+    if state.phase is not Phase.SWING:
+        across_here, up_here = _way(stood, state.feet, other_side(side))
+        across, up = across - across_here, up - up_here
+    return side if math.hypot(abs(across), up) > _MOVED else None
+
+
+def _way(before: Feet, now: Feet, side: str) -> tuple[complex, float]:
+    """Return how far a foot has moved over the ground, x + iy, and up, m."""
+    here, there = now.of(side), before.of(side)
+    return here.point - there.point, here.height - there.height
