@@ -98,7 +98,7 @@ class Stabilizer:
         dcm = com.point + com.velocity / state.gait.omega
         state.com = com.point
         state.dcm = dcm - self.com_bias.update(dt, com, reaction, heading, hand_offset)
-        state.disturbance = self._disturbance.update(state.dcm, dt)
+        state.disturbance = self._disturbance.update(com.velocity, state.gait.omega, dt)
 
     def update(self, state: GaitState, reference: Reference) -> StabilizerOutput:
         """Decide on ZMP, CoM acceleration and landing place of this tick.
