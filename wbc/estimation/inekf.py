@@ -20,6 +20,7 @@ _SAME = 0.15  # m/s by which a velocity may change between two corrections, to c
 _LASTING = 2  # corrections for which soles seem to slip at the same velocity until it is a jump
 _STILL = 2  # corrections without a slip, after which the next one is another
 _ONSET = 2  # corrections in which a shock shows: the first one may come right after it
+_FADING = 0.75  # share of its speed that a shock keeps until the next correction, at least
 _LEVER = 0.15  # m from the centre of a sole to its edge, at most
 _TURNED = 0.1  # rad by which a shock may turn a sole
 
@@ -210,13 +211,15 @@ class InvariantFilter:
             record["onset"] = max(record["onset"][0] - 1, 0)
             record["slip_velocity"] = 0.0
             return False
-        same = np.linalg.norm(velocity - record["slip_velocity"][0]) < _SAME
+        before = record["slip_velocity"][0].copy()
+        same = np.linalg.norm(velocity - before) < _SAME
         record["lasting"] = record["lasting"] + 1 if same else 0
         record["slip_velocity"] = velocity
         # A sole that turns about its edge moves by as much as that; one alone may as well have been
-        # hit, or drag.
+        # hit, or drag. One that slides when it lands is slower at each correction.
         beyond_turn = bool((way >= _LEVER * turn).all())
-        if len(way) == 1 and not beyond_turn:
+        fading = speed < _FADING * np.linalg.norm(before)
+        if len(way) == 1 and (fading or way[0] < 2.0 * _LEVER * turn[0]):
             return False
         P = self.P.copy()
         self._doubt_velocity(speed, time)
