@@ -48,11 +48,16 @@ def read(f: JointFilter, reading: np.ndarray, acceleration: np.ndarray | None = 
     f.fresh = False
 
 
-def filled(seed: int = 0) -> tuple[InvariantFilter, np.ndarray, np.ndarray]:
-    """A filter that stands on two feet, with a covariance of a few hundred steps."""
+def filled(seed: int = 0, turn: float = 1e-3) -> tuple[InvariantFilter, np.ndarray, np.ndarray]:
+    """A filter that stands on two feet, with a covariance of a few hundred steps.
+
+    Args:
+        seed: of the IMU's readings.
+        turn: standard deviation of how the legs see a sole turned, rad.
+    """
     random = np.random.default_rng(seed)
     noise = EstimatorNoise()
-    covariance = 1e-6 * np.eye(6)
+    covariance = np.diag([1e-6] * 3 + [turn**2] * 3)
     f = InvariantFilter(0.002, np.array([0.0, 0.0, -9.81]), noise, [covariance] * 2)
     f.reset(pin.rpy.rpyToMatrix(0.1, -0.2, 0.7), np.array([0.3, -0.1, 0.05]), np.zeros(3))
     h = np.array([[0.1, 0.1, -0.9], [0.0, -0.1, -0.85]])
@@ -229,6 +234,33 @@ def test_sole_that_tips_about_its_pressure_is_no_slip_and_moves_no_base():
         assert (int(f.record["corrections"][0]) > corrections) == told  # else: taken in anew
         np.testing.assert_allclose(f.v, velocity, atol=0.02)
         assert np.linalg.eigvalsh(f.P).min() > -1e-12
+
+
+@pytest.mark.parametrize(
+    ("speeds", "turns", "found"),  # m/s; rad per m
+    [
+        ((3.0, 3.0), (0.0, 0.0), True),  # the robot was moved
+        ((1.5, 3.0), (0.0, 0.0), True),  # the same in the middle of the first period
+        ((9.0, 5.0), (8.0, 0.0), False),  # a sole that lands and slides to a stop
+        ((3.0, 3.0), (5.0, 5.0), False),  # one that turns nearly by as much as it moves
+    ],
+)
+def test_a_sole_alone_tells_of_a_shock_only_if_it_goes_on_moving_without_turning(
+    speeds, turns, found
+):
+    f, h, F = filled(turn=0.03)
+    held = np.array([1, 0])
+    for _ in range(3):
+        f.correct(held, h, F)
+    velocity = f.v.copy()
+    seen_h, seen_F = h.copy(), F.copy()
+    for speed, turn in zip(speeds, turns, strict=True):
+        way = speed * f.period
+        seen_h[0] -= f.R.T @ np.array([way, 0.0, 0.0])
+        seen_F[0] = pin.rpy.rpyToMatrix(0.0, 0.0, turn * way) @ seen_F[0]
+        f.correct(held, seen_h, seen_F)
+    change = np.linalg.norm(f.v - velocity)
+    assert change > 1.5 if found else change < 0.2
 
 
 def test_stationary_gain_is_a_fixed_point_of_the_riccati_equation():
