@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import importlib
 import importlib.util
@@ -18,7 +19,7 @@ from wbc.robot import Robot
 from wbc.runtime.protocols import ControllerFactory
 from wbc.trials.digest import path_digest
 from wbc.trials.errors import TrialError
-from wbc.trials.policy import load_policy, policy_files
+from wbc.trials.policy import PolicyError, load_policy, policy_files
 from wbc.walking import Walker
 from wbc.walking.gains import WalkerGains
 
@@ -44,20 +45,20 @@ class ControllerSpec:
             object.__setattr__(self, "name", self.factory)
 
     def content(self) -> dict[str, Any]:
-        """Return all that decides how it behaves: the name left out, files by their content.
-
-        Raises:
-            PolicyError: a file of a policy is missing.
-        """
+        """Return all that decides how it behaves: the name left out, files by their content."""
         module, colon, _ = self.factory.partition(":")
-        options = _without_paths(self.options)
-        if self.factory == "policy" and "folder" in self.options:
-            # Only these files: results may be written to the same folder.
-            options["folder"] = [path_digest(path) for path in policy_files(self.options["folder"])]
+        options = dict(self.options)
+        if self.factory == "policy" and "folder" in options:
+            # Only its files: results may be written to the same folder. They may also be read where
+            # the policy is not.
+            with contextlib.suppress(PolicyError):
+                options["folder"] = [
+                    str(path.resolve()) for path in policy_files(options["folder"])
+                ]
         return {
             "factory": self.factory,
             "source": _source_digest(module) if colon else "",
-            "options": options,
+            "options": _without_paths(options),
         }
 
     def resolve(self) -> ControllerFactory:
@@ -115,6 +116,8 @@ def _without_paths(value: Any) -> Any:
     """Return options with the digest of what is there in place of each existing path."""
     if isinstance(value, Mapping):
         return {key: _without_paths(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_paths(one) for one in value]
     if isinstance(value, str) and "/" in value and Path(value).exists():
         return path_digest(value)
     return value

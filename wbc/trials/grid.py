@@ -118,9 +118,9 @@ class Grid:
             raise TrialError(f"duration = {self.duration} s must be positive")
 
     def _check_controllers(self, cases: RobotCases) -> None:
-        known = [controller.name for controller in self.controllers]
         if cases.controllers is None:
             return
+        known = [controller.name for controller in self.controllers]
         if not cases.controllers:
             raise TrialError(f"robot '{cases.robot}' has no controllers")
         for name in cases.controllers:
