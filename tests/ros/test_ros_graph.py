@@ -348,3 +348,22 @@ def test_discovery_message_has_the_format_of_the_distribution(distribution, size
     assert message.node_entities_info_seq[0].node_name == "legs"
     assert bytes(store.serialize_cdr(message, kind)) == data
     assert form.decode(data)[1][0] == node_entry
+
+
+@pytest.mark.parametrize("side", ["writer", "reader"])
+def test_matched_endpoints_are_counted_although_one_comes_while_they_are(domain, monkeypatch, side):
+    with node("counting", domain) as one:
+        publisher = one.create_publisher("std_msgs/msg/Bool", "counted")
+        subscription = one.create_subscription("std_msgs/msg/Bool", "counted", lambda _: None)
+        assert one.spin_until(publisher.get_subscription_count, TIMEOUT)
+        endpoint = publisher.writer if side == "writer" else subscription.reader
+        name = "get_matched_" + ("subscriptions" if side == "writer" else "publications")
+        read, failures = getattr(endpoint.dds, name), [IndexError("invalid index")]
+
+        def read_at_the_second_time() -> list[int]:
+            if failures:
+                raise failures.pop()
+            return read()
+
+        monkeypatch.setattr(endpoint.dds, name, read_at_the_second_time)
+        assert len(endpoint.matched) == 1

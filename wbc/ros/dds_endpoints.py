@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -91,7 +92,7 @@ class DdsWriter:
     @property
     def matched(self) -> list[int]:
         """Handles of the matched readers."""
-        return [_unsigned(handle) for handle in self.dds.get_matched_subscriptions()]
+        return _matched(self.dds.get_matched_subscriptions)
 
     def matched_user_data(self) -> dict[int, dict[str, str]]:
         """Return the USER_DATA of the matched readers, by their handles."""
@@ -130,7 +131,7 @@ class DdsReader:
     @property
     def matched(self) -> list[int]:
         """Handles of the matched writers."""
-        return [_unsigned(handle) for handle in self.dds.get_matched_publications()]
+        return _matched(self.dds.get_matched_publications)
 
     def matched_user_data(self) -> dict[int, dict[str, str]]:
         """Return the USER_DATA of the matched writers, by their handles."""
@@ -150,6 +151,18 @@ def parse_user_data(qos: Any) -> dict[str, str]:
     data = qos[Policy.Userdata].data if Policy.Userdata in qos else b""
     items = (item.partition("=") for item in data.decode("utf-8", "replace").split(";"))
     return {key: value for key, separator, value in items if separator}
+
+
+def _matched(read: Callable[[], list[int]]) -> list[int]:
+    """Return the handles of matched endpoints.
+
+    The package asks for their number first, and raises an IndexError if there is one more by then.
+    """
+    while True:
+        try:
+            return [_unsigned(handle) for handle in read()]
+        except IndexError:
+            continue
 
 
 def _user_data(handles: list[int], discovery_data: Any) -> dict[int, dict[str, str]]:
