@@ -8,11 +8,12 @@ therefore.
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from wbc.messages import message_type
 from wbc.robot import Robot
+from wbc.ros.bridge.stamped_tick import StampedTick
 from wbc.ros.node import Node
 from wbc.ros.services import ServiceReply
 from wbc.teleop import (
@@ -28,19 +29,21 @@ from wbc.teleop import (
 _TYPE = "std_srvs/srv/Trigger"
 _RESPONSE = message_type(f"{_TYPE}_Response")
 _TIMEOUT = 5.0  # s within which the loop has to acknowledge a command
+_FIRST_TICK = 0.5  # s within which the first tick after a reset arrives, if there are any
 
 
 @dataclass(frozen=True)
 class _Call:
     """A service call that waits for an outcome of its command, until a time on the monotonic clock.
 
-    The text is the message of a successful response.
+    The text is the message of a successful response. The run is that of the robot at the call.
     """
 
     reply: ServiceReply
     outcome: CommandOutcome
     text: str
     deadline: float
+    run: int
 
 
 class SimulationServices:
@@ -65,6 +68,8 @@ class SimulationServices:
             "push_duration", 0.1, "duration of a push, s", bounds=(0.01, 2.0)
         )
         self._calls: dict[int, _Call] = {}  # by the number of the command
+        self._resets: list[_Call] = []  # that are done, but not yet seen
+        self._run = 0
         node.create_deferred_service(_TYPE, "push", self._push)
         node.create_deferred_service(_TYPE, "reset_robot", self._reset)
         node.create_timer(0.1, self._expire)
@@ -77,6 +82,11 @@ class SimulationServices:
     def _reset(self, _: Any, reply: ServiceReply) -> None:
         self._send(ResetCommand(), reply, CommandOutcome.DONE, "standing")
 
+    def on_tick(self, tick: StampedTick) -> None:
+        """Process a tick of the loop."""
+        self._run = tick.run
+        self._respond_to_resets()
+
     def _send(
         self, command: TeleopCommand, reply: ServiceReply, outcome: CommandOutcome, text: str
     ) -> None:
@@ -85,20 +95,43 @@ class SimulationServices:
         except CommandRefused as error:
             reply.send(_RESPONSE(success=False, message=str(error)))
             return
-        self._calls[number] = _Call(reply, outcome, text, time.monotonic() + _TIMEOUT)
+        self._calls[number] = _Call(reply, outcome, text, _in(_TIMEOUT), self._run)
 
     def on_acknowledgement(self, acknowledgement: Acknowledgement) -> None:
         """Respond to the service call whose command is acknowledged, if its outcome is final."""
         call, outcome = self._calls.get(acknowledgement.id), acknowledgement.outcome
         if call is not None and (outcome is call.outcome or outcome is not CommandOutcome.ACCEPTED):
             success = outcome is call.outcome
+            if success and outcome is CommandOutcome.DONE:
+                done = replace(self._calls.pop(acknowledgement.id), deadline=_in(_FIRST_TICK))
+                self._resets.append(done)
+                self._respond_to_resets()
+                return
             text = call.text if success else acknowledgement.reason
             self._respond(acknowledgement.id, success, text)
 
+    def _respond_to_resets(self) -> None:
+        """Respond to the resets that are done and that the robot's topics show.
+
+        A reset is acknowledged before the first tick after it, which aborts every goal: also one
+        that a client sent after a response that did not wait for it.
+        """
+        now, waiting = time.monotonic(), self._resets
+        self._resets = [call for call in waiting if call.run == self._run and now < call.deadline]
+        for call in waiting:
+            if call not in self._resets:
+                call.reply.send(_RESPONSE(success=True, message=call.text))
+
     def _expire(self) -> None:
+        self._respond_to_resets()
         now = time.monotonic()
         for number in [n for n, call in self._calls.items() if now > call.deadline]:
             self._respond(number, False, f"the loop did not respond within {_TIMEOUT:g} s")
 
     def _respond(self, number: int, success: bool, text: str) -> None:
         self._calls.pop(number).reply.send(_RESPONSE(success=success, message=text))
+
+
+def _in(duration: float) -> float:
+    """Return a time on the monotonic clock, s from now."""
+    return time.monotonic() + duration
