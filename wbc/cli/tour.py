@@ -57,8 +57,7 @@ def tour(
     """
     spec = ControllerSpec(controller, controller)
     if policy is not None:
-        folder = str(policy.expanduser().resolve())
-        spec = ControllerSpec("policy", "policy", {"folder": folder})
+        spec = ControllerSpec.of_policy(policy)
     spec.resolve()
     parameters = TourParameters(max_force=force)
     results: list[TourResult] = []

@@ -51,7 +51,7 @@ def run(
     """
     declared = read_grid(grid)
     if policy is not None:
-        declared = _with_policy(declared, policy.expanduser().resolve())
+        declared = _with_policy(declared, policy)
     path = output or Path(f"{grid.stem}.parquet")
     pool = dask_workers(cluster) if cluster is not None else local_workers(workers)
     with graceful_interrupt() as received, ProgressLine(period=10.0) as line, pool as available:
@@ -80,19 +80,18 @@ def _with_policy(grid: Grid, folder: Path) -> Grid:
     Raises:
         PolicyError: it cannot be read, or is made for none of the robots.
     """
-    spec = ControllerSpec("policy", "policy", {"folder": str(folder)})
+    spec = ControllerSpec.of_policy(folder)
     others = tuple(controller.name for controller in grid.controllers)
     robots, refused = [], []
     for cases in grid.robots:
+        controllers = cases.controllers or others
         try:
             load_policy(load(cases.robot), folder=folder)
         except (PolicyError, JointNotFound) as error:
             refused.append(error)
-            cases = replace(cases, controllers=cases.controllers or others)
         else:
-            own = cases.controllers
-            cases = replace(cases, controllers=own if own is None else (*own, spec.name))
-        robots.append(cases)
+            controllers = (*controllers, spec.name)
+        robots.append(replace(cases, controllers=controllers))
     if len(refused) == len(robots):
         raise refused[0]
     for refusal in refused:

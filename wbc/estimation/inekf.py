@@ -22,6 +22,7 @@ _STILL = 2  # corrections without a slip, after which the next one is another
 _ONSET = 2  # corrections in which a shock shows: the first one may come right after it
 _FADING = 0.75  # share of its speed that a shock keeps until the next correction, at least
 _LEVER = 0.15  # m from the centre of a sole to its edge, at most
+_LEVER_ALONE = 2.0 * _LEVER  # m, the same of a sole whose motion no other one confirms
 _TURNED = 0.1  # rad by which a shock may turn a sole
 
 
@@ -211,15 +212,16 @@ class InvariantFilter:
             record["onset"] = max(record["onset"][0] - 1, 0)
             record["slip_velocity"] = 0.0
             return False
-        before = record["slip_velocity"][0].copy()
+        before = record["slip_velocity"][0]
         same = np.linalg.norm(velocity - before) < _SAME
+        fading = speed < _FADING * np.linalg.norm(before)
         record["lasting"] = record["lasting"] + 1 if same else 0
         record["slip_velocity"] = velocity
         # A sole that turns about its edge moves by as much as that; one alone may as well have been
         # hit, or drag. One that slides when it lands is slower at each correction.
-        beyond_turn = bool((way >= _LEVER * turn).all())
-        fading = speed < _FADING * np.linalg.norm(before)
-        if len(way) == 1 and (fading or way[0] < 2.0 * _LEVER * turn[0]):
+        alone = len(way) == 1
+        beyond_turn = bool((way >= (_LEVER_ALONE if alone else _LEVER) * turn).all())
+        if alone and (fading or not beyond_turn):
             return False
         P = self.P.copy()
         self._doubt_velocity(speed, time)

@@ -44,6 +44,11 @@ class ControllerSpec:
         if not self.name:
             object.__setattr__(self, "name", self.factory)
 
+    @classmethod
+    def of_policy(cls, folder: Path) -> ControllerSpec:
+        """Return the controller of the learned policy in a folder, see `load_policy`."""
+        return cls("policy", "policy", {"folder": str(folder.expanduser().resolve())})
+
     def content(self) -> dict[str, Any]:
         """Return all that decides how it behaves: the name left out, files by their content."""
         module, colon, _ = self.factory.partition(":")

@@ -37,6 +37,8 @@ class RobotCases:
     def __post_init__(self) -> None:
         if not self.velocities:
             raise TrialError(f"robot '{self.robot}' has no velocities")
+        if self.controllers is not None and not self.controllers:
+            raise TrialError(f"robot '{self.robot}' has no controllers")
         velocities = tuple(
             v if isinstance(v, tuple) else (float(v), 0.0, 0.0) for v in self.velocities
         )
@@ -108,27 +110,20 @@ class Grid:
                     f"grid '{self.name}': {what} has {min(repeated)!r} more than once; give each "
                     "a name of its own"
                 )
+        known = [controller.name for controller in self.controllers]
         for cases in self.robots:
-            self._check_controllers(cases)
+            for name in cases.controllers or ():
+                if name not in known:
+                    raise TrialError(
+                        f"robot '{cases.robot}': the grid has no controller '{name}'"
+                        f"{did_you_mean(name, known)}"
+                    )
         if self.phases < 1:
             raise TrialError(f"phases = {self.phases} must be at least 1")
         if not all(seed >= 0 for seed in self.seeds):
             raise TrialError("seeds must be whole numbers of at least 0")
         if not (math.isfinite(self.duration) and self.duration > 0.0):
             raise TrialError(f"duration = {self.duration} s must be positive")
-
-    def _check_controllers(self, cases: RobotCases) -> None:
-        if cases.controllers is None:
-            return
-        known = [controller.name for controller in self.controllers]
-        if not cases.controllers:
-            raise TrialError(f"robot '{cases.robot}' has no controllers")
-        for name in cases.controllers:
-            if name not in known:
-                raise TrialError(
-                    f"robot '{cases.robot}': the grid has no controller '{name}'"
-                    f"{did_you_mean(name, known)}"
-                )
 
     def fractions(self) -> tuple[Fraction, ...]:
         """Return the phases as shares of a gait cycle."""

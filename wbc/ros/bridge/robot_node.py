@@ -98,7 +98,7 @@ class RobotNode:
         self._topics.publish(tick)
         self._navigate.on_tick(tick)
         self._follow.on_tick(tick)
-        self._simulation.on_tick(tick)
+        self._simulation.on_tick(tick)  # last: it tells that goals of before a reset are aborted
 
     def _log_changes(self, previous: StampedTick, tick: StampedTick) -> None:
         if tick.run != previous.run:

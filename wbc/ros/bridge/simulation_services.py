@@ -84,8 +84,9 @@ class SimulationServices:
 
     def on_tick(self, tick: StampedTick) -> None:
         """Process a tick of the loop."""
-        self._run = tick.run
-        self._respond_to_resets()
+        if tick.run != self._run:
+            self._run = tick.run
+            self._respond_to_resets()
 
     def _send(
         self, command: TeleopCommand, reply: ServiceReply, outcome: CommandOutcome, text: str
@@ -103,12 +104,12 @@ class SimulationServices:
         if call is not None and (outcome is call.outcome or outcome is not CommandOutcome.ACCEPTED):
             success = outcome is call.outcome
             if success and outcome is CommandOutcome.DONE:
-                done = replace(self._calls.pop(acknowledgement.id), deadline=_in(_FIRST_TICK))
-                self._resets.append(done)
+                del self._calls[acknowledgement.id]
+                self._resets.append(replace(call, deadline=_in(_FIRST_TICK)))
                 self._respond_to_resets()
-                return
-            text = call.text if success else acknowledgement.reason
-            self._respond(acknowledgement.id, success, text)
+            else:
+                text = call.text if success else acknowledgement.reason
+                self._respond(acknowledgement.id, success, text)
 
     def _respond_to_resets(self) -> None:
         """Respond to the resets that are done and that the robot's topics show.
@@ -116,10 +117,11 @@ class SimulationServices:
         A reset is acknowledged before the first tick after it, which aborts every goal: also one
         that a client sent after a response that did not wait for it.
         """
-        now, waiting = time.monotonic(), self._resets
-        self._resets = [call for call in waiting if call.run == self._run and now < call.deadline]
-        for call in waiting:
-            if call not in self._resets:
+        now, done, self._resets = time.monotonic(), self._resets, []
+        for call in done:
+            if call.run == self._run and now < call.deadline:
+                self._resets.append(call)
+            else:
                 call.reply.send(_RESPONSE(success=True, message=call.text))
 
     def _expire(self) -> None:
