@@ -97,7 +97,8 @@ def test_a_standing_robot_steps_when_pushed_and_stands_again_with_its_feet_side_
     run = pushed_run(name, 4.4, direction=direction, size=size)
     assert run.report.survived
     walker = run.walker
-    assert walker.steps > 0
+    # More would be feet that go back and forth: each comes back and drives the DCM out again.
+    assert 0 < walker.steps <= 5
     assert walker.gait_state.phase is Phase.STAND
     assert not walker.gait_state.recovering
     between = walker.feet.left.to_local(walker.feet.right.point)

@@ -39,8 +39,8 @@ class PushRecovery:
     phase, and whether the next footstep can make up for it. If not,
 
     - a swing is shortened, and lands where it catches most;
-    - a transfer is shortened, or the weight goes back to the foot that it comes from;
-    - the transfer of a quick step is prolonged as long as both feet catch the DCM;
+    - a transfer is prolonged as long as both feet catch the DCM; else it is shortened, or the
+      weight goes back to the foot that it comes from;
     - a robot that stands steps with the foot that catches more, or with the one it holds up.
 
     The steps that follow are planned with the recovery gait, until a swing can end so that the
@@ -162,7 +162,8 @@ class PushRecovery:
         """Shorten the transfer if no ZMP within the support catches the DCM; see `update_swing`.
 
         The foot to which the weight moves steps instead if the other one carries the robot better.
-        The transfer of a quick step is prolonged while both feet together catch the DCM.
+        While both feet together catch the DCM, the transfer is prolonged instead; so is that of a
+        quick step.
 
         Args:
             state: whose `gait`, `duration` and `requested_swing` it sets.
@@ -178,6 +179,10 @@ class PushRecovery:
         # The ZMP moves on to the support foot: half the way is its mean.
         reach = self._zmp_range(state, planned, 0.5)
         if uncaught_dcm_error(state, planned, reach) == 0j:
+            return planned
+        if not state.starting and self._both_feet_catch(state, state.dcm - planned.dcm):
+            if state.remaining <= _HOLD:
+                state.duration = state.time + _HOLD
             return planned
         if not state.starting and has_to_return(state, self._support):
             state.requested_swing = state.support
@@ -210,17 +215,29 @@ class PushRecovery:
         if footstep_adjustment(local, normal.omega, normal.single_support, ankles) == 0j:
             return held
         state.gait = quick
-        # The other foot carries little by now: the ZMP is on the support sole.
-        dcm, inside = state.stance.to_local(state.dcm), _INSIDE * normal.com_height
-        along, across = self._support.zmp_range(state.support, 1.0)
-        if (
-            state.time > _LONGEST_HOLD
-            or math.copysign(dcm.real, dcm.real * local.real) > along - inside
-            or math.copysign(dcm.imag, dcm.imag * local.imag) > across
-        ):
+        if not self._both_feet_catch(state, error):
             return planned
         state.duration = state.time + _HOLD
         return held
+
+    def _both_feet_catch(self, state: GaitState, error: complex) -> bool:
+        """Whether a DCM on its way from one foot to the other is not beyond the support sole.
+
+        The other foot carries little at the end of a transfer: the ZMP is on the support sole.
+
+        Args:
+            state: during a transfer between steps.
+            error: of the DCM, m.
+        """
+        if state.time > _LONGEST_HOLD:
+            return False
+        local = error * planar_rotation(-state.stance.yaw)
+        dcm, inside = state.stance.to_local(state.dcm), _INSIDE * state.normal_gait.com_height
+        along, across = self._support.zmp_range(state.support, 1.0)
+        return (
+            math.copysign(dcm.real, dcm.real * local.real) <= along - inside
+            and math.copysign(dcm.imag, dcm.imag * local.imag) <= across
+        )
 
     def update_standing(self, state: GaitState, planned: DcmReference) -> None:
         """Request a step if the DCM is near the edge of the support; see `update_swing`."""
