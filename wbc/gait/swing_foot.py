@@ -57,6 +57,7 @@ class SwingFoot:
         self.target = target
         self.duration = duration
         self.time = 0.0
+        self._aimed = 0.0  # s, when it set out for where it lands
         self.motion = TaskReference(np.eye(4), np.zeros(6), np.zeros(6))
         self.motion.position[:] = start.point.real, start.point.imag, start.height
         self.yaw = start.yaw
@@ -109,6 +110,14 @@ class SwingFoot:
         )
         self.time += dt
 
+    def aim_anew(self, duration: float) -> None:
+        """Let the target move again, whatever is left of the swing.
+
+        Args:
+            duration: new one of the whole swing, s.
+        """
+        self._aimed, self.duration = self.time, duration
+
     def time_to(self, point: complex, acceleration: float) -> float:
         """Time in which the foot gets to a ground point and stops there, s.
 
@@ -157,7 +166,8 @@ class SwingFoot:
     @property
     def target_frozen(self) -> bool:
         """Whether the landing place no longer moves."""
-        return self.duration - self.time <= (_FREEZE + 1.0 - self._arrival) * self.duration
+        whole = self.duration - self._aimed
+        return self.duration - self.time <= (_FREEZE + 1.0 - self._arrival) * whole
 
     def path(self, points: int = 12) -> list[tuple[float, float, float]]:
         """The way still to go, for display: positions from now to touchdown."""

@@ -38,7 +38,8 @@ class PushRecovery:
     Every tick asks what error of the DCM a ZMP within the support would leave at the end of the
     phase, and whether the next footstep can make up for it. If not,
 
-    - a swing is shortened, and lands where it catches most;
+    - a swing is shortened, and lands where it catches most; one that is about to end goes on to
+      there, or ends in any case;
     - a transfer is prolonged as long as both feet catch the DCM; else it is shortened, or the
       weight goes back to the foot that it comes from;
     - a robot that stands steps with the foot that catches more, or with the one it holds up.
@@ -105,6 +106,41 @@ class PushRecovery:
             state.duration = max(state.duration, state.time + least)
             planned, shift = self._choose_gait(state, tolerance, reference, ankles)
         return planned, shift
+
+    def aims_anew(
+        self,
+        state: GaitState,
+        swing: SwingFoot,
+        reference: Reference,
+        ankles: tuple[float, float],
+    ) -> bool:
+        """Whether a foot that is about to land, at a place that is fixed, goes on to another one.
+
+        A push of that moment tilts the robot, and the foot would wait in the air for the ground.
+        If the DCM leaves towards the support foot, the foot lands, by time, and the other one
+        steps; else it is on the right side already and goes farther.
+
+        Args:
+            state: whose `shortened`, `gait` and `duration` it sets.
+            swing: reference of the foot.
+            reference: see `update_swing`.
+            ankles: see `update_swing`.
+        """
+        if state.is_quick or state.recovery_gait is state.normal_gait or state.on_stairs:
+            return False
+        ahead = dcm_ahead(state, _SWING_LOOKAHEAD)
+        shift = uncaught_dcm_error(state, reference(swing.target), ankles, ahead)
+        if abs(shift) <= _OUT_OF_REACH * state.gait.com_height:
+            return False
+        state.shortened = True
+        if -lateral_sign(state.swing_side) * shift.imag > abs(shift.real):
+            state.gait = state.recovery_gait
+            return False
+        state.duration = state.time + _LEAST_REMAINING
+        _, shift = self._choose_gait(state, _WITHIN_REACH[1], reference, ankles)
+        state.duration = state.time + max(self._least_time(state, shift), _LEAST_REMAINING)
+        swing.aim_anew(state.duration)
+        return True
 
     def reachable(self, state: GaitState, wanted: Placement) -> Placement:
         """The nearest landing place of the swing foot."""

@@ -125,23 +125,22 @@ class Stabilizer:
     ) -> tuple[DcmReference, Placement]:
         """Wanted DCM and landing place; moves and shortens steps that do not catch the DCM."""
         swing, recovery = state.swing, self.push_recovery
+        ankles = self.support.zmp_range(state.support, self._gains.ankle_share)
         if state.phase is Phase.SWING and isinstance(swing, SwingFoot):
-            if swing.target_frozen:
+            if swing.target_frozen and not recovery.aims_anew(state, swing, reference, ankles):
                 return reference(swing.target), swing.target
-            return self._adjust_swing(state, reference)
+            return self._adjust_swing(state, reference, ankles)
         planned = reference(None)
         if state.may_choose_side:
             recovery.update_standing(state, planned)
         else:
-            ankles = self.support.zmp_range(state.support, self._gains.ankle_share)
             planned = recovery.update_transfer(state, planned, reference, ankles)
         return planned, state.landing
 
     def _adjust_swing(
-        self, state: GaitState, reference: Reference
+        self, state: GaitState, reference: Reference, ankles: tuple[float, float]
     ) -> tuple[DcmReference, Placement]:
         """Wanted DCM and landing place, moved when the ankles alone cannot catch the DCM."""
-        ankles = self.support.zmp_range(state.support, self._gains.ankle_share)
         recovery = self.push_recovery
         planned, shift = recovery.update_swing(state, reference(None), reference, ankles)
         if shift == 0j and not state.shortened:
