@@ -274,22 +274,29 @@ def test_in_a_quick_step_the_landing_place_is_that_of_the_present_dcm():
     assert shifts[0] == shifts[1] != 0j
 
 
-@pytest.mark.parametrize("direction", ["left", slow("right")])
-def test_a_push_after_the_landing_place_is_fixed_is_survived(direction):
+@pytest.mark.parametrize(
+    ("progress", "size", "direction", "swing_side"),
+    [
+        (0.85, 0.9, "left", "right"),
+        slow(0.85, 0.9, "right", "left"),
+        (0.75, 1.0, "left", "left"),
+        slow(0.75, 1.0, "right", "right"),
+    ],
+)
+def test_a_push_right_before_touchdown_is_survived(progress, size, direction, swing_side):
     robot = wbc.load("g1")
     walker = wbc.Walker(robot)
-    away = "right" if direction == "left" else "left"
     pushed_at: list[float] = []
 
     def push(time: float) -> None:
         walker.velocity = (0.1, 0.0, 0.0)
         state = walker.gait_state
-        lands = state.phase is Phase.SWING and state.swing_side == away and state.progress >= 0.85
-        if lands and walker.steps > 0 and not pushed_at:
+        swings = state.phase is Phase.SWING and state.swing_side == swing_side
+        if swings and state.progress >= progress and walker.steps > 0 and not pushed_at:
             pushed_at.append(time)
-            plant.push(0.9 * robot.mass * np.array(DIRECTIONS[direction]), duration=0.08)
+            plant.push(size * robot.mass * np.array(DIRECTIONS[direction]), duration=0.08)
 
     with Mujoco(robot, seed=3) as plant:
-        report = wbc.run(walker, plant, 3.4, before_tick=push)
+        report = wbc.run(walker, plant, 3.8, before_tick=push)
     assert pushed_at
     assert report.survived

@@ -98,6 +98,8 @@ class PushRecovery:
             if least > state.remaining:
                 state.duration = min(usual, state.time + least)
                 planned, shift = self._choose_gait(state, tolerance, reference, ankles)
+            if isinstance(state.swing, SwingFoot):  # the push has just begun, and goes on
+                state.swing.aim_anew(state.duration)
         if state.crossing != 0.0:
             if not self._cross_over.goes_on(state, self._wanted(state, shift)):
                 state.crossing = 0.0
