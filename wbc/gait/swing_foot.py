@@ -57,7 +57,7 @@ class SwingFoot:
         self.target = target
         self.duration = duration
         self.time = 0.0
-        self._aimed = 0.0  # s, when it set out for where it lands
+        self._aimed = 0.0  # s, when it was last aimed anew
         self.motion = TaskReference(np.eye(4), np.zeros(6), np.zeros(6))
         self.motion.position[:] = start.point.real, start.point.imag, start.height
         self.yaw = start.yaw
@@ -110,13 +110,9 @@ class SwingFoot:
         )
         self.time += dt
 
-    def aim_anew(self, duration: float) -> None:
-        """Let the target move again, whatever is left of the swing.
-
-        Args:
-            duration: new one of the whole swing, s.
-        """
-        self._aimed, self.duration = self.time, duration
+    def aim_anew(self) -> None:
+        """Let the target move again: it stays in the last part of what is left from now on."""
+        self._aimed = self.time
 
     def time_to(self, point: complex, acceleration: float) -> float:
         """Time in which the foot gets to a ground point and stops there, s.

@@ -77,9 +77,9 @@ class PushRecovery:
             DCM and ZMP without any adjustment, in the gait and the time that were chosen, and by
             how much the landing place has to move then, in the support sole's axes, m.
         """
-        quick, usual = state.recovery_gait, state.duration
-        undisturbed = not state.is_quick
-        if undisturbed:
+        quick = state.recovery_gait
+        tolerance = _WITHIN_REACH[0 if state.recovering else 1]
+        if not state.is_quick:
             # Not in quick steps: what moves the DCM there is mostly the motion of legs and trunk.
             ahead = dcm_ahead(state, min(_SWING_LOOKAHEAD, state.remaining))
             shift = uncaught_dcm_error(state, planned, ankles, ahead)
@@ -89,17 +89,10 @@ class PushRecovery:
             if quick is state.normal_gait or state.on_stairs:
                 return planned, shift
             remaining = max(quick.single_support - state.time, _LEAST_REMAINING)
-            state.duration = min(usual, state.time + remaining)
-        state.shortened = True
-        tolerance = _WITHIN_REACH[0 if state.recovering else 1]
-        planned, shift = self._choose_gait(state, tolerance, reference, ankles)
-        if undisturbed:
-            least = self._least_time(state, shift)
-            if least > state.remaining:
-                state.duration = min(usual, state.time + least)
-                planned, shift = self._choose_gait(state, tolerance, reference, ankles)
-            if isinstance(state.swing, SwingFoot):  # the push has just begun, and goes on
-                state.swing.aim_anew(state.duration)
+            planned, shift = self._retime(state, remaining, state.duration, reference, ankles)
+        else:
+            state.shortened = True
+            planned, shift = self._choose_gait(state, tolerance, reference, ankles)
         if state.crossing != 0.0:
             if not self._cross_over.goes_on(state, self._wanted(state, shift)):
                 state.crossing = 0.0
@@ -109,40 +102,39 @@ class PushRecovery:
             planned, shift = self._choose_gait(state, tolerance, reference, ankles)
         return planned, shift
 
-    def aims_anew(
+    def update_fixed_landing(
         self,
         state: GaitState,
         swing: SwingFoot,
         reference: Reference,
         ankles: tuple[float, float],
-    ) -> bool:
-        """Whether a foot that is about to land, at a place that is fixed, goes on to another one.
+    ) -> DcmReference | None:
+        """Choose what a foot does that is about to land at a fixed place, when a push comes.
 
-        A push of that moment tilts the robot, and the foot would wait in the air for the ground.
-        If the DCM leaves towards the support foot, the foot lands, by time, and the other one
-        steps; else it is on the right side already and goes farther.
+        The push tilts the robot, and the foot would wait in the air for the ground. If the DCM
+        leaves towards the support foot, the foot lands, by time, and the other one steps; else it
+        is on the right side already and goes farther.
 
         Args:
             state: whose `shortened`, `gait` and `duration` it sets.
             swing: reference of the foot.
             reference: see `update_swing`.
             ankles: see `update_swing`.
+
+        Returns:
+            The wanted DCM for the fixed place; None if the foot goes on to another one.
         """
+        planned = reference(swing.target)
         if state.is_quick or state.recovery_gait is state.normal_gait or state.on_stairs:
-            return False
-        ahead = dcm_ahead(state, _SWING_LOOKAHEAD)
-        shift = uncaught_dcm_error(state, reference(swing.target), ankles, ahead)
+            return planned
+        shift = uncaught_dcm_error(state, planned, ankles, dcm_ahead(state, _SWING_LOOKAHEAD))
         if abs(shift) <= _OUT_OF_REACH * state.gait.com_height:
-            return False
-        state.shortened = True
+            return planned
         if -lateral_sign(state.swing_side) * shift.imag > abs(shift.real):
-            state.gait = state.recovery_gait
-            return False
-        state.duration = state.time + _LEAST_REMAINING
-        _, shift = self._choose_gait(state, _WITHIN_REACH[1], reference, ankles)
-        state.duration = state.time + max(self._least_time(state, shift), _LEAST_REMAINING)
-        swing.aim_anew(state.duration)
-        return True
+            state.shortened, state.gait = True, state.recovery_gait
+            return reference(swing.target)
+        self._retime(state, _LEAST_REMAINING, math.inf, reference, ankles)
+        return None
 
     def reachable(self, state: GaitState, wanted: Placement) -> Placement:
         """The nearest landing place of the swing foot."""
@@ -166,6 +158,37 @@ class PushRecovery:
             wanted += min(_LOOKAHEAD, state.remaining) * growth * rate
         state.crossing = self._cross_over.side(state, wanted)
         return state.crossing != 0.0
+
+    def _retime(
+        self,
+        state: GaitState,
+        remaining: float,
+        latest: float,
+        reference: Reference,
+        ankles: tuple[float, float],
+    ) -> tuple[DcmReference, complex]:
+        """Set when the swing of a usual step ends, now that it has to catch a push.
+
+        Args:
+            state: whose `shortened`, `gait` and `duration` it sets.
+            remaining: time that is left for it, s; longer if the foot takes longer.
+            latest: when it ends at the latest, s.
+            reference: see `update_swing`.
+            ankles: see `update_swing`.
+
+        Returns:
+            See `update_swing`.
+        """
+        state.shortened, tolerance = True, _WITHIN_REACH[1]
+        state.duration = min(latest, state.time + remaining)
+        planned, shift = self._choose_gait(state, tolerance, reference, ankles)
+        least = self._least_time(state, shift)
+        if least > state.remaining:
+            state.duration = min(latest, state.time + least)
+            planned, shift = self._choose_gait(state, tolerance, reference, ankles)
+        if isinstance(state.swing, SwingFoot):  # the push has just begun, and goes on
+            state.swing.aim_anew()
+        return planned, shift
 
     def _choose_gait(
         self, state: GaitState, tolerance: float, reference: Reference, ankles: tuple[float, float]
@@ -218,7 +241,8 @@ class PushRecovery:
         reach = self._zmp_range(state, planned, 0.5)
         if uncaught_dcm_error(state, planned, reach) == 0j:
             return planned
-        if not state.starting and self._both_feet_catch(state, state.dcm - planned.dcm):
+        error = (state.dcm - planned.dcm) * planar_rotation(-state.stance.yaw)
+        if not state.starting and self._both_feet_catch(state, error):
             if state.remaining <= _HOLD:
                 state.duration = state.time + _HOLD
             return planned
@@ -248,9 +272,8 @@ class PushRecovery:
         quick = state.gait
         state.gait = normal = state.normal_gait
         held = reference(None)
-        error = state.dcm - held.dcm
-        local = error * planar_rotation(-state.stance.yaw)
-        if footstep_adjustment(local, normal.omega, normal.single_support, ankles) == 0j:
+        error = (state.dcm - held.dcm) * planar_rotation(-state.stance.yaw)
+        if footstep_adjustment(error, normal.omega, normal.single_support, ankles) == 0j:
             return held
         state.gait = quick
         if not self._both_feet_catch(state, error):
@@ -265,16 +288,15 @@ class PushRecovery:
 
         Args:
             state: during a transfer between steps.
-            error: of the DCM, m.
+            error: of the DCM, in the support sole's axes, m.
         """
         if state.time > _LONGEST_HOLD:
             return False
-        local = error * planar_rotation(-state.stance.yaw)
         dcm, inside = state.stance.to_local(state.dcm), _INSIDE * state.normal_gait.com_height
         along, across = self._support.zmp_range(state.support, 1.0)
         return (
-            math.copysign(dcm.real, dcm.real * local.real) <= along - inside
-            and math.copysign(dcm.imag, dcm.imag * local.imag) <= across
+            math.copysign(dcm.real, dcm.real * error.real) <= along - inside
+            and math.copysign(dcm.imag, dcm.imag * error.imag) <= across
         )
 
     def update_standing(self, state: GaitState, planned: DcmReference) -> None:

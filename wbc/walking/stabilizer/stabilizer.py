@@ -125,17 +125,18 @@ class Stabilizer:
     ) -> tuple[DcmReference, Placement]:
         """Wanted DCM and landing place; moves and shortens steps that do not catch the DCM."""
         swing, recovery = state.swing, self.push_recovery
+        if state.may_choose_side:
+            planned = reference(None)
+            recovery.update_standing(state, planned)
+            return planned, state.landing
         ankles = self.support.zmp_range(state.support, self._gains.ankle_share)
         if state.phase is Phase.SWING and isinstance(swing, SwingFoot):
-            if swing.target_frozen and not recovery.aims_anew(state, swing, reference, ankles):
-                return reference(swing.target), swing.target
+            if swing.target_frozen:
+                fixed = recovery.update_fixed_landing(state, swing, reference, ankles)
+                if fixed is not None:
+                    return fixed, swing.target
             return self._adjust_swing(state, reference, ankles)
-        planned = reference(None)
-        if state.may_choose_side:
-            recovery.update_standing(state, planned)
-        else:
-            planned = recovery.update_transfer(state, planned, reference, ankles)
-        return planned, state.landing
+        return recovery.update_transfer(state, reference(None), reference, ankles), state.landing
 
     def _adjust_swing(
         self, state: GaitState, reference: Reference, ankles: tuple[float, float]
