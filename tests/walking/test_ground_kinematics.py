@@ -53,6 +53,10 @@ def test_soles_and_com_equal_those_of_the_kinematics(robot: wbc.Robot) -> None:
         np.testing.assert_allclose((com.point.real, com.point.imag), kin.p_com[:2], atol=1e-13)
         np.testing.assert_allclose((v.real, v.imag, com.vertical_velocity), kin.v_com, atol=1e-12)
         np.testing.assert_allclose(kin.v_com, kin.J_com @ kin.state.v, atol=1e-12)
+        data = robot.model.createData()
+        L = pin.computeCentroidalMomentum(robot.model, data, kin.state.q, kin.state.v).angular
+        turning = complex(L[1], -L[0]) / robot.weight
+        assert com.centroidal_momentum == pytest.approx(turning, abs=1e-12)
 
 
 def test_momentum_about_the_ground_changes_by_the_moment_of_the_grounds_force(

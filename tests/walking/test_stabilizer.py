@@ -61,7 +61,8 @@ def test_com_bias_is_estimated_from_the_force_of_the_ground(inertia: float) -> N
         com = 0.03 * np.exp(1j * sway * dt * k)
         cop = com * (1.0 + lever * sway**2) + 0.005 * random.standard_normal()
         estimate = com + (0.004 - 0.006j)
-        motion = CentroidalMotion(estimate, 1j * sway * com, height, 0.0, 1j * sway * com * lever)
+        momentum = 1j * sway * com * lever
+        motion = CentroidalMotion(estimate, 1j * sway * com, height, 0.0, momentum, 0j)
         found = bias.update(dt, motion, GroundReaction(cop, 1.0), 0.0)
     assert found == pytest.approx(0.004 - 0.006j, abs=7e-4)
     # While the robot steps the bias is kept, in the axes of the robot.
@@ -70,7 +71,7 @@ def test_com_bias_is_estimated_from_the_force_of_the_ground(inertia: float) -> N
 
 
 def test_without_foot_sensors_the_com_bias_is_zero() -> None:
-    bias, moved = ComBiasEstimator(9.81), CentroidalMotion(0.1 + 0.1j, 0j, 0.8, 0.0, 0j)
+    bias, moved = ComBiasEstimator(9.81), CentroidalMotion(0.1 + 0.1j, 0j, 0.8, 0.0, 0j, 0j)
     assert all(bias.update(0.002, moved, None, 0.3) == 0j for _ in range(10))
 
 
@@ -86,7 +87,7 @@ def test_landing_place_moves_in_the_tick_that_decides_it() -> None:
         state = machine.state
         machine.update(dt, feet, command, None)
         dcm = planner.reference(state).dcm + push
-        stabilizer.observe(state, CentroidalMotion(dcm, 0j, 0.8, 0.0, 0j), None, 0.0, dt)
+        stabilizer.observe(state, CentroidalMotion(dcm, 0j, 0.8, 0.0, 0j, 0j), None, 0.0, dt)
         decided = stabilizer.update(state, lambda at: planner.reference(state, at))
         machine.move_swing(dt, decided.landing)
         return state
@@ -101,6 +102,34 @@ def test_landing_place_moves_in_the_tick_that_decides_it() -> None:
     # The quintic towards the moved place: s''' = 60 Δ / T³ at its beginning.
     faster = (pushed.swing.motion.acceleration - undisturbed.swing.motion.acceleration)[0]
     assert faster == pytest.approx(60.0 * moved * dt / pushed.remaining**3, rel=0.05)
+
+
+def test_the_dcm_has_the_angular_momentum_of_a_robot_that_is_pushed_only() -> None:
+    robot = wbc.load("talos")
+    walker, momentum = wbc.Walker(robot), 0.01 - 0.02j
+    state, stabilizer = walker.gait_state, walker.stabilizer
+    at_rest = CentroidalMotion(0.1 + 0.1j, 0j, 0.8, 0.0, momentum, momentum)
+    stabilizer.observe(state, at_rest, None, 0.0, 0.002)
+    assert state.dcm == at_rest.point
+    state.shortened = True
+    stabilizer.observe(state, at_rest, None, 0.0, 0.002)
+    assert state.dcm == pytest.approx(at_rest.point + state.gait.omega * momentum, abs=1e-12)
+
+
+def test_a_pendulum_with_angular_momentum_does_not_look_pushed() -> None:
+    """A motion of the CoM that ZMP and pivot explain, with a trunk that turns besides."""
+    robot, dt = wbc.load("talos"), 0.002
+    walker = wbc.Walker(robot)
+    state, stabilizer = walker.gait_state, walker.stabilizer
+    state.shortened = True
+    point, velocity = state.feet.middle + 0.01, 0j
+    for _ in range(200):
+        com = CentroidalMotion(point, velocity, 0.8, 0.0, 0.02 + 0j, 0.02 + 0j)
+        stabilizer.observe(state, com, None, 0.0, dt)
+        decided = stabilizer.update(state, lambda at: walker.planner.reference(state, at))
+        point += dt * velocity
+        velocity += dt * decided.com_acceleration
+    assert abs(state.disturbance) < 0.02
 
 
 @pytest.mark.parametrize("name", ["talos", "g1"])

@@ -23,6 +23,8 @@ class CentroidalMotion(NamedTuple):
         vertical_velocity: of the centre of mass, m/s.
         momentum: angular momentum k about `point` over the weight, `(k_y − i k_x) / (m g)`, m·s:
             that of a linear inverted pendulum of height z is `z ċ / g`.
+        centroidal_momentum: the same about the centre of mass itself, `(L_y − i L_x) / (m g)`, m·s;
+            zero for the pendulum.
     """
 
     point: complex
@@ -30,6 +32,7 @@ class CentroidalMotion(NamedTuple):
     height: float
     vertical_velocity: float
     momentum: complex
+    centroidal_momentum: complex
 
 
 class GroundKinematics:

@@ -77,7 +77,7 @@ def read_ground(
 ) -> tuple[
     tuple[complex, float, float],
     tuple[complex, float, float],
-    tuple[complex, complex, float, float, complex],
+    tuple[complex, complex, float, float, complex, complex],
     tuple[complex, complex],
     tuple[float, float],
 ]:
@@ -97,8 +97,8 @@ def read_ground(
     Returns:
         Per sole its ground point (m), heading (rad) and height (m); of the centre of mass its
         ground point (m), horizontal velocity (m/s), height (m), vertical velocity (m/s) and angular
-        momentum about the ground below it, see `wbc.walking.ground_kinematics.CentroidalMotion`
-        (m·s); of both soles the slope, the rise per metre along x, and along y as the imaginary
+        momentum about the ground below it and about itself, see
+        `wbc.walking.ground_kinematics.CentroidalMotion` (m·s); of both soles the slope, the rise per metre along x, and along y as the imaginary
         part; angle of the body from the vertical (rad) and its rate (rad/s). World axes.
     """
     b = body[0]
@@ -124,7 +124,8 @@ def read_ground(
     l_x = base[0] * h0 + base[3] * h1 + base[6] * h2
     l_y = base[1] * h0 + base[4] * h1 + base[7] * h2
     height = z - 0.5 * (left[2] + right[2])
-    momentum = velocity * (height / b["gravity"]) + complex(l_y, -l_x) / b["weight"]
+    centroidal = complex(l_y, -l_x) / b["weight"]
+    momentum = velocity * (height / b["gravity"]) + centroidal
     # The world's vertical u in base axes turns as u̇ = u × ω; the body's own is constant there.
     u0, u1, u2, up = base[2], base[5], base[8], b["up"]
     cosine = min(max(up[0] * u0 + up[1] * u1 + up[2] * u2, -1.0), 1.0)
@@ -135,5 +136,5 @@ def read_ground(
     )
     # Upright, the tilt has no direction yet: its rate is zero there and grows with it.
     rate = -derivative / max(math.sqrt(1.0 - cosine * cosine), 1e-3)
-    com = (complex(x, y), velocity, z, rising, momentum)
+    com = (complex(x, y), velocity, z, rising, momentum, centroidal)
     return left, right, com, slopes, (math.acos(cosine), rate)

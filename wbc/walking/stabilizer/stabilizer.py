@@ -12,7 +12,7 @@ from wbc.walking.gains import WalkerGains
 from wbc.walking.ground_kinematics import CentroidalMotion
 from wbc.walking.stabilizer.com_bias import ComBiasEstimator
 from wbc.walking.stabilizer.dcm_feedback import zmp_from_dcm_error
-from wbc.walking.stabilizer.disturbance import DisturbanceObserver
+from wbc.walking.stabilizer.disturbance import DisturbanceObserver, lasting_rate
 from wbc.walking.stabilizer.push_recovery import PushRecovery, Reference
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 from wbc.walking.stabilizer.tipping import edge_to_tip_over
@@ -42,7 +42,8 @@ class Stabilizer:
 
     At every tick:
 
-    1. the bias of the estimated CoM is taken off the DCM (`ComBiasEstimator`);
+    1. the bias of the estimated CoM is taken off the DCM (`ComBiasEstimator`), and of a robot that
+       was pushed the angular momentum is added to it (`observe`);
     2. the landing place moves by what the ankles cannot catch (`footstep_adjustment`), and
        the step is quickened when no landing place in reach does (`PushRecovery`);
     3. a support foot whose edge the DCM has left tips over it (`edge_to_tip_over`);
@@ -66,6 +67,7 @@ class Stabilizer:
         self.support = SupportPolygon(robot)
         self.push_recovery = PushRecovery(robot, self.support)
         self._disturbance = DisturbanceObserver()
+        self._momentum_offset = 0j  # of the DCM by the angular momentum, m
 
     def reset(self) -> None:
         """Start anew, at rest and without a known bias."""
@@ -87,6 +89,18 @@ class Stabilizer:
     ) -> None:
         """Write CoM, DCM and disturbance of this tick into the gait's state.
 
+        A push off the centre of mass also turns the robot. To stop the turning takes a moment of
+        the ground, which drives the centre of mass on: an angular momentum L, brought to zero at
+        once, moves a DCM by
+
+            ω (L_y, −L_x) / (m g),
+
+        to which the angular momentum about the foot corresponds, that no motion of trunk and limbs
+        changes (Gong and Grizzle, Zero dynamics, pendulum models, and angular momentum in feedback
+        control of bipedal locomotion, ASME JDSMC 2022). From the moment on in which a push is seen
+        and in quick steps this is in the DCM; undisturbed, the plan already has the momentum of
+        the swing leg, and there is no other.
+
         Args:
             state: state of the gait.
             com: estimated motion of the centre of mass.
@@ -99,6 +113,9 @@ class Stabilizer:
         state.com = com.point
         state.dcm = dcm - self.com_bias.update(dt, com, reaction, heading, hand_offset)
         state.disturbance = self._disturbance.update(com.velocity, state.gait.omega, dt)
+        pushed = state.is_quick or lasting_rate(state) != 0j
+        self._momentum_offset = state.gait.omega * com.centroidal_momentum if pushed else 0j
+        state.dcm += self._momentum_offset
 
     def update(self, state: GaitState, reference: Reference) -> StabilizerOutput:
         """Decide on ZMP, CoM acceleration and landing place of this tick.
@@ -117,7 +134,8 @@ class Stabilizer:
         zmp = self.support.clamp(zmp, state, self._gains.zmp_margin)
         # The CoM as estimated, with its bias: the QP uses the same, so the ZMP is as commanded.
         acceleration = omega * omega * (state.com - zmp - wanted.cmp_offset)
-        self._disturbance.expect(omega * (dcm - zmp - wanted.cmp_offset))
+        moving = dcm - self._momentum_offset  # which the velocity of the CoM alone belongs to
+        self._disturbance.expect(omega * (moving - zmp - wanted.cmp_offset))
         return StabilizerOutput(dcm, wanted, zmp, acceleration, landing)
 
     def _adjust_steps(
