@@ -98,8 +98,9 @@ def read_ground(
         Per sole its ground point (m), heading (rad) and height (m); of the centre of mass its
         ground point (m), horizontal velocity (m/s), height (m), vertical velocity (m/s) and angular
         momentum about the ground below it and about itself, see
-        `wbc.walking.ground_kinematics.CentroidalMotion` (m·s); of both soles the slope, the rise per metre along x, and along y as the imaginary
-        part; angle of the body from the vertical (rad) and its rate (rad/s). World axes.
+        `wbc.walking.ground_kinematics.CentroidalMotion` (m·s); of both soles the slope, the rise
+        per metre along x, and along y as the imaginary part; angle of the body from the vertical
+        (rad) and its rate (rad/s). World axes.
     """
     b = body[0]
     mass, axes, normals, positions = b["mass"], b["axis"], b["normal"], b["position"]

@@ -23,7 +23,8 @@ class StabilizerOutput:
     """The output of the stabilizer at this tick; ground points in world axes.
 
     Attributes:
-        dcm: estimated DCM without the bias of the CoM, m.
+        dcm: estimated DCM without the bias of the CoM, m; of a robot that was pushed, with what its
+            angular momentum adds.
         reference: DCM and ZMP that the planner wants, for the landing place below.
         zmp: commanded ZMP, clamped to the support, m.
         com_acceleration: horizontal acceleration of the CoM that realises it, m/s².
