@@ -58,8 +58,8 @@ class GaitState:
         normal_gait: parameters of undisturbed walking.
         recovery_gait: parameters of the quick steps after a push.
         com: ground point below the estimated centre of mass, m.
-        dcm: estimated divergent component of motion without the bias of the CoM, m; of a robot that
-            was pushed, with what its angular momentum adds.
+        dcm: estimated divergent component of motion without the bias of the CoM, m; of a walking
+            robot that is pushed, with what its angular momentum adds.
         dcm_offset: by how much the wanted DCM differed from the planner's at the last tick, because
             of the swing leg's angular momentum or a motion, m.
         disturbance: rate at which an unknown force moves the DCM, m/s.

@@ -23,8 +23,8 @@ class StabilizerOutput:
     """The output of the stabilizer at this tick; ground points in world axes.
 
     Attributes:
-        dcm: estimated DCM without the bias of the CoM, m; of a robot that was pushed, with what its
-            angular momentum adds.
+        dcm: estimated DCM without the bias of the CoM, m; of a walking robot that is pushed, with
+            what its angular momentum adds.
         reference: DCM and ZMP that the planner wants, for the landing place below.
         zmp: commanded ZMP, clamped to the support, m.
         com_acceleration: horizontal acceleration of the CoM that realises it, m/s².
@@ -43,8 +43,8 @@ class Stabilizer:
 
     At every tick:
 
-    1. the bias of the estimated CoM is taken off the DCM (`ComBiasEstimator`), and of a robot that
-       was pushed the angular momentum is added to it (`observe`);
+    1. the bias of the estimated CoM is taken off the DCM (`ComBiasEstimator`), and of a walking
+       robot that is pushed the angular momentum is added to it (`observe`);
     2. the landing place moves by what the ankles cannot catch (`footstep_adjustment`), and
        the step is quickened when no landing place in reach does (`PushRecovery`);
     3. a support foot whose edge the DCM has left tips over it (`edge_to_tip_over`);
@@ -100,7 +100,8 @@ class Stabilizer:
         changes (Gong and Grizzle, Zero dynamics, pendulum models, and angular momentum in feedback
         control of bipedal locomotion, ASME JDSMC 2022). From the moment on in which a push is seen
         and in quick steps this is in the DCM; undisturbed, the plan already has the momentum of
-        the swing leg, and there is no other.
+        the swing leg, and there is no other. Of a robot that stood the trunk is let take it up, and
+        what it gives back when it rights itself is nothing to step for.
 
         Args:
             state: state of the gait.
@@ -115,7 +116,8 @@ class Stabilizer:
         state.dcm = dcm - self.com_bias.update(dt, com, reaction, heading, hand_offset)
         state.disturbance = self._disturbance.update(com.velocity, state.gait.omega, dt)
         pushed = state.is_quick or lasting_rate(state) != 0j
-        self._momentum_offset = state.gait.omega * com.centroidal_momentum if pushed else 0j
+        counts = pushed and not (state.pushed_at_rest or state.at_rest)
+        self._momentum_offset = state.gait.omega * com.centroidal_momentum if counts else 0j
         state.dcm += self._momentum_offset
 
     def update(self, state: GaitState, reference: Reference) -> StabilizerOutput:
