@@ -14,7 +14,7 @@ from wbc.tasks import AngularMomentumTask, ComTask, PostureTask, Task
 from wbc.walking.gains import WalkerGains
 from wbc.walking.height_reference import HeightReference
 from wbc.walking.reference_offset import ReferenceOffset
-from wbc.walking.stabilizer.disturbance import lasting_rate
+from wbc.walking.stabilizer.disturbance import is_pushed
 from wbc.walking.trunk_tasks import TrunkTasks
 from wbc.walking.weight_share import WeightShare
 
@@ -135,8 +135,7 @@ class BalanceTasks:
         """
         if state.phase is Phase.SWING and state.steps_out:
             return self._gains.trunk_step_out_share
-        pushed = state.is_quick or lasting_rate(state) != 0j
-        return self._gains.trunk_recovery_share if pushed else 1.0
+        return self._gains.trunk_recovery_share if is_pushed(state) else 1.0
 
     def _swing_arms(self, share: float) -> None:
         """Have the arms swing against the legs, for a share of the moment that the sole lacks."""

@@ -70,3 +70,8 @@ def dcm_ahead(state: GaitState, time: float) -> complex:
     The motion `ω (ξ − p)` of the pendulum itself is not in it.
     """
     return state.dcm + time * lasting_rate(state)
+
+
+def is_pushed(state: GaitState) -> bool:
+    """Return whether a push is seen to last, or the present step catches one."""
+    return state.is_quick or lasting_rate(state) != 0j

@@ -12,7 +12,7 @@ from wbc.walking.gains import WalkerGains
 from wbc.walking.ground_kinematics import CentroidalMotion
 from wbc.walking.stabilizer.com_bias import ComBiasEstimator
 from wbc.walking.stabilizer.dcm_feedback import zmp_from_dcm_error
-from wbc.walking.stabilizer.disturbance import DisturbanceObserver, lasting_rate
+from wbc.walking.stabilizer.disturbance import DisturbanceObserver, is_pushed
 from wbc.walking.stabilizer.push_recovery import PushRecovery, Reference
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 from wbc.walking.stabilizer.tipping import edge_to_tip_over
@@ -92,16 +92,17 @@ class Stabilizer:
 
         A push off the centre of mass also turns the robot. To stop the turning takes a moment of
         the ground, which drives the centre of mass on: an angular momentum L, brought to zero at
-        once, moves a DCM by
+        once, moves the DCM by
 
-            ω (L_y, −L_x) / (m g),
+            ω (L_y, −L_x) / (m g).
 
-        to which the angular momentum about the foot corresponds, that no motion of trunk and limbs
-        changes (Gong and Grizzle, Zero dynamics, pendulum models, and angular momentum in feedback
-        control of bipedal locomotion, ASME JDSMC 2022). From the moment on in which a push is seen
-        and in quick steps this is in the DCM; undisturbed, the plan already has the momentum of
-        the swing leg, and there is no other. Of a robot that stood the trunk is let take it up, and
-        what it gives back when it rights itself is nothing to step for.
+        No motion of trunk and limbs changes the angular momentum about the foot that this DCM
+        stands for (Gong and Grizzle, Zero dynamics, pendulum models, and angular momentum in
+        feedback control of bipedal locomotion, ASME JDSMC 2022). It is counted from the moment on
+        in which a push is seen, and in quick steps; undisturbed, the swing leg has the only
+        momentum, and the plan knows it. It is not counted of a robot that was pushed while it
+        stood: its trunk takes the momentum up, and what it gives back when it rights itself is
+        nothing to step for.
 
         Args:
             state: state of the gait.
@@ -115,8 +116,7 @@ class Stabilizer:
         state.com = com.point
         state.dcm = dcm - self.com_bias.update(dt, com, reaction, heading, hand_offset)
         state.disturbance = self._disturbance.update(com.velocity, state.gait.omega, dt)
-        pushed = state.is_quick or lasting_rate(state) != 0j
-        counts = pushed and not (state.pushed_at_rest or state.at_rest)
+        counts = is_pushed(state) and not (state.pushed_at_rest or state.at_rest)
         self._momentum_offset = state.gait.omega * com.centroidal_momentum if counts else 0j
         state.dcm += self._momentum_offset
 
@@ -137,8 +137,9 @@ class Stabilizer:
         zmp = self.support.clamp(zmp, state, self._gains.zmp_margin)
         # The CoM as estimated, with its bias: the QP uses the same, so the ZMP is as commanded.
         acceleration = omega * omega * (state.com - zmp - wanted.cmp_offset)
-        moving = dcm - self._momentum_offset  # which the velocity of the CoM alone belongs to
-        self._disturbance.expect(omega * (moving - zmp - wanted.cmp_offset))
+        # The disturbance is seen in the velocity of the CoM, which has no part of the momentum.
+        of_com = dcm - self._momentum_offset
+        self._disturbance.expect(omega * (of_com - zmp - wanted.cmp_offset))
         return StabilizerOutput(dcm, wanted, zmp, acceleration, landing)
 
     def _adjust_steps(
