@@ -203,6 +203,7 @@ class Walker:
         """
         self.stabilizer.reset()
         self._fall_detector.reset()
+        self._fall_controller.reset()
         self._falling_why = ""
         self.resume(state)
 

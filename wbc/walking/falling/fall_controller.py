@@ -15,6 +15,10 @@ from wbc.state import State
 _DECAY_TIME = 0.1
 #: Natural frequency with which the knees bend, rad/s.
 _KNEE_RATE = 5.0
+#: Natural frequency with which a robot that lies keeps its posture, rad/s.
+_POSTURE_RATE = 10.0
+#: A robot lies when its body has turned more slowly than this, rad/s, for this long, s.
+_STILL_RATE, _STILL_TIME = 0.5, 0.3
 #: Share of the effort limits that is used.
 _TORQUE_SHARE = 0.5
 
@@ -22,8 +26,8 @@ _TORQUE_SHARE = 0.5
 class FallController:
     """Lets a robot fall softly.
 
-    It tracks nothing. Each joint is damped, and the knees are drawn to the middle of their range,
-    which lowers the centre of mass and with it the energy of the impact:
+    It tracks nothing as long as the body turns. Each joint is damped, and the knees are drawn to
+    the middle of their range, which lowers the centre of mass and with it the energy of the impact:
 
         τ = −I q̇ / T + I κ² (q_mid − q)    (second term: knees only),   |τ| ≤ τ_max / 2,
 
@@ -31,6 +35,10 @@ class FallController:
     kg·m²), T = 0.1 s and κ = 5 rad/s. Damping cannot make the limbs flail, whatever they hit (after
     the damping mode of commercial humanoids, and K. Fujiwara et al., *UKEMI: falling motion control
     to minimize damage to biped humanoid robot*, IROS 2002, for the bent knees).
+
+    Damping alone lets a limb that ends up in the air sink for many seconds. So once the body has
+    turned more slowly than 0.5 rad/s for 0.3 s, the other joints are drawn to where they are then,
+    with κ = 10 rad/s, until it turns faster again.
 
     Args:
         robot: the robot.
@@ -44,18 +52,33 @@ class FallController:
         self._dt = dt
         self._damping = inertia / _DECAY_TIME
         self._stiffness = np.zeros(robot.na)
-        self._middle = np.zeros(robot.na)
+        self._wanted = np.zeros(robot.na)
         for knee in knees:
             middle = 0.5 * float(robot.q_min[knee] + robot.q_max[knee])
             if np.isfinite(middle):
-                self._middle[knee] = middle
+                self._wanted[knee] = middle
                 self._stiffness[knee] = inertia[knee] * _KNEE_RATE**2
+        self._others = self._stiffness == 0.0
+        self._posture_stiffness = inertia[self._others] * _POSTURE_RATE**2
+        self._still_ticks, self._least_ticks = 0, max(1, round(_STILL_TIME / dt))
         self._limit = _TORQUE_SHARE * robot.tau_max
         self._at_rest = np.zeros(robot.nv)
+
+    def reset(self) -> None:
+        """Forget that the robot lay, for a new fall."""
+        self._still_ticks = 0
+        self._stiffness[self._others] = 0.0
 
     def command(self, state: State) -> Command:
         """Return the command of one tick; its acceleration is zero, which it does not predict."""
         q, v = state.q[7:], state.v[6:]
-        tau = self._stiffness * (self._middle - q) - self._damping * v
+        if np.abs(state.v[3:6]).max() > _STILL_RATE:
+            self.reset()
+        else:
+            self._still_ticks += 1
+            if self._still_ticks == self._least_ticks:
+                self._wanted[self._others] = q[self._others]
+                self._stiffness[self._others] = self._posture_stiffness
+        tau = self._stiffness * (self._wanted - q) - self._damping * v
         tau = np.clip(tau, -self._limit, self._limit)
         return Command(tau, self._at_rest.copy(), {}, q + self._dt * v, v.copy())

@@ -135,6 +135,7 @@ class QuadrupedWalker:
             StateError: see `State.validated`.
         """
         self._fall_detector.reset()
+        self._fall_controller.reset()
         self._falling_why = ""
         self._kin.update(state)
         self._sequence = StepSequence(self.gait)
