@@ -10,13 +10,12 @@ from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
 from wbc.walking.stabilizer.step_adjustment import easy_step
 
-SWING_ACCELERATION = 5.5  # times gravity: what the hips accelerate a foot by without the trunk
-
 _CLEARANCE = 0.03  # m between the toe of one sole and the heel of the other
 _BEYOND = 0.15  # share of the legs' length by which a foot lands beyond the CoM, at most
 _FARTHEST = 0.5  # the same beyond the other foot
 _WORTHWHILE = 0.1  # m that it has to gain across the sole, at least
 _COST = 3.0  # times what it gains across that it may land off along the sole, at most
+_STOPPING = 5.5  # times gravity: what the hips stop a foot by without the trunk
 _LAG = 0.015  # s by which a foot follows its reference
 _CAUGHT = 0.75  # share of what any number of quick steps catch that it may land off along the sole
 _HALFWAY = 0.16  # share of its speed times its time by which a quintic is farther halfway, 5/32
@@ -154,7 +153,7 @@ def _stopping_distance(state: GaitState, side: float) -> float:
         side: 1 if the swing foot is in front, −1 if it is behind.
     """
     speed = _speed_towards(state, side)
-    return speed * _LAG + 0.5 * speed * speed / (SWING_ACCELERATION * state.gait.gravity)
+    return speed * _LAG + 0.5 * speed * speed / (_STOPPING * state.gait.gravity)
 
 
 def _speed_towards(state: GaitState, side: float) -> float:

@@ -7,15 +7,17 @@ from collections.abc import Callable
 
 from wbc.gait import DcmReference, GaitState, Placement, SwingFoot
 from wbc.gait.footsteps import lateral_sign, other_side
+from wbc.gait.strength import foot_acceleration
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
-from wbc.walking.stabilizer.cross_over import SWING_ACCELERATION, CrossOver
+from wbc.walking.stabilizer.cross_over import CrossOver
 from wbc.walking.stabilizer.disturbance import dcm_ahead, lasting_rate
 from wbc.walking.stabilizer.step_adjustment import footstep_adjustment, uncaught_dcm_error
 from wbc.walking.stabilizer.support_choice import has_to_return
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 _LEAST_REMAINING = 0.1  # s that a shortened swing has left, at least
+_HURRY = 1.3  # times what the legs' torques accelerate a foot by with the body at rest
 _OUT_OF_REACH = 0.05  # share of the CoM height by which a landing place has to be out of reach
 _WITHIN_REACH = 0.01, 0.03  # m, the same of a step of the normal gait: to return to it, to stay
 _LEAST_ERROR = 0.05  # m of DCM error that shorten a transfer or make a robot step, at least
@@ -57,6 +59,7 @@ class PushRecovery:
     def __init__(self, robot: Robot, support: SupportPolygon) -> None:
         self._support = support
         self._cross_over = CrossOver(robot)
+        self._foot_acceleration = _HURRY * foot_acceleration(robot)
 
     def update_swing(
         self,
@@ -334,7 +337,7 @@ class PushRecovery:
         if not isinstance(state.swing, SwingFoot):
             return 0.0
         reachable = self._reachable(state, self._moved(state, shift))
-        return state.swing.time_to(reachable, SWING_ACCELERATION * state.gait.gravity)
+        return state.swing.time_to(reachable, self._foot_acceleration)
 
     def _missed(self, state: GaitState, shift: complex) -> float:
         """How far the landing place, moved by `shift`, is out of the leg's reach, m."""
