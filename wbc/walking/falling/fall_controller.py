@@ -51,15 +51,16 @@ class FallController:
         inertia = np.diag(pin.crba(model, model.createData(), robot.q_nominal))[6:]
         self._dt = dt
         self._damping = inertia / _DECAY_TIME
-        self._stiffness = np.zeros(robot.na)
         self._wanted = np.zeros(robot.na)
+        self._falling_stiffness = np.zeros(robot.na)
         for knee in knees:
             middle = 0.5 * float(robot.q_min[knee] + robot.q_max[knee])
             if np.isfinite(middle):
                 self._wanted[knee] = middle
-                self._stiffness[knee] = inertia[knee] * _KNEE_RATE**2
-        self._others = self._stiffness == 0.0
-        self._posture_stiffness = inertia[self._others] * _POSTURE_RATE**2
+                self._falling_stiffness[knee] = inertia[knee] * _KNEE_RATE**2
+        self._free = self._falling_stiffness == 0.0
+        posture_stiffness = inertia * _POSTURE_RATE**2
+        self._lying_stiffness = np.where(self._free, posture_stiffness, self._falling_stiffness)
         self._still_ticks, self._least_ticks = 0, max(1, round(_STILL_TIME / dt))
         self._limit = _TORQUE_SHARE * robot.tau_max
         self._at_rest = np.zeros(robot.nv)
@@ -67,18 +68,16 @@ class FallController:
     def reset(self) -> None:
         """Forget that the robot lay, for a new fall."""
         self._still_ticks = 0
-        self._stiffness[self._others] = 0.0
 
     def command(self, state: State) -> Command:
         """Return the command of one tick; its acceleration is zero, which it does not predict."""
         q, v = state.q[7:], state.v[6:]
-        if np.abs(state.v[3:6]).max() > _STILL_RATE:
-            self.reset()
-        else:
-            self._still_ticks += 1
-            if self._still_ticks == self._least_ticks:
-                self._wanted[self._others] = q[self._others]
-                self._stiffness[self._others] = self._posture_stiffness
-        tau = self._stiffness * (self._wanted - q) - self._damping * v
+        still = np.abs(state.v[3:6]).max() <= _STILL_RATE
+        self._still_ticks = self._still_ticks + 1 if still else 0
+        if self._still_ticks == self._least_ticks:
+            self._wanted[self._free] = q[self._free]
+        lies = self._still_ticks >= self._least_ticks
+        stiffness = self._lying_stiffness if lies else self._falling_stiffness
+        tau = stiffness * (self._wanted - q) - self._damping * v
         tau = np.clip(tau, -self._limit, self._limit)
         return Command(tau, self._at_rest.copy(), {}, q + self._dt * v, v.copy())

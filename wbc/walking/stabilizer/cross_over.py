@@ -15,7 +15,7 @@ _BEYOND = 0.15  # share of the legs' length by which a foot lands beyond the CoM
 _FARTHEST = 0.5  # the same beyond the other foot
 _WORTHWHILE = 0.1  # m that it has to gain across the sole, at least
 _COST = 3.0  # times what it gains across that it may land off along the sole, at most
-_STOPPING = 5.5  # times gravity: what the hips stop a foot by without the trunk
+_DECELERATION = 5.5  # times gravity: what the hips stop a foot by without the trunk
 _LAG = 0.015  # s by which a foot follows its reference
 _CAUGHT = 0.75  # share of what any number of quick steps catch that it may land off along the sole
 _HALFWAY = 0.16  # share of its speed times its time by which a quintic is farther halfway, 5/32
@@ -153,7 +153,7 @@ def _stopping_distance(state: GaitState, side: float) -> float:
         side: 1 if the swing foot is in front, −1 if it is behind.
     """
     speed = _speed_towards(state, side)
-    return speed * _LAG + 0.5 * speed * speed / (_STOPPING * state.gait.gravity)
+    return speed * _LAG + 0.5 * speed * speed / (_DECELERATION * state.gait.gravity)
 
 
 def _speed_towards(state: GaitState, side: float) -> float:

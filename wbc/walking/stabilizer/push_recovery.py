@@ -6,18 +6,18 @@ import math
 from collections.abc import Callable
 
 from wbc.gait import DcmReference, GaitState, Placement, SwingFoot
-from wbc.gait.footsteps import lateral_sign, other_side
+from wbc.gait.footsteps import lateral_sign
 from wbc.gait.strength import foot_acceleration
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
 from wbc.walking.stabilizer.cross_over import CrossOver
 from wbc.walking.stabilizer.disturbance import dcm_ahead, lasting_rate
 from wbc.walking.stabilizer.step_adjustment import footstep_adjustment, uncaught_dcm_error
-from wbc.walking.stabilizer.support_choice import has_to_return
+from wbc.walking.stabilizer.support_choice import first_swing, has_to_return
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 _LEAST_REMAINING = 0.1  # s that a shortened swing has left, at least
-_HURRY = 1.3  # times what the legs' torques accelerate a foot by with the body at rest
+_SWING_ACCELERATION = 1.3  # times what the legs' torques give a foot with the body at rest
 _OUT_OF_REACH = 0.05  # share of the CoM height by which a landing place has to be out of reach
 _WITHIN_REACH = 0.01, 0.03  # m, the same of a step of the normal gait: to return to it, to stay
 _LEAST_ERROR = 0.05  # m of DCM error that shorten a transfer or make a robot step, at least
@@ -28,7 +28,6 @@ _USED_SOLE = 0.9  # the same on one leg
 _HOLD = 0.01  # s by which a transfer is prolonged at a time
 _LONGEST_HOLD = 1.0  # s
 _INSIDE = 0.02  # share of the CoM height by which the DCM has to be off toe and heel, to wait there
-_PREVIEW = 3  # steps looked ahead to choose the foot that steps out of standing
 
 #: The wanted DCM for a landing place of the swing foot, or, given None, for the planned one.
 Reference = Callable[[Placement | None], DcmReference]
@@ -59,7 +58,7 @@ class PushRecovery:
     def __init__(self, robot: Robot, support: SupportPolygon) -> None:
         self._support = support
         self._cross_over = CrossOver(robot)
-        self._foot_acceleration = _HURRY * foot_acceleration(robot)
+        self._foot_acceleration = _SWING_ACCELERATION * foot_acceleration(robot)
 
     def update_swing(
         self,
@@ -324,12 +323,7 @@ class PushRecovery:
         if lifted:
             state.requested_swing = state.swing_side
         else:
-            # Mirrored pushes have mirrored answers: if either foot catches it, the one that is away
-            # from the push's side, which bears little, steps first.
-            sides = ("right", "left") if error.imag > 0.0 else ("left", "right")
-            state.requested_swing = min(
-                sides, key=lambda side: self._lateral_error_after(state, side)
-            )
+            state.requested_swing = first_swing(state, dcm, error.imag, self._support)
         state.gait = state.recovery_gait
 
     def _least_time(self, state: GaitState, shift: complex) -> float:
@@ -372,34 +366,3 @@ class PushRecovery:
         along, across = math.copysign(1.0, error.real), math.copysign(1.0, error.imag)
         corners = [stance.to_local(corner) - zmp for corner in self._support.corners(state)]
         return max(along * c.real for c in corners), max(across * c.imag for c in corners)
-
-    def _lateral_error_after(self, state: GaitState, side: str) -> float:
-        """Lateral distance of the DCM from the last foot of some quick steps, m.
-
-        Linear inverted pendulum, `ξ(T) = p + (ξ − p) e^(ωT)`: during a swing the ZMP p is on the
-        support sole where it is nearest to the DCM, during a transfer it is in the middle between
-        both ends. Each foot lands as near to the DCM as the leg reaches.
-
-        Args:
-            state: of a robot that stands on both feet.
-            side: of the foot that takes the first step.
-        """
-        quick, stance = state.recovery_gait, state.stance
-        half_width = self._support.zmp_range(side, 1.0)[1]
-        swing, transfer = (
-            math.exp(quick.omega * t) for t in (quick.single_support, quick.double_support)
-        )
-        dcm = stance.to_local(dcm_ahead(state, _LOOKAHEAD)).imag
-        foot = stance.to_local(state.feet.of(other_side(side)).point).imag
-        other = stance.to_local(state.feet.of(side).point).imag
-        zmp = max(min(foot, other) - half_width, min(max(foot, other) + half_width, dcm))
-        for _ in range(_PREVIEW):
-            zmp = 0.5 * (zmp + foot)
-            dcm = zmp + (dcm - zmp) * transfer
-            zmp = foot + max(-half_width, min(half_width, dcm - foot))
-            dcm = zmp + (dcm - zmp) * swing
-            sign = lateral_sign(side)
-            widest = quick.step_width + quick.max_side_step
-            foot += sign * max(quick.least_width, min(widest, sign * (dcm - foot)))
-            side = other_side(side)
-        return abs(dcm - foot)
