@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import signal
 import time
+from dataclasses import replace
 
 import pytest
 from clitools import start
@@ -13,7 +14,7 @@ from trialtools import made_up
 
 import wbc
 from wbc.cli.entry import run
-from wbc.trials import ControllerSpec, read_results
+from wbc.trials import ControllerSpec, Results, read_results
 
 
 @pytest.fixture
@@ -41,6 +42,22 @@ def test_show_lists_the_falls_with_the_smallest_pushes(files, capsys):
     assert "made up" in first
     assert " 0.8 " in second
     assert last == "96 falls in all"
+
+
+def test_show_says_how_many_falls_a_controller_announced_and_how_long_before(tmp_path, capsys):
+    pytest.importorskip("pyarrow")
+    made = made_up(0.7)
+    rows, left = [], 2
+    for row in made.rows:
+        if row.survived or not left:
+            rows.append(replace(row, survived=True, fell_at_s=None))
+        else:
+            left -= 1
+            rows.append(replace(row, fell_at_s=1.0, falling_at_s=0.75 if left else None))
+    Results(tuple(rows), made.grid, made.provenance).write(tmp_path / "falls.parquet")
+    assert run(["trials", "show", str(tmp_path / "falls.parquet")]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert "walker: announced 1 of 2 falls, 0.25 s before at the median" in printed
 
 
 def test_a_trial_that_does_not_exist_cannot_be_replayed(files, capsys):

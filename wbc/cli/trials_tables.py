@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from statistics import median
 
 from wbc.cli.formatting import paragraph, table
 from wbc.trials.comparison import Comparison
@@ -30,6 +31,7 @@ def results_text(results: Results, rates: bool) -> str:
         ),
         survival_table(results),
         *([rates_table(results)] if rates else []),
+        *announcements(results.trials),
         "undisturbed",
         undisturbed_table(results.runs),
     ]
@@ -37,6 +39,24 @@ def results_text(results: Results, rates: bool) -> str:
     if crashed:
         parts.append(f"{len(crashed)} trials ended with an error, e.g. {crashed[0].reason}")
     return "\n\n".join(parts)
+
+
+def announcements(trials: Sequence[TrialResult]) -> list[str]:
+    """Return for each controller how many of its falls it announced, and how long before."""
+    lines = []
+    for controller in dict.fromkeys(row.controller for row in trials):
+        falls = [
+            row for row in trials if row.controller == controller and row.fell_at_s is not None
+        ]
+        if falls:
+            before = [
+                row.fell_at_s - row.falling_at_s
+                for row in falls
+                if row.fell_at_s is not None and row.falling_at_s is not None
+            ]
+            lead = f", {median(before):.2f} s before at the median" if before else ""
+            lines.append(f"{controller}: announced {len(before)} of {len(falls)} falls{lead}")
+    return lines
 
 
 def falls_table(results: Results, most: int) -> str:

@@ -265,7 +265,7 @@ class Walker:
         stabilizer.observe(state, com, reaction, self._heading, dt, hands.offset)
         tilt = self._ground.tilt
         self._falling_why = self._fall_detector.update(
-            tilt, state.dcm, com.height, (feet.left, feet.right)
+            tilt, state.dcm, (com.height, com.vertical_velocity), (feet.left, feet.right)
         )
         if self._falling_why:
             return self._fall_controller.command(estimate.state)

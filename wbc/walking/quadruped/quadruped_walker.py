@@ -168,12 +168,12 @@ class QuadrupedWalker:
         if self._falling_why:
             return self._fall_controller.command(estimate.state)
         feet = self._feet = self._read_feet()
-        (x, y, z), (vx, vy, _) = kin.p_com.tolist(), kin.v_com.tolist()
+        (x, y, z), (vx, vy, vz) = kin.p_com.tolist(), kin.v_com.tolist()
         com, com_velocity = complex(x, y), complex(vx, vy)
         self._dcm = com + com_velocity / gait.omega
         leaning = tilt(self.robot, estimate.state)
         placed = tuple(feet.values())
-        self._falling_why = self._fall_detector.update(leaning, self._dcm, z, placed)
+        self._falling_why = self._fall_detector.update(leaning, self._dcm, (z, vz), placed)
         if self._falling_why:
             return self._fall_controller.command(estimate.state)
         self._accelerate()
