@@ -101,8 +101,8 @@ class FallDetector:
         distance = abs(dcm - clamp_to_polygon(dcm, self._hull(feet), 0.0))
         return (
             f"the DCM is {distance:.2f} m off the feet, the body is tilted by "
-            f"{math.degrees(angle):.0f}° at {math.degrees(tilt[1]):+.0f}°/s, and the centre of mass "
-            f"is at {100.0 * (1.0 - lost):.0f} % of its height"
+            f"{math.degrees(angle):.0f}° at {math.degrees(tilt[1]):+.0f}°/s, and the centre of "
+            f"mass is at {100.0 * (1.0 - lost):.0f} % of its height"
         )
 
     def _hull(self, feet: Sequence[Placement]) -> list[complex]:
