@@ -35,6 +35,11 @@ def yaw_of(rotation: np.ndarray) -> float:
     return math.atan2(rotation[1, 0], rotation[0, 0])
 
 
+def quaternion_yaw(x: float, y: float, z: float, w: float) -> float:
+    """The same of a unit quaternion, rad."""
+    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+
+
 def rotation_about_z(yaw: float) -> np.ndarray:
     """(3, 3) rotation about the world's z axis by yaw, rad."""
     rotation = np.eye(3)

@@ -6,6 +6,7 @@ import math
 
 import pinocchio as pin
 
+from wbc.geometry.planar import quaternion_yaw
 from wbc.robot import Robot
 from wbc.state import State
 
@@ -44,5 +45,4 @@ def tilt(robot: Robot, state: State) -> tuple[float, float]:
 
 def heading(robot: Robot, state: State) -> float:
     """Return the heading of the body about world z, rad; 0 when it stands."""
-    x, y, z, w = attitude(robot, state)
-    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return quaternion_yaw(*attitude(robot, state))

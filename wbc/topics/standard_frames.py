@@ -7,12 +7,12 @@ Source: REP 120, "Coordinate Frames for Humanoid Robots".
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
+from wbc.geometry.planar import rotation_about_z, yaw_of
 from wbc.robot import Robot
 from wbc.robot.upper_body import UpperBody
 from wbc.topics.batch import TickBatch
@@ -66,7 +66,6 @@ def base_footprints(batch: TickBatch) -> np.ndarray:
     found = np.empty((len(batch), 7))
     for k, (q, place) in enumerate(zip(batch.records["q"], places, strict=True)):
         base = pin.XYZQUATToSE3(q[:7])
-        yaw = math.atan2(base.rotation[1, 0], base.rotation[0, 0])
-        level = pin.SE3(pin.utils.rotate("z", yaw), place)
+        level = pin.SE3(rotation_about_z(yaw_of(base.rotation)), place)
         found[k] = pin.SE3ToXYZQUATtuple(base.actInv(level))
     return found

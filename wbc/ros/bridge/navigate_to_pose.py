@@ -23,7 +23,7 @@ from wbc.ros.actions import GoalStatus, ServerGoalHandle
 from wbc.ros.bridge.cmd_vel import CmdVel
 from wbc.ros.bridge.robot_action import RobotAction
 from wbc.ros.bridge.stamped_tick import StampedTick
-from wbc.ros.bridge.transform_listener import TransformListener, yaw_of
+from wbc.ros.bridge.transform_listener import TransformListener, placement_of
 from wbc.ros.node import Node
 from wbc.ros.stamp import duration_from_seconds, stamp_from_seconds
 from wbc.runtime.schema import ODOM
@@ -121,7 +121,7 @@ class NavigateToPose(RobotAction):
         norm = float(np.linalg.norm(numbers[3:]))
         if abs(norm - 1.0) > 0.05:
             raise CommandRefused(f"the norm of the quaternion is {norm:.3g}, not 1")
-        pose = Placement(complex(p.x, p.y), yaw_of(o))
+        pose = placement_of(p, o)
         frame = stamped.header.frame_id.lstrip("/")
         # A map of which no transform has come yet is refused: it may be anywhere.
         transformed = self._transforms.transform(pose, frame or ODOM, ODOM)

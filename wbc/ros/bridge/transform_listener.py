@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
-from wbc.geometry.planar import Placement
+from wbc.geometry.planar import Placement, quaternion_yaw
 from wbc.ros.node import Node
 from wbc.ros.qos import HIGH_RATE, QoSProfile
 from wbc.ros.qos import DurabilityPolicy as Durability
@@ -31,8 +30,7 @@ class TransformListener:
 
     def _on_transforms(self, message: Any) -> None:
         for one in message.transforms:
-            x, turn = one.transform.translation, one.transform.rotation
-            pose = Placement(complex(x.x, x.y), yaw_of(turn))
+            pose = placement_of(one.transform.translation, one.transform.rotation)
             self._parents[_name(one.child_frame_id)] = (_name(one.header.frame_id), pose)
 
     def transform(self, pose: Placement, source: str, target: str) -> Placement | None:
@@ -52,10 +50,10 @@ class TransformListener:
         return frame, pose
 
 
-def yaw_of(quaternion: Any) -> float:
-    """Return the yaw of a `geometry_msgs/msg/Quaternion`, rad."""
-    x, y, z, w = quaternion.x, quaternion.y, quaternion.z, quaternion.w
-    return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+def placement_of(position: Any, orientation: Any) -> Placement:
+    """Return the ground point and the yaw of a `Point` or `Vector3` and a `Quaternion`."""
+    yaw = quaternion_yaw(orientation.x, orientation.y, orientation.z, orientation.w)
+    return Placement(complex(position.x, position.y), yaw)
 
 
 def _name(frame: str) -> str:
