@@ -1,11 +1,17 @@
 """Shows which punches of the tour at full force fell a robot, and what would have to be different.
 
 Short tours (`wbc trials tour`) whose punches all have their greatest force: how many are survived,
-by the part of the body that is hit and by the angular momentum that a punch gives about the
-vertical, which only the friction of the soles takes up again. Beside the plant as it is, the same
+by the part of the body that is hit, by the angular momentum that a punch gives about the vertical,
+which only the friction of the soles takes up again, and by the way that it moves the divergent
+component of motion (DCM),
+
+    |Δv / ω + ω (L_y, −L_x) / (m g)|,
+
+with the velocity Δv and the angular momentum L that it gives to the robot. How far off the support
+sole steps can catch the DCM at all is printed beside it. After the plant as it is come the same
 tours with one thing changed: the torso always held about the vertical; the state known exactly;
-ground of four times the friction; legs and waist of twice the torque and speed. The last three show
-what bounds the controller, they are no results of it.
+ground of four times the friction; legs and waist of twice the torque and speed; both. The last four
+show what bounds the controller, they are no results of it.
 
     python benchmarks/punches.py
     python benchmarks/punches.py --tours 20 --condition as-it-is
@@ -25,7 +31,7 @@ import itertools
 import math
 import sys
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from typing import Any
@@ -34,17 +40,20 @@ import numpy as np
 
 import wbc
 from wbc.estimation import GroundTruthEstimator
+from wbc.gait.strength import foot_acceleration
+from wbc.geometry.quintic import PEAK_ACCELERATION
 from wbc.robot.upper_body import UpperBody
 from wbc.sim import Mujoco
 from wbc.trials.tour import Punch, TourParameters, draw_tour, run_tour
 from wbc.walking import WalkerGains
+from wbc.walking.stabilizer.push_recovery import SWING_ACCELERATION
 
 _DT = 0.002  # s
 _FIRST_SEED = 200
 _SEGMENTS = 3  # punches of a tour
 _TURNS = 0.0, 2.0, 4.0, math.inf  # kg·m²/s: bounds of the columns
+_JUMPS = 0.0, 0.2, 0.3, 0.4, math.inf  # m, the same
 _PARTS = "arms", "ankles", "hips, knees, waist"
-_TITLES = "all", *_PARTS, "turn 0 to 2", "turn 2 to 4", "turn over 4"
 
 
 @dataclass(frozen=True)
@@ -72,6 +81,7 @@ CONDITIONS = {
     "exact-state": Condition(exact=True),
     "friction": Condition(exact=True, friction=3.2, assumed_friction=2.4),
     "strength": Condition(exact=True, strength=2.0),
+    "both": Condition(exact=True, friction=3.2, assumed_friction=2.4, strength=2.0),
 }
 
 
@@ -82,11 +92,13 @@ class Outcome:
     Attributes:
         part: part of the body that was hit.
         turn: angular momentum about the vertical through the CoM, kg·m²/s.
+        jump: way by which the DCM moves, m.
         survived: whether the robot stayed on its feet until the next punch.
     """
 
     part: str
     turn: float
+    jump: float
     survived: bool
 
 
@@ -114,24 +126,28 @@ def tour(name: str, condition: Condition, seed: int) -> list[Outcome]:
     felled = None if result.completed else hit[-1]
     arms = _arm_joints(robot)
     return [
-        Outcome(_part(robot, arms, punch), turn, punch is not felled)
-        for punch, turn in zip(hit, plant.turns, strict=True)
+        Outcome(_part(robot, arms, punch), turn, jump, punch is not felled)
+        for punch, (turn, jump) in zip(hit, plant.effects, strict=True)
     ]
 
 
 class _Observed(Mujoco):
-    """Notes the angular momentum that each push gives about the vertical, kg·m²/s."""
+    """Notes what each push does: the turn, kg·m²/s, and the jump, m; see `Outcome`."""
 
     def __init__(self, robot: wbc.Robot, **options: Any) -> None:
         super().__init__(robot, **options)
-        self.turns: list[float] = []
+        self.effects: list[tuple[float, float]] = []
 
     def push(self, impulse: Any, *, duration: float = 0.1, frame: str | None = None) -> None:
         """See `Mujoco.push`."""
         assert frame is not None
         kin = wbc.Kinematics(self.robot, self.ground_truth())
         arm = kin.frame(frame).translation - kin.p_com
-        self.turns.append(abs(float(np.cross(arm, impulse)[2])))
+        x, y, z = np.cross(arm, impulse).tolist()
+        omega = math.sqrt(self.robot.gravity / self.robot.com_height)
+        velocity = complex(impulse[0], impulse[1]) / self.robot.mass
+        jump = velocity / omega + omega * complex(y, -x) / self.robot.weight
+        self.effects.append((abs(z), abs(jump)))
         super().push(impulse, duration=duration, frame=frame)
 
 
@@ -169,19 +185,55 @@ def _share(outcomes: Iterable[Outcome]) -> str:
     return f"{sum(survived)}/{len(survived)} {100.0 * float(np.mean(survived)):3.0f} %"
 
 
-def _row(name: str, outcomes: list[Outcome]) -> str:
-    cells = [_share(outcomes)]
-    cells += [_share(o for o in outcomes if o.part == part) for part in _PARTS]
-    cells += [
-        _share(o for o in outcomes if least <= o.turn < most)
-        for least, most in itertools.pairwise(_TURNS)
-    ]
-    return _line(name, cells)
+def _rows(name: str, outcomes: list[Outcome]) -> str:
+    """Return the lines of a condition: all punches, and by part, turn and jump."""
+    turns = {
+        _range(bounds, "kg·m²/s"): [o for o in outcomes if bounds[0] <= o.turn < bounds[1]]
+        for bounds in itertools.pairwise(_TURNS)
+    }
+    jumps = {
+        _range(bounds, "m"): [o for o in outcomes if bounds[0] <= o.jump < bounds[1]]
+        for bounds in itertools.pairwise(_JUMPS)
+    }
+    parts = {part: [o for o in outcomes if o.part == part] for part in _PARTS}
+    lines = [f"{name}: {_share(outcomes)}"]
+    for title, columns in (("hit", parts), ("turn", turns), ("DCM", jumps)):
+        cells = "   ".join(f"{head}: {_share(found)}" for head, found in columns.items())
+        lines.append(f"    {title:4}  {cells}")
+    return "\n".join(lines)
 
 
-def _line(name: str, cells: Sequence[str]) -> str:
-    return f"{name:11}" + "".join(
-        f"  {cell:>{max(len(title), 13)}}" for title, cell in zip(_TITLES, cells, strict=True)
+def _range(bounds: tuple[float, float], unit: str) -> str:
+    low, high = bounds
+    return f"over {low:g} {unit}" if math.isinf(high) else f"{low:g} to {high:g} {unit}"
+
+
+def capturability(robot: wbc.Robot) -> str:
+    """Say how far ahead of the support sole's centre steps can catch the DCM at all.
+
+    Steps of the length L and the duration T, each with the ZMP at the toe, m ahead of the sole's
+    centre, leave no less than the one before of a DCM that is farther ahead than
+
+        m + L / (e^(ωT) − 1)
+
+    (N-step capturability, Koolen et al., IJRR 2012). A foot that is accelerated by a at most gets
+    2 L ahead in the time T of a quintic of which a is the peak.
+    """
+    gait = wbc.Walker(robot, _DT).recovery_gait
+    acceleration = SWING_ACCELERATION * foot_acceleration(robot)
+    toe = min(sole.half_length for sole in robot.soles)
+
+    def step(duration: float) -> float:
+        way = acceleration * duration**2 / PEAK_ACCELERATION
+        return min(0.5 * way, gait.max_step)
+
+    def caught(duration: float) -> float:
+        return toe + step(duration) / math.expm1(gait.omega * duration)
+
+    best = max(np.linspace(0.1, 0.6, 101).tolist(), key=caught)
+    return (
+        f"steps catch a DCM that is up to {caught(best):.2f} m ahead of the support sole's centre: "
+        f"{step(best):.2f} m long in {best:.2f} s, with feet that get {acceleration / 9.81:.1f} g"
     )
 
 
@@ -193,8 +245,8 @@ def main(argv: list[str] | None = None) -> int:
         "--condition", choices=CONDITIONS, action="append", help="repeatable; all by default"
     )
     options = parser.parse_args(argv)
-    print(f"{options.robot}: punches at full force that are survived; turn in kg·m²/s")
-    print(_line("condition", _TITLES))
+    print(f"{options.robot}: punches at full force that are survived")
+    print(capturability(wbc.load(options.robot)), flush=True)
     start = time.perf_counter()
     seeds = range(_FIRST_SEED, _FIRST_SEED + options.tours)
     with ProcessPoolExecutor() as pool:
@@ -203,8 +255,8 @@ def main(argv: list[str] | None = None) -> int:
                 tour, options.robot, CONDITIONS[name]
             )
             outcomes = [outcome for punches in pool.map(job, seeds) for outcome in punches]
-            print(_row(name, outcomes), flush=True)
-    print(f"{time.perf_counter() - start:.0f} s")
+            print(f"\n{_rows(name, outcomes)}", flush=True)
+    print(f"\n{time.perf_counter() - start:.0f} s")
     return 0
 
 

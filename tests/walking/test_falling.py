@@ -42,18 +42,20 @@ def leaning(r: wbc.Robot, tilt: float, rate: float, axis: np.ndarray) -> Tilt:
     return ground.tilt
 
 
-def ticks_until_alarm(detector: FallDetector, tilt: Tilt, dcm: complex, com: Tilt) -> int:
+def ticks_until_alarm(
+    detector: FallDetector, tilt: Tilt, dcm: complex, height: float, base: tuple[float, float]
+) -> int:
     """Number of ticks; 0: no alarm within 100."""
     detector.reset()
     for tick in range(1, 101):
-        if detector.update(tilt, dcm, com, FEET):
+        if detector.update(tilt, dcm, height, base, FEET):
             return tick
     return 0
 
 
 @pytest.mark.parametrize("name", ["g1", "icub"])  # icub's base has its x axis backwards
 @pytest.mark.parametrize("direction", [0.0, 2.0, 4.0])
-def test_an_alarm_needs_a_sum_a_tilt_or_a_lost_height_that_lasts(name, direction):
+def test_an_alarm_needs_the_sum_of_distance_tilt_rate_and_lost_height_for_30_ms(name, direction):
     r = robot(name)
     detector, h = FallDetector(r, DT), r.com_height
     axis = np.array([np.cos(direction), np.sin(direction), 0.0])
@@ -61,41 +63,48 @@ def test_an_alarm_needs_a_sum_a_tilt_or_a_lost_height_that_lasts(name, direction
 
     assert leaning(r, 0.3, -0.5, axis) == pytest.approx((0.3, -0.5))
 
-    def alarm(distance=0.0, tilt=0.0, rate=0.0, lost=0.0, sinking=0.0) -> int:
-        dcm, com = complex(edge + distance * h, 0.0), ((1.0 - lost) * h, -sinking * h)
-        return ticks_until_alarm(detector, leaning(r, tilt, rate, axis), dcm, com)
+    def alarm(distance=0.0, tilt=0.0, rate=0.0, lost=0.0) -> int:
+        dcm = complex(edge + distance * h, 0.0)
+        leans, base = leaning(r, tilt, rate, axis), (r.q_nominal[2], 0.0)
+        return ticks_until_alarm(detector, leans, dcm, (1.0 - lost) * h, base)
 
-    # The sum of distance, tilt, rate and lost height, for 30 ms.
     assert alarm() == 0
     assert alarm(distance=1.4) == 0
     assert alarm(distance=1.5) == 15
     assert alarm(distance=0.5, tilt=0.5, rate=1.0, lost=0.3) == 0
-    assert alarm(distance=0.6, tilt=0.5, rate=1.0, lost=0.3) == 15
+    assert alarm(distance=0.5, tilt=0.5, rate=1.0, lost=0.4) == 15
     assert alarm(distance=0.5, tilt=0.5, rate=2.0, lost=0.3) == 15
     # A robot that rises again is given the time to.
     assert alarm(distance=0.5, tilt=0.5, rate=-9.0, lost=0.35) == 0
-    assert alarm(distance=0.6, tilt=0.5, lost=0.34, sinking=-9.0) == 0
-    # With the DCM between the feet: a robot that topples, for 10 ms.
-    assert alarm(tilt=0.8, rate=2.0) == 0
-    assert alarm(tilt=0.8, rate=3.0) == 5
-    assert alarm(tilt=0.88, rate=-9.0) == 5
-    # One that sinks, for 30 ms; one that squats as deeply does not fall.
-    assert alarm(lost=0.35) == 0
-    assert alarm(lost=0.2, sinking=1.5) == 0
-    assert alarm(lost=0.2, sinking=1.7) == 15
+
+
+@pytest.mark.parametrize("name", ["g1", "icub"])
+def test_a_robot_that_topples_or_sinks_over_its_feet_is_about_to_fall(name):
+    r = robot(name)
+    detector, standing = FallDetector(r, DT), float(r.q_nominal[2])
+
+    def alarm(tilt=0.0, rate=0.0, height=1.0, rising=0.0) -> int:
+        base = (height * standing, rising * standing)
+        return ticks_until_alarm(detector, (tilt, rate), 0j, r.com_height, base)
+
+    assert alarm(tilt=0.83, rate=2.0) == 0
+    assert alarm(tilt=0.85, rate=2.0) == 5
+    assert alarm(tilt=0.89, rate=-9.0) == 0
+    assert alarm(height=0.67, rising=-2.0) == 0
+    assert alarm(height=0.65, rising=-2.0) == 5
+    assert alarm(height=0.61, rising=9.0) == 0  # from a deep crouch it rises again
+    assert alarm(height=0.61, rising=-0.2) == 0
 
 
 def test_a_moment_beyond_the_threshold_is_no_alarm():
     r = robot("g1")
-    detector, standing = FallDetector(r, DT), (r.com_height, 0.0)
+    h, standing = r.com_height, (float(r.q_nominal[2]), 0.0)
+    far, toppling = FallDetector(r, DT), FallDetector(r, DT)
     for tick in range(200):
-        beyond = complex(0.0 if tick % 14 == 0 else 3.0, 0.0)
-        assert not detector.update((0.0, 0.0), beyond, standing, FEET)
-    detector.reset()
-    for tick in range(200):
+        dcm = complex(0.0 if tick % 14 == 0 else 3.0, 0.0)
+        assert not far.update((0.0, 0.0), dcm, h, standing, FEET)
         tilt = 0.0 if tick % 4 == 0 else 1.0
-        lost = 0.0 if tick % 14 == 0 else 0.4
-        assert not detector.update((tilt, 0.0), 0j, ((1.0 - lost) * r.com_height, 0.0), FEET)
+        assert not toppling.update((tilt, 0.0), 0j, h, standing, FEET)
 
 
 def test_fall_controller_takes_energy_out_of_the_joints_and_bends_the_knees():

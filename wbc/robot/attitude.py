@@ -1,4 +1,4 @@
-"""Orientation and heading of the body, independent of the axes of its base link."""
+"""Orientation, heading and height of the body, independent of the axes of its base link."""
 
 from __future__ import annotations
 
@@ -41,6 +41,14 @@ def tilt(robot: Robot, state: State) -> tuple[float, float]:
     derivative = a * (y * r - z * q) + b * (z * p - x * r) + c * (x * q - y * p)
     # Upright, the tilt has no direction yet: its rate is zero there and grows with it.
     return math.acos(cosine), -derivative / max(math.sqrt(1.0 - cosine * cosine), 1e-3)
+
+
+def base_height(state: State) -> tuple[float, float]:
+    """Return the world height of the base, m, and its vertical velocity, m/s."""
+    x, y, z, w = state.q[3:7].tolist()
+    u, v, n = state.v[:3].tolist()
+    rate = 2.0 * ((x * z - w * y) * u + (y * z + w * x) * v) + (1.0 - 2.0 * (x * x + y * y)) * n
+    return float(state.q[2]), rate
 
 
 def heading(robot: Robot, state: State) -> float:

@@ -18,7 +18,7 @@ from wbc.geometry.polygon import clamp_to_polygon, convex_hull
 from wbc.kinematics import Kinematics
 from wbc.qp import Solver
 from wbc.robot import Robot, checked_robot
-from wbc.robot.attitude import tilt
+from wbc.robot.attitude import base_height, tilt
 from wbc.robot.posture import find_knee
 from wbc.state import State
 from wbc.tasks import Task
@@ -168,12 +168,14 @@ class QuadrupedWalker:
         if self._falling_why:
             return self._fall_controller.command(estimate.state)
         feet = self._feet = self._read_feet()
-        (x, y, z), (vx, vy, vz) = kin.p_com.tolist(), kin.v_com.tolist()
+        (x, y, z), (vx, vy, _) = kin.p_com.tolist(), kin.v_com.tolist()
         com, com_velocity = complex(x, y), complex(vx, vy)
         self._dcm = com + com_velocity / gait.omega
         leaning = tilt(self.robot, estimate.state)
         placed = tuple(feet.values())
-        self._falling_why = self._fall_detector.update(leaning, self._dcm, (z, vz), placed)
+        self._falling_why = self._fall_detector.update(
+            leaning, self._dcm, z, base_height(estimate.state), placed
+        )
         if self._falling_why:
             return self._fall_controller.command(estimate.state)
         self._accelerate()

@@ -16,8 +16,10 @@ from wbc.walking.stabilizer.step_adjustment import footstep_adjustment, uncaught
 from wbc.walking.stabilizer.support_choice import first_swing, has_to_return
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
+#: How fast a swing foot gets, times what the legs' torques give it with the body at rest.
+SWING_ACCELERATION = 1.3
+
 _LEAST_REMAINING = 0.1  # s that a shortened swing has left, at least
-_SWING_ACCELERATION = 1.3  # times what the legs' torques give a foot with the body at rest
 _OUT_OF_REACH = 0.05  # share of the CoM height by which a landing place has to be out of reach
 _WITHIN_REACH = 0.01, 0.03  # m, the same of a step of the normal gait: to return to it, to stay
 _LEAST_ERROR = 0.05  # m of DCM error that shorten a transfer or make a robot step, at least
@@ -58,7 +60,7 @@ class PushRecovery:
     def __init__(self, robot: Robot, support: SupportPolygon) -> None:
         self._support = support
         self._cross_over = CrossOver(robot)
-        self._foot_acceleration = _SWING_ACCELERATION * foot_acceleration(robot)
+        self._foot_acceleration = SWING_ACCELERATION * foot_acceleration(robot)
 
     def update_swing(
         self,
