@@ -30,7 +30,7 @@ import wbc
 from wbc.estimation import Estimator
 from wbc.gait import Phase, Placement
 from wbc.geometry.planar import ground_point, wrap_angle, yaw_of
-from wbc.runtime.fall import fall_reason
+from wbc.robot.fall import fall_reason
 from wbc.sim import Mujoco
 from wbc.trials.closed_loop import ClosedLoop
 from wbc.walking import WaypointFollower

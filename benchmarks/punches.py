@@ -187,25 +187,25 @@ def _share(outcomes: Iterable[Outcome]) -> str:
 
 def _rows(name: str, outcomes: list[Outcome]) -> str:
     """Return the lines of a condition: all punches, and by part, turn and jump."""
-    turns = {
-        _range(bounds, "kg·m²/s"): [o for o in outcomes if bounds[0] <= o.turn < bounds[1]]
-        for bounds in itertools.pairwise(_TURNS)
-    }
-    jumps = {
-        _range(bounds, "m"): [o for o in outcomes if bounds[0] <= o.jump < bounds[1]]
-        for bounds in itertools.pairwise(_JUMPS)
-    }
-    parts = {part: [o for o in outcomes if o.part == part] for part in _PARTS}
+    parts = [f"{part}: {_share(o for o in outcomes if o.part == part)}" for part in _PARTS]
+    turns = _cells(_TURNS, "kg·m²/s", [(o.turn, o) for o in outcomes])
+    jumps = _cells(_JUMPS, "m", [(o.jump, o) for o in outcomes])
     lines = [f"{name}: {_share(outcomes)}"]
-    for title, columns in (("hit", parts), ("turn", turns), ("DCM", jumps)):
-        cells = "   ".join(f"{head}: {_share(found)}" for head, found in columns.items())
-        lines.append(f"    {title:4}  {cells}")
+    for title, cells in (("hit", parts), ("turn", turns), ("DCM", jumps)):
+        lines.append(f"    {title:4}  {'   '.join(cells)}")
     return "\n".join(lines)
 
 
-def _range(bounds: tuple[float, float], unit: str) -> str:
-    low, high = bounds
-    return f"over {low:g} {unit}" if math.isinf(high) else f"{low:g} to {high:g} {unit}"
+def _cells(
+    bounds: tuple[float, ...], unit: str, outcomes: list[tuple[float, Outcome]]
+) -> list[str]:
+    """Return the share that is survived between each two bounds of a value."""
+    cells = []
+    for low, high in itertools.pairwise(bounds):
+        name = f"over {low:g}" if math.isinf(high) else f"{low:g} to {high:g}"
+        share = _share(outcome for value, outcome in outcomes if low <= value < high)
+        cells.append(f"{name} {unit}: {share}")
+    return cells
 
 
 def capturability(robot: wbc.Robot) -> str:
@@ -231,9 +231,10 @@ def capturability(robot: wbc.Robot) -> str:
         return toe + step(duration) / math.expm1(gait.omega * duration)
 
     best = max(np.linspace(0.1, 0.6, 101).tolist(), key=caught)
+    share = acceleration / robot.gravity
     return (
         f"steps catch a DCM that is up to {caught(best):.2f} m ahead of the support sole's centre: "
-        f"{step(best):.2f} m long in {best:.2f} s, with feet that get {acceleration / 9.81:.1f} g"
+        f"{step(best):.2f} m long in {best:.2f} s, with feet that get {share:.1f} g"
     )
 
 

@@ -32,7 +32,7 @@ from wbc.motions.squat import Squat
 from wbc.motions.step_in_place import StepInPlace
 from wbc.motions.sway import Sway
 from wbc.motions.wave import Wave
-from wbc.runtime.fall import fall_reason
+from wbc.robot.fall import fall_reason
 from wbc.sim import Mujoco
 from wbc.trials import RunEvaluator, run_motions
 

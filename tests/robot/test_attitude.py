@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import wbc
 from wbc.robot.attitude import attitude, heading
-from wbc.runtime.fall import fall_reason
+from wbc.robot.fall import fall_reason
 
 ROBOTS = [wbc.load(name) for name in ("talos", "icub")]  # iCub's base points backward
 angles = st.floats(-3.0, 3.0)

@@ -13,7 +13,7 @@ from policytools import linear_network, load_network, write_standing_policy
 import wbc
 from wbc.errors import JointNotFound
 from wbc.estimation import Estimate
-from wbc.runtime.fall import fall_reason
+from wbc.robot.fall import fall_reason
 from wbc.runtime.protocols import VelocityController
 from wbc.trials import ControllerSpec, TrialError
 from wbc.trials.policy import PolicyController, PolicyDescription, PolicyError, load_policy

@@ -15,7 +15,7 @@ from wbc.kinematics import Kinematics
 from wbc.log import FlightRecorder, Log, LoggedRun
 from wbc.motions import MotionPlayer
 from wbc.motions.squat import Squat
-from wbc.runtime.fall import fall_reason
+from wbc.robot.fall import fall_reason
 from wbc.sim import Mujoco
 from wbc.state import State
 from wbc.walking.falling import FallController, FallDetector

@@ -23,6 +23,7 @@ def results_text(results: Results, rates: bool) -> str:
     """
     grid = results.grid
     seeds = f"{len(grid.seeds)} seed{'s' if len(grid.seeds) > 1 else ''}"
+    announced = announcements(results.trials)
     parts = [
         paragraph(
             f"{grid.name}: largest {grid.disturbance.kind}, {grid.disturbance.unit}, that is "
@@ -31,7 +32,7 @@ def results_text(results: Results, rates: bool) -> str:
         ),
         survival_table(results),
         *([rates_table(results)] if rates else []),
-        *announcements(results.trials),
+        *([announced] if announced else []),
         "undisturbed",
         undisturbed_table(results.runs),
     ]
@@ -41,22 +42,20 @@ def results_text(results: Results, rates: bool) -> str:
     return "\n\n".join(parts)
 
 
-def announcements(trials: Sequence[TrialResult]) -> list[str]:
+def announcements(trials: Sequence[TrialResult]) -> str:
     """Return for each controller how many of its falls it announced, and how long before."""
     lines = []
     for controller in dict.fromkeys(row.controller for row in trials):
         falls = [
-            row for row in trials if row.controller == controller and row.fell_at_s is not None
+            (row.falling_at_s, row.fell_at_s)
+            for row in trials
+            if row.controller == controller and row.fell_at_s is not None
         ]
+        before = [fell - announced for announced, fell in falls if announced is not None]
+        lead = f", {median(before):.2f} s before at the median" if before else ""
         if falls:
-            before = [
-                row.fell_at_s - row.falling_at_s
-                for row in falls
-                if row.fell_at_s is not None and row.falling_at_s is not None
-            ]
-            lead = f", {median(before):.2f} s before at the median" if before else ""
             lines.append(f"{controller}: announced {len(before)} of {len(falls)} falls{lead}")
-    return lines
+    return "\n".join(lines)
 
 
 def falls_table(results: Results, most: int) -> str:

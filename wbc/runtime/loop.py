@@ -12,9 +12,9 @@ import numpy as np
 
 from wbc.errors import PhysicsDiverged, WbcError
 from wbc.estimation import Estimator, EstimatorNoise
+from wbc.robot.fall import fall_reason
 from wbc.runtime.clock import Clock
 from wbc.runtime.event import FALL, FALLING, EventSource, RunEvent, tell
-from wbc.runtime.fall import fall_reason
 from wbc.runtime.loop_conditions import LoopConditions
 from wbc.runtime.protocols import (
     Controller,

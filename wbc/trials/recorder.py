@@ -10,7 +10,7 @@ import numpy as np
 
 from wbc.command import Status
 from wbc.errors import PhysicsDiverged
-from wbc.runtime.fall import fall_reason
+from wbc.robot.fall import fall_reason
 from wbc.runtime.protocols import TelemetrySource
 from wbc.trials.closed_loop import ClosedLoop
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from wbc.hardware.unitree.stand_in import PERIOD, G1StandIn
 from wbc.hardware.unitree.transport import Transport
+from wbc.robot.fall import fall_reason
 from wbc.runtime.clock import Clock
-from wbc.runtime.fall import fall_reason
 from wbc.runtime.real_time import RealTime, garbage_collection_paused, real_time_thread
 
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from wbc.gait import Placement
 from wbc.geometry.polygon import clamp_to_polygon, convex_hull, sole_corners
 from wbc.robot import Robot
+from wbc.robot.fall import LEAST_HEIGHT, MAX_TILT
 
 #: Sum of the four measures from which on no run recovered, and for how long, s. On pushes of 0.25
 #: to 1.0 N·s/kg (five robots, standing and walking, six phases, two seeds) the largest sum from
@@ -18,12 +19,11 @@ _MAX_INDEX, _MAX_INDEX_ON_FOUR, _INDEX_TIME = 1.45, 1.9, 0.03
 #: one takes the 5 rad/s that a push gives to the trunk for a fall: with 0.2 s, G1 gave up pushes
 #: that it survives.
 _LEAD, _LEAD_ON_FOUR = 0.1, 0.66
-#: What counts as a fall (`wbc.runtime.fall`), tilt, rad, and share of the base's height, the time,
-#: s, within which it comes at the present rate, and for how long, s. A robot may topple or sink
-#: with its DCM between its feet: of 302 falls of four robots after pushes of 0.5 to 1.4 N·s/kg 17
-#: came before the sum was too large, none before this. Twice the time gives up runs that recover:
-#: Talos rises again from 61 % of the base's height.
-_MAX_TILT, _LEAST_HEIGHT, _FALL_LEAD, _FALL_TIME = 0.9, 0.6, 0.03, 0.01
+#: Time within which the robot falls at its present rate, and for how long, s. A robot may topple
+#: or sink with its DCM between its feet: of 302 falls of four robots after pushes of 0.5 to
+#: 1.4 N·s/kg 17 came before the sum was too large, none before this. Twice the time gives up runs
+#: that recover: Talos rises again from 61 % of the base's height.
+_FALL_LEAD, _FALL_TIME = 0.03, 0.01
 
 
 class FallDetector:
@@ -51,7 +51,8 @@ class FallDetector:
 
     def __init__(self, robot: Robot, dt: float) -> None:
         self._soles = robot.soles
-        self._height, self._base_height = robot.com_height, float(robot.q_nominal[2])
+        self._height = robot.com_height
+        self._least_base_height = LEAST_HEIGHT * float(robot.q_nominal[2])
         self._max_index, self._lead = _MAX_INDEX, _LEAD
         if robot.is_quadruped:
             self._max_index = _MAX_INDEX_ON_FOUR
@@ -86,33 +87,30 @@ class FallDetector:
         lost = 1.0 - (com_height - ground) / self._height
         index = angle + self._lead * turning + max(lost, 0.0)
         # The feet themselves are farther from the DCM than the soles: most ticks end here.
-        distance = min(abs(dcm - foot.point) for foot in feet)
-        if index + distance / self._height > self._max_index:
-            distance = abs(dcm - clamp_to_polygon(dcm, self._hull(feet), 0.0))
-        beyond = index + distance / self._height > self._max_index
+        bound = self._height * (self._max_index - index)
+        nearest = min(abs(dcm - foot.point) for foot in feet)
+        beyond = nearest > bound and self._distance(dcm, feet) > bound
         self._index_ticks = self._index_ticks + 1 if beyond else 0
         base_then = base[0] - ground + _FALL_LEAD * min(base[1], 0.0)
-        falls = (
-            angle + _FALL_LEAD * turning > _MAX_TILT
-            or base_then < _LEAST_HEIGHT * self._base_height
-        )
+        tilt_then = angle + _FALL_LEAD * turning
+        falls = tilt_then > MAX_TILT or base_then < self._least_base_height
         self._fall_ticks = self._fall_ticks + 1 if falls else 0
         if (
             self._index_ticks < self._least_index_ticks
             and self._fall_ticks < self._least_fall_ticks
         ):
             return ""
-        distance = abs(dcm - clamp_to_polygon(dcm, self._hull(feet), 0.0))
         return (
-            f"the DCM is {distance:.2f} m off the feet, the body is tilted by "
+            f"the DCM is {self._distance(dcm, feet):.2f} m off the feet, the body is tilted by "
             f"{math.degrees(angle):.0f}° at {math.degrees(rate):+.0f}°/s, and the centre of mass "
             f"is at {100.0 * (1.0 - lost):.0f} % of its height"
         )
 
-    def _hull(self, feet: Sequence[Placement]) -> list[complex]:
-        """Return the corners of the convex hull of all feet, ground points, m."""
-        return convex_hull(
+    def _distance(self, dcm: complex, feet: Sequence[Placement]) -> float:
+        """Return the distance of the DCM from the convex hull of all feet, m."""
+        hull = convex_hull(
             corner
             for sole, foot in zip(self._soles, feet, strict=True)
             for corner in sole_corners(foot, sole.half_length, sole.half_width)
         )
+        return abs(dcm - clamp_to_polygon(dcm, hull, 0.0))

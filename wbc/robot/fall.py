@@ -8,8 +8,9 @@ from wbc.robot import Robot
 from wbc.robot.attitude import attitude
 from wbc.state import State
 
-_MAX_TILT = 0.9  # rad, about 50°
-_LEAST_HEIGHT = 0.6  # share of the base's height when standing
+#: Tilt beyond which a robot has fallen, rad (about 50°), and the share of the base's height when
+#: standing below which it has.
+MAX_TILT, LEAST_HEIGHT = 0.9, 0.6
 
 
 def fall_reason(robot: Robot, state: State, ground: float = 0.0) -> str:
@@ -26,9 +27,9 @@ def fall_reason(robot: Robot, state: State, ground: float = 0.0) -> str:
     q = state.q
     x, y, _, _ = attitude(robot, state)
     up = 1.0 - 2.0 * (x * x + y * y)  # cosine of the tilt
-    if up < math.cos(_MAX_TILT):
+    if up < math.cos(MAX_TILT):
         return f"the base is tilted by {math.degrees(math.acos(max(up, -1.0))):.0f}°"
     height = float(q[2]) - ground
-    if height < _LEAST_HEIGHT * float(robot.q_nominal[2]):
+    if height < LEAST_HEIGHT * float(robot.q_nominal[2]):
         return f"the base is only {height:.2f} m above the ground"
     return ""
