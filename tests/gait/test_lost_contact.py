@@ -159,6 +159,15 @@ def test_the_end_of_a_quick_swing_waits_for_a_foot_that_is_still_high(gaits):
     assert ended == pytest.approx(0.02 + 0.06, abs=0.005)  # it does not wait for ever
 
 
+def test_a_foot_that_was_knocked_up_is_on_no_stair(gaits):
+    walking = Walking(gaits)
+    walking.walk_until(Phase.SWING, "left")
+    walking.knock("left", 0j, 0.2)
+    for contacts in (frozenset(), RIGHT):
+        walking.tick(contacts)
+        assert not walking.state.on_stairs
+
+
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_g1_stays_up_when_a_foot_is_knocked_from_under_it(side):
     pytest.importorskip("mujoco")

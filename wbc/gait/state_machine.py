@@ -299,12 +299,14 @@ def _leads_over_stairs(
 ) -> bool:
     """Whether the footholds of now and those given differ much in height."""
     present = state.stance.height
+    swings = state.phase is Phase.SWING
+    standing = {state.support} if swings else {"left", "right"}
+    if contacts is not None and not standing <= contacts:
+        return state.on_stairs  # a foot that was knocked up is on no stair
     if any(abs(step.placement.height - present) > _STAIR for step in given):
         return True
-    if state.phase is Phase.SWING:
+    if swings:
         other = state.landing.height if lifted is None else present
-    elif contacts is not None and len(contacts) < 2:
-        return state.on_stairs  # a foot that is in the air although both are to stand is no stair
     else:
         other = state.other_foot.height
     return abs(other - present) > _STAIR
