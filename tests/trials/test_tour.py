@@ -26,6 +26,8 @@ from wbc.trials.tour import (
 )
 from wbc.trials.tour.run import TourResult
 
+_ANKLES = [(side, axis) for side in ("left", "right") for axis in ("pitch", "roll")]
+
 
 @pytest.fixture(scope="module")
 def g1():
@@ -50,6 +52,26 @@ def test_waypoints_are_uniform_on_the_disc_and_punches_grow_to_their_ceiling(g1)
 def test_a_seed_is_one_tour(g1):
     assert str(draw_tour(g1, 3)) == str(draw_tour(g1, 3))
     assert str(draw_tour(g1, 3)) != str(draw_tour(g1, 4))
+
+
+def test_the_robot_of_the_tour_is_g1_with_the_motors_of_the_benchmark(g1):
+    robot = wbc.load("g1_tour")
+    assert robot.joint_names == g1.joint_names
+    assert robot.mass == pytest.approx(g1.mass)
+    inertia = dict(zip(robot.joint_names, robot.model.armature[6:], strict=True))
+    left = [value for name, value in inertia.items() if name.startswith("left")]
+    right = [value for name, value in inertia.items() if name.startswith("right")]
+    assert left == right
+    small = inertia["left_elbow_joint"]
+    assert inertia["left_ankle_roll_joint"] == inertia["waist_roll_joint"] == 2.0 * small
+    # A motor alone, with its gains, oscillates at 10 Hz with damping ratio 2.
+    arms = ArmMotion(robot, 0)
+    rotor = robot.model.armature[6 + arms.joints]
+    np.testing.assert_allclose(np.sqrt(arms.stiffness / rotor), 2.0 * math.pi * 10.0)
+    np.testing.assert_allclose(0.5 * arms.damping / np.sqrt(arms.stiffness * rotor), 2.0)
+    stronger = robot.tau_max - g1.tau_max
+    ankles = [robot.joint_index(f"{side}_ankle_{axis}_joint") for side, axis in _ANKLES]
+    np.testing.assert_allclose(stronger[ankles], 15.0)
 
 
 def test_arms_move_as_mirror_images_within_their_limits_and_stay_in_front(g1):
@@ -154,6 +176,15 @@ def test_a_punch_that_nobody_survives_ends_the_tour(g1):
     assert 0.3 < result.survived < 3.0
     assert result.fall
     assert result.last_punch == "1500 N at waist_pitch_joint"
+
+
+def test_the_ground_of_a_tour_is_as_slippery_as_its_parameters_say(g1):
+    pytest.importorskip("mujoco")
+    parameters = TourParameters(
+        duration=3.0, waypoints=1, max_force=1.0, standing_time=0.2, friction=0.01
+    )
+    result = run_tour(g1, wbc.Walker(g1), draw_tour(g1, 0, parameters))
+    assert not result.completed
 
 
 def test_the_summary_is_the_mean_over_the_runs():

@@ -31,7 +31,7 @@ _HEAD = ("controller", "runs", "completed, %", "survived, s", "off, cm", "off, Â
 
 def tour(
     *,
-    robot: RobotName = "g1",
+    robot: RobotName = "g1_tour",
     seeds: Annotated[int, Argument("N", positive_number)] = 10,
     controller: str = "walker",
     policy: PolicyFolder | None = None,
@@ -47,7 +47,8 @@ def tour(
     waypoint when its time is over.
 
     Args:
-        robot: name of a robot, or path of a URDF or robot data file.
+        robot: name of a robot, or path of a URDF or robot data file; g1_tour is G1 with the motors
+            that the benchmark gives it.
         seeds: number of runs, each with a tour and sensor noise of its own.
         controller: "walker", or "module:factory" of a controller.
         policy: folder of a learned policy to run instead of a controller.

@@ -134,7 +134,10 @@ def run_tour(
     """
     parameters = tour.parameters
     truth = isinstance(estimator, GroundTruthEstimator)
-    plant = plant or Mujoco(robot, dt=_DT, seed=tour.seed, ground_truth=truth)
+    if plant is None:
+        plant = Mujoco(
+            robot, dt=_DT, seed=tour.seed, ground_truth=truth, friction=parameters.friction
+        )
     toured = TourController(controller, ArmMotion(robot, tour.seed), plant)
     events = _TourEvents(tour, plant, toured, _limits(controller))
     with warnings.catch_warnings():

@@ -32,6 +32,7 @@ class TourParameters:
         force_ramp: time over which the ceiling rises to `max_force`, s.
         least_force: smallest force of a punch, as a share of the ceiling.
         standing_time: time that the robot stands before the tour, s.
+        friction: Coulomb coefficient of the ground.
     """
 
     duration: float = 90.0
@@ -45,6 +46,7 @@ class TourParameters:
     force_ramp: float = 60.0
     least_force: float = 0.5
     standing_time: float = 1.0
+    friction: float = 1.0
 
     @property
     def segment(self) -> float:
