@@ -126,8 +126,8 @@ def test_a_table_is_wrapped_to_the_terminal_and_not_otherwise():
 def test_the_list_of_robots_has_a_line_per_robot_in_a_pipe(capsys):
     assert main(("robots",)) == 0
     out = capsys.readouterr().out
-    assert [line.split()[0] for line in out.splitlines()[2:7]] == [
-        *("g1", "icub", "romeo", "simple_humanoid", "talos")
+    assert [line.split()[0] for line in out.splitlines()[2:8]] == [
+        *("g1", "g1_tour", "icub", "romeo", "simple_humanoid", "talos")
     ]
 
 
