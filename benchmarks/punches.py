@@ -15,6 +15,10 @@ show what bounds the controller, they are no results of it.
 
     python benchmarks/punches.py
     python benchmarks/punches.py --tours 20 --condition as-it-is
+
+With `--part` single punches on joints of one part of the body, which a short tour has few of:
+
+    python benchmarks/punches.py --part ankles --robot g1_tour --friction 1 --condition as-it-is
 """
 
 from __future__ import annotations
@@ -51,6 +55,8 @@ from wbc.walking.stabilizer.push_recovery import SWING_ACCELERATION
 _DT = 0.002  # s
 _FIRST_SEED = 200
 _SEGMENTS = 3  # punches of a tour
+_SINGLE = 5.2  # s that a run with a single punch takes
+_PUNCHED = 2.2, 2.9  # s, when it comes
 _TURNS = 0.0, 2.0, 4.0, math.inf  # kg·m²/s: bounds of the columns
 _JUMPS = 0.0, 0.2, 0.3, 0.4, math.inf  # m, the same
 _PARTS = "arms", "ankles", "hips, knees, waist"
@@ -62,26 +68,41 @@ class Condition:
 
     Attributes:
         exact: whether the controller knows the state exactly.
-        friction: Coulomb coefficient of the ground.
+        friction: factor on the Coulomb coefficient of the ground.
         assumed_friction: the same that the controller counts on.
         release_angle: see `WalkerGains.torso_release_angle`.
         strength: factor on torque and velocity limits of legs and waist.
     """
 
     exact: bool = False
-    friction: float = 0.8
+    friction: float = 1.0
     assumed_friction: float = WalkerGains().friction
     release_angle: float = WalkerGains().torso_release_angle
     strength: float = 1.0
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is the same in all conditions.
+
+    Attributes:
+        robot: its name.
+        part: part of the body that a single punch hits; None: several hit any part.
+        friction: Coulomb coefficient of the ground.
+    """
+
+    robot: str
+    part: str | None
+    friction: float
 
 
 CONDITIONS = {
     "as-it-is": Condition(),
     "torso-held": Condition(release_angle=math.inf),
     "exact-state": Condition(exact=True),
-    "friction": Condition(exact=True, friction=3.2, assumed_friction=2.4),
+    "friction": Condition(exact=True, friction=4.0, assumed_friction=2.4),
     "strength": Condition(exact=True, strength=2.0),
-    "both": Condition(exact=True, friction=3.2, assumed_friction=2.4, strength=2.0),
+    "both": Condition(exact=True, friction=4.0, assumed_friction=2.4, strength=2.0),
 }
 
 
@@ -102,17 +123,23 @@ class Outcome:
     survived: bool
 
 
-def tour(name: str, condition: Condition, seed: int) -> list[Outcome]:
+def tour(plan: Plan, condition: Condition, seed: int) -> list[Outcome]:
     """Run a short tour; return its punches."""
-    robot = _load(name, condition.strength)
-    parameters = TourParameters(duration=5.0 * _SEGMENTS, waypoints=_SEGMENTS, first_force=1.0)
-    drawn = draw_tour(robot, seed, parameters)
+    robot, part = _load(plan.robot, condition.strength), plan.part
+    arms = _arm_joints(robot)
+    if part is None:
+        parameters = TourParameters(duration=5.0 * _SEGMENTS, waypoints=_SEGMENTS, first_force=1.0)
+        drawn = draw_tour(robot, seed, parameters)
+    else:
+        drawn = draw_tour(robot, seed, TourParameters(duration=_SINGLE, waypoints=1))
+        joints = [joint for joint in robot.joint_names if _part(robot, arms, joint) == part]
+        drawn = dataclasses.replace(drawn, punches=(_single_punch(joints, seed),))
     plant = _Observed(
         robot,
         dt=_DT,
         seed=seed,
         ground_truth=condition.exact,
-        friction=condition.friction,
+        friction=condition.friction * plan.friction,
     )
     gains = dataclasses.replace(
         WalkerGains.for_robot(robot),
@@ -124,11 +151,18 @@ def tour(name: str, condition: Condition, seed: int) -> list[Outcome]:
     result = run_tour(robot, walker, drawn, plant=plant, estimator=estimator)
     hit = [punch for punch in drawn.punches if punch.time <= result.survived]
     felled = None if result.completed else hit[-1]
-    arms = _arm_joints(robot)
     return [
-        Outcome(_part(robot, arms, punch), turn, jump, punch is not felled)
+        Outcome(_part(robot, arms, punch.joint), turn, jump, punch is not felled)
         for punch, (turn, jump) in zip(hit, plant.effects, strict=True)
     ]
+
+
+def _single_punch(joints: list[str], seed: int) -> Punch:
+    """Draw a punch of 250 to 500 N in any direction on one of some joints."""
+    rng = np.random.default_rng((seed, len(joints)))
+    direction = rng.normal(size=3)
+    force = rng.uniform(250.0, 500.0) * direction / np.linalg.norm(direction)
+    return Punch(rng.uniform(*_PUNCHED), joints[rng.integers(len(joints))], force)
 
 
 class _Observed(Mujoco):
@@ -170,8 +204,8 @@ def _arm_joints(robot: wbc.Robot) -> set[int]:
     return {index for arm in UpperBody.of(robot).arms for index in arm.joints}
 
 
-def _part(robot: wbc.Robot, arms: set[int], punch: Punch) -> str:
-    index = robot.joint_index(punch.joint)
+def _part(robot: wbc.Robot, arms: set[int], joint: str) -> str:
+    index = robot.joint_index(joint)
     if index in arms:
         return "arms"
     ankles = [dof - 6 for leg in robot.legs for dof in leg[-2:]]
@@ -245,16 +279,17 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument(
         "--condition", choices=CONDITIONS, action="append", help="repeatable; all by default"
     )
+    parser.add_argument("--part", choices=_PARTS, help="a single punch per tour, on this part")
+    parser.add_argument("--friction", type=float, default=0.8, help="of the ground, default 0.8")
     options = parser.parse_args(argv)
+    plan = Plan(options.robot, options.part, options.friction)
     print(f"{options.robot}: punches at full force that are survived")
     print(capturability(wbc.load(options.robot)), flush=True)
     start = time.perf_counter()
     seeds = range(_FIRST_SEED, _FIRST_SEED + options.tours)
     with ProcessPoolExecutor() as pool:
         for name in options.condition or CONDITIONS:
-            job: Callable[[int], list[Outcome]] = functools.partial(
-                tour, options.robot, CONDITIONS[name]
-            )
+            job: Callable[[int], list[Outcome]] = functools.partial(tour, plan, CONDITIONS[name])
             outcomes = [outcome for punches in pool.map(job, seeds) for outcome in punches]
             print(f"\n{_rows(name, outcomes)}", flush=True)
     print(f"\n{time.perf_counter() - start:.0f} s")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -199,6 +200,30 @@ def test_moved_target_changes_the_swing_path_continuously(shift: complex, when: 
         assert math.dist(swing.motion.velocity, last_v) < 0.25
         last_v = swing.motion.velocity.copy()
     assert complex(*swing.motion.position[:2]) == pytest.approx(moved.point, abs=1e-6)
+
+
+@given(st.floats(0.0, 0.5), st.floats(-1.0, 1.0), st.floats(-6.0, 6.0), st.floats(0.0, 0.4))
+def test_a_foot_that_is_knocked_goes_on_from_where_it_is_and_lands_on_its_target(
+    when: float, away: float, speed: float, height: float
+) -> None:
+    duration, dt = 0.5, 0.002
+    target = Placement(0.3 + 0.1j, 0.2)
+    swing = SwingFoot(Placement(0j, 0.0), target, duration, 0.06, 0.05)
+    while swing.time < when * duration:
+        swing.advance(dt, target)
+    position, velocity = np.array([away, 0.1, height]), np.array([0.0, speed, 0.0])
+    swing.follow(position, velocity, np.zeros(3))
+    assert swing.knocked
+    swing.duration = swing.time + 0.4
+    swing.advance(dt, target)
+    assert swing.motion.position == pytest.approx(position + dt * velocity, abs=0.005)
+    while swing.time < swing.duration - 0.5 * dt:
+        swing.advance(dt, target)
+        if height > 0.03:  # it needs no apex
+            assert swing.motion.position[2] <= height + 1e-9
+    assert complex(*swing.motion.position[:2]) == pytest.approx(target.point, abs=1e-6)
+    assert swing.motion.position[2] == pytest.approx(0.0, abs=1e-6)
+    assert swing.motion.velocity[2] == pytest.approx(-0.05)
 
 
 def test_swing_path_for_display_ends_at_the_target() -> None:

@@ -14,6 +14,7 @@ from wbc.tasks import TaskReference
 
 _UPRIGHT = 0.25  # share of the duration in which a foot goes straight up a high stair, or down
 _FREEZE = 0.2  # share of the duration, at its end, in which the target no longer moves
+_LIFTED = 0.03  # m over its landing place from which on a foot that was knocked needs no apex
 
 
 class SwingFoot:
@@ -41,6 +42,7 @@ class SwingFoot:
         time: since lift-off, s.
         motion: pose, velocity and acceleration of the sole's centre now, world axes.
         yaw: heading now, rad.
+        knocked: whether a blow has thrown it off its way, see `follow`.
     """
 
     def __init__(
@@ -57,6 +59,8 @@ class SwingFoot:
         self.target = target
         self.duration = duration
         self.time = 0.0
+        self.knocked = False
+        self._descends = False  # goes down without an apex
         self._aimed = 0.0  # s, when it was last aimed anew
         self.motion = TaskReference(np.eye(4), np.zeros(6), np.zeros(6))
         self.motion.position[:] = start.point.real, start.point.imag, start.height
@@ -87,6 +91,8 @@ class SwingFoot:
         if not self.target_frozen:
             self.target = target
         motion, (point, yaw, height) = self.motion, self.target
+        if self.knocked and float(motion.position[2]) > height + _LIFTED:
+            self._descends = True
         self.yaw = advance_swing(
             motion.pose,
             motion.velocity,
@@ -107,12 +113,30 @@ class SwingFoot:
             slope.imag,
             self._lift,
             self._arrival,
+            self._fall,
         )
         self.time += dt
 
     def aim_anew(self) -> None:
         """Let the target move again: it stays in the last part of what is left from now on."""
         self._aimed = self.time
+
+    def follow(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> None:
+        """Go on from where a blow has thrown the foot: the way to the target begins there.
+
+        A foot that is well above the ground by then goes down without an apex.
+
+        Args:
+            position: (3,) of the sole's centre, world, m.
+            velocity: (3,) m/s.
+            acceleration: (3,) with which it goes on, m/s².
+        """
+        motion = self.motion
+        motion.position[:] = position
+        motion.velocity[:3] = velocity
+        motion.acceleration[:3] = acceleration
+        self.knocked, self._lift = True, 0.0
+        self.aim_anew()
 
     def time_to(self, point: complex, acceleration: float) -> float:
         """Time in which the foot gets to a ground point and stops there, s.
@@ -155,6 +179,11 @@ class SwingFoot:
         self.motion.position[2] = height
 
     @property
+    def _fall(self) -> float:
+        """Time from the apex to the ground, s."""
+        return math.inf if self._descends else (1.0 - APEX) * self.duration
+
+    @property
     def yaw_rate(self) -> float:
         """rad/s."""
         return float(self.motion.velocity[5])
@@ -170,7 +199,7 @@ class SwingFoot:
         duration, target = self.duration, self.target
         left = max(duration - self.time, 0.0)
         wait = min(max(self._lift * duration - self.time, 0.0), left)  # straight up for so long
-        rise = max(left - (1.0 - APEX) * duration, 0.0)
+        rise = max(left - self._fall, 0.0)
         motion = self.motion
         (x, y, z), (vx, vy, vz), (ax, ay, az) = (
             part[:3].tolist() for part in (motion.position, motion.velocity, motion.acceleration)

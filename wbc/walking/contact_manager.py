@@ -8,7 +8,7 @@ import numpy as np
 
 from wbc.contacts import Contact, PointContact, SurfaceContact
 from wbc.controller import WholeBodyController
-from wbc.gait import GaitState, Phase
+from wbc.gait import GaitState, Phase, SwingFoot
 from wbc.robot import Robot, Sole
 from wbc.robot.posture import has_soles
 from wbc.walking.gains import WalkerGains
@@ -62,6 +62,7 @@ class ContactManager:
             self._usual_weight = _place_weight(gains.swing_weight)
         self._quick_weight = self._recovery_weight(gains.swing_recovery_share)
         self._step_out_weight = self._recovery_weight(1.0)
+        self._knocked_weight = self._loose_weight()
         self._set_weight: np.ndarray | None = None  # of the foot in the air; None: the usual one
         for sole, leg in zip(robot.soles, robot.legs, strict=True):
             contact = _contact(sole, gains)
@@ -137,6 +138,8 @@ class ContactManager:
         """Return the (6,) weight of a foot that does not have the usual one, else None."""
         if state.lifted is not None:
             return self._held_weight(float(state.lifted.offset[2]))
+        if isinstance(state.swing, SwingFoot) and state.swing.knocked:
+            return self._knocked_weight
         if state.is_quick:
             return self._step_out_weight if state.steps_out else self._quick_weight
         if state.fast_share > 0.0 and self._has_soles:
@@ -166,6 +169,16 @@ class ContactManager:
             return _place_weight(place)
         turn = self._gains.swing_recovery_turn_share * self._gains.swing_weight
         return np.array((place, place, _ON_TIME * place, turn, place, turn))
+
+    def _loose_weight(self) -> np.ndarray:
+        """Return the (6,) task weight of a foot that a blow has thrown off its way.
+
+        To stop it takes what its leg has, and the trunk must not be turned for it, least of all for
+        how the foot is turned: the blow has thrown its ankle against a stop.
+        """
+        place = self._gains.swing_weight
+        turn = self._gains.swing_recovery_turn_share * place if self._has_soles else 0.0
+        return np.array([place] * 3 + [turn] * 3)
 
     def _held_weight(self, height: float) -> np.ndarray:
         """Return the (6,) task weight of a foot that is held up at a height, m.

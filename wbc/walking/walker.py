@@ -43,6 +43,7 @@ from wbc.walking.gains import WalkerGains
 from wbc.walking.ground_kinematics import GroundKinematics
 from wbc.walking.ground_slope import GroundSlope
 from wbc.walking.hand_contacts import HandContacts
+from wbc.walking.knocked_foot import KnockedFoot
 from wbc.walking.reference_offset import ReferenceOffset
 from wbc.walking.stabilizer import Stabilizer, StabilizerOutput
 from wbc.walking.swing_momentum import SwingMomentum
@@ -115,6 +116,7 @@ class Walker:
         self.stabilizer = Stabilizer(robot, gains)
         self.planner = resolve_planner(planner, robot)
         self._swing_momentum = SwingMomentum(robot)
+        self._knocked_foot = KnockedFoot(robot, gains)
         self.reference_offset: ReferenceOffset | None = None
         self._fall_detector = FallDetector(robot, dt)
         self._fall_controller = FallController(robot, dt, workspace.knees)
@@ -270,7 +272,9 @@ class Walker:
         )
         if self._falling_why:
             return self._fall_controller.command(estimate.state)
-        machine.update(dt, feet, self._command, sides_in_contact(self.robot, estimate))
+        contacts = sides_in_contact(self.robot, estimate)
+        machine.update(dt, feet, self._command, contacts)
+        self._knocked_foot.update(state, kin, contacts)
         balance = self._balance = stabilizer.update(state, self._reference)
         machine.move_swing(dt, balance.landing)
         self._heading = mean_heading(state)

@@ -70,7 +70,7 @@ def tilt(pose: np.ndarray, yaw: float, slope_x: float, slope_y: float) -> None:
 _VECTOR = np.zeros(6)
 
 
-@kernel(argument_types(np.zeros((4, 4)), _VECTOR, _VECTOR, *(1.0,) * 16))
+@kernel(argument_types(np.zeros((4, 4)), _VECTOR, _VECTOR, *(1.0,) * 17))
 def advance_swing(
     pose: np.ndarray,
     velocity: np.ndarray,
@@ -91,6 +91,7 @@ def advance_swing(
     slope_y: float,
     lift: float,
     arrival: float,
+    fall: float,
 ) -> float:
     """Move a swing foot on by dt towards a landing place; return its heading, rad.
 
@@ -110,6 +111,7 @@ def advance_swing(
         slope_x, slope_y: the same where it lands.
         lift: share of the duration in which the foot goes straight up.
         arrival: share of the duration after which it goes straight down.
+        fall: time that it takes from the apex to the ground, s; infinite: it goes down at once.
     """
     remaining = duration - time
     if time + dt > lift * duration:
@@ -129,7 +131,6 @@ def advance_swing(
     d_x, d_y = slope_x - start_slope_x, slope_y - start_slope_y
     tilt(pose, yaw, start_slope_x + share * d_x, start_slope_y + share * d_y)
     velocity[3], velocity[4] = rate * d_y, -rate * d_x
-    fall = (1.0 - APEX) * duration
     if remaining > 0.0:
         goal, speed, left = height, -touchdown_speed, remaining
         if remaining > fall:

@@ -42,7 +42,7 @@ class PushRecovery:
     phase, and whether the next footstep can make up for it. If not,
 
     - a swing is shortened, and lands where it catches most; one that is about to end goes on to
-      there, or ends in any case;
+      there, or ends in any case, and one whose foot was knocked lasts until the foot gets there;
     - a transfer is prolonged as long as both feet catch the DCM; else it is shortened, or the
       weight goes back to the foot that it comes from;
     - a robot that stands steps with the foot that catches more, or with the one it holds up.
@@ -97,6 +97,11 @@ class PushRecovery:
         else:
             state.shortened = True
             planned, shift = self._choose_gait(state, tolerance, reference, ankles)
+            if isinstance(state.swing, SwingFoot) and state.swing.knocked:
+                least = self._least_time(state, shift)
+                if least > state.remaining:
+                    state.duration = state.time + least
+                    planned, shift = self._choose_gait(state, tolerance, reference, ankles)
         if state.crossing != 0.0:
             if not self._cross_over.goes_on(state, self._wanted(state, shift)):
                 state.crossing = 0.0

@@ -1,0 +1,79 @@
+"""A swing foot that a blow throws off its way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from wbc.gait import GaitState, SwingFoot
+from wbc.gait.strength import foot_acceleration
+from wbc.kinematics import Kinematics
+from wbc.robot import Robot
+from wbc.walking.gains import WalkerGains
+from wbc.walking.stabilizer.push_recovery import SWING_ACCELERATION
+
+_FASTER = 1.2  # times √(g h) by which a foot is faster than its reference, to be knocked
+_STILL_FASTER = 0.4  # the same of one that was knocked already
+_LEAST_REMAINING = 0.1  # s that the swing then has left, at least
+_LANDING = 0.03  # s before touchdown from which on a foot is left alone
+_LANDING_HEIGHT = 0.06  # share of the CoM's height up to which it is
+
+
+class KnockedFoot:
+    """Lets the reference of a swing foot begin anew where a blow has thrown the foot.
+
+    A blow on a leg gives its foot some metres per second and throws it as far as a metre off its
+    way. To get it back there at once, its task asks for several times what the leg's torques give
+    it. The hip then gives all it has, whatever turns the trunk, for the ground could not take up
+    the reaction either: a foot that accelerates by a moves the centroidal moment pivot by κ a (see
+    `SwingMomentum`), 8 g by two fifths of a metre. So a foot for which more is asked than its leg
+    can do, and which moves faster than its reference by some metres per second (one that lags is
+    slower), is followed: its way to the landing place goes on from where it is, how fast it is and
+    with the acceleration that it can have, the step is a quick one, lasts as long as that takes
+    (`PushRecovery`), and lands where it catches the DCM by then.
+
+    While the support foot has no contact, nothing holds the body, and both feet fly: then, and when
+    the foot is about to land, it is left alone.
+
+    Args:
+        robot: the robot.
+        gains: the walker's.
+    """
+
+    def __init__(self, robot: Robot, gains: WalkerGains) -> None:
+        self._soles: dict[str, int] = {sole.side: sole.frame_id for sole in robot.soles}
+        self._kp, self._kd = gains.swing_kp, 2.0 * math.sqrt(gains.swing_kp)
+        self._acceleration = SWING_ACCELERATION * foot_acceleration(robot)
+        self._speed = math.sqrt(robot.gravity * robot.com_height)
+        self._landing_height = _LANDING_HEIGHT * robot.com_height
+
+    def update(self, state: GaitState, kin: Kinematics, contacts: frozenset[str] | None) -> None:
+        """Follow the swing foot if it was knocked.
+
+        Args:
+            state: whose `swing`, `shortened` and `duration` it sets.
+            kin: kinematics of this tick.
+            contacts: sides of the soles that touch the ground; None when it is not measured: then
+                nothing is followed.
+        """
+        swing = state.swing
+        if not isinstance(swing, SwingFoot) or contacts is None or state.support not in contacts:
+            return
+        foot, reference = kin.motion(self._soles[state.swing_side]), swing.motion
+        position, velocity = foot.position, foot.velocity[:3]
+        asked = self._kp * (reference.position - position)
+        asked += self._kd * (reference.velocity[:3] - velocity)
+        size = float(np.linalg.norm(asked))
+        if size <= self._acceleration:
+            return
+        faster = float(np.linalg.norm(velocity) - np.linalg.norm(reference.velocity[:3]))
+        if not swing.knocked:
+            height = float(position[2]) - state.landing.height
+            if state.remaining <= _LANDING and height <= self._landing_height:
+                return
+        if faster <= (_STILL_FASTER if swing.knocked else _FASTER) * self._speed:
+            return
+        swing.follow(position, velocity, asked * (self._acceleration / size))
+        state.shortened = True
+        state.duration = max(state.duration, state.time + _LEAST_REMAINING)
