@@ -44,13 +44,11 @@ import numpy as np
 
 import wbc
 from wbc.estimation import GroundTruthEstimator
-from wbc.gait.strength import foot_acceleration
 from wbc.geometry.quintic import PEAK_ACCELERATION
 from wbc.robot.upper_body import UpperBody
 from wbc.sim import Mujoco
 from wbc.trials.tour import Punch, TourParameters, draw_tour, run_tour
 from wbc.walking import WalkerGains
-from wbc.walking.stabilizer.push_recovery import SWING_ACCELERATION
 
 _DT = 0.002  # s
 _FIRST_SEED = 200
@@ -127,13 +125,13 @@ def tour(plan: Plan, condition: Condition, seed: int) -> list[Outcome]:
     """Run a short tour; return its punches."""
     robot, part = _load(plan.robot, condition.strength), plan.part
     arms = _arm_joints(robot)
-    if part is None:
-        parameters = TourParameters(duration=5.0 * _SEGMENTS, waypoints=_SEGMENTS, first_force=1.0)
-        drawn = draw_tour(robot, seed, parameters)
-    else:
-        drawn = draw_tour(robot, seed, TourParameters(duration=_SINGLE, waypoints=1))
+    segments, duration = (_SEGMENTS, 5.0 * _SEGMENTS) if part is None else (1, _SINGLE)
+    parameters = TourParameters(duration=duration, waypoints=segments, first_force=1.0)
+    drawn = draw_tour(robot, seed, parameters)
+    if part is not None:
+        (punch,) = drawn.punches
         joints = [joint for joint in robot.joint_names if _part(robot, arms, joint) == part]
-        drawn = dataclasses.replace(drawn, punches=(_single_punch(joints, seed),))
+        drawn = dataclasses.replace(drawn, punches=(_aimed_at(punch, joints, seed),))
     plant = _Observed(
         robot,
         dt=_DT,
@@ -157,12 +155,11 @@ def tour(plan: Plan, condition: Condition, seed: int) -> list[Outcome]:
     ]
 
 
-def _single_punch(joints: list[str], seed: int) -> Punch:
-    """Draw a punch of 250 to 500 N in any direction on one of some joints."""
+def _aimed_at(punch: Punch, joints: list[str], seed: int) -> Punch:
+    """Return the punch at one of some joints, at another time: in any phase of the gait."""
     rng = np.random.default_rng((seed, len(joints)))
-    direction = rng.normal(size=3)
-    force = rng.uniform(250.0, 500.0) * direction / np.linalg.norm(direction)
-    return Punch(rng.uniform(*_PUNCHED), joints[rng.integers(len(joints))], force)
+    joint = joints[rng.integers(len(joints))]
+    return dataclasses.replace(punch, time=rng.uniform(*_PUNCHED), joint=joint)
 
 
 class _Observed(Mujoco):
@@ -253,8 +250,8 @@ def capturability(robot: wbc.Robot) -> str:
     (N-step capturability, Koolen et al., IJRR 2012). A foot that is accelerated by a at most gets
     2 L ahead in the time T of a quintic of which a is the peak.
     """
-    gait = wbc.Walker(robot, _DT).recovery_gait
-    acceleration = SWING_ACCELERATION * foot_acceleration(robot)
+    walker = wbc.Walker(robot, _DT)
+    gait, acceleration = walker.recovery_gait, walker.stabilizer.push_recovery.foot_acceleration
     toe = min(sole.half_length for sole in robot.soles)
 
     def step(duration: float) -> float:

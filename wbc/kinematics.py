@@ -195,6 +195,17 @@ class Kinematics:
             self._p_com = self._com.copy()
         return self._p_com
 
+    def velocity(self, frame: str | int) -> np.ndarray:
+        """Return the velocity (6,) of a frame's origin in world axes, m/s, then rad/s.
+
+        It is that of `motion`, without the pass over the model that accelerations take.
+
+        Raises:
+            FrameNotFound: the model has no frame of that name.
+        """
+        frame_id = self.robot.frame_id(frame) if isinstance(frame, str) else frame
+        return np.asarray(pin.getFrameVelocity(self.model, self.data, frame_id, _WORLD_AXES).vector)
+
     def motion(self, frame: str | int) -> FrameKinematics:
         """Return a frame's kinematics in world axes, by name or by frame index.
 

@@ -56,12 +56,18 @@ def test_frames_equal_pinocchios(name, seed, pick):
     model, state = bot.model, random_state(bot, seed)
     names = frame_names(model)
     frame = names[pick % len(names)]
-    kin = wbc.Kinematics(bot, state)
+    kin = wbc.Kinematics(bot, bot.standing())
+    kin.motion(frame)
+    kin.update(state)
     data = model.createData()
     pin.forwardKinematics(model, data, state.q, state.v, np.zeros(model.nv))
     pin.computeJointJacobians(model, data, state.q)
     pin.updateFramePlacements(model, data)
     fid = bot.frame_id(frame)
+    alone = kin.velocity(frame)  # nothing has been asked of this state yet
+    np.testing.assert_allclose(
+        alone, pin.getFrameVelocity(model, data, fid, WORLD).vector, atol=1e-12
+    )
     np.testing.assert_allclose(kin.frame(frame).homogeneous, data.oMf[fid].homogeneous, atol=1e-12)
     for at, axes in ((kin.motion(frame), WORLD), (kin.motion_local(frame), LOCAL)):
         np.testing.assert_allclose(

@@ -10,7 +10,6 @@ import pytest
 import wbc
 from wbc.gait import Feet, GaitParameters, GaitState, Phase, Placement, SwingFoot
 from wbc.gait.leg_workspace import LegWorkspace
-from wbc.walking.gains import WalkerGains
 from wbc.walking.knocked_foot import KnockedFoot
 
 LEFT = frozenset({"left"})
@@ -57,7 +56,10 @@ def one_legged() -> OneLegged:
     state.phase, state.support = Phase.SWING, "left"
     state.time, state.duration, state.landing = 0.2, gait.single_support, feet.right
     state.swing = SwingFoot(feet.right, feet.right, state.duration, 0.05, 0.05)
-    return OneLegged(robot, kin, state, KnockedFoot(robot, WalkerGains.for_robot(robot)))
+    walker = wbc.Walker(robot)
+    tasks = walker.tasks[-len(robot.soles) :]
+    acceleration = walker.stabilizer.push_recovery.foot_acceleration
+    return OneLegged(robot, kin, state, KnockedFoot(robot, tasks, acceleration))
 
 
 @pytest.mark.parametrize("direction", [(1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, 0, 1)])

@@ -124,7 +124,7 @@ class SwingFoot:
     def follow(self, position: np.ndarray, velocity: np.ndarray, acceleration: np.ndarray) -> None:
         """Go on from where a blow has thrown the foot: the way to the target begins there.
 
-        A foot that is well above the ground by then goes down without an apex.
+        Once it is well above its landing place, it goes down from there without an apex.
 
         Args:
             position: (3,) of the sole's centre, world, m.

@@ -176,9 +176,10 @@ class ContactManager:
         To stop it takes what its leg has, and the trunk must not be turned for it, least of all for
         how the foot is turned: the blow has thrown its ankle against a stop.
         """
-        place = self._gains.swing_weight
-        turn = self._gains.swing_recovery_turn_share * place if self._has_soles else 0.0
-        return np.array([place] * 3 + [turn] * 3)
+        weights = _place_weight(self._gains.swing_weight)
+        if self._has_soles:
+            weights[3:] = self._gains.swing_recovery_turn_share * self._gains.swing_weight
+        return weights
 
     def _held_weight(self, height: float) -> np.ndarray:
         """Return the (6,) task weight of a foot that is held up at a height, m.

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from wbc.gait import GaitState, SwingFoot
-from wbc.gait.strength import foot_acceleration
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
-from wbc.walking.gains import WalkerGains
-from wbc.walking.stabilizer.push_recovery import SWING_ACCELERATION
+from wbc.walking.swing_task import SwingTask
 
 _FASTER = 1.2  # times √(g h) by which a foot is faster than its reference, to be knocked
 _STILL_FASTER = 0.4  # the same of one that was knocked already
@@ -38,13 +37,16 @@ class KnockedFoot:
 
     Args:
         robot: the robot.
-        gains: the walker's.
+        tasks: those of the feet in the air, one per sole.
+        acceleration: the largest that a leg's torques give its foot, m/s².
     """
 
-    def __init__(self, robot: Robot, gains: WalkerGains) -> None:
-        self._soles: dict[str, int] = {sole.side: sole.frame_id for sole in robot.soles}
-        self._kp, self._kd = gains.swing_kp, 2.0 * math.sqrt(gains.swing_kp)
-        self._acceleration = SWING_ACCELERATION * foot_acceleration(robot)
+    def __init__(self, robot: Robot, tasks: Sequence[SwingTask], acceleration: float) -> None:
+        # A task has its frame from the first swing on.
+        self._feet: dict[str, tuple[int, SwingTask]] = {
+            sole.side: (sole.frame_id, task) for sole, task in zip(robot.soles, tasks, strict=True)
+        }
+        self._acceleration = acceleration
         self._speed = math.sqrt(robot.gravity * robot.com_height)
         self._landing_height = _LANDING_HEIGHT * robot.com_height
 
@@ -60,20 +62,23 @@ class KnockedFoot:
         swing = state.swing
         if not isinstance(swing, SwingFoot) or contacts is None or state.support not in contacts:
             return
-        foot, reference = kin.motion(self._soles[state.swing_side]), swing.motion
-        position, velocity = foot.position, foot.velocity[:3]
-        asked = self._kp * (reference.position - position)
-        asked += self._kd * (reference.velocity[:3] - velocity)
+        frame_id, task = self._feet[state.swing_side]
+        x, y, z, *_ = kin.velocity(frame_id).tolist()
+        x_ref, y_ref, z_ref, *_ = swing.motion.velocity.tolist()
+        faster = math.hypot(x, y, z) - math.hypot(x_ref, y_ref, z_ref)
+        if faster <= (_STILL_FASTER if swing.knocked else _FASTER) * self._speed:
+            return
+        lands = (
+            state.remaining <= _LANDING
+            and state.other_foot.height - state.landing.height <= self._landing_height
+        )
+        if lands and not swing.knocked:
+            return
+        sole = kin.motion(frame_id)
+        asked = task.feedback(swing, sole)
         size = float(np.linalg.norm(asked))
         if size <= self._acceleration:
             return
-        faster = float(np.linalg.norm(velocity) - np.linalg.norm(reference.velocity[:3]))
-        if not swing.knocked:
-            height = float(position[2]) - state.landing.height
-            if state.remaining <= _LANDING and height <= self._landing_height:
-                return
-        if faster <= (_STILL_FASTER if swing.knocked else _FASTER) * self._speed:
-            return
-        swing.follow(position, velocity, asked * (self._acceleration / size))
+        swing.follow(sole.position, sole.velocity[:3], asked * (self._acceleration / size))
         state.shortened = True
         state.duration = max(state.duration, state.time + _LEAST_REMAINING)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from wbc.gait import LiftedFoot, SwingFoot
-from wbc.kinematics import Kinematics
+from wbc.kinematics import FrameKinematics, Kinematics
 from wbc.tasks import FrameTask, TaskReference
 
 
@@ -25,3 +27,18 @@ class SwingTask(FrameTask):
         reference.pose[:] = motion.pose
         reference.velocity[:] = motion.velocity
         reference.acceleration[:] = motion.acceleration
+
+    def feedback(self, foot: SwingFoot, sole: FrameKinematics) -> np.ndarray:
+        """Return what the task asks of the sole's centre to bring it back to its reference.
+
+        Args:
+            foot: the reference.
+            sole: kinematics of the task's frame.
+
+        Returns:
+            (3,) `kp (x_ref − x) + kd (v_ref − v)`, world axes, m/s².
+        """
+        motion = foot.motion
+        a: np.ndarray = self.kp[:3] * (motion.position - sole.position)
+        a += self.kd[:3] * (motion.velocity[:3] - sole.velocity[:3])
+        return a

@@ -116,7 +116,11 @@ class Walker:
         self.stabilizer = Stabilizer(robot, gains)
         self.planner = resolve_planner(planner, robot)
         self._swing_momentum = SwingMomentum(robot)
-        self._knocked_foot = KnockedFoot(robot, gains)
+        self._knocked_foot = KnockedFoot(
+            robot,
+            self._contact_manager.swing_tasks,
+            self.stabilizer.push_recovery.foot_acceleration,
+        )
         self.reference_offset: ReferenceOffset | None = None
         self._fall_detector = FallDetector(robot, dt)
         self._fall_controller = FallController(robot, dt, workspace.knees)

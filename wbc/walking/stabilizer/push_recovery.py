@@ -16,9 +16,8 @@ from wbc.walking.stabilizer.step_adjustment import footstep_adjustment, uncaught
 from wbc.walking.stabilizer.support_choice import first_swing, has_to_return
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
-#: How fast a swing foot gets, times what the legs' torques give it with the body at rest.
-SWING_ACCELERATION = 1.3
-
+# How fast a swing foot gets, times what the legs' torques give it with the body at rest.
+_SWING_ACCELERATION = 1.3
 _LEAST_REMAINING = 0.1  # s that a shortened swing has left, at least
 _OUT_OF_REACH = 0.05  # share of the CoM height by which a landing place has to be out of reach
 _WITHIN_REACH = 0.01, 0.03  # m, the same of a step of the normal gait: to return to it, to stay
@@ -55,12 +54,15 @@ class PushRecovery:
     Args:
         robot: the robot.
         support: the support polygon.
+
+    Attributes:
+        foot_acceleration: largest horizontal acceleration that a swing foot is taken to get, m/s².
     """
 
     def __init__(self, robot: Robot, support: SupportPolygon) -> None:
         self._support = support
         self._cross_over = CrossOver(robot)
-        self._foot_acceleration = SWING_ACCELERATION * foot_acceleration(robot)
+        self.foot_acceleration = _SWING_ACCELERATION * foot_acceleration(robot)
 
     def update_swing(
         self,
@@ -97,11 +99,12 @@ class PushRecovery:
         else:
             state.shortened = True
             planned, shift = self._choose_gait(state, tolerance, reference, ankles)
-            if isinstance(state.swing, SwingFoot) and state.swing.knocked:
-                least = self._least_time(state, shift)
-                if least > state.remaining:
-                    state.duration = state.time + least
-                    planned, shift = self._choose_gait(state, tolerance, reference, ankles)
+            if (
+                isinstance(state.swing, SwingFoot)
+                and state.swing.knocked
+                and self._lasts_longer(state, shift, math.inf)
+            ):
+                planned, shift = self._choose_gait(state, tolerance, reference, ankles)
         if state.crossing != 0.0:
             if not self._cross_over.goes_on(state, self._wanted(state, shift)):
                 state.crossing = 0.0
@@ -191,13 +194,28 @@ class PushRecovery:
         state.shortened, tolerance = True, _WITHIN_REACH[1]
         state.duration = min(latest, state.time + remaining)
         planned, shift = self._choose_gait(state, tolerance, reference, ankles)
-        least = self._least_time(state, shift)
-        if least > state.remaining:
-            state.duration = min(latest, state.time + least)
+        if self._lasts_longer(state, shift, latest):
             planned, shift = self._choose_gait(state, tolerance, reference, ankles)
         if isinstance(state.swing, SwingFoot):  # the push has just begun, and goes on
             state.swing.aim_anew()
         return planned, shift
+
+    def _lasts_longer(self, state: GaitState, shift: complex, latest: float) -> bool:
+        """Prolong the swing if its foot takes longer to the landing place, moved by `shift`.
+
+        Args:
+            state: whose `duration` it sets.
+            shift: in the support sole's axes, m.
+            latest: when the swing ends at the latest, s.
+
+        Returns:
+            Whether it had to be prolonged.
+        """
+        least = self._least_time(state, shift)
+        if least <= state.remaining:
+            return False
+        state.duration = min(latest, state.time + least)
+        return True
 
     def _choose_gait(
         self, state: GaitState, tolerance: float, reference: Reference, ankles: tuple[float, float]
@@ -338,7 +356,7 @@ class PushRecovery:
         if not isinstance(state.swing, SwingFoot):
             return 0.0
         reachable = self._reachable(state, self._moved(state, shift))
-        return state.swing.time_to(reachable, self._foot_acceleration)
+        return state.swing.time_to(reachable, self.foot_acceleration)
 
     def _missed(self, state: GaitState, shift: complex) -> float:
         """How far the landing place, moved by `shift`, is out of the leg's reach, m."""
