@@ -21,6 +21,7 @@ from wbc.state import State
 _WORLD_AXES = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 _FRAME_AXES = pin.ReferenceFrame.LOCAL
 _SE3_BYTES = 12 * 8  # rotation, translation
+_MOTION_BYTES = 6 * 8  # linear, angular
 
 
 class Centroid:
@@ -74,6 +75,12 @@ class FrameKinematics:
         self.bias: np.ndarray = bias.vector
 
 
+def _are_every(step: int, addresses: list[int]) -> bool:
+    """Return whether addresses in memory follow one another at a step, bytes."""
+    first = addresses[0]
+    return addresses == list(range(first, first + step * len(addresses), step))
+
+
 class Kinematics:
     """Kinematics and dynamics of a robot in one state.
 
@@ -111,7 +118,7 @@ class Kinematics:
         self._centroid: Centroid | None = None
         self._p_com: np.ndarray | None = None
         self._velocities_propagated = False
-        self._placements_copied = False
+        self._copied: list[str] = []  # attributes that are no views
         self.update(state)
 
     def __getstate__(self) -> Any:
@@ -141,9 +148,8 @@ class Kinematics:
         self._local.clear()
         self._centroid = self._p_com = None
         self._velocities_propagated = False
-        if self._placements_copied:
-            del self.joint_placements
-            self._placements_copied = False
+        while self._copied:
+            delattr(self, self._copied.pop())
 
     def _propagate(self, q: np.ndarray, v: np.ndarray) -> None:
         """Run Pinocchio's passes for a state."""
@@ -160,14 +166,28 @@ class Kinematics:
         Pinocchio that does not store them one after the other gets a copy per update instead.
         """
         placements = [self.data.oMi[i] for i in range(self.model.njoints)]
+        first = placements[0].rotation.T
         addresses = [placement.rotation.ctypes.data for placement in placements]
-        translation = placements[0].translation.ctypes.data
-        expected = range(addresses[0], addresses[0] + _SE3_BYTES * len(addresses), _SE3_BYTES)
-        if addresses != list(expected) or translation != addresses[0] + 72:
-            self._placements_copied = True
+        in_a_row = placements[0].translation.ctypes.data == addresses[0] + first.nbytes
+        if not in_a_row or not _are_every(_SE3_BYTES, addresses):
+            self._copied.append("joint_placements")
             return np.array([[*T.rotation.T.flat, *T.translation] for T in placements])
-        shape, strides = (self.model.njoints, 12), (_SE3_BYTES, 8)
-        return np.lib.stride_tricks.as_strided(placements[0].rotation.T, shape, strides)
+        return np.lib.stride_tricks.as_strided(first, (len(addresses), 12), (_SE3_BYTES, 8))
+
+    @cached_property
+    def joint_velocities(self) -> np.ndarray:
+        """(njoints, 6) velocities of the joints' frames in their own axes, m/s, then rad/s.
+
+        Pinocchio's own memory as `joint_placements`, or a copy per update.
+        """
+        velocities = [self.data.v[i].vector for i in range(self.model.njoints)]
+        addresses = [velocity.ctypes.data for velocity in velocities]
+        if not _are_every(_MOTION_BYTES, addresses):
+            self._copied.append("joint_velocities")
+            return np.array(velocities)
+        return np.lib.stride_tricks.as_strided(
+            velocities[0], (len(addresses), 6), (_MOTION_BYTES, 8)
+        )
 
     @property
     def previous_velocity(self) -> np.ndarray:
@@ -194,17 +214,6 @@ class Kinematics:
         if self._p_com is None:
             self._p_com = self._com.copy()
         return self._p_com
-
-    def velocity(self, frame: str | int) -> np.ndarray:
-        """Return the velocity (6,) of a frame's origin in world axes, m/s, then rad/s.
-
-        It is that of `motion`, without the pass over the model that accelerations take.
-
-        Raises:
-            FrameNotFound: the model has no frame of that name.
-        """
-        frame_id = self.robot.frame_id(frame) if isinstance(frame, str) else frame
-        return np.asarray(pin.getFrameVelocity(self.model, self.data, frame_id, _WORLD_AXES).vector)
 
     def motion(self, frame: str | int) -> FrameKinematics:
         """Return a frame's kinematics in world axes, by name or by frame index.

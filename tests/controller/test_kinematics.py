@@ -56,18 +56,12 @@ def test_frames_equal_pinocchios(name, seed, pick):
     model, state = bot.model, random_state(bot, seed)
     names = frame_names(model)
     frame = names[pick % len(names)]
-    kin = wbc.Kinematics(bot, bot.standing())
-    kin.motion(frame)
-    kin.update(state)
+    kin = wbc.Kinematics(bot, state)
     data = model.createData()
     pin.forwardKinematics(model, data, state.q, state.v, np.zeros(model.nv))
     pin.computeJointJacobians(model, data, state.q)
     pin.updateFramePlacements(model, data)
     fid = bot.frame_id(frame)
-    alone = kin.velocity(frame)  # nothing has been asked of this state yet
-    np.testing.assert_allclose(
-        alone, pin.getFrameVelocity(model, data, fid, WORLD).vector, atol=1e-12
-    )
     np.testing.assert_allclose(kin.frame(frame).homogeneous, data.oMf[fid].homogeneous, atol=1e-12)
     for at, axes in ((kin.motion(frame), WORLD), (kin.motion_local(frame), LOCAL)):
         np.testing.assert_allclose(
@@ -192,22 +186,26 @@ def test_kinematics_are_equivariant_to_position_and_heading():
 
 
 @pytest.mark.parametrize("name", ["talos", "simple_humanoid"])
-def test_joint_placements_are_pinocchios_and_follow_the_state(name):
+def test_placements_and_velocities_of_joints_are_pinocchios_and_follow_the_state(name):
     bot = robot(name)
-    kin = wbc.Kinematics(bot, bot.standing())
-    placements = kin.joint_placements
+    kin, data = wbc.Kinematics(bot, bot.standing()), bot.model.createData()
+    placements, velocities = kin.joint_placements, kin.joint_velocities
     for seed in range(2):
-        kin.update(random_state(bot, seed))
+        state = random_state(bot, seed)
+        kin.update(state)
+        pin.forwardKinematics(bot.model, data, state.q, state.v)
         for joint in range(bot.model.njoints):
             expected = kin.data.oMi[joint]
             np.testing.assert_array_equal(placements[joint, :9].reshape(3, 3).T, expected.rotation)
             np.testing.assert_array_equal(placements[joint, 9:], expected.translation)
+            np.testing.assert_allclose(velocities[joint], data.v[joint].vector, atol=1e-12)
 
 
-def test_placements_that_are_not_stored_in_a_row_are_copied_after_each_update(monkeypatch):
+def test_what_is_not_stored_in_a_row_is_copied_after_each_update(monkeypatch):
     bot = robot("simple_humanoid")
     kin, other = (wbc.Kinematics(bot, bot.standing()) for _ in range(2))
     monkeypatch.setattr(wbc.kinematics, "_SE3_BYTES", 128)
+    monkeypatch.setattr(wbc.kinematics, "_MOTION_BYTES", 64)
     for seed in range(2):
         for each in (kin, other):
             each.update(random_state(bot, seed))
@@ -216,3 +214,6 @@ def test_placements_that_are_not_stored_in_a_row_are_copied_after_each_update(mo
         assert copied.flags.c_contiguous
         np.testing.assert_array_equal(copied[:, 9:], [T.translation for T in other.data.oMi])
         np.testing.assert_array_equal(copied[1, :9].reshape(3, 3).T, other.base.rotation)
+        assert kin.joint_velocities.flags.owndata
+        velocities = [motion.vector for motion in other.data.v]
+        np.testing.assert_array_equal(kin.joint_velocities, velocities)

@@ -49,6 +49,8 @@ def test_soles_and_com_equal_those_of_the_kinematics(robot: wbc.Robot) -> None:
             x, y, z = kin.frame(sole.name).rotation[:, 2]
             if z > 0.5:
                 assert slope == pytest.approx(complex(-x / z, -y / z), abs=1e-12)
+        for sole, speed in zip(robot.soles, ground.speeds, strict=True):
+            assert speed == pytest.approx(np.linalg.norm(kin.motion(sole.name).velocity[:3]))
         v = com.velocity
         np.testing.assert_allclose((com.point.real, com.point.imag), kin.p_com[:2], atol=1e-13)
         np.testing.assert_allclose((v.real, v.imag, com.vertical_velocity), kin.v_com, atol=1e-12)

@@ -41,7 +41,9 @@ class OneLegged:
         self.swing.motion.velocity[:3] = reference
 
     def update(self, contacts: frozenset[str] | None = LEFT) -> bool:
-        self.knocked_foot.update(self.state, self.kin, contacts)
+        soles = [self.kin.motion(sole.name) for sole in self.robot.soles]
+        left, right = (float(np.linalg.norm(sole.velocity[:3])) for sole in soles)
+        self.knocked_foot.update(self.state, self.kin, (left, right), contacts)
         return self.swing.knocked
 
 

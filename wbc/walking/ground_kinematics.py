@@ -45,6 +45,7 @@ class GroundKinematics:
     Attributes:
         slopes: slopes of the left and of the right sole: rise per metre along world x, and along y
             as the imaginary part.
+        speeds: of the centres of the left and of the right sole, m/s.
         tilt: angle from the vertical of what is vertical on the body in the nominal posture, rad,
             and its rate, rad/s.
     """
@@ -61,12 +62,13 @@ class GroundKinematics:
             body["position"][k] = sole.placement.translation
         body["up"] = pin.Quaternion(robot.q_nominal[3:7]).matrix()[2]
         self.slopes = (0j, 0j)
+        self.speeds = (0.0, 0.0)
         self.tilt = (0.0, 0.0)
 
     def read(self) -> tuple[Feet, CentroidalMotion]:
         """Return both soles and the motion of the centre of mass, world axes."""
         kin = self._kin
-        left, right, com, self.slopes, self.tilt = read_ground(
-            kin.joint_placements, kin.mass_matrix, kin.state.v, self._body
+        left, right, com, self.slopes, self.speeds, self.tilt = read_ground(
+            kin.joint_placements, kin.joint_velocities, kin.mass_matrix, kin.state.v, self._body
         )
         return Feet(Placement(*left), Placement(*right)), CentroidalMotion(*com)

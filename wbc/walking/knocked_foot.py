@@ -50,23 +50,28 @@ class KnockedFoot:
         self._speed = math.sqrt(robot.gravity * robot.com_height)
         self._landing_height = _LANDING_HEIGHT * robot.com_height
 
-    def update(self, state: GaitState, kin: Kinematics, contacts: frozenset[str] | None) -> None:
+    def update(
+        self,
+        state: GaitState,
+        kin: Kinematics,
+        speeds: tuple[float, float],
+        contacts: frozenset[str] | None,
+    ) -> None:
         """Follow the swing foot if it was knocked.
 
         Args:
             state: whose `swing`, `shortened` and `duration` it sets.
             kin: kinematics of this tick.
+            speeds: of the left and of the right sole, m/s.
             contacts: sides of the soles that touch the ground; None when it is not measured: then
                 nothing is followed.
         """
         swing = state.swing
         if not isinstance(swing, SwingFoot) or contacts is None or state.support not in contacts:
             return
-        frame_id, task = self._feet[state.swing_side]
-        x, y, z, *_ = kin.velocity(frame_id).tolist()
-        x_ref, y_ref, z_ref, *_ = swing.motion.velocity.tolist()
-        faster = math.hypot(x, y, z) - math.hypot(x_ref, y_ref, z_ref)
-        if faster <= (_STILL_FASTER if swing.knocked else _FASTER) * self._speed:
+        least = (_STILL_FASTER if swing.knocked else _FASTER) * self._speed
+        speed = speeds[0 if state.swing_side == "left" else 1]
+        if speed <= least or speed - np.linalg.norm(swing.motion.velocity[:3]) <= least:
             return
         lands = (
             state.remaining <= _LANDING
@@ -74,6 +79,7 @@ class KnockedFoot:
         )
         if lands and not swing.knocked:
             return
+        frame_id, task = self._feet[state.swing_side]
         sole = kin.motion(frame_id)
         asked = task.feedback(swing, sole)
         size = float(np.linalg.norm(asked))

@@ -278,7 +278,7 @@ class Walker:
             return self._fall_controller.command(estimate.state)
         contacts = sides_in_contact(self.robot, estimate)
         machine.update(dt, feet, self._command, contacts)
-        self._knocked_foot.update(state, kin, contacts)
+        self._knocked_foot.update(state, kin, self._ground.speeds, contacts)
         balance = self._balance = stabilizer.update(state, self._reference)
         machine.move_swing(dt, balance.landing)
         self._heading = mean_heading(state)

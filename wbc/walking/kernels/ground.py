@@ -71,14 +71,32 @@ def _read_slope(T: np.ndarray, normal: np.ndarray) -> complex:
     return complex(-x / z, -y / z) if z > 0.5 else 0j
 
 
-@kernel(argument_types(np.zeros((1, 12)), np.zeros((1, 1)), np.zeros(1), np.zeros(1, BODY)))
+@subkernel
+def _read_speed(V: np.ndarray, position: np.ndarray) -> float:
+    """Speed of the centre of a sole, m/s, from the velocity (6,) of its joint; see `_read_sole`."""
+    x = V[0] + V[4] * position[2] - V[5] * position[1]
+    y = V[1] + V[5] * position[0] - V[3] * position[2]
+    z = V[2] + V[3] * position[1] - V[4] * position[0]
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@kernel(
+    argument_types(
+        np.zeros((1, 12)), np.zeros((1, 6)), np.zeros((1, 1)), np.zeros(1), np.zeros(1, BODY)
+    )
+)
 def read_ground(
-    joint_placements: np.ndarray, M: np.ndarray, v: np.ndarray, body: np.ndarray
+    joint_placements: np.ndarray,
+    joint_velocities: np.ndarray,
+    M: np.ndarray,
+    v: np.ndarray,
+    body: np.ndarray,
 ) -> tuple[
     tuple[complex, float, float],
     tuple[complex, float, float],
     tuple[complex, complex, float, float, complex, complex],
     tuple[complex, complex],
+    tuple[float, float],
     tuple[float, float],
 ]:
     """Return placements of both soles, motion of the centre of mass, and tilt of the body.
@@ -90,6 +108,7 @@ def read_ground(
 
     Args:
         joint_placements: (njoints, 12), see `wbc.kinematics.Kinematics`.
+        joint_velocities: (njoints, 6), see there.
         M: (nv, nv) mass matrix.
         v: (nv,) generalised velocity.
         body: (1,) of the type `BODY`.
@@ -99,8 +118,8 @@ def read_ground(
         ground point (m), horizontal velocity (m/s), height (m), vertical velocity (m/s) and angular
         momentum about the ground below it and about itself, see
         `wbc.walking.ground_kinematics.CentroidalMotion` (m·s); of both soles the slope, the rise
-        per metre along x, and along y as the imaginary part; angle of the body from the vertical
-        (rad) and its rate (rad/s). World axes.
+        per metre along x, and along y as the imaginary part, and the speed of the centre, m/s;
+        angle of the body from the vertical (rad) and its rate (rad/s). World axes.
     """
     b = body[0]
     mass, axes, normals, positions = b["mass"], b["axis"], b["normal"], b["position"]
@@ -108,6 +127,10 @@ def read_ground(
     left = _read_sole(left_joint, axes[0], positions[0])
     right = _read_sole(right_joint, axes[1], positions[1])
     slopes = (_read_slope(left_joint, normals[0]), _read_slope(right_joint, normals[1]))
+    speeds = (
+        _read_speed(joint_velocities[b["joint"][0]], positions[0]),
+        _read_speed(joint_velocities[b["joint"][1]], positions[1]),
+    )
     base, p = joint_placements[1], b["momentum"]
     base_momentum(M, v, p)
     c0, c1, c2 = M[1, 5] / mass, M[2, 3] / mass, M[0, 4] / mass
@@ -138,4 +161,4 @@ def read_ground(
     # Upright, the tilt has no direction yet: its rate is zero there and grows with it.
     rate = -derivative / max(math.sqrt(1.0 - cosine * cosine), 1e-3)
     com = (complex(x, y), velocity, z, rising, momentum, centroidal)
-    return left, right, com, slopes, (math.acos(cosine), rate)
+    return left, right, com, slopes, speeds, (math.acos(cosine), rate)
