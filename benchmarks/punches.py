@@ -16,9 +16,10 @@ show what bounds the controller, they are no results of it.
     python benchmarks/punches.py
     python benchmarks/punches.py --tours 20 --condition as-it-is
 
-With `--part` single punches on joints of one part of the body, which a short tour has few of:
+Single punches of a kind that a short tour has few of, on one part of the body or upwards:
 
     python benchmarks/punches.py --part ankles --robot g1_tour --friction 1 --condition as-it-is
+    python benchmarks/punches.py --elevation 30 --robot g1_tour --friction 1 --condition as-it-is
 """
 
 from __future__ import annotations
@@ -85,13 +86,20 @@ class Plan:
 
     Attributes:
         robot: its name.
-        part: part of the body that a single punch hits; None: several hit any part.
+        part: part of the body that is hit; None: any.
+        elevation: least angle of a punch over the ground, rad; None: any direction.
         friction: Coulomb coefficient of the ground.
     """
 
     robot: str
     part: str | None
+    elevation: float | None
     friction: float
+
+    @property
+    def single(self) -> bool:
+        """Whether there is one punch in a tour, which is chosen."""
+        return self.part is not None or self.elevation is not None
 
 
 CONDITIONS = {
@@ -123,15 +131,16 @@ class Outcome:
 
 def tour(plan: Plan, condition: Condition, seed: int) -> list[Outcome]:
     """Run a short tour; return its punches."""
-    robot, part = _load(plan.robot, condition.strength), plan.part
+    robot = _load(plan.robot, condition.strength)
     arms = _arm_joints(robot)
-    segments, duration = (_SEGMENTS, 5.0 * _SEGMENTS) if part is None else (1, _SINGLE)
+    segments, duration = (1, _SINGLE) if plan.single else (_SEGMENTS, 5.0 * _SEGMENTS)
     parameters = TourParameters(duration=duration, waypoints=segments, first_force=1.0)
     drawn = draw_tour(robot, seed, parameters)
-    if part is not None:
-        (punch,) = drawn.punches
-        joints = [joint for joint in robot.joint_names if _part(robot, arms, joint) == part]
-        drawn = dataclasses.replace(drawn, punches=(_aimed_at(punch, joints, seed),))
+    if plan.single:
+        (punch,), part = drawn.punches, plan.part
+        joints = [j for j in robot.joint_names if part in (None, _part(robot, arms, j))]
+        chosen = _aimed_at(punch, joints, plan.elevation, seed)
+        drawn = dataclasses.replace(drawn, punches=(chosen,))
     plant = _Observed(
         robot,
         dt=_DT,
@@ -155,11 +164,20 @@ def tour(plan: Plan, condition: Condition, seed: int) -> list[Outcome]:
     ]
 
 
-def _aimed_at(punch: Punch, joints: list[str], seed: int) -> Punch:
-    """Return the punch at one of some joints, at another time: in any phase of the gait."""
+def _aimed_at(punch: Punch, joints: list[str], elevation: float | None, seed: int) -> Punch:
+    """Return the punch at one of some joints, at another time: in any phase of the gait.
+
+    With a least elevation, rad, its direction is uniform on that part of the sphere.
+    """
     rng = np.random.default_rng((seed, len(joints)))
-    joint = joints[rng.integers(len(joints))]
-    return dataclasses.replace(punch, time=rng.uniform(*_PUNCHED), joint=joint)
+    joint, time = joints[rng.integers(len(joints))], rng.uniform(*_PUNCHED)
+    force = punch.force
+    if elevation is not None:
+        z, azimuth = rng.uniform(math.sin(elevation), 1.0), rng.uniform(0.0, 2.0 * math.pi)
+        flat = math.sqrt(1.0 - z * z)
+        direction = np.array([flat * math.cos(azimuth), flat * math.sin(azimuth), z])
+        force = float(np.linalg.norm(force)) * direction
+    return dataclasses.replace(punch, time=time, joint=joint, force=force)
 
 
 class _Observed(Mujoco):
@@ -277,9 +295,13 @@ def main(argv: list[str] | None = None) -> int:
         "--condition", choices=CONDITIONS, action="append", help="repeatable; all by default"
     )
     parser.add_argument("--part", choices=_PARTS, help="a single punch per tour, on this part")
+    parser.add_argument(
+        "--elevation", type=float, metavar="DEG", help="a single one, at least so far upwards"
+    )
     parser.add_argument("--friction", type=float, default=0.8, help="of the ground, default 0.8")
     options = parser.parse_args(argv)
-    plan = Plan(options.robot, options.part, options.friction)
+    elevation = None if options.elevation is None else math.radians(options.elevation)
+    plan = Plan(options.robot, options.part, elevation, options.friction)
     print(f"{options.robot}: punches at full force that are survived")
     print(capturability(wbc.load(options.robot)), flush=True)
     start = time.perf_counter()

@@ -20,7 +20,7 @@ _HIGH = 0.03  # m, height above which a lifted foot need not be flat
 _FREE = 0.01  # share of the weight of the flatness in the first half of a fast swing
 _FLAT_FROM, _FLAT_AT = 0.5, 0.8  # share of the swing from which, and at which, it is whole again
 _ON_TIME = 3.0  # times its weight that the height of a foot in a quick step has
-_THROWN_UP = 0.04  # times √(g h) by which the CoM rises when a blow throws the robot up
+_THROWN_UP = 0.12  # times √(g h) by which the CoM rises when a blow throws the robot up
 _LOOSE = 0.1  # square root of the share of the weight that its flatness keeps
 
 
