@@ -58,7 +58,6 @@ class GaitState:
         normal_gait: parameters of undisturbed walking.
         recovery_gait: parameters of the quick steps after a push.
         com: ground point below the estimated centre of mass, m.
-        vertical_velocity: that of the estimated centre of mass, upwards, m/s.
         dcm: estimated divergent component of motion without the bias of the CoM, m; of a walking
             robot that is pushed, with what its angular momentum adds.
         dcm_offset: by how much the wanted DCM differed from the planner's at the last tick, because
@@ -102,7 +101,6 @@ class GaitState:
     feet: Feet
     recovery_gait: GaitParameters
     com: complex = 0j
-    vertical_velocity: float = 0.0
     dcm: complex = 0j
     dcm_offset: complex = 0j
     disturbance: complex = 0j
