@@ -48,7 +48,7 @@ from wbc.estimation import GroundTruthEstimator
 from wbc.geometry.quintic import PEAK_ACCELERATION
 from wbc.robot.upper_body import UpperBody
 from wbc.sim import Mujoco
-from wbc.trials.tour import Punch, TourParameters, draw_tour, run_tour
+from wbc.trials.tour import Punch, TourParameters, draw_direction, draw_tour, run_tour
 from wbc.walking import WalkerGains
 
 _DT = 0.002  # s
@@ -173,10 +173,7 @@ def _aimed_at(punch: Punch, joints: list[str], elevation: float | None, seed: in
     joint, time = joints[rng.integers(len(joints))], rng.uniform(*_PUNCHED)
     force = punch.force
     if elevation is not None:
-        z, azimuth = rng.uniform(math.sin(elevation), 1.0), rng.uniform(0.0, 2.0 * math.pi)
-        flat = math.sqrt(1.0 - z * z)
-        direction = np.array([flat * math.cos(azimuth), flat * math.sin(azimuth), z])
-        force = float(np.linalg.norm(force)) * direction
+        force = float(np.linalg.norm(force)) * draw_direction(rng, elevation)
     return dataclasses.replace(punch, time=time, joint=joint, force=force)
 
 
@@ -300,7 +297,11 @@ def main(argv: list[str] | None = None) -> int:
     )
     parser.add_argument("--friction", type=float, default=0.8, help="of the ground, default 0.8")
     options = parser.parse_args(argv)
-    elevation = None if options.elevation is None else math.radians(options.elevation)
+    elevation = None
+    if options.elevation is not None:
+        if not -90.0 <= options.elevation < 90.0:
+            parser.error(f"--elevation {options.elevation:g}: give -90 to less than 90 degrees")
+        elevation = math.radians(options.elevation)
     plan = Plan(options.robot, options.part, elevation, options.friction)
     print(f"{options.robot}: punches at full force that are survived")
     print(capturability(wbc.load(options.robot)), flush=True)

@@ -20,6 +20,7 @@ from wbc.trials.tour import (
     ArmMotion,
     TourController,
     TourParameters,
+    draw_direction,
     draw_tour,
     run_tour,
     summary,
@@ -47,6 +48,17 @@ def test_waypoints_are_uniform_on_the_disc_and_punches_grow_to_their_ceiling(g1)
     times = [punch.time for punch in tours[0].punches]
     np.testing.assert_allclose(times, 0.1 + 5.0 * np.arange(18))
     assert {punch.joint for tour in tours for punch in tour.punches} == set(g1.joint_names)
+
+
+@pytest.mark.parametrize("elevation", [-0.5 * math.pi, math.radians(30.0)])
+def test_directions_are_uniform_on_the_sphere_above_an_elevation(elevation):
+    rng, lowest = np.random.default_rng(0), math.sin(elevation)
+    directions = np.array([draw_direction(rng, elevation) for _ in range(4000)])
+    np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1.0)
+    assert directions[:, 2].min() >= lowest
+    # A zone of the sphere has the area of its height (Archimedes).
+    assert directions[:, 2].mean() == pytest.approx(0.5 * (lowest + 1.0), abs=0.02)
+    assert np.abs(directions[:, :2].mean(axis=0)).max() < 0.05
 
 
 def test_a_seed_is_one_tour(g1):

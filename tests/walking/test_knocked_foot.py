@@ -10,6 +10,7 @@ import pytest
 import wbc
 from wbc.gait import Feet, GaitParameters, GaitState, Phase, Placement, SwingFoot
 from wbc.gait.leg_workspace import LegWorkspace
+from wbc.walking.ground_kinematics import GroundKinematics
 from wbc.walking.knocked_foot import KnockedFoot
 
 LEFT = frozenset({"left"})
@@ -41,9 +42,9 @@ class OneLegged:
         self.swing.motion.velocity[:3] = reference
 
     def update(self, contacts: frozenset[str] | None = LEFT) -> bool:
-        soles = [self.kin.motion(sole.name) for sole in self.robot.soles]
-        left, right = (float(np.linalg.norm(sole.velocity[:3])) for sole in soles)
-        self.knocked_foot.update(self.state, self.kin, (left, right), contacts)
+        ground = GroundKinematics(self.robot, self.kin)
+        ground.read()
+        self.knocked_foot.update(self.state, self.kin, ground.speeds, contacts)
         return self.swing.knocked
 
 

@@ -7,7 +7,7 @@ documentation lists what differs here.
 
 from wbc.trials.tour.arms import ArmMotion, TourController
 from wbc.trials.tour.run import TourResult, run_tour, simulate_tour
-from wbc.trials.tour.schedule import Punch, Tour, TourParameters, draw_tour
+from wbc.trials.tour.schedule import Punch, Tour, TourParameters, draw_direction, draw_tour
 from wbc.trials.tour.table import PUBLISHED, PublishedResult, summary
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "TourController",
     "TourParameters",
     "TourResult",
+    "draw_direction",
     "draw_tour",
     "run_tour",
     "simulate_tour",

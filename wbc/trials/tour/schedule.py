@@ -89,6 +89,13 @@ class Tour:
     punches: tuple[Punch, ...]
 
 
+def draw_direction(rng: np.random.Generator, elevation: float = -0.5 * math.pi) -> np.ndarray:
+    """Return a unit vector (3,), uniform on the part of the sphere above an elevation, rad."""
+    z, bearing = rng.uniform(math.sin(elevation), 1.0), rng.uniform(0.0, math.tau)
+    across = math.sqrt(1.0 - z * z)
+    return np.array((across * math.cos(bearing), across * math.sin(bearing), z))
+
+
 def draw_tour(robot: Robot, seed: int, parameters: TourParameters | None = None) -> Tour:
     """Return the tour of a seed.
 
@@ -117,9 +124,7 @@ def draw_tour(robot: Robot, seed: int, parameters: TourParameters | None = None)
         ramp = min(since_first / p.force_ramp, 1.0)
         ceiling = p.max_force * (p.first_force + (1.0 - p.first_force) * ramp)
         joint = robot.joint_names[blows.integers(robot.na)]
-        z, bearing = blows.uniform(-1.0, 1.0), blows.uniform(0.0, math.tau)
-        across = math.sqrt(1.0 - z * z)
-        direction = np.array((across * math.cos(bearing), across * math.sin(bearing), z))
+        direction = draw_direction(blows)
         force = ceiling * blows.uniform(p.least_force, 1.0) * direction
         punches.append(Punch(p.first_punch + since_first, joint, force))
     return Tour(seed, p, tuple(waypoints), tuple(punches))
