@@ -19,10 +19,11 @@ from wbc.gait import (
     Velocity,
 )
 from wbc.gait.leg_workspace import LegWorkspace
-from wbc.gait.lost_contact import lost_foot
+from wbc.gait.lost_contact import LostContact
 
 DT = 0.002
 BOTH, LEFT, RIGHT = frozenset({"left", "right"}), frozenset({"left"}), frozenset({"right"})
+NEITHER: frozenset[str] = frozenset()
 
 
 @pytest.fixture(scope="module")
@@ -103,44 +104,71 @@ def test_a_standing_foot_that_is_knocked_away_is_the_one_that_steps(gaits):
     [
         (0.1 + 0j, 0.0, BOTH),  # it slips, and carries on
         (0.01j, 0.02, RIGHT),  # it bounces where it stands
-        (0.1 + 0j, 0.1, frozenset()),  # the other one does not carry either
+        (0.1 + 0j, 0.1, NEITHER),  # the other one does not carry either
         (0.1 + 0j, 0.1, None),  # nobody measures it
     ],
 )
 def test_a_foot_that_slips_bounces_or_is_not_measured_is_not_lost(gaits, way, up, contacts):
     walking = Walking(gaits)
     walking.walk_until(Phase.TRANSFER, "left")
-    stood = walking.feet
+    lost = LostContact(walking.feet)
     walking.knock("left", way, up)
     walking.state.feet = walking.feet
-    assert lost_foot(walking.state, stood, contacts) is None
+    assert lost.update(walking.state, contacts, DT) is None
     walking.knock("left", 0.1j, 0.1)
     walking.state.feet = walking.feet
-    assert lost_foot(walking.state, stood, RIGHT) == "left"
+    assert lost.update(walking.state, RIGHT, DT) == "left"
 
 
 def test_a_foot_that_bounces_while_the_whole_robot_seems_to_move_is_not_lost(gaits):
     walking = Walking(gaits)
     walking.walk_until(Phase.TRANSFER, "left")
-    stood = walking.feet
+    lost = LostContact(walking.feet)
     for side in ("left", "right"):
         walking.knock(side, 0.1 + 0.05j, 0.06)
     walking.state.feet = walking.feet
-    assert lost_foot(walking.state, stood, RIGHT) is None
+    assert lost.update(walking.state, RIGHT, DT) is None
 
 
-def test_the_foot_in_the_air_takes_over_from_a_support_foot_that_is_knocked_away(gaits):
+def test_a_foot_that_has_landed_takes_over_from_a_support_foot_that_is_knocked_away(gaits):
     walking = Walking(gaits)
     walking.walk_until(Phase.SWING, "left")
     state = walking.state
     while state.time < 0.1:
         walking.tick(LEFT)
+    walking.put("right", walking.feet.right._replace(height=0.1))
     walking.knock("left", -0.1 + 0j, 0.1)
-    walking.tick(frozenset())
-    assert (state.phase, state.support) == (Phase.SWING, "left")  # on neither: nothing to do
+    walking.tick(NEITHER)
+    assert (state.phase, state.support) == (Phase.SWING, "left")  # both are high: nothing to do
     walking.tick(RIGHT)
     assert state.steps > 0
     assert state.phase is Phase.TRANSFER
+
+
+def test_a_foot_that_almost_has_landed_takes_over_and_the_knocked_one_steps(gaits):
+    walking = Walking(gaits)
+    walking.walk_until(Phase.SWING, "left")
+    state = walking.state
+    for _ in range(5):
+        walking.tick(LEFT)
+    walking.put("right", walking.feet.right._replace(height=0.02))
+    walking.knock("left", -0.1 + 0j, 0.1)
+    knocked = walking.feet.left
+    walking.tick(NEITHER)
+    assert (state.phase, state.support, state.swing_side) == (Phase.SWING, "right", "left")
+    assert state.shortened
+    assert state.swing.motion.position[2] == pytest.approx(knocked.height, abs=0.005)
+
+
+def test_a_support_foot_that_is_still_landing_is_not_lost(gaits):
+    walking = Walking(gaits)
+    walking.walk_until(Phase.SWING, "left")
+    state = walking.state
+    walking.put("right", walking.feet.right._replace(height=0.02))
+    for contacts in (LEFT, NEITHER) * 20:  # it scuffs at 3 m/s, and has not stood anywhere
+        walking.knock("left", 0.006 + 0j, 0.0)
+        walking.tick(contacts)
+    assert (state.phase, state.support) == (Phase.SWING, "left")
 
 
 def test_the_end_of_a_quick_swing_waits_for_a_foot_that_is_still_high(gaits):

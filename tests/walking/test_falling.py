@@ -69,13 +69,13 @@ def test_an_alarm_needs_the_sum_of_distance_tilt_rate_and_lost_height_for_30_ms(
         return ticks_until_alarm(detector, leans, dcm, (1.0 - lost) * h, base)
 
     assert alarm() == 0
-    assert alarm(distance=1.4) == 0
-    assert alarm(distance=1.5) == 15
-    assert alarm(distance=0.5, tilt=0.5, rate=1.0, lost=0.3) == 0
-    assert alarm(distance=0.5, tilt=0.5, rate=1.0, lost=0.4) == 15
-    assert alarm(distance=0.5, tilt=0.5, rate=2.0, lost=0.3) == 15
+    assert alarm(distance=1.6) == 0
+    assert alarm(distance=1.7) == 15
+    assert alarm(distance=0.7, tilt=0.5, rate=1.0, lost=0.3) == 0
+    assert alarm(distance=0.7, tilt=0.5, rate=1.0, lost=0.4) == 15
+    assert alarm(distance=0.7, tilt=0.5, rate=2.0, lost=0.3) == 15
     # A robot that rises again is given the time to.
-    assert alarm(distance=0.5, tilt=0.5, rate=-9.0, lost=0.35) == 0
+    assert alarm(distance=0.7, tilt=0.5, rate=-9.0, lost=0.35) == 0
 
 
 @pytest.mark.parametrize("name", ["g1", "icub"])

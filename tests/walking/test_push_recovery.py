@@ -118,7 +118,7 @@ def test_a_standing_robot_survives_a_kick_that_no_sensor_tells(velocity):
     assert report.survived
 
 
-def test_a_blow_on_an_arm_turns_the_torso_but_neither_pelvis_nor_feet_and_it_turns_back():
+def test_a_blow_on_an_arm_turns_the_torso_rather_than_pelvis_and_feet_and_it_turns_back():
     robot = wbc.load("g1")
     walker = wbc.Walker(robot)
     yaws = []
@@ -133,8 +133,8 @@ def test_a_blow_on_an_arm_turns_the_torso_but_neither_pelvis_nor_feet_and_it_tur
         report = wbc.run(walker, plant, 3.0, before_tick=record)
     assert report.survived
     torso, base = np.degrees(yaws).T
-    assert np.abs(torso - base).max() > 45.0
-    assert np.abs(base).max() < 12.0
+    assert np.abs(torso - base).max() > 60.0
+    assert np.abs(base).max() < np.abs(torso - base).max() / 3.0
     assert abs(torso[-1] - base[-1]) < 3.0
 
 

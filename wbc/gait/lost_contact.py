@@ -6,14 +6,16 @@ import math
 
 from wbc.gait.footsteps import other_side
 from wbc.gait.state import GaitState, Phase
-from wbc.geometry.planar import Feet
+from wbc.geometry.planar import Feet, Placement
 
 _MOVED = 0.05  # m from where it stood from which on a foot without contact does not carry the robot
 _EARLIEST = 0.03  # s of a swing after which the foot in the air may take over
+_LOW = 0.03  # m over its landing place up to which it may before it has landed
+_SLOW = 0.5  # m/s, the speed up to which a foot in contact stands
 
 
-def lost_foot(state: GaitState, stood: Feet, contacts: frozenset[str] | None) -> str | None:
-    """Return the side of a foot that is to carry the robot and cannot: it was knocked away.
+class LostContact:
+    """Finds the foot that is to carry the robot and cannot: it was knocked away.
 
     A blow on a leg throws its foot off the ground at some metres per second. A controller that goes
     on holding that foot, and counts on its force, lifts the other one too, which alone carries the
@@ -22,28 +24,60 @@ def lost_foot(state: GaitState, stood: Feet, contacts: frozenset[str] | None) ->
     In double support it has to be elsewhere as seen from the foot that carries. The robot as a
     whole may seem to move, by centimetres when a foot that has just landed bounces.
 
+    In a swing it is the support foot. The other one carries the robot as soon as it touches the
+    ground; if it is almost there, it does so anyway, unless the support foot itself has not stood
+    yet: a swing may begin before the foot that carries it has landed.
+
     Args:
-        state: phase, feet and support.
-        stood: soles when the phase began.
-        contacts: sides of the soles that touch the ground; None when it is not measured.
-
-    Returns:
-        The side: of either foot in double support, of the support foot in a swing. None if there
-        is no such foot, or if the other one does not touch the ground either.
+        feet: soles when the phase begins.
     """
-    if contacts is None or len(contacts) != 1 or state.lifted is not None or state.on_stairs:
-        return None
-    side = other_side(*contacts)
-    if state.phase is Phase.SWING and (side != state.support or state.time < _EARLIEST):
-        return None
-    across, up = _way(stood, state.feet, side)
-    if state.phase is not Phase.SWING:
-        across_here, up_here = _way(stood, state.feet, other_side(side))
-        across, up = across - across_here, up - up_here
-    return side if math.hypot(abs(across), up) > _MOVED else None
+
+    def __init__(self, feet: Feet) -> None:
+        self._last = feet
+        self.begin_phase(feet)
+
+    def begin_phase(self, feet: Feet) -> None:
+        """Take the soles of now as where they stand."""
+        self._stood, self._has_stood = feet, False
+
+    def update(self, state: GaitState, contacts: frozenset[str] | None, dt: float) -> str | None:
+        """Return the side of the foot; None if there is none, or no other one that carries.
+
+        Args:
+            state: phase, feet and support.
+            contacts: sides of the soles that touch the ground; None when it is not measured.
+            dt: time since the last tick, s.
+        """
+        last, self._last = self._last, state.feet
+        if contacts is None or state.lifted is not None or state.on_stairs:
+            return None
+        if state.phase is not Phase.SWING:
+            return self._of_two(state.feet, *contacts) if len(contacts) == 1 else None
+        side = state.support
+        if side in contacts:
+            if _distance(last.of(side), state.stance) <= _SLOW * dt:
+                self._has_stood = True
+            return None
+        moved = _distance(self._stood.of(side), state.stance) > _MOVED
+        return side if moved and self._other_carries(state, contacts) else None
+
+    def _of_two(self, feet: Feet, carrying: str) -> str | None:
+        side = other_side(carrying)
+        way, way_here = (_way(self._stood.of(s), feet.of(s)) for s in (side, carrying))
+        moved = math.hypot(abs(way[0] - way_here[0]), way[1] - way_here[1]) > _MOVED
+        return side if moved else None
+
+    def _other_carries(self, state: GaitState, contacts: frozenset[str]) -> bool:
+        if state.swing_side in contacts:
+            return state.time >= _EARLIEST
+        return self._has_stood and state.other_foot.height - state.landing.height < _LOW
 
 
-def _way(before: Feet, now: Feet, side: str) -> tuple[complex, float]:
+def _way(before: Placement, now: Placement) -> tuple[complex, float]:
     """Return how far a foot has moved over the ground, x + iy, and up, m."""
-    here, there = now.of(side), before.of(side)
-    return here.point - there.point, here.height - there.height
+    return now.point - before.point, now.height - before.height
+
+
+def _distance(before: Placement, now: Placement) -> float:
+    across, up = _way(before, now)
+    return math.hypot(abs(across), up)

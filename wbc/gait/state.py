@@ -58,6 +58,7 @@ class GaitState:
         normal_gait: parameters of undisturbed walking.
         recovery_gait: parameters of the quick steps after a push.
         com: ground point below the estimated centre of mass, m.
+        vertical_velocity: that of the estimated centre of mass, upwards, m/s.
         dcm: estimated divergent component of motion without the bias of the CoM, m; of a walking
             robot that is pushed, with what its angular momentum adds.
         dcm_offset: by how much the wanted DCM differed from the planner's at the last tick, because
@@ -101,6 +102,7 @@ class GaitState:
     feet: Feet
     recovery_gait: GaitParameters
     com: complex = 0j
+    vertical_velocity: float = 0.0
     dcm: complex = 0j
     dcm_offset: complex = 0j
     disturbance: complex = 0j
@@ -195,6 +197,11 @@ class GaitState:
     def lifted(self) -> LiftedFoot | None:
         """The foot that is held up while the robot stands on the other one."""
         return self.swing if isinstance(self.swing, LiftedFoot) else None
+
+    @property
+    def swing_is_knocked(self) -> bool:
+        """Whether a blow has thrown the foot in the air off its way."""
+        return isinstance(self.swing, SwingFoot) and self.swing.knocked
 
     @property
     def progress(self) -> float:

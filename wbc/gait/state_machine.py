@@ -7,7 +7,7 @@ import math
 from wbc.errors import GaitError
 from wbc.gait.footsteps import other_side
 from wbc.gait.lifted_foot import LiftedFoot
-from wbc.gait.lost_contact import lost_foot
+from wbc.gait.lost_contact import LostContact
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.planners.planner import Planner
 from wbc.gait.speed_adaptation import SpeedAdaptation
@@ -62,7 +62,7 @@ class GaitStateMachine:
         self.step_length = 0.0
         self._planner = planner
         self._planned_landing: Placement | None = None
-        self._stood = feet  # when the phase began
+        self._lost_contact = LostContact(feet)
         planner.reset(self.state)
 
     def update(
@@ -90,7 +90,7 @@ class GaitStateMachine:
         state.time += dt
         self._since_touchdown += dt
         state.on_stairs = _leads_over_stairs(state, lifted, command.footsteps, contacts)
-        state.lost_foot = lost_foot(state, self._stood, contacts)
+        state.lost_foot = self._lost_contact.update(state, contacts, dt)
         asked = state.requested_swing if state.may_choose_side else None
         if command.footsteps and asked == state.support:
             asked = None  # the first of the given footsteps is the other foot's
@@ -126,6 +126,8 @@ class GaitStateMachine:
                 state.swing = None
                 self._enter(Phase.SWING, _FROM_THE_AIR * state.gait.single_support)
                 state.shortened = True
+        elif state.lost_foot is not None and state.swing_side not in (contacts or ()):
+            self._swing_from_the_air(state.lost_foot)
         elif self._has_landed(contacts):
             self._touch_down(command)
         plan = planner.update(state, command, dt)
@@ -196,13 +198,13 @@ class GaitStateMachine:
         state = self.state
         state.phase, state.time, state.duration, state.hold = phase, 0.0, duration, 0.0
         state.shortened, state.crossing, state.tipping = False, 0.0, 0j
-        self._stood = state.feet
+        self._lost_contact.begin_phase(state.feet)
 
     def _swing_from_the_air(self, side: str) -> None:
         """Step with a foot that was knocked off the ground; the other one carries the robot."""
         state = self.state
         state.support, state.gait = other_side(side), state.recovery_gait
-        state.stopping, state.requested_swing = False, None
+        state.stopping, state.requested_swing, state.swing = False, None, None
         self._enter(Phase.SWING, state.gait.single_support)
         state.shortened = True
 

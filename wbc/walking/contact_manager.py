@@ -8,7 +8,7 @@ import numpy as np
 
 from wbc.contacts import Contact, PointContact, SurfaceContact
 from wbc.controller import WholeBodyController
-from wbc.gait import GaitState, Phase, SwingFoot
+from wbc.gait import GaitState, Phase
 from wbc.robot import Robot, Sole
 from wbc.robot.posture import has_soles
 from wbc.walking.gains import WalkerGains
@@ -20,6 +20,7 @@ _HIGH = 0.03  # m, height above which a lifted foot need not be flat
 _FREE = 0.01  # share of the weight of the flatness in the first half of a fast swing
 _FLAT_FROM, _FLAT_AT = 0.5, 0.8  # share of the swing from which, and at which, it is whole again
 _ON_TIME = 3.0  # times its weight that the height of a foot in a quick step has
+_THROWN_UP = 0.12  # times √(g h) by which the CoM rises when a blow throws the robot up
 _LOOSE = 0.1  # square root of the share of the weight that its flatness keeps
 
 
@@ -30,8 +31,12 @@ class ContactManager:
     in double support by a high weight, because two exact feet and a stretched knee may have
     no solution. A foot whose leg has fewer joints than that takes is always held by the weight:
     the leg cannot turn it against all moments of the robot's motion, which would need a wrench
-    beyond the sole's edges. A support foot that tips is held by an edge of its sole until the other
-    one has landed. Towards the end of double support the leaving foot is unloaded.
+    beyond the sole's edges. So is the support foot of a quick step, unless a blow has thrown its
+    swing foot off its way. While a blow throws the robot up, it carries no more than the weight:
+    what holds it exactly under a trunk that turns is friction, for which the QP would press it on
+    the ground with twice the weight, and throw the robot off. A support foot that tips is held by
+    an edge of its sole until the other one has landed. Towards the end of double support the
+    leaving foot is unloaded.
 
     Args:
         robot: the robot.
@@ -51,6 +56,7 @@ class ContactManager:
         self._hands = hands
         self._gains = gains
         self._weight = robot.weight
+        self._thrown_up = _THROWN_UP * math.sqrt(robot.gravity * robot.com_height)
         self._contacts: dict[str, Contact] = {}
         self._support_weight: dict[str, float | None] = {}
         self._swing_tasks: dict[str, SwingTask] = {}
@@ -87,6 +93,10 @@ class ContactManager:
         other = self._contacts[state.swing_side]
         support.motion_weight = self._support_weight[state.support]
         support.max_force = other.max_force = math.inf
+        if state.is_quick and not state.swing_is_knocked:
+            support.motion_weight = self._gains.second_contact_weight
+            if state.vertical_velocity > self._thrown_up:
+                support.max_force = self._weight
         self._track_swing(state)
         for side, foot in self._tipping.items():
             foot.update(state.tipping if side == state.support else 0j, state.stance)
@@ -138,7 +148,7 @@ class ContactManager:
         """Return the (6,) weight of a foot that does not have the usual one, else None."""
         if state.lifted is not None:
             return self._held_weight(float(state.lifted.offset[2]))
-        if isinstance(state.swing, SwingFoot) and state.swing.knocked:
+        if state.swing_is_knocked:
             return self._knocked_weight
         if state.is_quick:
             return self._step_out_weight if state.steps_out else self._quick_weight

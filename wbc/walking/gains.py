@@ -44,7 +44,8 @@ class WalkerGains:
         yaw_momentum_weight: weight of the angular momentum about the vertical, over the square of
             what the arms' joints make of it (see `arm_yaw_momentum`), s². It counts as far as the
             sole does not transmit the moment that a fast swing leg needs: then the arms swing.
-        second_contact_weight: weight of the less important foot's motion in double support.
+        second_contact_weight: weight of the motion of a foot on the ground that is not held
+            exactly: the less important one in double support, the support foot in quick steps.
         friction: Coulomb coefficient that the QP counts on.
         sole_margin: width that the QP leaves unused at the soles' edges, m.
         zmp_margin: largest distance of the commanded ZMP beyond the support polygon, m.

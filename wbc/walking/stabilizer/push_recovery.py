@@ -99,11 +99,7 @@ class PushRecovery:
         else:
             state.shortened = True
             planned, shift = self._choose_gait(state, tolerance, reference, ankles)
-            if (
-                isinstance(state.swing, SwingFoot)
-                and state.swing.knocked
-                and self._lasts_longer(state, shift, math.inf)
-            ):
+            if state.swing_is_knocked and self._lasts_longer(state, shift, math.inf):
                 planned, shift = self._choose_gait(state, tolerance, reference, ankles)
         if state.crossing != 0.0:
             if not self._cross_over.goes_on(state, self._wanted(state, shift)):

@@ -88,7 +88,7 @@ class Stabilizer:
         dt: float,
         hand_offset: complex = 0j,
     ) -> None:
-        """Write CoM, DCM and disturbance of this tick into the gait's state.
+        """Write CoM, its vertical velocity, DCM and disturbance of this tick into the gait's state.
 
         A push off the centre of mass also turns the robot. To stop the turning takes a moment of
         the ground, which drives the centre of mass on: an angular momentum L, brought to zero at
@@ -113,7 +113,7 @@ class Stabilizer:
             hand_offset: by how much known forces on the hands move the pivot off the ZMP, m.
         """
         dcm = com.point + com.velocity / state.gait.omega
-        state.com = com.point
+        state.com, state.vertical_velocity = com.point, com.vertical_velocity
         state.dcm = dcm - self.com_bias.update(dt, com, reaction, heading, hand_offset)
         state.disturbance = self._disturbance.update(com.velocity, state.gait.omega, dt)
         counts = is_pushed(state) and not (state.pushed_at_rest or state.at_rest)
