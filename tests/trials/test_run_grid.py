@@ -34,7 +34,7 @@ GRID = Grid(
     sizes=(0.2, 2.0),
     phases=2,
     directions=("left",),
-    duration=0.5,
+    duration=0.8,
 )
 
 

@@ -103,7 +103,8 @@ class ContactManager:
         if state.phase is Phase.SWING:
             if state.tipping != 0j and self._has_soles:
                 edge = self._tipping[state.support].contact(state.tipping)
-                edge.motion_weight = support.motion_weight
+                # One that tips over an edge has given way already: held by it alone, it stays there.
+                edge.motion_weight = self._support_weight[state.support]
                 support = edge
             self._hold((support,))
             return
