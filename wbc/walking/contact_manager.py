@@ -103,7 +103,7 @@ class ContactManager:
         if state.phase is Phase.SWING:
             if state.tipping != 0j and self._has_soles:
                 edge = self._tipping[state.support].contact(state.tipping)
-                # One that tips over an edge has given way already: held by it alone, it stays there.
+                # A foot that tips has given way already: its edge stays where it is.
                 edge.motion_weight = self._support_weight[state.support]
                 support = edge
             self._hold((support,))
