@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import slow
 
 import wbc
 from wbc.gait import Feet, GaitParameters, GaitState, Phase, Placement
@@ -63,13 +62,13 @@ def test_the_heel_is_free_late_in_a_fast_swing_once_the_pressure_is_on_its_way_t
     assert edge_to_tip_over(state, complex(math.inf), support, BEYOND) == 0j
 
 
-def pushed(robot):
+def pushed(robot, seed=3, at=2.2):
     """Push a robot that walks to its support foot's side; yields walker and command per tick."""
     walker = wbc.Walker(robot)
     estimator = wbc.Estimator(robot, walker.dt)
     walker.velocity = (0.3, 0.0, 0.0)
-    with Mujoco(robot, seed=3) as plant:
-        plant.schedule_push(2.2, robot.mass * np.array([0.0, 1.0, 0.0]))
+    with Mujoco(robot, seed=seed) as plant:
+        plant.schedule_push(at, robot.mass * np.array([0.0, 1.0, 0.0]))
         estimator.reset(plant.ground_truth())
         expected = None
         for _ in range(round(4.2 / walker.dt)):
@@ -98,9 +97,13 @@ def test_a_robot_that_is_pushed_towards_its_support_foot_tips_it_and_goes_on(g1)
     assert again is not None
 
 
-@pytest.mark.parametrize("held", [slow("flat")])
-def test_the_same_push_fells_a_robot_that_holds_its_foot_flat(g1, held, monkeypatch):
+@pytest.mark.slow
+def test_such_pushes_fell_a_robot_that_holds_its_foot_flat_more_often(g1, monkeypatch):
+    def falls() -> int:
+        pushes = [(seed, at) for seed in (3, 4, 5) for at in (2.16, 2.18)]
+        return sum(bool([*pushed(g1, *push)][-1][0].falling_why) for push in pushes)
+
+    tipping = falls()
     module = "wbc.walking.stabilizer.stabilizer.edge_to_tip_over"
     monkeypatch.setattr(module, lambda *_: 0j)
-    *_, (walker, _) = pushed(g1)
-    assert walker.falling_why
+    assert falls() >= tipping + 2
