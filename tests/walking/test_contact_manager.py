@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import wbc
-from wbc.contacts import Contact
+from wbc.contacts import Contact, EdgeContact
 from wbc.gait import Feet, GaitParameters, GaitState, Phase, Placement, SwingFoot
 from wbc.walking.contact_manager import ContactManager
 from wbc.walking.gains import WalkerGains
@@ -68,6 +68,14 @@ def test_a_swing_foot_that_a_blow_has_thrown_off_its_way_leaves_the_support_foot
     assert one_legged.support().motion_weight is not None
     swing.follow(np.array((0.0, -0.2, 0.3)), np.array((0.0, 0.0, 3.0)), np.zeros(3))
     assert one_legged.support().motion_weight is None
+
+
+def test_a_sole_that_tips_in_a_quick_step_is_held_exactly_by_its_edge(one_legged):
+    state = one_legged.state
+    state.shortened, state.tipping = True, 1j
+    edge = one_legged.support()
+    assert isinstance(edge, EdgeContact)
+    assert edge.motion_weight is None
 
 
 @pytest.mark.parametrize(("velocity", "share"), [(1.0, 1.0), (0.0, math.inf), (-1.0, math.inf)])

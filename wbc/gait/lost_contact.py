@@ -55,8 +55,8 @@ class LostContact:
             return self._of_two(state.feet, *contacts) if len(contacts) == 1 else None
         side = state.support
         if side in contacts:
-            slow = self._has_stood or _distance(last.of(side), state.stance) <= _SLOW * dt
-            self._has_stood = slow
+            if not self._has_stood:
+                self._has_stood = _distance(last.of(side), state.stance) <= _SLOW * dt
             return None
         moved = _distance(self._stood.of(side), state.stance) > _MOVED
         return side if moved and self._other_carries(state, contacts) else None
