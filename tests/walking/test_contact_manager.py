@@ -22,9 +22,9 @@ class OneLegged(NamedTuple):
     manager: ContactManager
     controller: wbc.WholeBodyController
 
-    def support(self) -> Contact:
+    def support(self, touching: frozenset[str] | None = frozenset({"left"})) -> Contact:
         """Return the contact of the support foot at this tick."""
-        self.manager.update(self.state)
+        self.manager.update(self.state, touching)
         (contact,) = self.controller.contacts
         return contact
 
@@ -76,6 +76,16 @@ def test_a_sole_that_tips_in_a_quick_step_is_held_exactly_by_its_edge(one_legged
     edge = one_legged.support()
     assert isinstance(edge, EdgeContact)
     assert edge.motion_weight is None
+
+
+def test_in_the_air_it_is_held_as_a_whole_and_gives_way(one_legged):
+    state = one_legged.state
+    state.shortened, state.tipping = True, 1j
+    for touching in (frozenset(), frozenset({"right"})):
+        support = one_legged.support(touching)
+        assert not isinstance(support, EdgeContact)
+        assert support.motion_weight == WalkerGains().second_contact_weight
+    assert isinstance(one_legged.support(touching=None), EdgeContact)  # without foot sensors
 
 
 @pytest.mark.parametrize(("velocity", "share"), [(1.0, 1.0), (0.0, math.inf), (-1.0, math.inf)])

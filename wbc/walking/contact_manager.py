@@ -35,8 +35,9 @@ class ContactManager:
     swing foot off its way. While a blow throws the robot up, it carries no more than the weight:
     what holds it exactly under a trunk that turns is friction, for which the QP would press it on
     the ground with twice the weight, and throw the robot off. A support foot that tips is held by
-    an edge of its sole until the other one has landed. Towards the end of double support the
-    leaving foot is unloaded.
+    an edge of its sole until the other one has landed, as long as it touches the ground: held
+    exactly in the air, it would carry several times the weight in the QP, and throw the robot up
+    as it lands. Towards the end of double support the leaving foot is unloaded.
 
     Args:
         robot: the robot.
@@ -87,8 +88,13 @@ class ContactManager:
         """One per foot; the controller has that of the foot in the air."""
         return tuple(self._swing_tasks.values())
 
-    def update(self, state: GaitState) -> None:
-        """Set contacts and swing task for the present phase."""
+    def update(self, state: GaitState, touching: frozenset[str] | None) -> None:
+        """Set contacts and swing task for the present phase.
+
+        Args:
+            state: phase, feet and what is planned.
+            touching: sides of the soles that touch the ground; None when it is not measured.
+        """
         support = self._contacts[state.support]
         other = self._contacts[state.swing_side]
         support.motion_weight = self._support_weight[state.support]
@@ -101,7 +107,8 @@ class ContactManager:
         for side, foot in self._tipping.items():
             foot.update(state.tipping if side == state.support else 0j, state.stance)
         if state.phase is Phase.SWING:
-            if state.tipping != 0j and self._has_soles:
+            lies = touching is None or state.support in touching
+            if state.tipping != 0j and lies and self._has_soles:
                 edge = self._tipping[state.support].contact(state.tipping)
                 # A foot that tips has given way already: its edge stays where it is.
                 edge.motion_weight = self._support_weight[state.support]
