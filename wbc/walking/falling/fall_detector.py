@@ -33,7 +33,7 @@ class FallDetector:
     A fall counts as unavoidable once
 
         d / h + θ + 0.1 s · θ̇ + (1 − z / h) > 1.65        for 30 ms, or
-        θ + 0.03 s · θ̇ > 0.9  or  b + 0.03 s · ḃ < 0.6    for 10 ms,
+        θ + 0.03 s · θ̇ > 70°  or  b + 0.03 s · ḃ < 0.6    for 10 ms,
 
     with d the distance of the DCM from the convex hull of all feet, h the height of the centre
     of mass above the soles in the nominal posture, z its present height above the lowest foot,
