@@ -9,8 +9,8 @@ from wbc.robot.attitude import attitude
 from wbc.state import State
 
 #: Tilt beyond which a robot has fallen, rad, and the share of the base's height when standing below
-#: which it has. Robots still recover whose leg a blow threw up: of 240 blows of 400 to 500 N on arms
-#: and ankles of a walking G1 6 led to tilts of 50° to 69° from which it did.
+#: which it has. Robots recover from more than they seem to: after 6 of 240 blows of 400 to 500 N
+#: on arms and ankles, a walking G1 did from tilts of 50° to 69°.
 MAX_TILT, LEAST_HEIGHT = math.radians(70.0), 0.6
 
 
