@@ -22,7 +22,7 @@ SAYS = {
     "02_squat": "21.0 % is the most",
     "04_reach": "out of reach by",
     "07_bow": "survived",
-    "09_sine": "open loop: the base is tilted",
+    "09_sine": "open loop: the base is only",
     "10_jump": "soles cleared",
     "11_keyframes": "robot_dance.csv:3:11: g1 has no joint 'torso_yaw'",
     "13_own_motion": "2 kicks",

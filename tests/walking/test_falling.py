@@ -87,9 +87,9 @@ def test_a_robot_that_topples_or_sinks_over_its_feet_is_about_to_fall(name):
         base = (height * standing, rising * standing)
         return ticks_until_alarm(detector, (tilt, rate), 0j, r.com_height, base)
 
-    assert alarm(tilt=0.83, rate=2.0) == 0
-    assert alarm(tilt=0.85, rate=2.0) == 5
-    assert alarm(tilt=0.89, rate=-9.0) == 0
+    assert alarm(tilt=1.15, rate=2.0) == 0
+    assert alarm(tilt=1.17, rate=2.0) == 5
+    assert alarm(tilt=1.21, rate=-9.0) == 0
     assert alarm(height=0.67, rising=-2.0) == 0
     assert alarm(height=0.65, rising=-2.0) == 5
     assert alarm(height=0.61, rising=9.0) == 0  # from a deep crouch it rises again
