@@ -39,8 +39,10 @@ def test_heading_is_zero_in_the_standing_posture(robot: wbc.Robot, yaw: float) -
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=lambda r: r.name)
 def test_fall_is_detected_by_tilt_and_by_height(robot: wbc.Robot) -> None:
-    assert fall_reason(robot, turned(robot, pin.utils.rotate("x", np.pi / 3))) == ""
-    assert "tilted by 75°" in fall_reason(robot, turned(robot, pin.utils.rotate("x", np.pi / 2.4)))
+    assert fall_reason(robot, turned(robot, pin.utils.rotate("x", np.radians(65.0)))) == ""
+    assert "tilted by 75°" in fall_reason(
+        robot, turned(robot, pin.utils.rotate("x", np.radians(75.0)))
+    )
     assert "tilted by 90°" in fall_reason(robot, turned(robot, pin.utils.rotate("y", -np.pi / 2)))
     low = robot.standing()
     low.q[2] *= 0.5

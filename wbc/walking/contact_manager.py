@@ -107,8 +107,8 @@ class ContactManager:
         for side, foot in self._tipping.items():
             foot.update(state.tipping if side == state.support else 0j, state.stance)
         if state.phase is Phase.SWING:
-            lies = touching is None or state.support in touching
-            if state.tipping != 0j and lies and self._has_soles:
+            is_down = touching is None or state.support in touching
+            if state.tipping != 0j and is_down and self._has_soles:
                 edge = self._tipping[state.support].contact(state.tipping)
                 # A foot that tips has given way already: its edge stays where it is.
                 edge.motion_weight = self._support_weight[state.support]
