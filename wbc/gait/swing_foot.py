@@ -171,6 +171,14 @@ class SwingFoot:
         self.motion.acceleration[:] = motion.acceleration
         self.yaw = yaw
 
+    def start_with(self, velocity: complex) -> None:
+        """Start with the horizontal velocity of a foot that is in the air, x + iy, m/s.
+
+        It goes on at once, and need not first lift off.
+        """
+        self.motion.velocity[0], self.motion.velocity[1] = velocity.real, velocity.imag
+        self._lift = 0.0
+
     def start_at(self, height: float) -> None:
         """Start at a height above the ground, m: a blow brought the foot there.
 

@@ -1,4 +1,4 @@
-"""A swing foot that a blow throws off its way."""
+"""Swing feet that a blow throws off their way, or that are in the air when their swing begins."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _LANDING_HEIGHT = 0.06  # share of the CoM's height up to which it is
 
 
 class KnockedFoot:
-    """Lets the reference of a swing foot begin anew where a blow has thrown the foot.
+    """Lets the reference of a swing foot begin anew with the motion that a blow has given the foot.
 
     A blow on a leg gives its foot some metres per second and throws it as far as a metre off its
     way. To get it back there at once, its task asks for several times what the leg's torques give
@@ -34,6 +34,11 @@ class KnockedFoot:
 
     While the support foot has no contact, nothing holds the body, and both feet fly: then, and when
     the foot is about to land, it is left alone.
+
+    After a blow, robots often have no foot on the ground when a quick step begins: the foot that
+    then swings moves along with the body, at 1.5 m/s after a heavy punch. Its swing begins with the
+    velocity that it has. A reference that begins at rest would first stop the foot, and leave it
+    as far behind the body as half a step.
 
     Args:
         robot: the robot.
@@ -57,17 +62,24 @@ class KnockedFoot:
         speeds: tuple[float, float],
         contacts: frozenset[str] | None,
     ) -> None:
-        """Follow the swing foot if it was knocked.
+        """Begin the reference of the swing foot with the foot's motion, if it is not at rest.
 
         Args:
-            state: whose `swing`, `shortened` and `duration` it sets.
+            state: whose `swing`, and whose `shortened` and `duration` if the foot was knocked, it
+                sets.
             kin: kinematics of this tick.
             speeds: of the left and of the right sole, m/s.
             contacts: sides of the soles that touch the ground; None when it is not measured: then
                 nothing is followed.
         """
         swing = state.swing
-        if not isinstance(swing, SwingFoot) or contacts is None or state.support not in contacts:
+        if not isinstance(swing, SwingFoot) or contacts is None:
+            return
+        if state.time == 0.0 and state.is_quick and state.swing_side not in contacts:
+            frame_id, _ = self._feet[state.swing_side]
+            v_x, v_y, *_ = kin.motion(frame_id).velocity.tolist()
+            swing.start_with(complex(v_x, v_y))
+        if state.support not in contacts:
             return
         least = (_STILL_FASTER if swing.knocked else _FASTER) * self._speed
         speed = speeds[0 if state.swing_side == "left" else 1]
