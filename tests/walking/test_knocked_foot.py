@@ -1,4 +1,4 @@
-"""A blow throws the swing foot off its way: its reference goes on from there."""
+"""A blow throws a foot off its way, or into the air: its reference goes on with its motion."""
 
 from __future__ import annotations
 
@@ -106,3 +106,32 @@ def test_the_step_of_a_knocked_foot_lasts_until_the_foot_gets_to_its_place(one_l
     one_legged.move([5.0, 0.0, 0.0], [0.0, 0.0, 0.0])
     assert one_legged.update()
     assert one_legged.state.remaining >= 0.1 - 1e-9
+
+
+@pytest.mark.parametrize("contacts", [frozenset(), LEFT])
+def test_a_quick_swing_of_a_foot_in_the_air_begins_with_the_foot_s_velocity(one_legged, contacts):
+    one_legged.state.time, one_legged.state.shortened = 0.0, True
+    one_legged.move([1.0, -1.5, 0.5], [0.0, 0.0, 0.0])
+    assert not one_legged.update(contacts)
+    assert one_legged.swing.motion.velocity[:3] == pytest.approx([1.0, -1.5, 0.0], abs=1e-9)
+    before = one_legged.swing.motion.position.copy()
+    one_legged.swing.advance(0.002, one_legged.state.landing)
+    moved = one_legged.swing.motion.position[:2] - before[:2]
+    assert moved == pytest.approx([0.002, -0.003], rel=0.1)  # it does not wait to lift off
+
+
+@pytest.mark.parametrize(
+    ("contacts", "time", "shortened"),
+    [
+        (None, 0.0, True),
+        (frozenset({"left", "right"}), 0.0, True),
+        (frozenset(), 0.002, True),
+        (frozenset(), 0.0, False),
+    ],
+    ids=["no sensors", "on the ground", "later", "usual step"],
+)
+def test_other_swings_do_not_begin_with_the_foot_s_velocity(one_legged, contacts, time, shortened):
+    one_legged.state.time, one_legged.state.shortened = time, shortened
+    one_legged.move([1.0, -1.5, 0.0], [0.0, 0.0, 0.0])
+    assert not one_legged.update(contacts)
+    assert (one_legged.swing.motion.velocity[:3] == 0.0).all()
