@@ -171,8 +171,8 @@ class SwingFoot:
         self.motion.acceleration[:] = motion.acceleration
         self.yaw = yaw
 
-    def start_with(self, velocity: complex) -> None:
-        """Start with the horizontal velocity of a foot that is in the air, x + iy, m/s.
+    def start_moving(self, velocity: complex) -> None:
+        """Start with the horizontal velocity that the foot has, which is in the air, x + iy, m/s.
 
         It goes on at once, and need not first lift off.
         """

@@ -78,7 +78,7 @@ class KnockedFoot:
         if state.time == 0.0 and state.is_quick and state.swing_side not in contacts:
             frame_id, _ = self._feet[state.swing_side]
             v_x, v_y, *_ = kin.motion(frame_id).velocity.tolist()
-            swing.start_with(complex(v_x, v_y))
+            swing.start_moving(complex(v_x, v_y))
         if state.support not in contacts:
             return
         least = (_STILL_FASTER if swing.knocked else _FASTER) * self._speed
