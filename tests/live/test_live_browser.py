@@ -34,6 +34,8 @@ NO_SHADOWS_AND_ONE_IMAGE_A_SECOND = """() => {
     }
   };
 }"""
+# When a push arrives after the fall that the one before made, or nothing arrives for a while.
+TOLD_TO_A_SLOW_PAGE = ("the robot has fallen", "nothing more came from the page")
 TIMEOUT = 60_000  # ms; software rendering on a busy machine is slow
 _BETWEEN_SESSIONS = "ERR_CONNECTION_REFUSED"  # until the next one is served
 
@@ -87,7 +89,7 @@ def new_page(context, url, ready):
     refusals = page.evaluate("wbc.live.errors")
     page.close()
     assert errors == []
-    assert refusals == []
+    assert [text for text in refusals if not text.startswith(TOLD_TO_A_SLOW_PAGE)] == []
 
 
 @pytest.fixture(scope="module")
@@ -225,7 +227,7 @@ def test_parameters_of_a_motion_are_below_its_button_with_the_reason_of_a_refusa
     page.fill("[data-parameter='squat.depth']", "95")
     page.click("[data-form=squat] >> text=Play")
     shown = "element('error').textContent.includes('cannot go down by 95 %')"
-    page.wait_for_function(f"wbc.live.errors.length === 1 && {shown}")  # it fades
+    page.wait_for_function(f"wbc.live.errors.length && {shown}")  # it fades
     page.evaluate("wbc.live.errors.length = 0")
     page.fill("[data-parameter='squat.depth']", "4")
     page.press("[data-parameter='squat.depth']", "Enter")
@@ -255,8 +257,8 @@ def test_keys_typed_into_a_field_send_no_command(page):
         "document.querySelector('[data-parameter=\"keyframes.file\"]').value === 'up.csv'"
     )
     page.press("[data-parameter='keyframes.hold']", "Enter")
-    page.wait_for_function("wbc.live.errors.length === 1")
-    assert "up.csv" in page.evaluate("wbc.live.errors.pop()")
+    page.wait_for_function("wbc.live.errors.some((text) => text.includes('up.csv'))")
+    page.evaluate("wbc.live.errors.length = 0")
     page.click("[data-form=keyframes] >> text=Reset to defaults")
     page.click("[data-more=keyframes]")
 
@@ -307,7 +309,7 @@ def test_a_gamepad_drives_stands_and_pauses(page):
         page.wait_for_function(f"wbc.live.status.mode === '{mode}'")
         page.evaluate("wbc.press(9, false); wbc.looks = 0")
         page.wait_for_function("wbc.looks > 0")  # the page has seen that it was let go
-    page.evaluate("delete navigator.getGamepads; wbc.live.errors.length = 0")  # of a slow page
+    page.evaluate("delete navigator.getGamepads")
 
 
 def test_the_tuner_lists_the_tasks_and_a_gain_reaches_every_page(url, page):
@@ -353,7 +355,6 @@ def test_the_robot_walks_on_while_its_page_is_open_and_stops_when_it_is_gone(pag
     page.wait_for_function("wbc.live.values['velocity.forward'] === 0")
     assert page.evaluate("wbc.live.status.mode") == "running"
     pass_time(page, 0.2)
-    page.evaluate("wbc.live.errors.length = 0")  # a page that was back in time was told
 
 
 def test_the_shown_objects_can_be_selected(page):
@@ -422,24 +423,22 @@ def test_a_fall_is_unmistakable_stays_in_reach_and_one_key_resets(page):
 def drag(page, place, by, done):
     """Drags what is at a place, (x, y) by a script, until a condition holds.
 
-    Robot and camera move: it may be elsewhere when the mouse arrives.
+    Robot and camera move, and a mouse that is told where to press comes too late on a busy machine:
+    the script that finds the place presses there.
     """
-    from playwright.sync_api import TimeoutError as NotYet
-
-    for timeout in (*[3000] * 9, TIMEOUT):
-        x, y = page.evaluate(place)
-        page.mouse.move(x, y)
-        page.mouse.down()
-        page.mouse.move(x + by[0], y + by[1], steps=2)
-        try:
-            page.wait_for_function(done, timeout=timeout)
-        except NotYet:
-            if timeout == TIMEOUT:
-                raise
-        else:
-            return
-        finally:
-            page.mouse.up()
+    gesture = """([kind, x, y]) => viewer.renderer.domElement.dispatchEvent(new PointerEvent(kind,
+      {clientX: x, clientY: y, button: 0, pointerId: 1, bubbles: true}))"""
+    page.evaluate(
+        f"""() => {{
+          const [x, y] = ({place})(), gesture = {gesture};
+          gesture(["pointerdown", x, y]);
+          gesture(["pointermove", x + {by[0]}, y + {by[1]}]);
+        }}"""
+    )
+    try:
+        page.wait_for_function(done)
+    finally:
+        page.evaluate(gesture, ["pointerup", 0, 0])
 
 
 A_LINK = """() => {
@@ -476,17 +475,18 @@ def test_a_clicked_floor_is_walked_to_and_a_link_is_pulled(page):
     kinds = "wbc.timeline.events().map((event) => event.kind)"
     drag(page, A_LINK, (5, 0), f"{kinds}.includes('pull')")
     page.keyboard.press("h")
-    page.wait_for_function("wbc.pointer.handles.size === 2 && wbc.ready")
+    standing = "wbc.live.status.playing === -1"  # no motion, nor on the way back from one
+    page.wait_for_function(f"wbc.pointer.handles.size === 2 && wbc.ready && {standing}")
     drag(page, THE_RIGHT_HAND, (0, -10), "wbc.live.status.hands.right.leads")
     page.keyboard.press("s")
     page.wait_for_function("!wbc.live.status.hands.right.leads")
     press(page, "[data-more=sway]")
     page.fill("[data-parameter='sway.rounds']", "100")  # until it is told to stand
     page.press("[data-parameter='sway.rounds']", "Enter")
-    page.wait_for_function("wbc.live.status.playing !== -1")
-    drag(page, THE_RIGHT_HAND, (0, -10), "wbc.live.errors.length")
-    told = page.evaluate("wbc.live.errors.splice(0)")
-    assert "a motion is playing, which leads the hands: press Stand (S) first" in told
+    page.wait_for_function("wbc.live.status.playing >= 0")
+    refusal = "a motion is playing, which leads the hands: press Stand (S) first"
+    drag(page, THE_RIGHT_HAND, (0, -10), f"wbc.live.errors.includes('{refusal}')")
+    page.evaluate("wbc.live.errors.length = 0")
     press(page, "[data-form=sway] >> text=Reset to defaults")
     press(page, "[data-more=sway]")
     page.evaluate("element('tools').hidden = false")
