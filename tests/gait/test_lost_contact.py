@@ -162,13 +162,28 @@ def test_a_foot_that_almost_has_landed_takes_over_and_the_knocked_one_steps(gait
 
 def test_a_support_foot_that_is_still_landing_is_not_lost(gaits):
     walking = Walking(gaits)
-    walking.walk_until(Phase.SWING, "left")
+    walking.walk_until(Phase.SWING, "right")
     state = walking.state
-    walking.put("right", walking.feet.right._replace(height=0.02))
-    for contacts in (LEFT, NEITHER) * 20:  # it scuffs at 3 m/s, and has not stood anywhere
+
+    def scuff(contacts):  # at 3 m/s, and stands nowhere
         walking.knock("left", 0.006 + 0j, 0.0)
         walking.tick(contacts)
+
+    while (state.phase, state.support) != (Phase.SWING, "left"):
+        scuff(BOTH)
+    walking.put("right", walking.feet.right._replace(height=0.02))
+    for contacts in (LEFT, NEITHER) * 20:
+        scuff(contacts)
     assert (state.phase, state.support) == (Phase.SWING, "left")
+
+
+def test_a_foot_that_stood_is_lost_when_a_blow_takes_it_away_as_its_step_begins(gaits):
+    walking = Walking(gaits)
+    walking.walk_until(Phase.SWING, "left")
+    walking.put("right", walking.feet.right._replace(height=0.02))
+    walking.knock("left", -0.1 + 0j, 0.1)
+    walking.tick(NEITHER)  # in this step it has not touched the ground once
+    assert (walking.state.support, walking.state.swing_side) == ("right", "left")
 
 
 def test_the_end_of_a_quick_swing_waits_for_a_foot_that_is_still_high(gaits):

@@ -68,6 +68,8 @@ def test_a_swing_foot_that_a_blow_has_thrown_off_its_way_leaves_the_support_foot
     assert one_legged.support().motion_weight is not None
     swing.follow(np.array((0.0, -0.2, 0.3)), np.array((0.0, 0.0, 3.0)), np.zeros(3))
     assert one_legged.support().motion_weight is None
+    in_the_air = one_legged.support(touching=frozenset())
+    assert in_the_air.motion_weight == WalkerGains().second_contact_weight
 
 
 def test_a_sole_that_tips_in_a_quick_step_is_held_exactly_by_its_edge(one_legged):

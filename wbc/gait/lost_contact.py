@@ -26,7 +26,8 @@ class LostContact:
 
     In a swing it is the support foot. The other one carries the robot as soon as it touches the
     ground; if it is almost there, it does so anyway, unless the support foot itself has not stood
-    yet: a swing may begin before the foot that carries it has landed.
+    since it last swung: a swing may begin before the foot that carries it has landed, or when a
+    blow has just knocked it off the ground again.
 
     Args:
         feet: soles when the phase begins.
@@ -34,11 +35,12 @@ class LostContact:
 
     def __init__(self, feet: Feet) -> None:
         self._last = feet
+        self._standing = {"left", "right"}  # the feet that have stood since they last swung
         self.begin_phase(feet)
 
     def begin_phase(self, feet: Feet) -> None:
         """Take the soles of now as where they stand."""
-        self._stood, self._has_stood = feet, False
+        self._stood = feet
 
     def update(self, state: GaitState, contacts: frozenset[str] | None, dt: float) -> str | None:
         """Return the side of the foot; None if there is none, or no other one that carries.
@@ -48,18 +50,26 @@ class LostContact:
             contacts: sides of the soles that touch the ground; None when it is not measured.
             dt: time since the last tick, s.
         """
-        last, self._last = self._last, state.feet
-        if contacts is None or state.lifted is not None or state.on_stairs:
+        if contacts is None:
+            return None
+        self._note_standing(state, contacts, dt)
+        if state.lifted is not None or state.on_stairs:
             return None
         if state.phase is not Phase.SWING:
             return self._of_two(state.feet, *contacts) if len(contacts) == 1 else None
         side = state.support
         if side in contacts:
-            if not self._has_stood:
-                self._has_stood = _distance(last.of(side), state.stance) <= _SLOW * dt
             return None
         moved = _distance(self._stood.of(side), state.stance) > _MOVED
         return side if moved and self._other_carries(state, contacts) else None
+
+    def _note_standing(self, state: GaitState, contacts: frozenset[str], dt: float) -> None:
+        last, self._last = self._last, state.feet
+        for side in ("left", "right"):
+            if state.phase is Phase.SWING and side == state.swing_side:
+                self._standing.discard(side)
+            elif side in contacts and _distance(last.of(side), state.feet.of(side)) <= _SLOW * dt:
+                self._standing.add(side)
 
     def _of_two(self, feet: Feet, carrying: str) -> str | None:
         side = other_side(carrying)
@@ -70,7 +80,8 @@ class LostContact:
     def _other_carries(self, state: GaitState, contacts: frozenset[str]) -> bool:
         if state.swing_side in contacts:
             return state.time >= _EARLIEST
-        return self._has_stood and state.other_foot.height - state.landing.height < _LOW
+        has_stood = state.support in self._standing
+        return has_stood and state.other_foot.height - state.landing.height < _LOW
 
 
 def _way(before: Placement, now: Placement) -> tuple[complex, float]:

@@ -32,7 +32,8 @@ class ContactManager:
     no solution. A foot whose leg has fewer joints than that takes is always held by the weight:
     the leg cannot turn it against all moments of the robot's motion, which would need a wrench
     beyond the sole's edges. So is the support foot of a quick step, unless a blow has thrown its
-    swing foot off its way. While a blow throws the robot up, it carries no more than the weight:
+    swing foot off its way while it stands itself: in the air as well, it would be held there by
+    forces that no ground gives, which fling its leg away. While a blow throws the robot up, it carries no more than the weight:
     what holds it exactly under a trunk that turns is friction, for which the QP would press it on
     the ground with twice the weight, and throw the robot off. A support foot that tips is held by
     an edge of its sole until the other one has landed, as long as it touches the ground: held
@@ -99,7 +100,8 @@ class ContactManager:
         other = self._contacts[state.swing_side]
         support.motion_weight = self._support_weight[state.support]
         support.max_force = other.max_force = math.inf
-        if state.is_quick and not state.swing_is_knocked:
+        is_down = touching is None or state.support in touching
+        if state.is_quick and not (state.swing_is_knocked and is_down):
             support.motion_weight = self._gains.second_contact_weight
             if state.vertical_velocity > self._thrown_up:
                 support.max_force = self._weight
@@ -107,7 +109,6 @@ class ContactManager:
         for side, foot in self._tipping.items():
             foot.update(state.tipping if side == state.support else 0j, state.stance)
         if state.phase is Phase.SWING:
-            is_down = touching is None or state.support in touching
             if state.tipping != 0j and is_down and self._has_soles:
                 edge = self._tipping[state.support].contact(state.tipping)
                 # A foot that tips has given way already: its edge stays where it is.
