@@ -26,8 +26,8 @@ class LostContact:
 
     In a swing it is the support foot. The other one carries the robot as soon as it touches the
     ground; if it is almost there, it does so anyway, unless the support foot itself has not stood
-    since it last swung: a swing may begin before the foot that carries it has landed, or when a
-    blow has just knocked it off the ground again.
+    since it last swung: a swing may begin before the foot that carries it has landed. It may also
+    begin right after a blow has knocked off the ground a foot that did stand.
 
     Args:
         feet: soles when the phase begins.

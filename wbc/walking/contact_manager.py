@@ -27,18 +27,18 @@ _LOOSE = 0.1  # square root of the share of the weight that its flatness keeps
 class ContactManager:
     """Keeps the controller's contacts and swing task in step with the gait.
 
-    The support foot is held exactly, so that it carries the QP's elimination; the other one
-    in double support by a high weight, because two exact feet and a stretched knee may have
-    no solution. A foot whose leg has fewer joints than that takes is always held by the weight:
-    the leg cannot turn it against all moments of the robot's motion, which would need a wrench
-    beyond the sole's edges. So is the support foot of a quick step, unless a blow has thrown its
-    swing foot off its way while it stands itself: in the air as well, it would be held there by
-    forces that no ground gives, which fling its leg away. While a blow throws the robot up, it carries no more than the weight:
-    what holds it exactly under a trunk that turns is friction, for which the QP would press it on
-    the ground with twice the weight, and throw the robot off. A support foot that tips is held by
-    an edge of its sole until the other one has landed, as long as it touches the ground: held
-    exactly in the air, it would carry several times the weight in the QP, and throw the robot up
-    as it lands. Towards the end of double support the leaving foot is unloaded.
+    The support foot is held exactly, so that it carries the QP's elimination; the other one in
+    double support by a high weight, because two exact feet and a stretched knee may have no
+    solution. A foot whose leg has fewer joints than that takes is always held by the weight: the
+    leg cannot turn it against all moments of the robot's motion, which would need a wrench beyond
+    the sole's edges. So is the support foot of a quick step, unless a blow has thrown its swing
+    foot off its way while it stands itself: in the air as well, it would be held there by forces
+    that no ground gives, which fling its leg away. While a blow throws the robot up, it carries no
+    more than the weight: what holds it exactly under a trunk that turns is friction, for which the
+    QP would press it on the ground with twice the weight, and throw the robot off. A support foot
+    that tips is held by an edge of its sole until the other one has landed, as long as it touches
+    the ground: held exactly in the air, it would carry several times the weight in the QP, and
+    throw the robot up as it lands. Towards the end of double support the leaving foot is unloaded.
 
     Args:
         robot: the robot.
