@@ -14,6 +14,9 @@ PYTHON ?= python3
 ARGS ?=
 BIN := .venv/bin
 
+# Where it is set, each process that a test starts would compile all modules of wbc anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .DEFAULT_GOAL := help
 .PHONY: help demo test lint format docs dist install clean
 

@@ -22,9 +22,11 @@ class OneLegged(NamedTuple):
     manager: ContactManager
     controller: wbc.WholeBodyController
 
-    def support(self, touching: frozenset[str] | None = frozenset({"left"})) -> Contact:
-        """Return the contact of the support foot at this tick."""
-        self.manager.update(self.state, touching)
+    def support(
+        self, touching: frozenset[str] | None = frozenset({"left"}), speed: float = 0.0
+    ) -> Contact:
+        """Return the contact of the support foot, which has a speed, at this tick."""
+        self.manager.update(self.state, touching, (speed, 0.0))
         (contact,) = self.controller.contacts
         return contact
 
@@ -70,6 +72,8 @@ def test_a_swing_foot_that_a_blow_has_thrown_off_its_way_leaves_the_support_foot
     assert one_legged.support().motion_weight is None
     in_the_air = one_legged.support(touching=frozenset())
     assert in_the_air.motion_weight == WalkerGains().second_contact_weight
+    bouncing = one_legged.support(speed=1.0)
+    assert bouncing.motion_weight == WalkerGains().second_contact_weight
 
 
 def test_a_sole_that_tips_in_a_quick_step_is_held_exactly_by_its_edge(one_legged):
@@ -88,6 +92,15 @@ def test_in_the_air_it_is_held_as_a_whole_and_gives_way(one_legged):
         assert not isinstance(support, EdgeContact)
         assert support.motion_weight == WalkerGains().second_contact_weight
     assert isinstance(one_legged.support(touching=None), EdgeContact)  # without foot sensors
+
+
+def test_while_it_bounces_it_is_held_as_a_whole_and_gives_way(one_legged):
+    state = one_legged.state
+    state.shortened, state.tipping = True, 1j
+    bouncing = one_legged.support(speed=1.0)
+    assert not isinstance(bouncing, EdgeContact)
+    assert bouncing.motion_weight == WalkerGains().second_contact_weight
+    assert isinstance(one_legged.support(speed=0.3), EdgeContact)  # it tips about the edge
 
 
 @pytest.mark.parametrize(("velocity", "share"), [(1.0, 1.0), (0.0, math.inf), (-1.0, math.inf)])

@@ -84,6 +84,23 @@ def test_a_foot_that_lags_behind_its_reference_is_not_taken_for_knocked(one_legg
     assert not one_legged.state.is_quick
 
 
+def test_a_foot_far_above_its_reference_is_followed_though_it_is_not_fast(one_legged):
+    one_legged.move([0.0, 0.0, 1.0], [0.0, 0.0, 0.0])
+    one_legged.swing.motion.position[2] -= 0.06
+    assert not one_legged.update()
+    one_legged.swing.motion.position[2] -= 0.06
+    assert one_legged.update()
+    motion, place = one_legged.swing.motion, one_legged.state.other_foot
+    assert motion.position[2] == pytest.approx(place.height, abs=1e-9)
+    assert motion.velocity[:3] == pytest.approx([0.0, 0.0, 1.0], abs=1e-9)
+
+
+def test_a_foot_far_below_its_reference_hurries_after_it(one_legged):
+    one_legged.move([0.0, 0.0, -1.0], [0.0, 0.0, 0.0])
+    one_legged.swing.motion.position[2] += 0.3
+    assert not one_legged.update()
+
+
 def test_a_foot_that_follows_a_fast_reference_is_not_taken_for_knocked(one_legged):
     one_legged.move([5.0, 0.0, 0.0], [4.0, 0.0, 0.0])
     assert not one_legged.update()

@@ -21,6 +21,7 @@ _FREE = 0.01  # share of the weight of the flatness in the first half of a fast 
 _FLAT_FROM, _FLAT_AT = 0.5, 0.8  # share of the swing from which, and at which, it is whole again
 _ON_TIME = 3.0  # times its weight that the height of a foot in a quick step has
 _THROWN_UP = 0.12  # times √(g h) by which the CoM rises when a blow throws the robot up
+_STANDING = 0.2  # times √(g h), the speed up to which a foot in contact stands
 _LOOSE = 0.1  # square root of the share of the weight that its flatness keeps
 
 
@@ -36,9 +37,12 @@ class ContactManager:
     that no ground gives, which fling its leg away. While a blow throws the robot up, it carries no
     more than the weight: what holds it exactly under a trunk that turns is friction, for which the
     QP would press it on the ground with twice the weight, and throw the robot off. A support foot
-    that tips is held by an edge of its sole until the other one has landed, as long as it touches
-    the ground: held exactly in the air, it would carry several times the weight in the QP, and
-    throw the robot up as it lands. Towards the end of double support the leaving foot is unloaded.
+    that tips is held by an edge of its sole until the other one has landed, as long as it stands:
+    held exactly in the air, it would carry several times the weight in the QP, and throw the robot
+    up as it lands. Contact alone does not make a foot stand: one that a blow has taken along
+    bounces, and held exactly in each of the ticks in which it touches the ground it carries nothing
+    in them, because it would have to stop at once. Towards the end of double support the leaving
+    foot is unloaded.
 
     Args:
         robot: the robot.
@@ -58,7 +62,8 @@ class ContactManager:
         self._hands = hands
         self._gains = gains
         self._weight = robot.weight
-        self._thrown_up = _THROWN_UP * math.sqrt(robot.gravity * robot.com_height)
+        speed = math.sqrt(robot.gravity * robot.com_height)
+        self._thrown_up, self._standing = _THROWN_UP * speed, _STANDING * speed
         self._contacts: dict[str, Contact] = {}
         self._support_weight: dict[str, float | None] = {}
         self._swing_tasks: dict[str, SwingTask] = {}
@@ -89,19 +94,24 @@ class ContactManager:
         """One per foot; the controller has that of the foot in the air."""
         return tuple(self._swing_tasks.values())
 
-    def update(self, state: GaitState, touching: frozenset[str] | None) -> None:
+    def update(
+        self, state: GaitState, touching: frozenset[str] | None, speeds: tuple[float, float]
+    ) -> None:
         """Set contacts and swing task for the present phase.
 
         Args:
             state: phase, feet and what is planned.
-            touching: sides of the soles that touch the ground; None when it is not measured.
+            touching: sides of the soles that touch the ground; None when it is not measured: then
+                the support foot counts as standing.
+            speeds: of the left and of the right sole, m/s.
         """
         support = self._contacts[state.support]
         other = self._contacts[state.swing_side]
         support.motion_weight = self._support_weight[state.support]
         support.max_force = other.max_force = math.inf
-        is_down = touching is None or state.support in touching
-        if state.is_quick and not (state.swing_is_knocked and is_down):
+        slow = speeds[0 if state.support == "left" else 1] <= self._standing
+        stands = touching is None or (state.support in touching and slow)
+        if state.is_quick and not (state.swing_is_knocked and stands):
             support.motion_weight = self._gains.second_contact_weight
             if state.vertical_velocity > self._thrown_up:
                 support.max_force = self._weight
@@ -109,7 +119,7 @@ class ContactManager:
         for side, foot in self._tipping.items():
             foot.update(state.tipping if side == state.support else 0j, state.stance)
         if state.phase is Phase.SWING:
-            if state.tipping != 0j and is_down and self._has_soles:
+            if state.tipping != 0j and stands and self._has_soles:
                 edge = self._tipping[state.support].contact(state.tipping)
                 # A foot that tips has given way already: its edge stays where it is.
                 edge.motion_weight = self._support_weight[state.support]

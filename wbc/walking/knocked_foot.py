@@ -14,6 +14,7 @@ from wbc.walking.swing_task import SwingTask
 
 _FASTER = 1.2  # times √(g h) by which a foot is faster than its reference, to be knocked
 _STILL_FASTER = 0.4  # the same of one that was knocked already
+_ABOVE = 0.12  # share of the CoM's height by which a foot is above its reference, likewise
 _LEAST_REMAINING = 0.1  # s that the swing then has left, at least
 _LANDING = 0.03  # s before touchdown from which on a foot is left alone
 _LANDING_HEIGHT = 0.06  # share of the CoM's height up to which it is
@@ -27,13 +28,14 @@ class KnockedFoot:
     it. The hip then gives all it has, whatever turns the trunk, for the ground could not take up
     the reaction either: a foot that accelerates by a moves the centroidal moment pivot by κ a (see
     `SwingMomentum`), 8 g by two fifths of a metre. So a foot for which more is asked than its leg
-    can do, and which moves faster than its reference by some metres per second (one that lags is
-    slower), is followed: its way to the landing place goes on from where it is, how fast it is and
-    with the acceleration that it can have, the step is a quick one, lasts as long as that takes
-    (`PushRecovery`), and lands where it catches the DCM by then.
+    can do, and which moves faster than its reference by some metres per second or is far above it
+    (one that lags is slower, and not above), is followed: its way to the landing place goes on from
+    where it is, how fast it is and with the acceleration that it can have, the step is a quick one,
+    lasts as long as that takes (`PushRecovery`), and lands where it catches the DCM by then.
 
     While the support foot has no contact, nothing holds the body, and both feet fly: then, and when
-    the foot is about to land, it is left alone.
+    the foot is about to land, it is left alone. So it is by a walker without a recovery gait, which
+    makes no quick steps.
 
     After a blow, robots often have no foot on the ground when a quick step begins: the foot that
     then swings moves along with the body, at 1.5 m/s after a heavy punch. Its swing begins with the
@@ -54,6 +56,7 @@ class KnockedFoot:
         self._acceleration = acceleration
         self._speed = math.sqrt(robot.gravity * robot.com_height)
         self._landing_height = _LANDING_HEIGHT * robot.com_height
+        self._above = _ABOVE * robot.com_height
 
     def update(
         self,
@@ -79,11 +82,10 @@ class KnockedFoot:
             frame_id, _ = self._feet[state.swing_side]
             v_x, v_y, *_ = kin.motion(frame_id).velocity.tolist()
             swing.start_moving(complex(v_x, v_y))
-        if state.support not in contacts:
+        if state.support not in contacts or state.recovery_gait is state.normal_gait:
             return
-        least = (_STILL_FASTER if swing.knocked else _FASTER) * self._speed
         speed = speeds[0 if state.swing_side == "left" else 1]
-        if speed <= least or speed - np.linalg.norm(swing.motion.velocity[:3]) <= least:
+        if not self._is_thrown(swing, speed, state.other_foot.height):
             return
         lands = (
             state.remaining <= _LANDING
@@ -100,3 +102,15 @@ class KnockedFoot:
         swing.follow(sole.position, sole.velocity[:3], asked * (self._acceleration / size))
         state.shortened = True
         state.duration = max(state.duration, state.time + _LEAST_REMAINING)
+
+    def _is_thrown(self, swing: SwingFoot, speed: float, height: float) -> bool:
+        """Whether a foot with a speed (m/s) at a height (m) is one that a blow has thrown.
+
+        A blow of half the force gives it less speed than a foot may have that hurries after its
+        reference; but none that hurries is far above it.
+        """
+        least = (_STILL_FASTER if swing.knocked else _FASTER) * self._speed
+        faster = speed - float(np.linalg.norm(swing.motion.velocity[:3]))
+        if speed > least and faster > least:
+            return True
+        return height - float(swing.motion.position[2]) > self._above

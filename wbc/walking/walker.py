@@ -284,7 +284,7 @@ class Walker:
         self._heading = mean_heading(state)
         step_length, offset = machine.step_length, self.reference_offset
         self._tasks.update(state, balance.com_acceleration, self._heading, step_length, offset, dt)
-        self._contact_manager.update(state, contacts)
+        self._contact_manager.update(state, contacts, self._ground.speeds)
         return self.controller.solve(kin)
 
     def _reference(self, landing: Placement | None) -> DcmReference:
