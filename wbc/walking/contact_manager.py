@@ -21,7 +21,7 @@ _FREE = 0.01  # share of the weight of the flatness in the first half of a fast 
 _FLAT_FROM, _FLAT_AT = 0.5, 0.8  # share of the swing from which, and at which, it is whole again
 _ON_TIME = 3.0  # times its weight that the height of a foot in a quick step has
 _THROWN_UP = 0.12  # times √(g h) by which the CoM rises when a blow throws the robot up
-_STANDING = 0.2  # times √(g h), the speed up to which a foot in contact stands
+_STANDING = 0.2  # times √(g h), the speed up to which a foot in contact stands, after a blow
 _LOOSE = 0.1  # square root of the share of the weight that its flatness keeps
 
 
@@ -39,10 +39,10 @@ class ContactManager:
     QP would press it on the ground with twice the weight, and throw the robot off. A support foot
     that tips is held by an edge of its sole until the other one has landed, as long as it stands:
     held exactly in the air, it would carry several times the weight in the QP, and throw the robot
-    up as it lands. Contact alone does not make a foot stand: one that a blow has taken along
-    bounces, and held exactly in each of the ticks in which it touches the ground it carries nothing
-    in them, because it would have to stop at once. Towards the end of double support the leaving
-    foot is unloaded.
+    up as it lands. After such a blow contact alone does not make a foot stand: one that was taken
+    along bounces, and held exactly in each of the ticks in which it touches the ground it carries
+    nothing in them, because it would have to stop at once. Towards the end of double support the
+    leaving foot is unloaded.
 
     Args:
         robot: the robot.
@@ -109,8 +109,9 @@ class ContactManager:
         other = self._contacts[state.swing_side]
         support.motion_weight = self._support_weight[state.support]
         support.max_force = other.max_force = math.inf
-        slow = speeds[0 if state.support == "left" else 1] <= self._standing
-        stands = touching is None or (state.support in touching and slow)
+        speed = speeds[0 if state.support == "left" else 1]
+        bounces = state.swing_is_knocked and speed > self._standing
+        stands = touching is None or (state.support in touching and not bounces)
         if state.is_quick and not (state.swing_is_knocked and stands):
             support.motion_weight = self._gains.second_contact_weight
             if state.vertical_velocity > self._thrown_up:
