@@ -9,6 +9,7 @@ import numpy as np
 from wbc.contacts import Contact, PointContact, SurfaceContact
 from wbc.controller import WholeBodyController
 from wbc.gait import GaitState, Phase
+from wbc.gait.footsteps import SIDES
 from wbc.robot import Robot, Sole
 from wbc.robot.posture import has_soles
 from wbc.walking.gains import WalkerGains
@@ -109,8 +110,8 @@ class ContactManager:
         other = self._contacts[state.swing_side]
         support.motion_weight = self._support_weight[state.support]
         support.max_force = other.max_force = math.inf
-        speed = speeds[0 if state.support == "left" else 1]
-        bounces = state.swing_is_knocked and speed > self._standing
+        fast = speeds[SIDES.index(state.support)] > self._standing
+        bounces = state.swing_is_knocked and fast
         stands = touching is None or (state.support in touching and not bounces)
         if state.is_quick and not (state.swing_is_knocked and stands):
             support.motion_weight = self._gains.second_contact_weight

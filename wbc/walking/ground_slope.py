@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from wbc.gait import GaitState, Phase
+from wbc.gait.footsteps import SIDES
 
 _TIME = 0.1  # s, time constant of the slope of one sole
 _LANDED = 0.15  # s after which a sole that carries the robot lies flat
@@ -50,7 +51,7 @@ class GroundSlope:
                 self._common = self._with_present()
                 self._ranges = _ranges(self._last[1:])
             return self._common
-        measured = soles[0 if state.support == "left" else 1]
+        measured = soles[SIDES.index(state.support)]
         if state.time < _LANDED or not self._swings:
             self._swings, self._present = True, measured
             return self._common

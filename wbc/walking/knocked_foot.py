@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from wbc.gait import GaitState, SwingFoot
+from wbc.gait.footsteps import SIDES
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 from wbc.walking.swing_task import SwingTask
@@ -84,7 +85,7 @@ class KnockedFoot:
             swing.start_moving(complex(v_x, v_y))
         if state.support not in contacts or state.recovery_gait is state.normal_gait:
             return
-        speed = speeds[0 if state.swing_side == "left" else 1]
+        speed = speeds[SIDES.index(state.swing_side)]
         if not self._is_thrown(swing, speed, state.other_foot.height):
             return
         lands = (
@@ -110,7 +111,6 @@ class KnockedFoot:
         reference; but none that hurries is far above it.
         """
         least = (_STILL_FASTER if swing.knocked else _FASTER) * self._speed
-        faster = speed - float(np.linalg.norm(swing.motion.velocity[:3]))
-        if speed > least and faster > least:
+        if speed > least and speed - np.linalg.norm(swing.motion.velocity[:3]) > least:
             return True
         return height - float(swing.motion.position[2]) > self._above

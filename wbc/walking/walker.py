@@ -21,7 +21,7 @@ from wbc.gait import (
     Planner,
     Velocity,
 )
-from wbc.gait.footsteps import lateral_sign
+from wbc.gait.footsteps import SIDES, lateral_sign
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.planners import PREVIEW_STEPS, resolve_planner
 from wbc.gait.speed_adaptation import SpeedAdaptation
@@ -262,7 +262,7 @@ class Walker:
         wrenches = estimate.foot_wrenches
         reaction = ground_reaction(self.robot, feet, wrenches) if state.at_rest else None
         state.ground_slope = self._ground_slope.update(state, self._ground.slopes, dt)
-        state.lift_off_slope = self._ground.slopes[0 if state.support == "right" else 1]
+        state.lift_off_slope = self._ground.slopes[SIDES.index(state.swing_side)]
         hands = self.hand_contacts
         if hands:
             hands.update(kin, 0.5 * (feet.left.height + feet.right.height))
