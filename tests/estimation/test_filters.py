@@ -263,6 +263,28 @@ def test_a_sole_alone_tells_of_a_shock_only_if_it_goes_on_moving_without_turning
     assert change > 1.5 if found else change < 0.2
 
 
+@pytest.mark.parametrize(
+    ("speeds", "found"),  # m/s
+    [
+        ([3.0, 2.5, 2.0, 1.5, 1.0, 0.5, 0.0, 0.0], False),  # it slides to a stop
+        ([3.0] * 8, True),  # nothing slides at the same speed: the robot's velocity was not known
+    ],
+)
+def test_a_sole_that_moves_since_it_landed_tells_of_a_shock_only_if_its_velocity_stays(
+    speeds, found
+):
+    f, h, F = filled(turn=0.03)
+    for _ in range(3):  # the other foot stands, and leaves the ground as this one lands
+        f.correct(np.array([0, 1]), h, F)
+    f.land(0, h[0], F[0])
+    velocity, seen_h = f.v.copy(), h.copy()
+    for speed in speeds:
+        seen_h[0] -= f.R.T @ np.array([speed * f.period, 0.0, 0.0])
+        f.correct(np.array([1, 0]), seen_h, F)
+    change = np.linalg.norm(f.v - velocity)
+    assert change > 2.5 if found else change < 0.2
+
+
 def test_stationary_gain_is_a_fixed_point_of_the_riccati_equation():
     dt, s, w, a = 0.002, 1e-3, 0.05, 12.0
     K = stationary_gain(dt, s, w, a)

@@ -20,6 +20,8 @@ _SAME = 0.15  # m/s by which a velocity may change between two corrections, to c
 _LASTING = 2  # corrections for which soles seem to slip at the same velocity until it is a jump
 _STILL = 2  # corrections without a slip, after which the next one is another
 _ONSET = 2  # corrections in which a shock shows: the first one may come right after it
+_STOOD = 2  # corrections that a sole has stood still since it landed, to tell of a shock at once
+_SLIDES = 5  # corrections for which one that has not has to move at the same velocity, to tell of it
 _FADING = 0.75  # share of its speed that a shock keeps until the next correction, at least
 _LEVER = 0.15  # m from the centre of a sole to its edge, at most
 _LEVER_ALONE = 2.0 * _LEVER  # m, the same of a sole whose motion no other one confirms
@@ -103,7 +105,7 @@ class InvariantFilter:
             record[name] = 0.0
         record["vectors"][0, 0] = v
         record["origin"] = origin
-        for name in ("pending", "corrections", "started", "onset", "lasting", "still"):
+        for name in ("pending", "corrections", "started", "onset", "lasting", "still", "stood"):
             record[name] = 0
         sigma = np.zeros(record["xi"].size)
         # Heading and position are what the reset says they are: nothing measures them.
@@ -171,6 +173,7 @@ class InvariantFilter:
             h: (3,) sole centre in IMU axes, m.
             F: (3, 3) sole axes to IMU axes.
         """
+        self.record["stood"][0, foot] = 0
         kernels.land(self.record, foot, h, F)
 
     def correct(self, held: np.ndarray, h: np.ndarray, F: np.ndarray) -> None:
@@ -180,6 +183,8 @@ class InvariantFilter:
         one is taken in anew where it is, and nothing else is corrected this time. But if all soles
         that stand are at `noise.jump` or more at once, and a velocity that is not known explains
         it, it is the robot that was moved, by a shock of more than the accelerometer can tell.
+        A sole that has moved ever since it landed says so only if its velocity stays: one that
+        slides or rolls when it lands is slower at each correction.
 
         Args:
             held: (n,) whole numbers, 1 for a sole that stands still, else 0.
@@ -190,6 +195,7 @@ class InvariantFilter:
         slipped = kernels.correct(record, held, h, F)
         if slipped < 0 or self._correct_for_jump(held, h, F):
             record["still"] += 1
+            record["stood"] += held
             if record["still"][0] >= _STILL:
                 record["onset"], record["slip_velocity"] = _ONSET, 0.0
             return
@@ -208,7 +214,8 @@ class InvariantFilter:
         time = self.period * (2.0 if record["still"][0] == 1 else 1.0)
         velocity = moved[way.argmin(), 0] / time  # of the slowest sole
         speed = float(np.linalg.norm(velocity))
-        if speed <= self._noise.jump or record["onset"][0] == 0:
+        has_stood = bool((record["stood"][0][held == 1] >= _STOOD).any())
+        if speed <= self._noise.jump or (has_stood and record["onset"][0] == 0):
             record["onset"] = max(record["onset"][0] - 1, 0)
             record["slip_velocity"] = 0.0
             return False
@@ -222,6 +229,8 @@ class InvariantFilter:
         alone = len(way) == 1
         beyond_turn = bool((way >= (_LEVER_ALONE if alone else _LEVER) * turn).all())
         if alone and (fading or not beyond_turn):
+            return False
+        if not has_stood and record["lasting"][0] < _SLIDES:
             return False
         P = self.P.copy()
         self._doubt_velocity(speed, time)

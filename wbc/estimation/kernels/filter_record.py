@@ -37,6 +37,7 @@ def filter_type(feet: int) -> np.dtype:
             ("slip_velocity", float, (3,)),  # theirs at the last one, m/s; 0 if it was no shock
             ("lasting", np.int64),  # corrections for which it has been the same
             ("still", np.int64),  # corrections since then
+            ("stood", np.int64, (feet,)),  # corrections without a slip since a sole landed
             # Constants.
             ("origin", float, (3,)),  # where positions count from, world axes, m
             ("dt", float),  # s
