@@ -274,6 +274,20 @@ def test_in_a_quick_step_the_landing_place_is_that_of_the_present_dcm():
     assert shifts[0] == shifts[1] != 0j
 
 
+@pytest.mark.parametrize(("remaining", "goes_on"), [(0.06, True), (0.01, False), (-0.01, False)])
+def test_a_foot_that_is_about_to_touch_the_ground_lands_when_a_push_comes(remaining, goes_on):
+    walker = swinging_walker(0.0)
+    state = walker.gait_state
+    state.time = state.duration - remaining
+    planned = DcmReference(state.stance.point, 0j, state.stance.point)
+    state.dcm += 0.3  # ahead, where the foot could land farther
+    update = walker.stabilizer.push_recovery.update_fixed_landing
+    wanted = update(state, state.swing, lambda _: planned, (0.0, 0.0))
+    assert state.is_quick
+    assert (wanted is None) == goes_on
+    assert (state.remaining >= 0.1) == goes_on
+
+
 @pytest.mark.parametrize(
     ("progress", "size", "direction", "swing_side"),
     [

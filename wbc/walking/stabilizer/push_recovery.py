@@ -19,6 +19,7 @@ from wbc.walking.stabilizer.support_polygon import SupportPolygon
 # How fast a swing foot gets, times what the legs' torques give it with the body at rest.
 _SWING_ACCELERATION = 1.3
 _LEAST_REMAINING = 0.1  # s that a shortened swing has left, at least
+_LANDS = 0.02  # s before its end in which a swing foot is as good as on the ground
 _OUT_OF_REACH = 0.05  # share of the CoM height by which a landing place has to be out of reach
 _WITHIN_REACH = 0.01, 0.03  # m, the same of a step of the normal gait: to return to it, to stay
 _LEAST_ERROR = 0.05  # m of DCM error that shorten a transfer or make a robot step, at least
@@ -120,8 +121,8 @@ class PushRecovery:
         """Choose what a foot does that is about to land at a fixed place, when a push comes.
 
         The push tilts the robot, and the foot would wait in the air for the ground. If the DCM
-        leaves towards the support foot, the foot lands, by time, and the other one steps; else it
-        is on the right side already and goes farther.
+        leaves towards the support foot, or the foot is just about to touch the ground, it lands, by
+        time, and the other one steps; else it is on the right side already and goes farther.
 
         Args:
             state: whose `shortened`, `gait` and `duration` it sets.
@@ -138,7 +139,8 @@ class PushRecovery:
         shift = uncaught_dcm_error(state, planned, ankles, dcm_ahead(state, _SWING_LOOKAHEAD))
         if abs(shift) <= _OUT_OF_REACH * state.gait.com_height:
             return planned
-        if -lateral_sign(state.swing_side) * shift.imag > abs(shift.real):
+        leaves_inwards = -lateral_sign(state.swing_side) * shift.imag > abs(shift.real)
+        if leaves_inwards or state.remaining <= _LANDS:
             state.shortened, state.gait = True, state.recovery_gait
             return reference(swing.target)
         self._retime(state, _LEAST_REMAINING, math.inf, reference, ankles)
