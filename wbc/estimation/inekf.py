@@ -183,7 +183,7 @@ class InvariantFilter:
         one is taken in anew where it is, and nothing else is corrected this time. But if all soles
         that stand are at `noise.jump` or more at once, and a velocity that is not known explains
         it, it is the robot that was moved, by a shock of more than the accelerometer can tell.
-        A sole that has moved ever since it landed says so only if its velocity stays: one that
+        Soles that have moved ever since they landed say so only if their velocity stays: one that
         slides or rolls when it lands is slower at each correction.
 
         Args:
