@@ -274,6 +274,23 @@ def test_in_a_quick_step_the_landing_place_is_that_of_the_present_dcm():
     assert shifts[0] == shifts[1] != 0j
 
 
+@pytest.mark.parametrize(("ahead", "crossing"), [(0.0, -1.0), (0.25, 0.0)])
+def test_a_foot_crosses_over_behind_unless_the_dcm_is_planned_to_be_ahead(ahead, crossing):
+    walker = swinging_walker(0.02)
+    state = walker.gait_state
+    state.gait, stance = state.recovery_gait, state.stance
+    state.duration = state.gait.single_support
+    behind = stance.to_world(stance.to_local(state.other_foot.point) - 0.25)
+    state.feet = replace(state.feet, right=state.feet.right._replace(point=behind))
+    growth = np.exp(state.gait.omega * state.remaining)
+    at_touchdown = state.landing.point + ahead
+    dcm = stance.point + (at_touchdown - stance.point) / growth
+    planned = DcmReference(dcm, 0j, stance.point)
+    state.dcm = dcm + 0.25j  # to the left, beyond the support foot
+    walker.stabilizer.push_recovery.update_swing(state, planned, lambda _: planned, (0.0, 0.0))
+    assert state.crossing == crossing
+
+
 @pytest.mark.parametrize(("remaining", "goes_on"), [(0.06, True), (0.01, False), (-0.01, False)])
 def test_a_foot_that_is_about_to_touch_the_ground_lands_when_a_push_comes(remaining, goes_on):
     walker = swinging_walker(0.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from wbc.gait import GaitState, Placement, SwingFoot
+from wbc.gait import GaitParameters, GaitState, Placement, SwingFoot
 from wbc.gait.footsteps import clamp_footstep, lateral_sign
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
@@ -33,11 +33,12 @@ class CrossOver:
     ahead of the other by a sole's length, so the foot crosses in front if it already is in front,
     and behind if it is behind, and can stop there. The step after it comes back the same way.
 
-    It lands a distance d behind or ahead of the wanted place. The steps after it have to catch the
-    DCM that is so far off, beside the way L of a step at the present velocity: with the length R
-    of an easy step, that of the ZMP, m, and the growth E of the DCM in a step, as many as it takes,
+    It lands a distance d behind or ahead of the wanted place, and the DCM is so much farther from
+    it, on the other side, than the b that the plan leaves it there. The steps after it have to
+    catch that: with the length R of an easy step, that of the ZMP, m, and the growth E of the DCM
+    in a step, as many as it takes,
 
-        d ≤ 0.75 ((R − L) / (E − 1) + m)
+        d ≤ 0.75 (R / (E − 1) − b + m)
 
     (N-step capturability, Koolen et al., IJRR 2012; at the bound itself no step would leave less).
 
@@ -52,12 +53,14 @@ class CrossOver:
         self._sole = min(sole.half_length for sole in robot.soles)
         self._half_width = min(sole.half_width for sole in robot.soles)
 
-    def side(self, state: GaitState, wanted: complex) -> float:
+    def side(self, state: GaitState, wanted: complex, dcm_offset: float) -> float:
         """Return on which side of the support foot to cross over: 1 in front, −1 behind, 0 not.
 
         Args:
             state: during a swing.
             wanted: where the foot is to land, in the support sole's axes, m.
+            dcm_offset: how far ahead of that place along the support sole the DCM is planned to be
+                at touchdown, m.
         """
         sign, least = lateral_sign(state.swing_side), state.recovery_gait.least_width
         foot = state.stance.to_local(state.other_foot.point)
@@ -68,7 +71,8 @@ class CrossOver:
         if abs(foot.real) - _stopping_distance(state, side) < self._length - _AHEAD:
             return 0.0
         off = self._length - side * wanted.real
-        return side if off < min(self._caught_after(state, side), _COST * gain) else 0.0
+        caught = self._caught_after(state.recovery_gait, -side * dcm_offset)
+        return side if off < min(caught, _COST * gain) else 0.0
 
     def goes_on(self, state: GaitState, wanted: complex) -> bool:
         """Return whether a foot that crosses over still has to, or is about to; see `side`."""
@@ -76,13 +80,15 @@ class CrossOver:
         foot = state.stance.to_local(state.other_foot.point)
         return min(sign * wanted.imag, sign * foot.imag) < least
 
-    def _caught_after(self, state: GaitState, side: float) -> float:
-        """Return how far off the DCM may be, away from `side`, for quick steps to catch it, m."""
-        quick, usual = state.recovery_gait, state.normal_gait
+    def _caught_after(self, quick: GaitParameters, dcm_offset: float) -> float:
+        """Return how far off the DCM may be, beside its offset b, for quick steps to catch it, m.
+
+        Args:
+            quick: parameters of the quick steps.
+            dcm_offset: planned one at touchdown, b, in the direction in which the DCM is off, m.
+        """
         growth = math.exp(quick.omega * quick.step_duration)
-        way = state.stance.to_local(state.landing.point).real / usual.step_duration
-        length = -side * way * quick.step_duration
-        return _CAUGHT * ((easy_step(quick) - length) / (growth - 1.0) + self._sole)
+        return _CAUGHT * (easy_step(quick) / (growth - 1.0) - dcm_offset + self._sole)
 
     def _way_past(self, state: GaitState, side: float) -> float:
         """Return how far ahead or behind a foot has to land to be past the other one halfway, m.

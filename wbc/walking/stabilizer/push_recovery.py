@@ -105,7 +105,7 @@ class PushRecovery:
         if state.crossing != 0.0:
             if not self._cross_over.goes_on(state, self._wanted(state, shift)):
                 state.crossing = 0.0
-        elif self._begins_to_cross_over(state, shift):
+        elif self._begins_to_cross_over(state, planned, shift):
             least = self._least_time(state, shift)
             state.duration = max(state.duration, state.time + least)
             planned, shift = self._choose_gait(state, tolerance, reference, ankles)
@@ -150,7 +150,9 @@ class PushRecovery:
         """The nearest landing place of the swing foot."""
         return self._cross_over.nearest(state, wanted)
 
-    def _begins_to_cross_over(self, state: GaitState, shift: complex) -> bool:
+    def _begins_to_cross_over(
+        self, state: GaitState, planned: DcmReference, shift: complex
+    ) -> bool:
         """Whether the swing foot crosses over to the other side of the support foot, from now on.
 
         A foot that has passed it can no longer: it is decided for the DCM to which the push, if it
@@ -159,14 +161,17 @@ class PushRecovery:
 
         Args:
             state: whose `crossing` it sets.
+            planned: DCM and ZMP without any adjustment.
             shift: by how much the landing place has to move, in the support sole's axes, m.
         """
         wanted = self._wanted(state, shift)
+        growth = math.exp(state.gait.omega * state.remaining)
         if not state.recovering:
             rate = lasting_rate(state) * planar_rotation(-state.stance.yaw)
-            growth = math.exp(state.gait.omega * state.remaining)
             wanted += min(_LOOKAHEAD, state.remaining) * growth * rate
-        state.crossing = self._cross_over.side(state, wanted)
+        at_touchdown = planned.zmp + (planned.dcm - planned.zmp) * growth
+        offset = (at_touchdown - state.landing.point) * planar_rotation(-state.stance.yaw)
+        state.crossing = self._cross_over.side(state, wanted, offset.real)
         return state.crossing != 0.0
 
     def _retime(
