@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from wbc.gait import DcmReference, GaitState, Placement, SwingFoot
+from wbc.gait import DcmReference, GaitState, Placement, SwingFoot, ZmpSegment
 from wbc.gait.footsteps import lateral_sign
+from wbc.gait.planners.dcm import dcm_after
 from wbc.gait.strength import foot_acceleration
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
@@ -165,12 +166,13 @@ class PushRecovery:
             shift: by how much the landing place has to move, in the support sole's axes, m.
         """
         wanted = self._wanted(state, shift)
-        growth = math.exp(state.gait.omega * state.remaining)
+        remaining, to_sole = state.remaining, planar_rotation(-state.stance.yaw)
         if not state.recovering:
-            rate = lasting_rate(state) * planar_rotation(-state.stance.yaw)
-            wanted += min(_LOOKAHEAD, state.remaining) * growth * rate
-        at_touchdown = planned.zmp + (planned.dcm - planned.zmp) * growth
-        offset = (at_touchdown - state.landing.point) * planar_rotation(-state.stance.yaw)
+            growth = math.exp(state.gait.omega * remaining)
+            wanted += min(_LOOKAHEAD, remaining) * growth * (lasting_rate(state) * to_sole)
+        resting = ZmpSegment(planned.zmp, planned.zmp, remaining)
+        at_touchdown = dcm_after(resting, planned.dcm, remaining, state.gait.omega)
+        offset = (at_touchdown - state.landing.point) * to_sole
         state.crossing = self._cross_over.side(state, wanted, offset.real)
         return state.crossing != 0.0
 
