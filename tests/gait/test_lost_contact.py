@@ -18,7 +18,6 @@ from wbc.gait import (
     Placement,
     Velocity,
 )
-from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.lost_contact import LostContact
 
 DT = 0.002
@@ -29,7 +28,7 @@ NEITHER: frozenset[str] = frozenset()
 @pytest.fixture(scope="module")
 def gaits():
     robot = wbc.load("g1")
-    gait = GaitParameters.for_robot(robot, LegWorkspace(robot))
+    gait = GaitParameters.for_robot(robot)
     return gait, GaitParameters.for_recovery(robot, gait)
 
 

@@ -14,7 +14,7 @@ from wbc.sim import Mujoco
 
 ROBOT = wbc.load("simple_humanoid")
 WORKSPACE = LegWorkspace(ROBOT)
-GAIT = wbc.GaitParameters.for_robot(ROBOT, WORKSPACE)
+GAIT = wbc.GaitParameters.for_robot(ROBOT)
 USUAL = GAIT.max_step / GAIT.step_duration
 DT = 0.002
 

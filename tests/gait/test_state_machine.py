@@ -29,7 +29,7 @@ from wbc.gait.speed_adaptation import SpeedAdaptation
 
 ROBOT = wbc.load("talos")
 WORKSPACE = LegWorkspace(ROBOT)
-GAIT = GaitParameters.for_robot(ROBOT, WORKSPACE)
+GAIT = GaitParameters.for_robot(ROBOT)
 DT = 0.002
 HALF = 0.5 * GAIT.step_width
 SQUARE = Feet(Placement(complex(0.0, HALF), 0.0), Placement(complex(0.0, -HALF), 0.0))

@@ -89,7 +89,7 @@ def test_leg_angles_put_the_soles_where_the_gait_has_them():
 def test_joint_ranges_and_speeds_limit_the_velocity(name: str, direction: str) -> None:
     robot = wbc.load(name)
     workspace = LegWorkspace(robot)
-    gait = wbc.GaitParameters.for_robot(robot, workspace)
+    gait = wbc.GaitParameters.for_robot(robot)
     limit = getattr(gait.velocity_limits, direction)
     reach = {"turn": gait.max_turn, "left": gait.max_side_step}[direction]
     assert limit < 0.5 * reach / (2.0 * gait.step_duration)

@@ -47,7 +47,7 @@ def test_a_leg_at_its_limit_is_a_finding_that_leaves_it_walking() -> None:
 def test_the_effort_on_one_leg_is_the_weight_times_the_lever_of_the_hip() -> None:
     robot = wbc.load("simple_humanoid")
     workspace = LegWorkspace(robot)
-    gait = GaitParameters.for_robot(robot, workspace)
+    gait = GaitParameters.for_robot(robot)
     effort = support_effort(robot, StepMotion(robot, workspace), gait)
     assert effort.joint in ("left_hip_roll", "right_hip_roll")
     # The hip carries all but the leg itself, half a step width beside it.

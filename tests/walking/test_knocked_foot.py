@@ -9,7 +9,6 @@ import pytest
 
 import wbc
 from wbc.gait import Feet, GaitParameters, GaitState, Phase, Placement, SwingFoot
-from wbc.gait.leg_workspace import LegWorkspace
 from wbc.walking.ground_kinematics import GroundKinematics
 from wbc.walking.knocked_foot import KnockedFoot
 
@@ -51,7 +50,7 @@ class OneLegged:
 @pytest.fixture
 def one_legged() -> OneLegged:
     robot = wbc.load("g1")
-    gait = GaitParameters.for_robot(robot, LegWorkspace(robot))
+    gait = GaitParameters.for_robot(robot)
     kin = wbc.Kinematics(robot, robot.standing())
     left, right = (kin.frame(sole.name).translation for sole in robot.soles)
     feet = Feet(*(Placement(complex(*p[:2]), 0.0, float(p[2])) for p in (left, right)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import pinocchio as pin
@@ -120,20 +121,26 @@ class GaitParameters:
         return replace(limits, forward=found.forward) if math.isfinite(found.forward) else limits
 
     @classmethod
-    def for_robot(cls, robot: Robot, reach: LegWorkspace | None = None) -> GaitParameters:
+    def for_robot(cls, robot: Robot) -> GaitParameters:
         """Parameters scaled to a robot by its leg length and natural frequency.
 
         Durations scale with √(height / g), lengths with the leg (dynamic similarity,
-        Alexander, Principles of Animal Locomotion, 2003).
+        Alexander, Principles of Animal Locomotion, 2003). Computed once per robot.
 
         Args:
             robot: the robot.
-            reach: workspace of its legs; computed when left out.
 
         Raises:
             GaitError: the robot cannot walk: a leg has no knee, or a joint is too weak to carry the
                 robot on one leg. The text names the joint and the bound.
         """
+        known = _known.get(robot)
+        if known is None:
+            known = _known[robot] = cls._for_robot(robot)
+        return known
+
+    @classmethod
+    def _for_robot(cls, robot: Robot) -> GaitParameters:
         left, right = robot.soles
         kin = Kinematics(robot, robot.standing())
         T_left_right = kin.frame(left.name).inverse() * kin.frame(right.name)
@@ -142,7 +149,7 @@ class GaitParameters:
         height = robot.com_height
         natural = math.sqrt(height / robot.gravity)
         leg = robot.leg_length
-        reach = reach or LegWorkspace(robot)
+        reach = LegWorkspace(robot)
         check_knees(robot, reach)
         durations = _DURATIONS if has_soles(robot.soles) else _POINT_DURATIONS
         swing, transfer, first = (natural * duration for duration in durations)
@@ -206,6 +213,9 @@ class GaitParameters:
             max_step=max(_RECOVERY_STEP * robot.com_height, gait.max_step),
             max_side_step=max(_RECOVERY_WIDENING * robot.leg_length, gait.max_side_step),
         )
+
+
+_known: WeakKeyDictionary[Robot, GaitParameters] = WeakKeyDictionary()
 
 
 def can_turn(robot: Robot) -> bool:

@@ -64,6 +64,7 @@ class StepMotion:
             np.array([1.0] * 3 + [1.0 if len(leg) >= 6 else _FREE_ROTATION] * 3)
             for leg in robot.legs
         ]
+        self._exact = [weight == 1.0 for weight in self._weights]
         self._frames = [self._model.getFrameId(sole.name) for sole in robot.soles]
         self._start = pin.neutral(self._model)
         self._start[:7] = q[:7]
@@ -221,15 +222,15 @@ class StepMotion:
         for _ in range(_ITERATIONS):
             pin.computeJointJacobians(model, data, q)
             worst = 0.0
-            for columns, frame, target, weight in zip(
-                self._legs, self._frames, targets, self._weights, strict=True
+            for columns, frame, target, weight, exact in zip(
+                self._legs, self._frames, targets, self._weights, self._exact, strict=True
             ):
                 placement = pin.updateFramePlacement(model, data, frame)
                 error = pin.log6(placement.actInv(target)).vector
-                worst = max(worst, float(np.abs(error[weight == 1.0]).max()))
+                worst = max(worst, float(np.abs(error[exact]).max()))
                 J = pin.getFrameJacobian(model, data, frame, pin.LOCAL)[:, columns]
                 H = (J.T * weight) @ J
-                H[np.diag_indices_from(H)] += _DAMPING
+                H.flat[:: len(H) + 1] += _DAMPING
                 step = np.linalg.solve(H, J.T @ (weight * error))
                 for column, delta in zip(columns, step.tolist(), strict=True):
                     angle = float(q[column + 1])

@@ -32,7 +32,7 @@ def check_walking(robot: Robot) -> list[Finding]:
             QuadrupedGait.for_robot(robot)
             return []
         workspace = LegWorkspace(robot)
-        gait = GaitParameters.for_robot(robot, workspace)
+        gait = GaitParameters.for_robot(robot)
     except GaitError as error:
         what, _, cure = str(error).partition("; ")
         what = what.removeprefix(f"'{robot.name}' ")

@@ -34,6 +34,7 @@ _SUPPORT = 0.35  # share of the soles over which the CoM may move for a hand's s
 _NEGLIGIBLE = 1e-3  # m: a hand error that is not worth another try
 _REFINABLE = 0.02  # m: a hand error that may come from the other targets
 _SAMPLES, _STARTS = 300, 4
+_LEAST_PROGRESS = 1e-5  # share of the squares: hundreds of steps can end a search out of reach
 _CLEARANCE = 5e-3  # m between the robot's own bodies
 
 
@@ -68,7 +69,9 @@ class PostureIK:
         # The nominal posture itself is always allowed.
         self._low = np.minimum(robot.q_min + margin, q[7:])
         self._high = np.maximum(robot.q_max - margin, q[7:])
-        self._solver = PostureSolver(robot.model, self._low, self._high)
+        self._solver = PostureSolver(
+            robot.model, self._low, self._high, least_progress=_LEAST_PROGRESS
+        )
         self._model, self._data = robot.model, self._solver.data
         self._solver.update(q)
         self._soles = tuple(

@@ -186,6 +186,8 @@ class PostureSolver:
         max_step: largest joint step of an iteration, rad: full steps overshoot near a straight
             knee.
         tolerance: the search ends with a step whose entries are below this, rad and m.
+        least_progress: the search ends with a step that takes less than this share off the sum of
+            the squares.
 
     Attributes:
         data: Pinocchio's data; after `solve` and `update` with frames, CoM and Jacobians.
@@ -200,11 +202,12 @@ class PostureSolver:
         max_iterations: int = 120,
         max_step: float = math.inf,
         tolerance: float = 1e-7,
+        least_progress: float = 0.0,
     ) -> None:
         self._model, self.data = model, model.createData()
         self._lower, self._upper = lower, upper
         self._max_iterations, self._max_step = max_iterations, max_step
-        self._tolerance = tolerance
+        self._tolerance, self._least_progress = tolerance, least_progress
 
     def update(self, q: np.ndarray) -> None:
         """Compute frames, CoM and their Jacobians of a posture (nq,) into `data`."""
@@ -227,7 +230,8 @@ class PostureSolver:
         """
         q, fixed = np.array(start, dtype=float), ~free
         self._keep_within(q, free[6:])
-        cost, H, g = self._normal_equations(q, terms)
+        weights = self._weights(q, terms)
+        cost, H, g = self._normal_equations(q, terms, weights)
         damping, held = _MIN_DAMPING, fixed
         for _ in range(self._max_iterations):
             step, held = self._step(q, H + damping * np.eye(g.size), g, fixed)
@@ -236,15 +240,18 @@ class PostureSolver:
                 step *= self._max_step / largest
             trial = pin.integrate(self._model, q, step)
             self._keep_within(trial, free[6:])
-            new_cost, new_H, new_g = self._normal_equations(trial, terms)
+            new_cost, new_H, new_g = self._normal_equations(trial, terms, weights)
             if new_cost > cost:
                 damping *= 10.0
                 if damping > _MAX_DAMPING or float(np.abs(step).max()) < self._tolerance:
                     break
                 continue
+            progress = cost - new_cost
             q, cost, H, g = trial, new_cost, new_H, new_g
             damping = max(damping * 0.2, _MIN_DAMPING)
             if float(np.abs(step).max()) < self._tolerance:
+                break
+            if progress < self._least_progress * cost:
                 break
         self.update(q)
         return q, held & free
@@ -252,17 +259,22 @@ class PostureSolver:
     def _keep_within(self, q: np.ndarray, free_joints: np.ndarray) -> None:
         q[7:][free_joints] = np.clip(q[7:], self._lower, self._upper)[free_joints]
 
+    def _weights(self, q: np.ndarray, terms: Sequence[PostureTerm]) -> np.ndarray:
+        """Return the weights of all rows."""
+        self.update(q)
+        errors = [term.rows(self._model, self.data, q)[1] for term in terms]
+        return np.concatenate(
+            [np.broadcast_to(t.weight, e.shape) for t, e in zip(terms, errors, strict=True)]
+        )
+
     def _normal_equations(
-        self, q: np.ndarray, terms: Sequence[PostureTerm]
+        self, q: np.ndarray, terms: Sequence[PostureTerm], w: np.ndarray
     ) -> tuple[float, np.ndarray, np.ndarray]:
         """Return half the weighted squares' sum, its Gauss-Newton Hessian, and JᵀW e."""
         self.update(q)
         blocks = [term.rows(self._model, self.data, q) for term in terms]
         J = np.vstack([block for block, _ in blocks])
         e = np.concatenate([error for _, error in blocks])
-        w = np.concatenate(
-            [np.broadcast_to(t.weight, b[1].shape) for t, b in zip(terms, blocks, strict=True)]
-        )
         JtW = J.T * w
         return 0.5 * float(e @ (w * e)), JtW @ J, JtW @ e
 

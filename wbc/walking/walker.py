@@ -101,7 +101,7 @@ class Walker:
         self.robot = checked_robot(robot, "Walker")
         self.dt = dt
         self._workspace = workspace = LegWorkspace(robot)
-        self.gait = gait or GaitParameters.for_robot(robot, workspace)
+        self.gait = gait or GaitParameters.for_robot(robot)
         self._scales_recovery = recovery_gait is None
         self.recovery_gait = recovery_gait or GaitParameters.for_recovery(robot, self.gait)
         self.gains = gains = gains or WalkerGains.for_robot(robot)
