@@ -87,6 +87,7 @@ class _PathSearch:
         self._upright = [data.oMf[i].rotation.copy() for i in self._trunk]
         soles = [sole.frame_id for sole in robot.soles]
         self._soles = [PoseTerm(i, data.oMf[i].copy()) for i in soles]
+        self._below = np.tril_indices(robot.nv, -1)
         self._middle = 0.5 * (data.oMf[soles[0]].translation + data.oMf[soles[1]].translation)
 
     def run(self, heights: np.ndarray) -> JumpPath | None:
@@ -161,10 +162,11 @@ class _PathSearch:
         limit = model.effortLimit[others]
         weight = pin.computeGeneralizedGravity(model, data, q)[others] / limit
         M = pin.crba(model, data, q)
-        M = np.triu(M) + np.triu(M, 1).T
+        M[self._below] = M.T[self._below]
         share = M[others] / limit[:, None]
         H = share.T @ share + np.diag(self._arm_weights)
         n, m = model.nv, len(J)
-        system = np.block([[H, J.T], [J, np.zeros((m, m))]])
+        system = np.zeros((n + m, n + m))
+        system[:n, :n], system[:n, n:], system[n:, :n] = H, J.T, J
         target = share.T @ weight / self._robot.gravity
         return np.asarray(np.linalg.solve(system, np.append(target, rise))[:n])

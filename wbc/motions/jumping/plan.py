@@ -219,8 +219,9 @@ def _highest(paths: Sequence[JumpPath], beyond: float) -> float:
     low, high = 0.0, beyond
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        plan = _gentlest(paths, middle) if middle > _MIN_CLEARANCE else None
-        if plan is not None and plan.holding_effort <= _MAX_EFFORT:
+        if middle > _MIN_CLEARANCE and any(
+            plan.holding_effort <= _MAX_EFFORT for plan in _candidates(paths, middle)
+        ):
             low = middle
         else:
             high = middle
