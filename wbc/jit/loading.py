@@ -26,7 +26,7 @@ def load_kernels(*modules: str) -> bool:
 
     After that the kernels are plain Python when they are imported again.
 
-    The first import on a machine compiles them (some twenty seconds), later ones read the machine
+    The first import on a machine compiles them (about a minute), later ones read the machine
     code from the disk (about half a second, most of it Numba's own import).
 
     Args:
@@ -88,4 +88,4 @@ def _tell_when_slow(done: threading.Event, module: str) -> None:
         if cached
         else "in every process, for no cache folder can be written: set NUMBA_CACHE_DIR to one"
     )
-    print(f"wbc: compiling kernels, {often}: about half a minute", file=sys.stderr, flush=True)
+    print(f"wbc: compiling kernels, {often}: about a minute", file=sys.stderr, flush=True)
