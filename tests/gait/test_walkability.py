@@ -90,3 +90,9 @@ def test_soles_that_overlap_are_a_finding_and_the_gait_keeps_them_apart() -> Non
     gait = GaitParameters.for_robot(robot)
     assert gait.least_width >= 0.24
     assert gait.step_width >= gait.least_width
+
+
+def test_parameters_are_computed_once_per_robot() -> None:
+    robot = weak("knee", 200.0)
+    assert GaitParameters.for_robot(robot) is GaitParameters.for_robot(robot)
+    assert GaitParameters.for_robot(weak("knee", 200.0)) == GaitParameters.for_robot(robot)

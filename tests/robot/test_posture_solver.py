@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -108,3 +110,33 @@ def test_the_smallest_wrenches_carry_the_weight_in_equal_parts():
     assert wrenches[2] + wrenches[8] == pytest.approx(ROBOT.weight)
     torques = holding_torques(MODEL, ROBOT.q_nominal, [s.frame_id for s in ROBOT.soles])
     assert torques == pytest.approx(gravity[6:] - J[:, 6:].T @ wrenches)
+
+
+def test_a_search_that_ends_without_progress_is_short_and_close_to_the_optimum():
+    far = PositionTerm(TORSO, np.array([0.9, 0.4, 1.3]))  # the legs do not reach it
+    soles = [PoseTerm(s.frame_id, pin.SE3.Identity(), 100.0) for s in ROBOT.soles]
+    squares, evaluations = [], []
+    for least_progress in (0.0, 1e-5):
+        one = PostureSolver(MODEL, ROBOT.q_min, ROBOT.q_max, least_progress=least_progress)
+        one.update(ROBOT.q_nominal)
+        terms = [replace(t, target=one.data.oMf[t.frame].copy()) for t in soles]
+        counting = _Counting(far)
+        q, _ = one.solve(ROBOT.q_nominal, np.ones(ROBOT.nv, dtype=bool), [*terms, counting])
+        errors = [(t.weight, t.rows(MODEL, one.data, q)[1]) for t in (*terms, far)]
+        squares.append(sum(w * float(e @ e) for w, e in errors))
+        evaluations.append(counting.evaluations)
+    assert squares[1] == pytest.approx(squares[0], rel=1e-2)
+    assert evaluations[1] < 0.7 * evaluations[0]
+
+
+class _Counting:
+    """A term that counts how often it is evaluated."""
+
+    def __init__(self, term: PositionTerm) -> None:
+        self._term, self.weight, self.evaluations = term, term.weight, 0
+
+    def rows(
+        self, model: pin.Model, data: pin.Data, q: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        self.evaluations += 1
+        return self._term.rows(model, data, q)
