@@ -67,6 +67,7 @@ def test_the_punches_benchmark_counts_every_punch_by_part_turn_and_jump():
     printed = run("punches.py", "--tours", "1", "--condition", "strength").splitlines()
     assert printed[0] == "g1: punches at full force that are survived"
     assert printed[1].startswith("steps catch a DCM that is up to 0.3")
+    assert 0 < int(re.match(r"(\d+) % of 1000 tours", printed[2])[1]) < 100
     rows = [row for row in printed if re.search(r"\d+/\d+", row)]
     (total,), *by_kind = (
         [tuple(map(int, cell.split("/"))) for cell in re.findall(r"\d+/\d+", row)] for row in rows
