@@ -270,8 +270,8 @@ def capturability(robot: wbc.Robot) -> str:
 
     (N-step capturability, Koolen et al., IJRR 2012). A foot that is accelerated by a at most gets
     2 L ahead in the time T of a quintic of which a is the peak. A DCM beside the sole, where the
-    legs are in each other's way, is caught less far off. A tour with a punch that moves the DCM
-    farther than that, of a robot in its standing posture, is beyond steps.
+    legs are in each other's way, is caught less far off. Tours without a punch that moves the DCM
+    of a robot in its standing posture farther are about those that steps alone can complete.
     """
     walker = wbc.Walker(robot, _DT)
     gait, acceleration = walker.recovery_gait, walker.stabilizer.push_recovery.foot_acceleration

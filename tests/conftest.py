@@ -64,7 +64,11 @@ def kernels() -> None:
     """Load the kernels before the first test, outside of its time and output."""
     load_qp_kernels()
     importlib.import_module("wbc.walking.kernels")
-    # Each run of the loop collects garbage first: not among all that tests and libraries made.
+
+
+@pytest.fixture(scope="session", autouse=True)
+def frozen_objects(kernels: None) -> None:
+    """Have each run of the loop collect garbage among what is new, not all that was imported."""
     gc.collect()
     gc.freeze()
 

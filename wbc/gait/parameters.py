@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import pinocchio as pin
@@ -19,6 +18,7 @@ from wbc.gait.velocity_search import find_velocity_limits
 from wbc.geometry.quintic import PEAK_ACCELERATION
 from wbc.kinematics import Kinematics
 from wbc.robot import Robot
+from wbc.robot.computed_once import computed_once
 from wbc.robot.posture import has_soles
 
 _GRAVITY = float(-pin.Model.gravity981[2])  # m/s², that of every Pinocchio model
@@ -120,8 +120,9 @@ class GaitParameters:
         # Forward, quicker steps than those of the usual speeds count too.
         return replace(limits, forward=found.forward) if math.isfinite(found.forward) else limits
 
-    @classmethod
-    def for_robot(cls, robot: Robot) -> GaitParameters:
+    @staticmethod
+    @computed_once
+    def for_robot(robot: Robot) -> GaitParameters:
         """Parameters scaled to a robot by its leg length and natural frequency.
 
         Durations scale with √(height / g), lengths with the leg (dynamic similarity,
@@ -134,13 +135,6 @@ class GaitParameters:
             GaitError: the robot cannot walk: a leg has no knee, or a joint is too weak to carry the
                 robot on one leg. The text names the joint and the bound.
         """
-        known = _known.get(robot)
-        if known is None:
-            known = _known[robot] = cls._for_robot(robot)
-        return known
-
-    @classmethod
-    def _for_robot(cls, robot: Robot) -> GaitParameters:
         left, right = robot.soles
         kin = Kinematics(robot, robot.standing())
         T_left_right = kin.frame(left.name).inverse() * kin.frame(right.name)
@@ -153,7 +147,7 @@ class GaitParameters:
         check_knees(robot, reach)
         durations = _DURATIONS if has_soles(robot.soles) else _POINT_DURATIONS
         swing, transfer, first = (natural * duration for duration in durations)
-        gait = cls(
+        gait = GaitParameters(
             single_support=swing,
             double_support=transfer,
             first_transfer=first,
@@ -213,9 +207,6 @@ class GaitParameters:
             max_step=max(_RECOVERY_STEP * robot.com_height, gait.max_step),
             max_side_step=max(_RECOVERY_WIDENING * robot.leg_length, gait.max_side_step),
         )
-
-
-_known: WeakKeyDictionary[Robot, GaitParameters] = WeakKeyDictionary()
 
 
 def can_turn(robot: Robot) -> bool:

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
-from weakref import WeakKeyDictionary
 
 import coal
 import numpy as np
 import pinocchio as pin
 
 from wbc.errors import RobotDescriptionError
+from wbc.robot.computed_once import computed_once
 from wbc.robot.packages import mesh_unit
 from wbc.robot.robot_model import RobotModel
 from wbc.robot.soles import Sole
@@ -64,6 +64,7 @@ class CollisionShape:
     vertices: np.ndarray
 
 
+@computed_once
 def collision_shapes(robot: RobotModel) -> tuple[CollisionShape, ...]:
     """Return the shapes of all bodies, without the soles; computed once per robot.
 
@@ -71,16 +72,6 @@ def collision_shapes(robot: RobotModel) -> tuple[CollisionShape, ...]:
     of at least 2 % of the mass that has none gets the hulls of its visual shapes or, without
     these, the box of uniform density that has its inertia.
     """
-    known = _known.get(robot)
-    if known is None:
-        known = _known[robot] = _collision_shapes(robot)
-    return known
-
-
-_known: WeakKeyDictionary[RobotModel, tuple[CollisionShape, ...]] = WeakKeyDictionary()
-
-
-def _collision_shapes(robot: RobotModel) -> tuple[CollisionShape, ...]:
     found = _shapes_of(robot, "collision")
     bare = _bare_bodies(robot, found)
     if bare:

@@ -230,8 +230,11 @@ class PostureSolver:
         """
         q, fixed = np.array(start, dtype=float), ~free
         self._keep_within(q, free[6:])
-        weights = self._weights(q, terms)
-        cost, H, g = self._normal_equations(q, terms, weights)
+        blocks = self._rows(q, terms)
+        weights = np.concatenate(
+            [np.broadcast_to(t.weight, e.shape) for t, (_, e) in zip(terms, blocks, strict=True)]
+        )
+        cost, H, g = _normal_equations(blocks, weights)
         damping, held = _MIN_DAMPING, fixed
         for _ in range(self._max_iterations):
             step, held = self._step(q, H + damping * np.eye(g.size), g, fixed)
@@ -240,7 +243,7 @@ class PostureSolver:
                 step *= self._max_step / largest
             trial = pin.integrate(self._model, q, step)
             self._keep_within(trial, free[6:])
-            new_cost, new_H, new_g = self._normal_equations(trial, terms, weights)
+            new_cost, new_H, new_g = _normal_equations(self._rows(trial, terms), weights)
             if new_cost > cost:
                 damping *= 10.0
                 if damping > _MAX_DAMPING or float(np.abs(step).max()) < self._tolerance:
@@ -259,24 +262,12 @@ class PostureSolver:
     def _keep_within(self, q: np.ndarray, free_joints: np.ndarray) -> None:
         q[7:][free_joints] = np.clip(q[7:], self._lower, self._upper)[free_joints]
 
-    def _weights(self, q: np.ndarray, terms: Sequence[PostureTerm]) -> np.ndarray:
-        """Return the weights of all rows."""
+    def _rows(
+        self, q: np.ndarray, terms: Sequence[PostureTerm]
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Return Jacobian and error of each term at q."""
         self.update(q)
-        errors = [term.rows(self._model, self.data, q)[1] for term in terms]
-        return np.concatenate(
-            [np.broadcast_to(t.weight, e.shape) for t, e in zip(terms, errors, strict=True)]
-        )
-
-    def _normal_equations(
-        self, q: np.ndarray, terms: Sequence[PostureTerm], w: np.ndarray
-    ) -> tuple[float, np.ndarray, np.ndarray]:
-        """Return half the weighted squares' sum, its Gauss-Newton Hessian, and JᵀW e."""
-        self.update(q)
-        blocks = [term.rows(self._model, self.data, q) for term in terms]
-        J = np.vstack([block for block, _ in blocks])
-        e = np.concatenate([error for _, error in blocks])
-        JtW = J.T * w
-        return 0.5 * float(e @ (w * e)), JtW @ J, JtW @ e
+        return [term.rows(self._model, self.data, q) for term in terms]
 
     def _step(
         self, q: np.ndarray, H: np.ndarray, g: np.ndarray, fixed: np.ndarray
@@ -295,3 +286,13 @@ class PostureSolver:
             if not new.any():
                 return step, held
             held |= new
+
+
+def _normal_equations(
+    blocks: Sequence[tuple[np.ndarray, np.ndarray]], w: np.ndarray
+) -> tuple[float, np.ndarray, np.ndarray]:
+    """Return half the weighted squares' sum, its Gauss-Newton Hessian, and JᵀW e."""
+    J = np.vstack([block for block, _ in blocks])
+    e = np.concatenate([error for _, error in blocks])
+    JtW = J.T * w
+    return 0.5 * float(e @ (w * e)), JtW @ J, JtW @ e

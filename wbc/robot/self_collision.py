@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import pinocchio as pin
 
 from wbc.robot.collision_pairs import ExcludedPair, excluded_pairs, known_pairs
 from wbc.robot.collision_shapes import CollisionShape, collision_shapes
+from wbc.robot.computed_once import computed_once
 from wbc.robot.robot_model import RobotModel
 
 
@@ -88,15 +88,13 @@ class SelfCollision:
         return SelfCollision.of, (self.robot,)
 
     @staticmethod
+    @computed_once
     def of(robot: RobotModel) -> SelfCollision:
         """Return the shapes and pairs of a robot, computed once per robot.
 
         All pairs of bodies are watched but `wbc.robot.collision_pairs.excluded_pairs`.
         """
-        found = _found.get(robot)
-        if found is None:
-            found = _found[robot] = _choose(robot)
-        return found
+        return _choose(robot)
 
     def least_distance(self, q: np.ndarray) -> tuple[float, int]:
         """Return the least distance of all pairs in a posture (nq,), m, and the pair's index.
@@ -114,9 +112,6 @@ class SelfCollision:
         data, geometry_data = self.robot.model.createData(), self.geometry.createData()
         pin.computeDistances(self.robot.model, data, self.geometry, geometry_data, q)
         return np.array([result.min_distance for result in geometry_data.distanceResults])
-
-
-_found: WeakKeyDictionary[RobotModel, SelfCollision] = WeakKeyDictionary()
 
 
 def coal_shape(shape: CollisionShape) -> Any:

@@ -6,13 +6,13 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from wbc.robot import Robot
 from wbc.robot.collision_pairs import ExcludedPair, excluded_pairs, known_pairs
 from wbc.robot.collision_shapes import CollisionShape, collision_shapes
+from wbc.robot.computed_once import computed_once
 from wbc.sim.coordinates import CoordinateMap
 from wbc.sim.model import build_model, import_mujoco
 from wbc.state import State
@@ -43,21 +43,12 @@ def _counts(found: Counter[Any]) -> str:
     return ", ".join(f"{count} {name}" for name, count in found.items()) or "none"
 
 
-_found: WeakKeyDictionary[Robot, RobotCollisions] = WeakKeyDictionary()
-
-
+@computed_once
 def robot_collisions(robot: Robot) -> RobotCollisions:
     """Return the shapes and the pairs of a robot, computed once per robot.
 
     See `wbc.robot.collision_pairs.excluded_pairs`; the soles count as shapes of their bodies.
     """
-    collisions = _found.get(robot)
-    if collisions is None:
-        collisions = _found[robot] = _robot_collisions(robot)
-    return collisions
-
-
-def _robot_collisions(robot: Robot) -> RobotCollisions:
     shapes = collision_shapes(robot)
     joints = sorted({shape.joint_id for shape in shapes} | {s.joint_id for s in robot.soles})
     known = known_pairs(robot, shapes, joints)

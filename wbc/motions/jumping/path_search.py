@@ -87,7 +87,6 @@ class _PathSearch:
         self._upright = [data.oMf[i].rotation.copy() for i in self._trunk]
         soles = [sole.frame_id for sole in robot.soles]
         self._soles = [PoseTerm(i, data.oMf[i].copy()) for i in soles]
-        self._below = np.tril_indices(robot.nv, -1)
         self._middle = 0.5 * (data.oMf[soles[0]].translation + data.oMf[soles[1]].translation)
 
     def run(self, heights: np.ndarray) -> JumpPath | None:
@@ -162,7 +161,7 @@ class _PathSearch:
         limit = model.effortLimit[others]
         weight = pin.computeGeneralizedGravity(model, data, q)[others] / limit
         M = pin.crba(model, data, q)
-        M[self._below] = M.T[self._below]
+        M = np.triu(M) + np.triu(M, 1).T
         share = M[others] / limit[:, None]
         H = share.T @ share + np.diag(self._arm_weights)
         n, m = model.nv, len(J)
