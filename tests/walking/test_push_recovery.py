@@ -291,7 +291,7 @@ def test_a_foot_crosses_over_behind_unless_the_dcm_is_planned_to_be_ahead(ahead,
     assert state.crossing == crossing
 
 
-@pytest.mark.parametrize(("remaining", "goes_on"), [(0.06, True), (0.01, False), (-0.01, False)])
+@pytest.mark.parametrize(("remaining", "goes_on"), [(0.06, True), (0.01, False)])
 def test_a_foot_that_is_about_to_touch_the_ground_lands_when_a_push_comes(remaining, goes_on):
     walker = swinging_walker(0.0)
     state = walker.gait_state
@@ -303,6 +303,17 @@ def test_a_foot_that_is_about_to_touch_the_ground_lands_when_a_push_comes(remain
     assert state.is_quick
     assert (wanted is None) == goes_on
     assert (state.remaining >= 0.1) == goes_on
+
+
+def test_a_late_foot_lands_where_the_ground_is_whatever_pushes():
+    walker = swinging_walker(0.0)
+    state = walker.gait_state
+    state.time = state.duration + 0.01
+    planned = DcmReference(state.stance.point, 0j, state.stance.point)
+    state.dcm += 0.3
+    update = walker.stabilizer.push_recovery.update_fixed_landing
+    assert update(state, state.swing, lambda _: planned, (0.0, 0.0)) is planned
+    assert not state.is_quick
 
 
 @pytest.mark.parametrize(

@@ -123,7 +123,9 @@ class PushRecovery:
 
         The push tilts the robot, and the foot would wait in the air for the ground. If the DCM
         leaves towards the support foot, or the foot is just about to touch the ground, it lands, by
-        time, and the other one steps; else it is on the right side already and goes farther.
+        time, and the other one steps; else it is on the right side already and goes farther. A foot
+        that is late goes on down: the ground is lower there than was thought, so that by time it
+        would land in the air.
 
         Args:
             state: whose `shortened`, `gait` and `duration` it sets.
@@ -135,7 +137,8 @@ class PushRecovery:
             The wanted DCM for the fixed place; None if the foot goes on to another one.
         """
         planned = reference(swing.target)
-        if state.is_quick or state.recovery_gait is state.normal_gait or state.on_stairs:
+        may_step = not state.is_quick and state.recovery_gait is not state.normal_gait
+        if not may_step or state.on_stairs or state.remaining == 0.0:
             return planned
         shift = uncaught_dcm_error(state, planned, ankles, dcm_ahead(state, _SWING_LOOKAHEAD))
         if abs(shift) <= _OUT_OF_REACH * state.gait.com_height:
