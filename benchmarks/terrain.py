@@ -93,8 +93,8 @@ def tiles(walker: wbc.Walker, seed: int) -> Course:
 
 
 def slope(walker: wbc.Walker, seed: int) -> Course:
-    """2 m up, 1 m level and 2 m down at 10°."""
-    ramp = Ramp(math.radians(10.0))
+    """2 m up, 1 m level and 2 m down at 10°; so wide that nobody walks off its side."""
+    ramp = Ramp(math.radians(10.0), width=12.0)
     return Course(ramp, 0.3, ramp.distance + ramp.plateau + 2.0 * ramp.length)
 
 

@@ -102,6 +102,20 @@ def test_swing_ends_early_when_the_foot_meets_the_ground() -> None:
     assert ground.state.duration == pytest.approx(GAIT.double_support + saved, abs=3 * DT)
 
 
+def test_a_foothold_far_below_is_a_stair_to_a_robot_that_stands_or_came_over_stairs() -> None:
+    low = SQUARE.right._replace(height=-0.08)
+    standing = Ground(Feet(SQUARE.left, low))
+    standing.run(DT, Velocity(), BOTH)
+    assert standing.state.on_stairs
+    walking = Ground()
+    walking.run(GAIT.first_transfer + 0.5 * GAIT.single_support, WALK, LEFT)
+    for before in (False, True):  # without footsteps given, it is a long step on a slope
+        walking.state.landing = walking.state.landing._replace(height=-0.08)
+        walking.state.on_stairs = before
+        walking.machine.update(DT, walking.feet, walking.command, LEFT)
+        assert walking.state.on_stairs is before
+
+
 def test_contact_of_a_foot_right_after_lift_off_is_no_touchdown() -> None:
     ground = Ground()
     ground.run(GAIT.first_transfer + 0.1 * GAIT.single_support, WALK, LEFT)

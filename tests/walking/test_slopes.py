@@ -10,8 +10,10 @@ import pytest
 
 import wbc
 from wbc.gait import Phase, Placement, SwingFoot
+from wbc.gait.leg_workspace import LegWorkspace
 from wbc.sim import Mujoco, Ramp
 from wbc.walking.ground_slope import GroundSlope
+from wbc.walking.height_reference import HeightReference
 
 
 # Without the estimate of the slope talos gets 1.13 m far and g1 1.45 m.
@@ -64,6 +66,21 @@ def test_slope_is_known_after_the_third_sole_on_it_and_level_ground_after_the_fi
     assert estimates[:4] == [0j] * 4
     assert estimates[4:6] == pytest.approx([0.15 - 0.08j] * 2, abs=1e-3)
     assert estimates[6] == 0j
+
+
+@pytest.mark.parametrize(("progress", "sinks"), [(0.9, False), (1.1, True)])
+def test_the_com_sinks_with_a_foot_that_is_late_because_the_ground_is_lower(progress, sinks):
+    state = wbc.Walker(wbc.load("simple_humanoid")).gait_state
+    state.phase, state.duration, state.time = Phase.SWING, 0.5, 0.5 * progress
+    state.landing = state.other_foot
+    state.swing = SwingFoot(state.other_foot, state.landing, state.duration, 0.06, 0.05)
+    state.swing.motion.position[2] = state.landing.height - 0.04
+    height = HeightReference(LegWorkspace(wbc.load("simple_humanoid")), 0.1)
+    height.reset(state.stance.height, state.gait.com_height)
+    for _ in range(500):
+        height.update(state, 0.0, 0.002)
+    lower = 0.035 if sinks else 0.0
+    assert height.ground == pytest.approx(state.stance.height - lower, abs=1e-3)
 
 
 @pytest.mark.parametrize("slope", [0.15 + 0j, -0.1 + 0.12j])

@@ -299,7 +299,11 @@ def _leads_over_stairs(
     given: list[PlannedFootstep],
     contacts: frozenset[str] | None,
 ) -> bool:
-    """Whether the footholds of now and those given differ much in height."""
+    """Whether the footholds of now and those given differ much in height.
+
+    Those of a robot that walks without given ones are no stairs, but of a slope: there a long quick
+    step is as high.
+    """
     present = state.stance.height
     swings = state.phase is Phase.SWING
     standing = {state.support} if swings else {"left", "right"}
@@ -311,4 +315,4 @@ def _leads_over_stairs(
         other = state.landing.height if lifted is None else present
     else:
         other = state.other_foot.height
-    return abs(other - present) > _STAIR
+    return abs(other - present) > _STAIR and (state.on_stairs or state.at_rest)

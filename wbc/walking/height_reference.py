@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from wbc.gait import GaitState, Phase
+from wbc.gait import GaitState, Phase, SwingFoot
 from wbc.gait.leg_workspace import TRAIL, LegWorkspace
 
 _FASTEST = 0.25  # m/s, of the ground's height: more takes the weight off the soles, or doubles it
+_LATE = 0.005  # m by which a foot is too low before it touches level ground
 _SLOWER = 0.25  # the height over the ground changes slower than the ground by this factor
 
 
@@ -60,11 +61,15 @@ def _ground_below(state: GaitState) -> float:
     """Height of the ground from which the CoM's height counts, m.
 
     A step down begins with the support leg, which bends while the other foot swings: otherwise
-    that foot does not reach its stair.
+    that foot does not reach its stair. Nor does one that is late reach ground that is lower than
+    was thought: its leg is straight before, and the CoM sinks with it.
     """
     support = state.stance.height
     if state.phase is Phase.SWING:
-        rise = state.landing.height - support
+        landing = state.landing.height
+        if state.remaining == 0.0 and isinstance(state.swing, SwingFoot):
+            landing = min(landing, float(state.swing.motion.position[2]) + _LATE)
+        rise = landing - support
         if rise >= 0.0 or state.at_rest:
             return support
         s = state.progress
