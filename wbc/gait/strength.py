@@ -72,8 +72,7 @@ def foot_acceleration(robot: Robot) -> float:
     model, q = robot.model, robot.q_nominal
     data = model.createData()
     pin.computeJointJacobians(model, data, q)
-    mass_matrix = np.triu(pin.crba(model, data, q))
-    mass_matrix += np.triu(mass_matrix, 1).T
+    mass_matrix = pin.crba(model, data, q)
     least = math.inf
     for sole, leg in zip(robot.soles, robot.legs, strict=True):
         joints = np.array(leg)

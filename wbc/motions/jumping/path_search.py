@@ -161,7 +161,6 @@ class _PathSearch:
         limit = model.effortLimit[others]
         weight = pin.computeGeneralizedGravity(model, data, q)[others] / limit
         M = pin.crba(model, data, q)
-        M = np.triu(M) + np.triu(M, 1).T
         share = M[others] / limit[:, None]
         H = share.T @ share + np.diag(self._arm_weights)
         n, m = model.nv, len(J)

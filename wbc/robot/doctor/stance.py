@@ -266,7 +266,6 @@ def _mass(robot: Robot) -> list[Finding]:
 
 def _mass_matrix(robot: Robot) -> list[Finding]:
     M = pin.crba(robot.model, robot.model.createData(), robot.q_nominal)
-    M = np.triu(M) + np.triu(M, 1).T
     values = np.linalg.eigvalsh(M)
     if values[0] > 0.0 and values[-1] < ILL_CONDITIONED * values[0]:
         return []
