@@ -3,12 +3,13 @@
 # make lint    style, types and which room may import which
 # make docs    the documentation site, in out/site
 # make dist    the source distribution and the wheel, in dist/, with their metadata checked
+# make wheel   the wheel alone in an empty environment
 # make clean   remove the environment and everything that was built
 #
 # Needed beforehand: Python 3.10 or newer, pip and make. Everything else goes into .venv.
 #   make PYTHON=python3.12 test     another interpreter
 #   make test ARGS="-k walk"        some tests; ARGS="-n 0" runs them one after the other
-#   make test ARGS="-n 0 -m slow"   the slow tests, which CI runs besides (10 minutes)
+#   make test ARGS="-m slow"        the slow tests, which CI runs besides (7 minutes)
 
 PYTHON ?= python3
 ARGS ?=
@@ -18,7 +19,7 @@ BIN := .venv/bin
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint format docs dist install clean
+.PHONY: help demo test kernels lint format docs dist wheel install clean
 
 help:
 	@sed -n '/^$$/q; s/^# \{0,1\}//p' Makefile
@@ -29,6 +30,10 @@ demo: .venv/run.stamp
 # On two cores the third process runs while the tests of another one wait.
 test: .venv/dev.stamp
 	$(BIN)/python -m pytest -n 3 --no-loadscope-reorder $(ARGS)
+
+# The tests begin with this; CI does it while it checks other things.
+kernels: .venv/dev.stamp
+	$(BIN)/python tests/tools/compile_kernels.py
 
 lint: .venv/dev.stamp
 	$(BIN)/ruff check .
@@ -48,6 +53,15 @@ dist: .venv/dev.stamp
 	rm -rf dist
 	$(BIN)/python -m build --outdir dist .
 	$(BIN)/python -m twine check --strict dist/*
+
+# It is imported from another folder: here the sources would take its place.
+wheel: dist
+	rm -rf out/wheel
+	$(BIN)/python -m venv out/wheel
+	out/wheel/bin/python -m pip install --quiet --disable-pip-version-check dist/wbc-*.whl
+	out/wheel/bin/python -m pip check
+	cd out && wheel/bin/python -c "import wbc; print(wbc.load('simple_humanoid').name, wbc.load('talos').nv)"
+	out/wheel/bin/wbc robots > /dev/null
 
 install: .venv/dev.stamp
 

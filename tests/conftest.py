@@ -5,8 +5,6 @@ from __future__ import annotations
 import gc
 import importlib
 import os
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -14,6 +12,7 @@ from typing import Any
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import pytest
+from compile_kernels import compile_kernels
 from hypothesis import HealthCheck, settings
 from needs import need_browser
 
@@ -28,33 +27,27 @@ settings.register_profile(
 settings.load_profile("calm")
 
 
-# Imports that compile all kernels; the two take about the same time.
-COMPILING = (
-    "import wbc.qp.kernels.hierarchy",
-    "import wbc.qp.compiled, wbc.qp.kernels.velocity, wbc.estimation.kernels, wbc.gait.kernels, "
-    "wbc.limits.kernels, wbc.walking.kernels",
-)
-
-
 def pytest_configure(config: pytest.Config) -> None:
     """Compile the kernels once, before there are several workers that would all compile them."""
     if config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):
-        for process in [subprocess.Popen([sys.executable, "-c", code]) for code in COMPILING]:
-            process.wait()
+        compile_kernels()
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """Distribute files, but for those with pages: a worker runs them one after the other.
 
-    Browsers and robots in real time take each other's processor time and wait for it.
+    Browsers and robots in real time take each other's processor time and wait for it. The motions'
+    default buttons share nothing, and take longer than all other slow files.
     """
     from xdist.scheduler import LoadFileScheduling
 
     class Scheduling(LoadFileScheduling):
         def _split_scope(self, nodeid: str) -> str:
             file: str = super()._split_scope(nodeid)
-            return "pages" if file.startswith(("tests/live/", "tests/view/")) else file
+            if file.startswith(("tests/live/", "tests/view/")):
+                return "pages"
+            return nodeid if file == "tests/motions/test_default_motions.py" else file
 
     return Scheduling(config, log)
 
