@@ -14,6 +14,8 @@
 PYTHON ?= python3
 ARGS ?=
 BIN := .venv/bin
+# Modules are compiled when they are first imported: most of what is installed never is.
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile
 
 # Where it is set, each process that a test starts would compile all modules of wbc anew.
 unexport PYTHONDONTWRITEBYTECODE
@@ -58,7 +60,7 @@ dist: .venv/dev.stamp
 wheel: dist
 	rm -rf out/wheel
 	$(BIN)/python -m venv out/wheel
-	out/wheel/bin/python -m pip install --quiet --disable-pip-version-check dist/wbc-*.whl
+	$(INSTALL:$(BIN)/%=out/wheel/bin/%) dist/wbc-*.whl
 	out/wheel/bin/python -m pip check
 	cd out && wheel/bin/python -c "import wbc; print(wbc.load('simple_humanoid').name, wbc.load('talos').nv)"
 	out/wheel/bin/wbc robots > /dev/null
@@ -71,17 +73,18 @@ install: .venv/dev.stamp
 	$(PYTHON) -m venv --clear .venv || { \
 	  $(PYTHON) -m venv --clear --without-pip .venv && \
 	  $(PYTHON) -m pip --python $(BIN)/python install --quiet pip; }
+	$(INSTALL) --upgrade pip
 	@touch $@
 
 .venv/run.stamp: .venv/made.stamp pyproject.toml
 	@echo "installing wbc and what it needs into .venv: once, a minute or so"
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[all]'
+	$(INSTALL) -e '.[all]'
 	@touch $@
 
-.venv/dev.stamp: .venv/run.stamp
-	@echo "installing the tools for tests and checks into .venv"
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[all,dev]'
-	@touch $@
+.venv/dev.stamp: .venv/made.stamp pyproject.toml
+	@echo "installing wbc, what it needs and the tools for tests and checks into .venv: once, a minute or so"
+	$(INSTALL) -e '.[all,dev]'
+	@touch .venv/run.stamp $@
 
 clean:
 	rm -rf .venv build dist out *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis

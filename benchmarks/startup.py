@@ -140,17 +140,19 @@ def run(case: StartupCase, environment: Mapping[str, str]) -> StartupTimes:
     )
 
 
-def environment(folder: Path, kernels: Path) -> dict[str, str]:
-    """Return the environment of a child: one thread, this checkout, these folders as caches."""
+def environment(kernels: Path | None) -> dict[str, str]:
+    """Return the environment of a child: one thread, this checkout.
+
+    Args:
+        kernels: folder for compiled kernels; None for the usual one.
+    """
     inherited = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
     threads = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
     return {
         **inherited,
         **dict.fromkeys(threads, "1"),
         "PYTHONPATH": os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH")))),
-        "PYTHONPYCACHEPREFIX": str(folder / "bytecode"),
-        "NUMBA_CACHE_DIR": str(kernels),
-        "XDG_CACHE_HOME": str(kernels),
+        **({"NUMBA_CACHE_DIR": str(kernels)} if kernels else {}),
     }
 
 
@@ -158,16 +160,15 @@ def measure(chosen: list[StartupCase], repeat: int, cold: int) -> dict[str, Star
     """Measure each case `repeat` times, cold ones `cold` times."""
     times = {case.name: StartupTimes() for case in chosen}
     with tempfile.TemporaryDirectory(prefix="wbc-startup-") as name:
-        folder = Path(name)
-        warm = environment(folder, folder / "kernels")
+        warm = environment(None)
         for case in chosen:
             run(case, warm)  # bytecode, kernels and the disk's cache; not counted
         for k in range(max(repeat, cold)):
             for case in chosen:
                 if k >= (cold if case.cold else repeat):
                     continue
-                kernels = folder / f"kernels-{k}"
-                times[case.name].add(run(case, environment(folder, kernels) if case.cold else warm))
+                cold_kernels = Path(name) / f"kernels-{k}"
+                times[case.name].add(run(case, environment(cold_kernels) if case.cold else warm))
     return times
 
 
