@@ -61,15 +61,10 @@ def take_off_bound(robot: Robot, paths: Sequence[JumpPath]) -> TakeOffBound:
         robot: the robot.
         paths: paths with different take-off heights, their tops.
     """
-    best, where = -1.0, (paths[0], 0)
-    for path in paths:
-        for start in range(len(path.height) - 1):
-            speed = _top_speed(path, start, robot.tau_max, robot.v_max)
-            if speed > best:
-                best, where = speed, (path, start)
+    found = [(*_top_speed(path, 0, robot.tau_max, robot.v_max), path) for path in paths]
+    best, start, path = max(found, key=lambda each: each[0])
     if best == 0.0:
         return TakeOffBound(0.0, 0.0, paths[0].top, paths[0].top, _weakest(robot, paths), "torque")
-    path, start = where
     joint, quantity = _limiting(robot, path, start, best)
     return TakeOffBound(
         best,
@@ -81,17 +76,27 @@ def take_off_bound(robot: Robot, paths: Sequence[JumpPath]) -> TakeOffBound:
     )
 
 
-def _top_speed(path: JumpPath, start: int, tau_max: np.ndarray, v_max: np.ndarray) -> float:
-    """Return the largest ż at the path's top, from rest at one of its heights, m/s."""
+def _top_speed(
+    path: JumpPath, first: int, tau_max: np.ndarray, v_max: np.ndarray
+) -> tuple[float, int]:
+    """Return the largest ż at the path's top, m/s, from rest at one of its heights, and which.
+
+    A robot that comes from farther below is not slower at any height, so the lowest height from
+    which it does not get stuck is the best one.
+
+    Args:
+        path: the configurations.
+        first: lowest height that counts.
+        tau_max, v_max: (na,) limits.
+    """
     fastest = np.min((v_max / np.maximum(np.abs(path.tangent[:, 6:]), 1e-9)) ** 2, axis=1)
-    beta = 0.0
-    for k in range(start, len(path.height) - 1):
+    beta, start = 0.0, first
+    for k in range(first, len(path.height) - 1):
         step = 2.0 * (path.height[k + 1] - path.height[k])
-        beta = _next(path.stance[k], tau_max, beta, step)
+        beta = min(_next(path.stance[k], tau_max, beta, step), float(fastest[k + 1]))
         if beta <= 0.0:
-            return 0.0
-        beta = min(beta, float(fastest[k + 1]))
-    return float(np.sqrt(beta))
+            beta, start = 0.0, k + 1
+    return float(np.sqrt(beta)), start
 
 
 def _next(torque: np.ndarray, tau_max: np.ndarray, bound: float, step: float) -> float:
@@ -136,8 +141,8 @@ def _limiting(robot: Robot, path: JumpPath, start: int, speed: float) -> tuple[s
         more = np.ones(robot.na)
         more[list(pair)] = _RELAXATION
         gains = (
-            _top_speed(path, start, robot.tau_max * more, robot.v_max) - speed,
-            _top_speed(path, start, robot.tau_max, robot.v_max * more) - speed,
+            _top_speed(path, start, robot.tau_max * more, robot.v_max)[0] - speed,
+            _top_speed(path, start, robot.tau_max, robot.v_max * more)[0] - speed,
         )
         for gain, quantity in zip(gains, ("torque", "velocity"), strict=True):
             if gain > best:

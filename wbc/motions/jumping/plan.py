@@ -174,7 +174,9 @@ def plan_jump(robot: Robot, clearance: float) -> JumpPlan:
 
 def _too_high(robot: Robot, paths: Sequence[JumpPath], clearance: float) -> JumpTooHigh:
     bound = take_off_bound(robot, paths)
-    highest = _highest(paths, min(clearance, bound.rise / float(_RISES[0])))
+    highest = 0.0
+    if bound.rise > 0.0:
+        highest = _highest(paths, min(clearance, bound.rise / float(_RISES[0])))
     best = _gentlest(paths, clearance)
     lines = [f"jump: {robot.name} cannot clear {1e3 * clearance:.0f} mm: {bound}"]
     if best is not None:
