@@ -67,7 +67,8 @@ wheel: dist
 
 install: .venv/dev.stamp
 
-# Debian's Python may lack ensurepip: then the pip that is there fills the environment.
+# Debian's Python may lack ensurepip: then the pip that is there fills the environment. One that is
+# two years old takes twice as long to install what follows.
 .venv/made.stamp:
 	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 10) or sys.exit("wbc needs Python 3.10 or newer, this is " + sys.version.split()[0] + "; say which:  make PYTHON=python3.11 ...")'
 	$(PYTHON) -m venv --clear .venv || { \
