@@ -106,7 +106,7 @@ def clamp_footstep(
     sign = lateral_sign(swing_side)
     local = stance.to_local(wanted.point)
     forward = max(-gait.max_step, min(gait.max_step, local.real))
-    width = max(gait.least_width, min(gait.step_width + gait.max_side_step, sign * local.imag))
+    width = max(gait.least_width, min(gait.greatest_width, sign * local.imag))
     yaw = max(-gait.max_turn, min(gait.max_turn, wrap_angle(wanted.yaw - stance.yaw)))
     point = stance.to_world(complex(forward, sign * width))
     return Placement(point, wrap_angle(stance.yaw + yaw), wanted.height)

@@ -100,6 +100,11 @@ class GaitParameters:
         return math.sqrt(self.gravity / self.com_height)
 
     @cached_property
+    def greatest_width(self) -> float:
+        """Lateral distance of the soles' centres in the widest step, m."""
+        return self.step_width + self.max_side_step
+
+    @cached_property
     def step_duration(self) -> float:
         """Single plus double support, s."""
         return self.single_support + self.double_support

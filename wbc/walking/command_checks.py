@@ -131,6 +131,6 @@ def _must_be_within_reach(
         f"footstep {k}: the {side} foot would stand {ahead:.2f} m ahead of {name}, "
         f"{apart:.2f} m beside it and turned by {local.yaw:.2f} rad; it reaches "
         f"±{gait.max_step:.2f} m ahead, {gait.least_width:.2f} to "
-        f"{gait.step_width + gait.max_side_step:.2f} m beside and ±{gait.max_turn:.2f} rad: "
+        f"{gait.greatest_width:.2f} m beside and ±{gait.max_turn:.2f} rad: "
         "give it a nearer place, or more footsteps"
     )

@@ -213,7 +213,7 @@ class MpcPlanner(DcmPlanner):
         if self._preview.given or self._follows_given:
             return _FIXED
         bounds, limits, side = _FIXED.copy(), state.limits, state.swing_side
-        widest = limits.step_width + limits.max_side_step
+        widest = limits.greatest_width
         for i, (foot, step) in enumerate(pairwise(feet)):
             at, sign = foot.to_local(step.point), lateral_sign(side)
             apart = sorted((sign * limits.least_width, sign * widest))

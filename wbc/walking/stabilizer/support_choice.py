@@ -23,8 +23,8 @@ def has_to_return(state: GaitState, support: SupportPolygon) -> bool:
     on the rear foot the ankle nearly holds it, and the front foot steps back.
 
     What that gains along the sole must not be lost across it: a DCM on the outer side of the front
-    foot is the width of a step farther from the rear one. To gain across the sole alone is no
-    reason to return: the step after one that ends beside the support foot gains as much.
+    foot is as much farther from the rear one as the feet are apart. To gain across the sole alone
+    is no reason to return: the step after one that ends beside the support foot gains as much.
 
     Args:
         state: during a transfer between steps.
@@ -53,7 +53,7 @@ def _error_after_step(state: GaitState, side: str, support: SupportPolygon) -> c
     reach = support.zmp_range(side, 1.0)
     landing = footstep_adjustment(dcm, quick.omega, quick.single_support, reach)
     width = -lateral_sign(side) * landing.imag
-    across = max(-width, width - quick.step_width - quick.max_side_step, 0.0)
+    across = max(-width, width - quick.greatest_width, 0.0)
     return complex(max(0.0, abs(landing.real) - easy_step(quick)), across)
 
 
@@ -105,7 +105,6 @@ def _lateral_error_after(
         zmp = foot + max(-half_width, min(half_width, across - foot))
         across = zmp + (across - zmp) * swing
         sign = lateral_sign(side)
-        widest = quick.step_width + quick.max_side_step
-        foot += sign * max(quick.least_width, min(widest, sign * (across - foot)))
+        foot += sign * max(quick.least_width, min(quick.greatest_width, sign * (across - foot)))
         side = other_side(side)
     return abs(across - foot)
