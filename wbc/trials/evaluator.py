@@ -49,7 +49,7 @@ class RunEvaluator:
             if wrench is None or wrench[2] < _LOADED * self._robot.weight:
                 self._anchors.pop(sole.name, None)
                 continue
-            position = self._position(sole.name)[:2]
+            position = self._position(sole.frame_id)[:2]
             anchor = self._anchors.setdefault(sole.name, position)
             self._slip = max(self._slip, math.hypot(*(position - anchor)))
         if self._player is not None:
@@ -76,7 +76,7 @@ class RunEvaluator:
         )
 
     def _compare(self, reference: MotionReference) -> None:
-        left, right = (self._position(sole.name) for sole in self._robot.soles)
+        left, right = (self._position(sole.frame_id) for sole in self._robot.soles)
         heading = self._heading()
         if reference.com is not None:
             origin = right + reference.weight_shift * (left - right)
@@ -84,7 +84,8 @@ class RunEvaluator:
             self._square_sum += float(error @ error)
             self._ticks += 1
         for target in reference.targets:  # the error at the last tick of each target counts
-            position = heading.T @ (self._position(target.frame) - 0.5 * (left + right))
+            place = self._position(self._robot.frame_id(target.frame))
+            position = heading.T @ (place - 0.5 * (left + right))
             error = float(np.linalg.norm(position - target.place))
             self._errors[target.frame, target.number] = error
 
@@ -92,15 +93,14 @@ class RunEvaluator:
         model, data = self._robot.model, self._data
         pin.centerOfMass(model, data, truth.q)  # also the forward kinematics
 
-    def _placement(self, frame: str) -> pin.SE3:
-        frame_id = self._robot.frame_id(frame)
+    def _placement(self, frame_id: int) -> pin.SE3:
         return pin.updateFramePlacement(self._robot.model, self._data, frame_id)
 
-    def _position(self, frame: str) -> np.ndarray:
-        return np.array(self._placement(frame).translation)
+    def _position(self, frame_id: int) -> np.ndarray:
+        return np.array(self._placement(frame_id).translation)
 
     def _heading(self) -> np.ndarray:
-        axes = [self._placement(sole.name).rotation[:2, 0] for sole in self._robot.soles]
+        axes = [self._placement(sole.frame_id).rotation[:2, 0] for sole in self._robot.soles]
         x, y = axes[0] + axes[1]
         angle = math.atan2(y, x)
         c, s = math.cos(angle), math.sin(angle)
