@@ -12,8 +12,13 @@ from wbc.trials import run_motions
 #: Without a file of keyframes there is nothing to play, and the demo plays the others.
 BUTTONS = tuple(motion for motion in MOTIONS if motion.name != "keyframes" and motion is not Demo)
 ROBOTS = ("talos", "g1", "simple_humanoid")
-#: Each motion on one of the robots, in turn.
-CASES = [(ROBOTS[i % len(ROBOTS)], kind) for i, kind in enumerate(BUTTONS)]
+#: Each motion on two of the robots, in turn.
+CASES = [
+    (name, kind)
+    for i, kind in enumerate(BUTTONS)
+    for k, name in enumerate(ROBOTS)
+    if (i + k) % len(ROBOTS)
+]
 
 
 @pytest.mark.parametrize(

@@ -23,8 +23,8 @@ _FLAGS = (
     "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1 , EXCLUDE localhost",
 )
 
-#: Software rendering without a search for a graphics card, which takes seconds. Only WebGL goes
-#: through the software's graphics card: text and plots are drawn four times as fast without it.
+#: Software rendering without a search for a graphics card, which takes seconds. Only WebGL needs a
+#: simulated one; text and plots, drawn by it as well, would keep a page from answering for seconds.
 SOFTWARE = (
     "--use-gl=angle",
     "--use-angle=swiftshader",
