@@ -37,16 +37,6 @@ def test_the_weight_returns_to_the_rear_foot_only_after_a_push_back(name, along,
     assert has_to_return(state, walker.stabilizer.support) is returns
 
 
-@pytest.mark.parametrize(("across", "returns"), [(0.0, True), (0.4, False)])
-def test_the_weight_does_not_return_over_a_wide_step_from_a_dcm_on_its_outer_side(across, returns):
-    walker = walker_in_transfer("g1")
-    state = walker.gait_state
-    rear = state.feet.right
-    state.feet = replace(state.feet, right=rear._replace(point=rear.point - 0.3j))
-    state.dcm = state.feet.middle + complex(-0.25, across)
-    assert has_to_return(state, walker.stabilizer.support) is returns
-
-
 def test_a_push_that_lasts_counts_before_the_dcm_has_moved():
     walker = walker_in_transfer("g1")
     state, support = walker.gait_state, walker.stabilizer.support

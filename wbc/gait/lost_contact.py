@@ -24,10 +24,14 @@ class LostContact:
     In double support it has to be elsewhere as seen from the foot that carries. The robot as a
     whole may seem to move, by centimetres when a foot that has just landed bounces.
 
-    In a swing it is the support foot. The other one carries the robot as soon as it touches the
-    ground; if it is almost there, it does so anyway, unless the support foot itself has not stood
-    since it last swung: a swing may begin before the foot that carries it has landed. It may also
-    begin right after a blow has knocked off the ground a foot that did stand.
+    In a swing it is the support foot, and it has to be elsewhere than where it last stood in
+    contact. While it stands, the whole robot may seem to move by as much, far from where it
+    started: a better estimate of the heading turns all that is known of the way behind it.
+
+    The other one carries the robot as soon as it touches the ground; if it is almost there, it does
+    so anyway, unless the support foot itself has not stood since it last swung: a swing may begin
+    before the foot that carries it has landed. It may also begin right after a blow has knocked off
+    the ground a foot that did stand.
 
     Args:
         feet: soles when the phase begins.
@@ -35,7 +39,8 @@ class LostContact:
 
     def __init__(self, feet: Feet) -> None:
         self._last = feet
-        self._standing = {"left", "right"}  # the feet that have stood since they last swung
+        # Where each foot stood last, if it has stood since it last swung.
+        self._standing = {"left": feet.left, "right": feet.right}
         self.begin_phase(feet)
 
     def begin_phase(self, feet: Feet) -> None:
@@ -60,16 +65,17 @@ class LostContact:
         side = state.support
         if side in contacts:
             return None
-        moved = _distance(self._stood.of(side), state.stance) > _MOVED
+        stood = self._standing.get(side) or self._stood.of(side)
+        moved = _distance(stood, state.stance) > _MOVED
         return side if moved and self._other_carries(state, contacts) else None
 
     def _note_standing(self, state: GaitState, contacts: frozenset[str], dt: float) -> None:
         last, self._last = self._last, state.feet
         for side in ("left", "right"):
             if state.phase is Phase.SWING and side == state.swing_side:
-                self._standing.discard(side)
+                self._standing.pop(side, None)
             elif side in contacts and _distance(last.of(side), state.feet.of(side)) <= _SLOW * dt:
-                self._standing.add(side)
+                self._standing[side] = state.feet.of(side)
 
     def _of_two(self, feet: Feet, carrying: str) -> str | None:
         side = other_side(carrying)
