@@ -103,15 +103,24 @@ def test_correction_equals_the_textbook_kalman_update(feet):
     K = P @ H.T @ np.linalg.inv(H @ P @ H.T + 1e-6 * np.eye(len(r)))
     step = -K @ r
     expected_P = (np.eye(27) - K @ H) @ P
-    bias, v, R = f.gyro_bias.copy(), f.v.copy(), f.R.copy()
+    bias, v, R, places = f.gyro_bias.copy(), f.v.copy(), f.R.copy(), f.vectors[1:].copy()
     positions, rotations = np.zeros((2, 3)), np.zeros((2, 3, 3))
     positions[rows], rotations[rows] = h, F
     f.correct(np.array([foot in feet for foot in range(2)], dtype=np.int64), positions, rotations)
-    np.testing.assert_allclose(f.P, expected_P, atol=1e-12)
+    turn, left = pin.exp3(step[:3]), pin.Jexp3(-step[:3])
     np.testing.assert_allclose(f.gyro_bias - bias, step[21:24], atol=1e-9)
-    turn = pin.exp3(step[:3])
     np.testing.assert_allclose(f.R, turn @ R, atol=1e-10)
-    np.testing.assert_allclose(f.v, turn @ v + pin.Jexp3(-step[:3]) @ step[3:6], atol=1e-10)
+    np.testing.assert_allclose(f.v, turn @ v + left @ step[3:6], atol=1e-10)
+    # Places are the textbook's, all moved by the same way: that of the soles that stand is undone.
+    textbook = places @ turn.T + step[6:15].reshape(3, 3) @ left.T
+    standing = [1 + i for i in rows]
+    way = np.mean(places[standing] - textbook[standing], axis=0)
+    np.testing.assert_allclose(f.vectors[1:], textbook + way, atol=1e-10)
+    T = np.eye(27)
+    for place in range(6, 15, 3):  # δx − ξ_R × x of a place x + way
+        T[place : place + 3, :3] = pin.skew(way)
+    np.testing.assert_allclose(f.P, T @ expected_P @ T.T, atol=1e-12)
+    assert np.abs(way).max() > 1e-5, "the textbook's soles move"
 
 
 def test_errors_propagate_as_the_linear_model_says():

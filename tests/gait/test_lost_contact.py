@@ -176,12 +176,11 @@ def test_a_support_foot_that_is_still_landing_is_not_lost(gaits):
     assert (state.phase, state.support) == (Phase.SWING, "left")
 
 
-def test_a_support_foot_that_hops_while_the_whole_robot_seems_to_drift_is_not_lost(gaits):
+def test_a_support_foot_that_has_slid_and_hops_is_not_lost(gaits):
     walking = Walking(gaits)
     walking.walk_until(Phase.SWING, "left")
-    for _ in range(100):  # at 0.4 m/s: the estimated heading turns, far from where it started
-        for side in ("left", "right"):
-            walking.knock(side, 0.0008j, 0.0)
+    for _ in range(100):  # at 0.4 m/s
+        walking.knock("left", 0.0008j, 0.0)
         walking.tick(LEFT)
     walking.put("right", walking.feet.right._replace(height=0.02))
     walking.tick(NEITHER)

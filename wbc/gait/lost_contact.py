@@ -25,8 +25,7 @@ class LostContact:
     whole may seem to move, by centimetres when a foot that has just landed bounces.
 
     In a swing it is the support foot, and it has to be elsewhere than where it last stood in
-    contact. While it stands, the whole robot may seem to move by as much, far from where it
-    started: a better estimate of the heading turns all that is known of the way behind it.
+    contact: one that has slid slowly carries the robot, and a hop of milliseconds changes nothing.
 
     The other one carries the robot as soon as it touches the ground; if it is almost there, it does
     so anyway, unless the support foot itself has not stood since it last swung: a swing may begin

@@ -68,6 +68,7 @@ def filter_type(feet: int) -> np.dtype:
             ("C", float, (3, 3)),
             ("a", float, (3,)),
             ("b", float, (3,)),
+            ("way", float, (3,)),
         ],
         align=True,
     )

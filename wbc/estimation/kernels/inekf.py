@@ -21,6 +21,7 @@ from wbc.estimation.kernels.matrix import (
     difference,
     difference_of_columns,
     invert_factor,
+    move_errors,
     subtract,
     whiten,
 )
@@ -171,6 +172,25 @@ def _retract(f: np.ndarray) -> None:
 
 
 @subkernel
+def _add_places(f: np.ndarray, held: np.ndarray, factor: float, way: np.ndarray) -> None:
+    """Add a multiple of the sum of the places of the soles that stand to `way`."""
+    for foot in range(held.size):
+        if held[foot]:
+            for i in range(3):
+                way[i] += factor * f["vectors"][2 + foot, i]
+
+
+@subkernel
+def _move_world(f: np.ndarray, way: np.ndarray) -> None:
+    """Move all places by `way`, m, about which nothing is known: what is seen stays the same."""
+    vectors = f["vectors"]
+    for n in range(1, vectors.shape[0]):
+        for i in range(3):
+            vectors[n, i] += way[i]
+    move_errors(f["P"], way, POSITION, FOOT_POSITION + 3 * f["F"].shape[0])
+
+
+@subkernel
 def _orthogonalise(f: np.ndarray, R: np.ndarray) -> None:
     """`R ← 1.5 R − 0.5 R Rᵀ R`."""
     square, cube = f["A"], f["B"]
@@ -261,6 +281,10 @@ def correct(filter_: np.ndarray, held: np.ndarray, h: np.ndarray, F: np.ndarray)
 
     Innovations too large to be noise mean that a sole has slipped: then nothing is corrected.
 
+    The soles that stand stay where they are, in the mean: nothing measures where the robot is. Else
+    what a step tells of the gyro's bias would turn all of the way behind it, and the robot by
+    decimetres once it is 100 m away.
+
     Args:
         filter_: (1,) the filter.
         held: (feet,) 1 for a sole that stands still, else 0.
@@ -304,10 +328,15 @@ def correct(filter_: np.ndarray, held: np.ndarray, h: np.ndarray, F: np.ndarray)
     if slipped >= 0:
         return slipped
     combine_rows(weighted, HP, xi)
+    way = f["way"]
+    way[0] = way[1] = way[2] = 0.0
+    _add_places(f, held, 6.0 / m, way)
     _retract(f)
+    _add_places(f, held, -6.0 / m, way)
     np.dot(f["inverse"], HP, f["Y"])
     np.dot(f["Y"].T, f["Y"], f["product"])
     subtract(P, f["product"])
+    _move_world(f, way)
     f["corrections"] += 1
     if f["corrections"] % _TIDY == 0:
         _remove_rounding(f)

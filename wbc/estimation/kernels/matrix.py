@@ -163,3 +163,34 @@ def whiten(inverse: np.ndarray, x: np.ndarray, whitened: np.ndarray, weighted: n
         for j in range(i, n):
             s += inverse[j, i] * whitened[j]
         weighted[i] = s
+
+
+def _move_errors(P: np.ndarray, way: np.ndarray, first: int, end: int) -> None:
+    x, y, z = way.tolist()
+    lever = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    for place in range(first, end, 3):
+        P[place : place + 3] += lever.dot(P[:3])
+    for place in range(first, end, 3):
+        P[:, place : place + 3] += P[:, :3].dot(lever.T)
+
+
+@subkernel_or(_move_errors)
+def move_errors(P: np.ndarray, way: np.ndarray, first: int, end: int) -> None:
+    """`P ← T P Tᵀ`, where T adds `way × ξ_R` to each position's error from `first` to `end`."""
+    x, y, z = way[0], way[1], way[2]
+    for j in range(P.shape[1]):
+        a = y * P[2, j] - z * P[1, j]
+        b = z * P[0, j] - x * P[2, j]
+        c = x * P[1, j] - y * P[0, j]
+        for place in range(first, end, 3):
+            P[place, j] += a
+            P[place + 1, j] += b
+            P[place + 2, j] += c
+    for i in range(P.shape[0]):
+        a = y * P[i, 2] - z * P[i, 1]
+        b = z * P[i, 0] - x * P[i, 2]
+        c = x * P[i, 1] - y * P[i, 0]
+        for place in range(first, end, 3):
+            P[i, place] += a
+            P[i, place + 1] += b
+            P[i, place + 2] += c
