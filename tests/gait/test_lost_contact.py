@@ -129,6 +129,22 @@ def test_a_foot_that_bounces_while_the_whole_robot_seems_to_move_is_not_lost(gai
     assert lost.update(walking.state, RIGHT, DT) is None
 
 
+def test_a_foot_that_is_late_and_still_on_its_way_down_is_not_lost(gaits):
+    walking = Walking(gaits)
+    walking.walk_until(Phase.SWING, "right")
+    lost, state = LostContact(walking.feet), walking.state
+    lost.update(state, RIGHT, DT)
+    state.phase, state.support = Phase.TRANSFER, "left"  # by time, in the air
+    lost.begin_phase(walking.feet)
+    walking.knock("left", 0.06 + 0j, -0.02)
+    state.feet = walking.feet
+    assert lost.update(state, RIGHT, DT) is None
+    assert lost.update(state, BOTH, DT) is None
+    walking.knock("left", 0.06 + 0j, 0.02)
+    state.feet = walking.feet
+    assert lost.update(state, RIGHT, DT) == "left"
+
+
 def test_a_foot_that_has_landed_takes_over_from_a_support_foot_that_is_knocked_away(gaits):
     walking = Walking(gaits)
     walking.walk_until(Phase.SWING, "left")

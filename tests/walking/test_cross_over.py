@@ -75,6 +75,18 @@ def test_a_foot_that_cannot_stop_before_the_support_foot_does_not_cross_over(g1)
     assert cross_over.side(state, wanted, 0.0) == -1.0
 
 
+def test_a_foot_that_a_blow_has_thrown_past_the_support_foot_lands_there(g1):
+    cross_over, wanted = CrossOver(g1), complex(0.0, -0.2)
+    for along, side in ((BEHIND, -1.0), (-BEHIND, 1.0), (0.1, 0.0)):  # or the legs touch
+        state = swinging(g1, along, -0.3)
+        start = state.feet.left
+        state.swing = SwingFoot(start, start, 0.2, 0.05, 0.05)
+        assert cross_over.side(state, wanted, 0.0) == 0.0  # it came there by itself, and goes back
+        state.swing.knocked = True
+        assert cross_over.side(state, wanted, 0.0) == side
+        assert cross_over.side(state, complex(0.0, 0.2), 0.0) == 0.0  # it is wanted elsewhere
+
+
 def test_a_foot_goes_on_crossing_over_only_while_it_has_to_or_is_about_to(g1):
     cross_over = CrossOver(g1)
     beside, between = swinging(g1, BEHIND, 0.24), swinging(g1, BEHIND, 0.05)

@@ -22,7 +22,8 @@ class LostContact:
     robot by now. Contact alone flickers under a blow: the foot also has to be elsewhere.
 
     In double support it has to be elsewhere as seen from the foot that carries. The robot as a
-    whole may seem to move, by centimetres when a foot that has just landed bounces.
+    whole may seem to move, by centimetres when a foot that has just landed bounces. A foot that has
+    not stood since it swung is late: after a push it is still on its way, and comes down.
 
     In a swing it is the support foot, and it has to be elsewhere than where it last stood in
     contact: one that has slid slowly carries the robot, and a hop of milliseconds changes nothing.
@@ -78,6 +79,8 @@ class LostContact:
 
     def _of_two(self, feet: Feet, carrying: str) -> str | None:
         side = other_side(carrying)
+        if side not in self._standing:
+            return None
         way, way_here = (_way(self._stood.of(s), feet.of(s)) for s in (side, carrying))
         moved = math.hypot(abs(way[0] - way_here[0]), way[1] - way_here[1]) > _MOVED
         return side if moved else None

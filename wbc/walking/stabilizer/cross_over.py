@@ -31,7 +31,8 @@ class CrossOver:
     that ends beside it leaves the whole error, which doubles, to the next one; one that crosses
     over takes as much off it as it lands beyond. Soles and shins pass each other only while one is
     ahead of the other by a sole's length, so the foot crosses in front if it already is in front,
-    and behind if it is behind, and can stop there. The step after it comes back the same way.
+    and behind if it is behind, and can stop there. The step after it comes back the same way. A
+    foot that a blow has thrown past the other one need not come back before it lands.
 
     It lands a distance d behind or ahead of the wanted place, and the DCM is so much farther from
     it, on the other side, than the b that the plan leaves it there. The steps after it have to
@@ -65,14 +66,28 @@ class CrossOver:
         sign, least = lateral_sign(state.swing_side), state.recovery_gait.least_width
         foot = state.stance.to_local(state.other_foot.point)
         gain = least - max(sign * wanted.imag, -self._farthest(state))
-        if gain < _WORTHWHILE or sign * foot.imag < least:
-            return 0.0
         side = math.copysign(1.0, foot.real)
-        if abs(foot.real) - _stopping_distance(state, side) < self._length - _AHEAD:
+        if gain < _WORTHWHILE or not self._passes(state, foot, side):
             return 0.0
         off = self._length - side * wanted.real
         caught = self._caught_after(state.recovery_gait, -side * dcm_offset)
         return side if off < min(caught, _COST * gain) else 0.0
+
+    def _passes(self, state: GaitState, foot: complex, side: float) -> bool:
+        """Return whether a foot can pass the support foot, or has: a blow may have thrown it past.
+
+        Args:
+            state: during a swing.
+            foot: where the swing foot is, in the support sole's axes, m.
+            side: 1 if it is in front of the support foot, −1 if it is behind.
+        """
+        width = lateral_sign(state.swing_side) * foot.imag
+        apart = abs(foot.real) - self._length + _AHEAD
+        if state.swing_is_knocked and width < 0.0:
+            return apart >= 0.0
+        if width < state.recovery_gait.least_width:
+            return False
+        return apart >= _stopping_distance(state, side)
 
     def goes_on(self, state: GaitState, wanted: complex) -> bool:
         """Return whether a foot that crosses over still has to, or is about to; see `side`."""

@@ -17,8 +17,8 @@ class DisturbanceObserver:
 
         d = ξ̇ − ω (ξ − p − δ),
 
-    with ξ̇ = ċ + c̈/ω from the velocity of the CoM alone: its position is corrected by centimetres at
-    once when a sole turns or slips. It is low-pass filtered because c̈ is a difference of estimates
+    with ξ̇ = ċ + c̈/ω from the velocity of the CoM alone: its position is corrected at once when a
+    sole slips. It is low-pass filtered because c̈ is a difference of estimates
     (a disturbance observer after K. Ohnishi, M. Shibata, T. Murakami, Motion control for advanced
     mechatronics, 1996).
 
