@@ -24,7 +24,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
-from random_commands import PUSHES, ROBOTS, RandomPushes
+from shared.random_pushes import PUSHES, RandomPushes
 
 import wbc
 from wbc.gait import Phase
@@ -74,8 +74,7 @@ def walk(job: tuple[str, float, float]) -> Walk:
     walker = wbc.Walker(robot)
     result = Walk(name)
     with Mujoco(robot, dt=walker.dt, seed=0) as plant:
-        forward, back, side = PUSHES[name]
-        pushes = RandomPushes(plant, (share * forward, share * back, share * side), 0)
+        pushes = RandomPushes(plant, share, 0)
         start = ground_point(plant.ground_truth().q)
 
         def before_tick(time: float) -> None:
@@ -103,11 +102,36 @@ def _observe(walker: wbc.Walker, swings: list[Swing]) -> None:
     swings[-1].moved = max(swings[-1].moved, abs(place - swings[-1].place))
 
 
+def print_result(result: Walk) -> bool:
+    """Print a robot's table, and where it is at the end; return whether it fell."""
+    ways = np.array([abs(swing.place) for swing in result.swings])
+    moved = 1e3 * np.array([swing.moved for swing in result.swings])
+    print(f"\n{result.name}: how far the estimate moves the sole that stands, in each swing\n")
+    print("| way, m | swings | median, mm | 95 %, mm | most, mm |")
+    print("| --- | --- | --- | --- | --- |")
+    for start in np.arange(0.0, ways.max(), _BIN):
+        here = moved[(ways >= start) & (ways < start + _BIN)]
+        if here.size:
+            median, high = np.percentile(here, [50.0, 95.0])
+            print(
+                f"| {start:.0f} to {start + _BIN:.0f} | {here.size} | {median:.1f} | {high:.1f} | "
+                f"{here.max():.0f} |"
+            )
+    fell = result.fell is not None
+    end = f"It fell after {result.fell:.1f} s" if fell else "It stands at the end"
+    print(
+        f"\n{end}, {result.way:.0f} m from its start; the estimate is off by "
+        f"{result.place_error:.2f} m and {math.degrees(result.heading_error):.1f}°.",
+        flush=True,
+    )
+    return fell
+
+
 def main() -> int:
     """Run the robots and print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
-        "--robot", action="append", choices=ROBOTS, help="may be repeated (default: talos, g1)"
+        "--robot", action="append", choices=PUSHES, help="may be repeated (default: talos, g1)"
     )
     parser.add_argument("--duration", type=float, default=200.0, help="s (default: %(default)s)")
     parser.add_argument(
@@ -116,31 +140,9 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=1, help="parallel processes")
     args = parser.parse_args()
     jobs = [(name, args.duration, args.pushes) for name in args.robot or ("talos", "g1")]
-    print(
-        "| robot | way, m | swings | the support sole seems to move by, mm: median | 95 % | most |"
-    )
-    print("| --- | --- | --- | --- | --- | --- |")
-    fell = False
     with ProcessPoolExecutor(args.jobs) as pool:
-        for result in pool.map(walk, jobs):
-            ways = np.array([abs(swing.place) for swing in result.swings])
-            moved = 1e3 * np.array([swing.moved for swing in result.swings])
-            for row in range(math.floor(ways.max() / _BIN) + 1):
-                here = moved[(ways >= row * _BIN) & (ways < (row + 1) * _BIN)]
-                if here.size:
-                    print(
-                        f"| {result.name} | {row * _BIN:.0f} to {(row + 1) * _BIN:.0f} | "
-                        f"{here.size} | {np.median(here):.1f} | {np.percentile(here, 95):.1f} | "
-                        f"{here.max():.0f} |"
-                    )
-            end = f"fell after {result.fell:.1f} s" if result.fell else "stands at the end"
-            print(
-                f"{result.name} {end}, {result.way:.0f} m from its start: the estimate is off by "
-                f"{result.place_error:.2f} m and {math.degrees(result.heading_error):.1f}°",
-                flush=True,
-            )
-            fell = fell or result.fell is not None
-    return 1 if fell else 0
+        fell = [print_result(result) for result in pool.map(walk, jobs)]
+    return 1 if any(fell) else 0
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ them uniformly inside it, half of them at its border. A run ends with the fall o
 Noise, estimator and plant are those of `benchmarks/walk.py`.
 
 With `--pushes SHARE` the torso is pushed every 5 s for 0.1 s, in a random direction, by that share
-of the size that each robot is to survive there while it walks (`PUSHES`).
+of the size that each robot is to survive there while it walks (`shared.random_pushes.PUSHES`).
 
     python benchmarks/random_commands.py                   # all robots, one minute, 3 seeds
     python benchmarks/random_commands.py --robot romeo --duration 600 --seeds 1 --pushes 0.5
@@ -20,30 +20,19 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import argparse
 import json
-import math
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
+from shared.random_pushes import PUSHES, RandomPushes
 
 import wbc
-from wbc.robot.attitude import heading
 from wbc.sim import Mujoco
 
-ROBOTS = ("talos", "g1", "simple_humanoid", "icub", "romeo")
-#: Largest push to survive while walking, N·s/kg: forward, back, to either side.
-PUSHES = {
-    "talos": (0.8, 0.85, 0.5),
-    "g1": (0.8, 0.85, 0.75),
-    "simple_humanoid": (0.7, 0.7, 0.45),
-    "icub": (0.4, 0.4, 0.25),
-    "romeo": (0.4, 0.4, 0.25),
-}
 _HOLD = (1.0, 4.0)  # s
 _STAND = 0.5  # s of standing at the start
-_PUSH_PERIOD = 5.0  # s
 
 
 class RandomCommands:
@@ -73,39 +62,6 @@ class RandomCommands:
         self._next += random.uniform(*_HOLD)
 
 
-class RandomPushes:
-    """Pushes the torso every 5 s, in a direction that is uniform over the horizon.
-
-    The size is that of the ellipse through the sizes ahead, back and to the sides.
-
-    Args:
-        plant: the simulated robot.
-        sizes: forward, back and to either side, N·s/kg.
-        seed: of the directions.
-    """
-
-    def __init__(self, plant: Mujoco, sizes: tuple[float, float, float], seed: int) -> None:
-        self._plant, self._sizes = plant, sizes
-        self._random = np.random.default_rng((seed, 1))
-        self._next = _PUSH_PERIOD
-        self.last = "none"
-
-    def __call__(self, time: float) -> None:
-        """Push when it is time; call it before each tick."""
-        if time < self._next:
-            return
-        self._next += _PUSH_PERIOD
-        bearing = self._random.uniform(-math.pi, math.pi)
-        ahead, beside = math.cos(bearing), math.sin(bearing)
-        forward, back, side = self._sizes
-        size = 1.0 / math.hypot(ahead / (forward if ahead > 0.0 else back), beside / side)
-        robot, state = self._plant.robot, self._plant.ground_truth()
-        course = bearing + heading(robot, state)
-        impulse = size * robot.mass * np.array((math.cos(course), math.sin(course), 0.0))
-        self._plant.push(impulse)
-        self.last = f"{size:.2f} N·s/kg at {math.degrees(bearing):.0f}°"
-
-
 def trial(job: tuple[str, int, float, float]) -> tuple[wbc.Report, str]:
     """Run one robot; return its report, and the last command and push before its end."""
     name, seed, duration, share = job
@@ -113,8 +69,7 @@ def trial(job: tuple[str, int, float, float]) -> tuple[wbc.Report, str]:
     walker = wbc.Walker(robot)
     with Mujoco(robot, dt=walker.dt, seed=seed) as plant:
         command = RandomCommands(walker, seed)
-        forward, back, side = PUSHES[name]
-        push = RandomPushes(plant, (share * forward, share * back, share * side), seed)
+        push = RandomPushes(plant, share, seed)
 
         def before_tick(time: float) -> None:
             command(time)
@@ -132,7 +87,7 @@ def main() -> int:
     parser.add_argument(
         "--robot",
         action="append",
-        choices=ROBOTS,
+        choices=PUSHES,
         help="robot to run; may be repeated (default: all)",
     )
     parser.add_argument(
@@ -155,7 +110,7 @@ def main() -> int:
     args = parser.parse_args()
     jobs = [
         (name, seed, args.duration, args.pushes)
-        for name in args.robot or ROBOTS
+        for name in args.robot or PUSHES
         for seed in range(args.seeds)
     ]
     print("| robot | seed | time to fall, s | DCM error, mm rms | steps | before the fall |")

@@ -186,6 +186,10 @@ class InvariantFilter:
         Soles that have moved ever since they landed say so only if their velocity stays: one that
         slides or rolls when it lands is slower at each correction.
 
+        The soles that stand stay where they are, in the mean: nothing measures where the robot is.
+        Else what a step tells of the gyro's bias would turn all of the way behind the robot, and
+        move it by decimetres once it is 100 m away.
+
         Args:
             held: (n,) whole numbers, 1 for a sole that stands still, else 0.
             h: (n, 3) sole centres in IMU axes, m.

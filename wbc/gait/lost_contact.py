@@ -40,12 +40,12 @@ class LostContact:
     def __init__(self, feet: Feet) -> None:
         self._last = feet
         # Where each foot stood last, if it has stood since it last swung.
-        self._standing = {"left": feet.left, "right": feet.right}
+        self._stood = {"left": feet.left, "right": feet.right}
         self.begin_phase(feet)
 
     def begin_phase(self, feet: Feet) -> None:
-        """Take the soles of now as where they stand."""
-        self._stood = feet
+        """Take the soles of now as where they are when the phase begins."""
+        self._at_start = feet
 
     def update(self, state: GaitState, contacts: frozenset[str] | None, dt: float) -> str | None:
         """Return the side of the foot; None if there is none, or no other one that carries.
@@ -65,7 +65,7 @@ class LostContact:
         side = state.support
         if side in contacts:
             return None
-        stood = self._standing.get(side) or self._stood.of(side)
+        stood = self._stood.get(side, self._at_start.of(side))
         moved = _distance(stood, state.stance) > _MOVED
         return side if moved and self._other_carries(state, contacts) else None
 
@@ -73,22 +73,22 @@ class LostContact:
         last, self._last = self._last, state.feet
         for side in ("left", "right"):
             if state.phase is Phase.SWING and side == state.swing_side:
-                self._standing.pop(side, None)
+                self._stood.pop(side, None)
             elif side in contacts and _distance(last.of(side), state.feet.of(side)) <= _SLOW * dt:
-                self._standing[side] = state.feet.of(side)
+                self._stood[side] = state.feet.of(side)
 
     def _of_two(self, feet: Feet, carrying: str) -> str | None:
         side = other_side(carrying)
-        if side not in self._standing:
+        if side not in self._stood:
             return None
-        way, way_here = (_way(self._stood.of(s), feet.of(s)) for s in (side, carrying))
+        way, way_here = (_way(self._at_start.of(s), feet.of(s)) for s in (side, carrying))
         moved = math.hypot(abs(way[0] - way_here[0]), way[1] - way_here[1]) > _MOVED
         return side if moved else None
 
     def _other_carries(self, state: GaitState, contacts: frozenset[str]) -> bool:
         if state.swing_side in contacts:
             return state.time >= _EARLIEST
-        has_stood = state.support in self._standing
+        has_stood = state.support in self._stood
         return has_stood and state.other_foot.height - state.landing.height < _LOW
 
 

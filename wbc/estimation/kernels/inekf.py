@@ -281,10 +281,6 @@ def correct(filter_: np.ndarray, held: np.ndarray, h: np.ndarray, F: np.ndarray)
 
     Innovations too large to be noise mean that a sole has slipped: then nothing is corrected.
 
-    The soles that stand stay where they are, in the mean: nothing measures where the robot is. Else
-    what a step tells of the gyro's bias would turn all of the way behind it, and the robot by
-    decimetres once it is 100 m away.
-
     Args:
         filter_: (1,) the filter.
         held: (feet,) 1 for a sole that stands still, else 0.

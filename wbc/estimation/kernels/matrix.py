@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from wbc.estimation.kernels.rotation import skew
 from wbc.jit.compile import subkernel_or
 
 
@@ -166,8 +167,8 @@ def whiten(inverse: np.ndarray, x: np.ndarray, whitened: np.ndarray, weighted: n
 
 
 def _move_errors(P: np.ndarray, way: np.ndarray, first: int, end: int) -> None:
-    x, y, z = way.tolist()
-    lever = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    lever = np.empty((3, 3))
+    skew(way, lever)
     for place in range(first, end, 3):
         P[place : place + 3] += lever.dot(P[:3])
     for place in range(first, end, 3):

@@ -18,9 +18,9 @@ class DisturbanceObserver:
         d = ξ̇ − ω (ξ − p − δ),
 
     with ξ̇ = ċ + c̈/ω from the velocity of the CoM alone: its position is corrected at once when a
-    sole slips. It is low-pass filtered because c̈ is a difference of estimates
-    (a disturbance observer after K. Ohnishi, M. Shibata, T. Murakami, Motion control for advanced
-    mechatronics, 1996).
+    sole slips. It is low-pass filtered because c̈ is a difference of estimates (a disturbance
+    observer after K. Ohnishi, M. Shibata, T. Murakami, Motion control for advanced mechatronics,
+    1996).
 
     Attributes:
         rate: d, ground vector, m/s.
