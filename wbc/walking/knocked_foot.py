@@ -16,6 +16,7 @@ from wbc.walking.swing_task import SwingTask
 _FASTER = 1.2  # times √(g h) by which a foot is faster than its reference, to be knocked
 _STILL_FASTER = 0.4  # the same of one that was knocked already
 _ABOVE = 0.12  # share of the CoM's height by which a foot is above its reference, likewise
+_BRAKING = 2.0  # times what a leg can give its foot, with which one that is followed goes on
 _LEAST_REMAINING = 0.1  # s that the swing then has left, at least
 _LANDING = 0.03  # s before touchdown from which on a foot is left alone
 _LANDING_HEIGHT = 0.06  # share of the CoM's height up to which it is
@@ -31,8 +32,10 @@ class KnockedFoot:
     `SwingMomentum`), 8 g by two fifths of a metre. So a foot for which more is asked than its leg
     can do, and which moves faster than its reference by some metres per second or is far above it
     (one that lags is slower, and not above), is followed: its way to the landing place goes on from
-    where it is, how fast it is and with the acceleration that it can have, the step is a quick one,
-    lasts as long as that takes (`PushRecovery`), and lands where it catches the DCM by then.
+    where it is and how fast it is, the step is a quick one, lasts as long as its leg takes
+    (`PushRecovery`), and lands where it catches the DCM by then. It goes on with twice the
+    acceleration that its leg can give it for long: what slows it down while the blow lasts is way
+    that it need not come back.
 
     While the support foot has no contact, nothing holds the body, and both feet fly: then, and when
     the foot is about to land, it is left alone. So it is by a walker without a recovery gait, which
@@ -100,7 +103,8 @@ class KnockedFoot:
         size = float(np.linalg.norm(asked))
         if size <= self._acceleration:
             return
-        swing.follow(sole.position, sole.velocity[:3], asked * (self._acceleration / size))
+        braking = asked * (_BRAKING * self._acceleration / size)
+        swing.follow(sole.position, sole.velocity[:3], braking)
         state.shortened = True
         state.duration = max(state.duration, state.time + _LEAST_REMAINING)
 
