@@ -24,7 +24,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
-from shared.random_pushes import PUSHES, RandomPushes
+from shared.random_pushes import PUSHES, RandomPushes, share_of
 
 import wbc
 from wbc.gait import Phase
@@ -74,7 +74,7 @@ def walk(job: tuple[str, float, float]) -> Walk:
     walker = wbc.Walker(robot)
     result = Walk(name)
     with Mujoco(robot, dt=walker.dt, seed=0) as plant:
-        pushes = RandomPushes(plant, share, 0)
+        pushes = RandomPushes(plant, share_of(name, share), 0)
         start = ground_point(plant.ground_truth().q)
 
         def before_tick(time: float) -> None:

@@ -9,6 +9,8 @@ of the size that each robot is to survive there while it walks (`shared.random_p
 
     python benchmarks/random_commands.py                   # all robots, one minute, 3 seeds
     python benchmarks/random_commands.py --robot romeo --duration 600 --seeds 1 --pushes 0.5
+    python benchmarks/random_commands.py --pushes 0.5 --sizes-of romeo \
+        --robot benchmarks/grids/robots/romeo_strong_legs.toml    # what bounds Romeo
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-from shared.random_pushes import PUSHES, RandomPushes
+from shared.random_pushes import PUSHES, RandomPushes, share_of
 
 import wbc
 from wbc.sim import Mujoco
@@ -62,23 +64,23 @@ class RandomCommands:
         self._next += random.uniform(*_HOLD)
 
 
-def trial(job: tuple[str, int, float, float]) -> tuple[wbc.Report, str]:
+def trial(job: tuple[str, int, float, tuple[float, float, float] | None]) -> tuple[wbc.Report, str]:
     """Run one robot; return its report, and the last command and push before its end."""
-    name, seed, duration, share = job
+    name, seed, duration, sizes = job
     robot = wbc.load(name)
     walker = wbc.Walker(robot)
     with Mujoco(robot, dt=walker.dt, seed=seed) as plant:
         command = RandomCommands(walker, seed)
-        push = RandomPushes(plant, share, seed)
+        push = None if sizes is None else RandomPushes(plant, sizes, seed)
 
         def before_tick(time: float) -> None:
             command(time)
-            if share > 0.0:
+            if push is not None:
                 push(time)
 
         report = wbc.run(walker, plant, duration, before_tick=before_tick)
     velocity = ", ".join(f"{component:.2f}" for component in walker.velocity)
-    return report, f"told ({velocity}), last push {push.last}"
+    return report, f"told ({velocity}), last push {push.last if push else 'none'}"
 
 
 def main() -> int:
@@ -87,8 +89,8 @@ def main() -> int:
     parser.add_argument(
         "--robot",
         action="append",
-        choices=PUSHES,
-        help="robot to run; may be repeated (default: all)",
+        metavar="NAME|FILE",
+        help=f"robot to run; may be repeated (default: {', '.join(PUSHES)})",
     )
     parser.add_argument(
         "--duration", type=float, default=60.0, help="duration of a run, s (default: %(default)s)"
@@ -106,12 +108,21 @@ def main() -> int:
         metavar="SHARE",
         help="also push every 5 s, by this share of the sizes to survive (default: none)",
     )
+    parser.add_argument(
+        "--sizes-of",
+        choices=PUSHES,
+        help="push with the sizes of this robot (default: those of the robot itself)",
+    )
     parser.add_argument("--json", type=Path, help="write all reports to this file")
     args = parser.parse_args()
+    names = args.robot or list(PUSHES)
+    sizes = {}
+    for name in names if args.pushes > 0.0 else ():
+        if (args.sizes_of or name) not in PUSHES:
+            parser.error(f"--robot {name}: give --sizes-of, one of {', '.join(PUSHES)}")
+        sizes[name] = share_of(args.sizes_of or name, args.pushes)
     jobs = [
-        (name, seed, args.duration, args.pushes)
-        for name in args.robot or PUSHES
-        for seed in range(args.seeds)
+        (name, seed, args.duration, sizes.get(name)) for name in names for seed in range(args.seeds)
     ]
     print("| robot | seed | time to fall, s | DCM error, mm rms | steps | before the fall |")
     print("| --- | --- | --- | --- | --- | --- |")
@@ -121,8 +132,8 @@ def main() -> int:
             fell = report.fell_at_s is not None
             fall = f"{report.fell_at_s:.1f}" if fell else "none"
             print(
-                f"| {name} | {seed} | {fall} | {report.dcm_error_rms_mm:.1f} | {report.steps} | "
-                f"{last if fell else ''} |",
+                f"| {Path(name).stem} | {seed} | {fall} | {report.dcm_error_rms_mm:.1f} | "
+                f"{report.steps} | {last if fell else ''} |",
                 flush=True,
             )
             rows.append({"seed": seed, **asdict(report)})

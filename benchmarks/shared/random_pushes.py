@@ -1,4 +1,4 @@
-"""Random pushes of the torso of a robot that walks, by a share of what it is to survive."""
+"""Random pushes of the torso of a robot that walks."""
 
 from __future__ import annotations
 
@@ -20,20 +20,25 @@ PUSHES = {
 _PUSH_PERIOD = 5.0  # s
 
 
+def share_of(robot: str, share: float) -> tuple[float, float, float]:
+    """Return a share of a robot's `PUSHES`."""
+    forward, back, side = PUSHES[robot]
+    return share * forward, share * back, share * side
+
+
 class RandomPushes:
     """Pushes the torso every 5 s, in a direction that is uniform over the horizon.
 
     The size is that of the ellipse through the sizes ahead, back and to the sides.
 
     Args:
-        plant: the simulated robot, one of `PUSHES`.
-        share: of the sizes that it is to survive.
+        plant: the simulated robot.
+        sizes: forward, back, to either side, N·s/kg.
         seed: of the directions.
     """
 
-    def __init__(self, plant: Mujoco, share: float, seed: int) -> None:
-        forward, back, side = PUSHES[plant.robot.name]
-        self._plant, self._sizes = plant, (share * forward, share * back, share * side)
+    def __init__(self, plant: Mujoco, sizes: tuple[float, float, float], seed: int) -> None:
+        self._plant, self._sizes = plant, sizes
         self._random = np.random.default_rng((seed, 1))
         self._next = _PUSH_PERIOD
         self.last = "none"

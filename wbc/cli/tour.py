@@ -10,7 +10,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
-from wbc.cli.argument_types import Argument, OutputFile, PolicyFolder, RobotName, positive_number
+from wbc.cli.argument_types import (
+    Argument,
+    OutputFile,
+    PolicyFolder,
+    RobotName,
+    positive_number,
+    whole_number,
+)
 from wbc.cli.exit_code import ExitCode
 from wbc.cli.formatting import table
 from wbc.cli.output import OutputError
@@ -33,6 +40,7 @@ def tour(
     *,
     robot: RobotName = "g1_tour",
     seeds: Annotated[int, Argument("N", positive_number)] = 10,
+    first_seed: Annotated[int, Argument("N", whole_number)] = 0,
     controller: str = "walker",
     policy: PolicyFolder | None = None,
     force: float = 500.0,
@@ -50,6 +58,7 @@ def tour(
         robot: name of a robot, or path of a URDF or robot data file; g1_tour is G1 with the motors
             that the benchmark gives it.
         seeds: number of runs, each with a tour and sensor noise of its own.
+        first_seed: seed of the first one; the others follow it.
         controller: "walker", or "module:factory" of a controller.
         policy: folder of a learned policy to run instead of a controller.
         force: largest force of a punch, N.
@@ -64,7 +73,8 @@ def tour(
     results: list[TourResult] = []
     with ProgressLine(period=10.0) as line, local_workers(workers) as pool:
         submit = pool.executor.submit
-        runs = [submit(simulate_tour, robot, spec, seed, parameters) for seed in range(seeds)]
+        drawn = range(first_seed, first_seed + seeds)
+        runs = [submit(simulate_tour, robot, spec, seed, parameters) for seed in drawn]
         for run in as_completed(runs):
             result = run.result()
             results.append(result)
