@@ -129,20 +129,34 @@ def test_a_foot_that_bounces_while_the_whole_robot_seems_to_move_is_not_lost(gai
     assert lost.update(walking.state, RIGHT, DT) is None
 
 
+def _fly(walking, lost, speed):
+    """Let the left foot fly 6 cm ahead as its step ends by time; return what is lost."""
+    walking.walk_until(Phase.SWING, "right")
+    state = walking.state
+    lost.update(state, RIGHT, DT)
+    state.phase, state.support = Phase.TRANSFER, "left"
+    lost.begin_phase(walking.feet)
+    found = None
+    for _ in range(round(0.06 / (speed * DT)) + 1):
+        walking.knock("left", speed * DT + 0j, 0.0)
+        state.feet = walking.feet
+        found = lost.update(state, RIGHT, DT)
+    return found
+
+
 def test_a_foot_that_is_late_and_still_on_its_way_down_is_not_lost(gaits):
     walking = Walking(gaits)
-    walking.walk_until(Phase.SWING, "right")
     lost, state = LostContact(walking.feet), walking.state
-    lost.update(state, RIGHT, DT)
-    state.phase, state.support = Phase.TRANSFER, "left"  # by time, in the air
-    lost.begin_phase(walking.feet)
-    walking.knock("left", 0.06 + 0j, -0.02)
-    state.feet = walking.feet
-    assert lost.update(state, RIGHT, DT) is None
+    assert _fly(walking, lost, 2.5) is None
     assert lost.update(state, BOTH, DT) is None
     walking.knock("left", 0.06 + 0j, 0.02)
     state.feet = walking.feet
     assert lost.update(state, RIGHT, DT) == "left"
+
+
+def test_a_foot_that_a_blow_takes_along_as_it_lands_is_lost(gaits):
+    walking = Walking(gaits)
+    assert _fly(walking, LostContact(walking.feet), 4.0) == "left"
 
 
 def test_a_foot_that_has_landed_takes_over_from_a_support_foot_that_is_knocked_away(gaits):

@@ -12,6 +12,7 @@ _MOVED = 0.05  # m from where it stood from which on a foot without contact does
 _EARLIEST = 0.03  # s of a swing after which the foot in the air may take over
 _LOW = 0.03  # m over its landing place up to which it may before it has landed
 _SLOW = 0.5  # m/s, the speed up to which a foot in contact stands
+_THROWN = 1.2  # times √(g h), the speed from which on a foot without contact is no late one
 
 
 class LostContact:
@@ -23,7 +24,8 @@ class LostContact:
 
     In double support it has to be elsewhere as seen from the foot that carries. The robot as a
     whole may seem to move, by centimetres when a foot that has just landed bounces. A foot that has
-    not stood since it swung is late: after a push it is still on its way, and comes down.
+    not stood since it swung is late: after a push it is still on its way, and comes down. But one
+    that a blow hits as it lands moves at several metres per second: it counts as having stood.
 
     In a swing it is the support foot, and it has to be elsewhere than where it last stood in
     contact: one that has slid slowly carries the robot, and a hop of milliseconds changes nothing.
@@ -71,11 +73,17 @@ class LostContact:
 
     def _note_standing(self, state: GaitState, contacts: frozenset[str], dt: float) -> None:
         last, self._last = self._last, state.feet
+        gait = state.normal_gait
+        thrown = _THROWN * gait.omega * gait.com_height  # ω h = √(g h)
         for side in ("left", "right"):
+            way = _distance(last.of(side), state.feet.of(side))
             if state.phase is Phase.SWING and side == state.swing_side:
                 self._stood.pop(side, None)
-            elif side in contacts and _distance(last.of(side), state.feet.of(side)) <= _SLOW * dt:
-                self._stood[side] = state.feet.of(side)
+            elif side in contacts:
+                if way <= _SLOW * dt:
+                    self._stood[side] = state.feet.of(side)
+            elif way > thrown * dt:
+                self._stood.setdefault(side, last.of(side))
 
     def _of_two(self, feet: Feet, carrying: str) -> str | None:
         side = other_side(carrying)
