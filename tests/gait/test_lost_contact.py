@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -130,15 +131,15 @@ def test_a_foot_that_bounces_while_the_whole_robot_seems_to_move_is_not_lost(gai
 
 
 def _fly(walking, lost, speed):
-    """Let the left foot fly 6 cm ahead as its step ends by time; return what is lost."""
+    """Let the left foot go 6 cm ahead and 2 down as its step ends by time; return what is lost."""
     walking.walk_until(Phase.SWING, "right")
     state = walking.state
     lost.update(state, RIGHT, DT)
     state.phase, state.support = Phase.TRANSFER, "left"
     lost.begin_phase(walking.feet)
-    found = None
-    for _ in range(round(0.06 / (speed * DT)) + 1):
-        walking.knock("left", speed * DT + 0j, 0.0)
+    found, ticks = None, round(math.hypot(0.06, 0.02) / (speed * DT))
+    for _ in range(ticks):
+        walking.knock("left", 0.06 / ticks + 0j, -0.02 / ticks)
         state.feet = walking.feet
         found = lost.update(state, RIGHT, DT)
     return found

@@ -41,7 +41,7 @@ class LostContact:
 
     def __init__(self, feet: Feet) -> None:
         self._last = feet
-        # Where each foot stood last, if it has stood since it last swung.
+        # Where each foot stood last, if it has stood, or was thrown, since it last swung.
         self._stood = {"left": feet.left, "right": feet.right}
         self.begin_phase(feet)
 
@@ -76,13 +76,13 @@ class LostContact:
         gait = state.normal_gait
         thrown = _THROWN * gait.omega * gait.com_height  # ω h = √(g h)
         for side in ("left", "right"):
-            way = _distance(last.of(side), state.feet.of(side))
             if state.phase is Phase.SWING and side == state.swing_side:
                 self._stood.pop(side, None)
-            elif side in contacts:
-                if way <= _SLOW * dt:
-                    self._stood[side] = state.feet.of(side)
-            elif way > thrown * dt:
+                continue
+            way = _distance(last.of(side), state.feet.of(side))
+            if side in contacts and way <= _SLOW * dt:
+                self._stood[side] = state.feet.of(side)
+            elif side not in contacts and way > thrown * dt:
                 self._stood.setdefault(side, last.of(side))
 
     def _of_two(self, feet: Feet, carrying: str) -> str | None:
