@@ -157,7 +157,7 @@ def test_a_foot_that_is_late_and_still_on_its_way_down_is_not_lost(gaits):
 
 def test_a_foot_that_a_blow_takes_along_as_it_lands_is_lost(gaits):
     walking = Walking(gaits)
-    assert _fly(walking, LostContact(walking.feet), 4.0) == "left"
+    assert _fly(walking, LostContact(walking.feet), 5.0) == "left"
 
 
 def test_a_foot_that_has_landed_takes_over_from_a_support_foot_that_is_knocked_away(gaits):

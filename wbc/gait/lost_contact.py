@@ -12,7 +12,7 @@ _MOVED = 0.05  # m from where it stood from which on a foot without contact does
 _EARLIEST = 0.03  # s of a swing after which the foot in the air may take over
 _LOW = 0.03  # m over its landing place up to which it may before it has landed
 _SLOW = 0.5  # m/s, the speed up to which a foot in contact stands
-_THROWN = 1.2  # times √(g h), the speed from which on a foot without contact is no late one
+_THROWN = 1.6  # times √(g h), the speed from which on a foot without contact is no late one
 
 
 class LostContact:
