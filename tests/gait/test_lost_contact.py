@@ -130,12 +130,12 @@ def test_a_foot_that_bounces_while_the_whole_robot_seems_to_move_is_not_lost(gai
     assert lost.update(walking.state, RIGHT, DT) is None
 
 
-def _fly(walking, lost, speed):
+def _fly(walking, lost, speed, *, quick=False):
     """Let the left foot go 6 cm ahead and 2 down as its step ends by time; return what is lost."""
     walking.walk_until(Phase.SWING, "right")
     state = walking.state
     lost.update(state, RIGHT, DT)
-    state.phase, state.support = Phase.TRANSFER, "left"
+    state.phase, state.support, state.shortened = Phase.TRANSFER, "left", quick
     lost.begin_phase(walking.feet)
     found, ticks = None, round(math.hypot(0.06, 0.02) / (speed * DT))
     for _ in range(ticks):
@@ -157,7 +157,12 @@ def test_a_foot_that_is_late_and_still_on_its_way_down_is_not_lost(gaits):
 
 def test_a_foot_that_a_blow_takes_along_as_it_lands_is_lost(gaits):
     walking = Walking(gaits)
-    assert _fly(walking, LostContact(walking.feet), 5.0) == "left"
+    assert _fly(walking, LostContact(walking.feet), 4.0) == "left"
+
+
+def test_a_foot_that_hurries_in_a_quick_step_is_not_lost(gaits):
+    walking = Walking(gaits)
+    assert _fly(walking, LostContact(walking.feet), 4.0, quick=True) is None
 
 
 def test_a_foot_that_has_landed_takes_over_from_a_support_foot_that_is_knocked_away(gaits):

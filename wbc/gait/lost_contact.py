@@ -12,7 +12,7 @@ _MOVED = 0.05  # m from where it stood from which on a foot without contact does
 _EARLIEST = 0.03  # s of a swing after which the foot in the air may take over
 _LOW = 0.03  # m over its landing place up to which it may before it has landed
 _SLOW = 0.5  # m/s, the speed up to which a foot in contact stands
-_THROWN = 1.6  # times √(g h), the speed from which on a foot without contact is no late one
+_THROWN = 1.2  # times √(g h), the speed from which on a foot is thrown, unless it hurries
 
 
 class LostContact:
@@ -25,7 +25,8 @@ class LostContact:
     In double support it has to be elsewhere as seen from the foot that carries. The robot as a
     whole may seem to move, by centimetres when a foot that has just landed bounces. A foot that has
     not stood since it swung is late: after a push it is still on its way, and comes down. But one
-    that a blow hits as it lands moves at several metres per second: it counts as having stood.
+    that moves at several metres per second after a usual step was hit by a blow as it landed: it
+    counts as having stood. After a quick step it may be one that hurries.
 
     In a swing it is the support foot, and it has to be elsewhere than where it last stood in
     contact: one that has slid slowly carries the robot, and a hop of milliseconds changes nothing.
@@ -82,7 +83,7 @@ class LostContact:
             way = _distance(last.of(side), state.feet.of(side))
             if side in contacts and way <= _SLOW * dt:
                 self._stood[side] = state.feet.of(side)
-            elif side not in contacts and way > thrown * dt:
+            elif side not in contacts and way > thrown * dt and not state.is_quick:
                 self._stood.setdefault(side, last.of(side))
 
     def _of_two(self, feet: Feet, carrying: str) -> str | None:
