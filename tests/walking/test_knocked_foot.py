@@ -9,7 +9,6 @@ import pytest
 
 import wbc
 from wbc.gait import Feet, GaitParameters, GaitState, Phase, Placement, SwingFoot
-from wbc.gait.footsteps import SIDES
 from wbc.walking.ground_kinematics import GroundKinematics
 from wbc.walking.knocked_foot import KnockedFoot
 
@@ -116,14 +115,6 @@ def test_a_foot_that_is_about_to_land_is_left_alone(one_legged):
     one_legged.move([5.0, 0.0, 0.0], [0.0, 0.0, 0.0])
     one_legged.state.time = one_legged.state.duration - 0.01
     assert not one_legged.update()
-
-
-@pytest.mark.parametrize(("contacts", "followed"), [(LEFT, True), (frozenset(SIDES), False)])
-def test_a_foot_that_is_thrown_up_as_it_lands_is_followed(one_legged, contacts, followed):
-    one_legged.move([3.0, 0.0, 3.0], [0.0, 0.0, 0.0])
-    one_legged.state.time = one_legged.state.duration - 0.01
-    assert one_legged.update(contacts) is followed
-    assert (one_legged.state.remaining > 0.09) is followed
 
 
 def test_the_step_of_a_knocked_foot_lasts_until_the_foot_gets_to_its_place(one_legged):

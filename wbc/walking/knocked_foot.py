@@ -20,7 +20,6 @@ _BRAKING = 2.0  # times what a leg can give its foot, with which one that is fol
 _LEAST_REMAINING = 0.1  # s that the swing then has left, at least
 _LANDING = 0.03  # s before touchdown from which on a foot is left alone
 _LANDING_HEIGHT = 0.06  # share of the CoM's height up to which it is
-_RISING = 0.4  # times √(g h) upwards, in the air, from which on it does not land
 
 
 class KnockedFoot:
@@ -40,8 +39,7 @@ class KnockedFoot:
 
     While the support foot has no contact, nothing holds the body, and both feet fly: then, and when
     the foot is about to land, it is left alone. So it is by a walker without a recovery gait, which
-    makes no quick steps. A foot that is thrown up does not land, however little of its time is
-    left: its step would end on it, in the air.
+    makes no quick steps.
 
     After a blow, robots often have no foot on the ground when a quick step begins: the foot that
     then swings moves along with the body, at 1.5 m/s after a heavy punch. Its swing begins with the
@@ -63,7 +61,6 @@ class KnockedFoot:
         self._speed = math.sqrt(robot.gravity * robot.com_height)
         self._landing_height = _LANDING_HEIGHT * robot.com_height
         self._above = _ABOVE * robot.com_height
-        self._rising = _RISING * self._speed
 
     def update(
         self,
@@ -94,15 +91,14 @@ class KnockedFoot:
         speed = speeds[SIDES.index(state.swing_side)]
         if not self._is_thrown(swing, speed, state.other_foot.height):
             return
-        frame_id, task = self._feet[state.swing_side]
-        sole = kin.motion(frame_id)
         lands = (
             state.remaining <= _LANDING
             and state.other_foot.height - state.landing.height <= self._landing_height
-            and (sole.velocity[2] <= self._rising or state.swing_side in contacts)
         )
         if lands and not swing.knocked:
             return
+        frame_id, task = self._feet[state.swing_side]
+        sole = kin.motion(frame_id)
         asked = task.feedback(swing, sole)
         size = float(np.linalg.norm(asked))
         if size <= self._acceleration:
