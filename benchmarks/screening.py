@@ -37,22 +37,24 @@ import time
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
 import wbc
 from wbc.gait import GaitParameters
-from wbc.sim import Mujoco
 from wbc.trials.tour import TourParameters, draw_tour, run_tour
 from wbc.walking import WalkerGains
 
 _DT = 0.002  # s
 _FIRST_SEED = 40000
+_LEVELS = 3  # random stream of a seed; the tour draws from streams 0 to 2
 _SEGMENTS = 5  # punches of a tour
 _SEGMENT = 5.0  # s
 _PRIOR = 8.0  # 1/variance of the b_k
 _ITERATIONS = 30  # of Newton's method
+
+_Fields = TypeVar("_Fields", WalkerGains, GaitParameters)
 
 
 @dataclass(frozen=True)
@@ -97,6 +99,7 @@ QUICK_STEPS = (
     Factor("swing_height", 0.8, 1.25),
     Factor("dcm_gain", 0.65, 1.5),
 )
+_FACTORS = (*GAINS, *QUICK_STEPS)
 NAMES = (
     *(factor.field for factor in GAINS),
     *(f"quick steps: {factor.field}" for factor in QUICK_STEPS),
@@ -124,6 +127,7 @@ class Effect:
 
     Attributes:
         name: of the factor.
+        levels: of the factor, low and high, as factors on its value.
         ratio: of the falls per punch, high to low level.
         interval: 95 % interval of the ratio.
         low: falls and punches at the low level.
@@ -131,6 +135,7 @@ class Effect:
     """
 
     name: str
+    levels: tuple[float, float]
     ratio: float
     interval: tuple[float, float]
     low: tuple[int, int]
@@ -140,35 +145,36 @@ class Effect:
 def run(name: str, friction: float, seed: int) -> Outcome:
     """Run a short tour with levels drawn from its seed."""
     robot = wbc.load(name)
-    levels = np.random.default_rng((seed, 1)).choice((-1, 1), len(NAMES)).tolist()
+    levels = draw_levels(seed)
     gains = WalkerGains.for_robot(robot)
     quick = GaitParameters.for_recovery(robot, GaitParameters.for_robot(robot))
-    changed = _at_levels(GAINS, levels[: len(GAINS)], gains)
-    quick_changed = _at_levels(QUICK_STEPS, levels[len(GAINS) :], quick)
     walker = wbc.Walker(
         robot,
         _DT,
-        gains=dataclasses.replace(gains, **changed),
-        recovery_gait=dataclasses.replace(quick, **quick_changed),
+        gains=_at_levels(gains, GAINS, levels[: len(GAINS)]),
+        recovery_gait=_at_levels(quick, QUICK_STEPS, levels[len(GAINS) :]),
     )
     parameters = TourParameters(
         duration=_SEGMENT * _SEGMENTS, waypoints=_SEGMENTS, first_force=1.0, friction=friction
     )
     tour = draw_tour(robot, seed, parameters)
-    plant = Mujoco(robot, dt=_DT, seed=seed, friction=friction)
-    result = run_tour(robot, walker, tour, plant=plant)
+    result = run_tour(robot, walker, tour)
     hit = [punch for punch in tour.punches if punch.time <= result.survived]
-    return Outcome(tuple(levels), len(hit), not result.completed)
+    return Outcome(levels, len(hit), not result.completed)
 
 
-def _at_levels(
-    factors: tuple[Factor, ...], levels: list[int], base: WalkerGains | GaitParameters
-) -> dict[str, Any]:
-    """Return the fields of `base` at their levels."""
-    return {
+def draw_levels(seed: int) -> tuple[int, ...]:
+    """Return the levels of a tour, ±1: independent of its waypoints, punches and arms."""
+    return tuple(np.random.default_rng((seed, _LEVELS)).choice((-1, 1), len(NAMES)).tolist())
+
+
+def _at_levels(base: _Fields, factors: tuple[Factor, ...], levels: tuple[int, ...]) -> _Fields:
+    """Return `base` with its factors at their levels."""
+    changed = {
         factor.field: getattr(base, factor.field) * (factor.high if level > 0 else factor.low)
         for factor, level in zip(factors, levels, strict=True)
     }
+    return dataclasses.replace(base, **changed)
 
 
 def fit(outcomes: list[Outcome]) -> tuple[np.ndarray, np.ndarray]:
@@ -200,6 +206,7 @@ def effects(outcomes: list[Outcome]) -> list[Effect]:
         found.append(
             Effect(
                 NAMES[k],
+                (_FACTORS[k].low, _FACTORS[k].high),
                 math.exp(ratio),
                 (math.exp(ratio - spread), math.exp(ratio + spread)),
                 _counted(at_low),
@@ -217,11 +224,9 @@ def _counted(outcomes: list[Outcome]) -> tuple[int, int]:
 def _print(found: list[Effect], outcomes: list[Outcome]) -> None:
     falls, punches = _counted(outcomes)
     print(f"{len(outcomes)} short tours, {punches} punches, {falls} falls; falls per punch:\n")
-    factors = dict(zip(NAMES, (*GAINS, *QUICK_STEPS), strict=True))
     print(f"{'factor':32} {'levels':>13} {'high/low':>9} {'95 %':>13} {'low':>9} {'high':>9}")
     for effect in found:
-        factor = factors[effect.name]
-        levels = f"×{factor.low:g}, ×{factor.high:g}"
+        levels = "×{:g}, ×{:g}".format(*effect.levels)
         interval = "{:.2f} to {:.2f}".format(*effect.interval)
         low, high = ("{}/{}".format(*counted) for counted in (effect.low, effect.high))
         print(

@@ -9,6 +9,9 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 import screening
 
+import wbc
+from wbc.trials.tour import draw_tour
+
 
 def tours(seed, planted, n=1500):
     """Short tours whose falls per punch depend on the levels of some factors."""
@@ -48,8 +51,19 @@ def test_of_factors_without_effect_about_one_in_twenty_is_outside_of_its_interva
         for seed in range(6)
         for effect in screening.effects(tours(100 + seed, {}))
     ]
-    assert 0.0 <= np.mean(outside) < 0.1
+    assert 0.0 < np.mean(outside) < 0.1
     assert len(outside) == 6 * len(screening.NAMES)
+
+
+def test_the_levels_tell_nothing_of_the_punches_of_their_tour():
+    robot = wbc.load("g1_tour")
+    seeds = range(40000, 40300)
+    levels = np.array([screening.draw_levels(seed) for seed in seeds])
+    punches = [draw_tour(robot, seed).punches[:2] for seed in seeds]
+    drawn = np.array([[[*p.force, robot.joint_index(p.joint)] for p in two] for two in punches])
+    found = np.corrcoef(levels.T, drawn.reshape(len(seeds), -1).T)
+    between = np.abs(found[: levels.shape[1], levels.shape[1] :])
+    assert between.max() < 4.5 / np.sqrt(len(seeds))
 
 
 def test_a_short_tour_runs_at_the_levels_of_its_seed_and_is_the_same_again(monkeypatch):
