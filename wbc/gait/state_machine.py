@@ -126,7 +126,9 @@ class GaitStateMachine:
                 state.swing = None
                 self._enter(Phase.SWING, _FROM_THE_AIR * state.gait.single_support)
                 state.shortened = True
-        elif state.lost_foot is not None and state.swing_side not in (contacts or ()):
+        elif state.lost_foot is not None:
+            if contacts is not None and state.swing_side in contacts:
+                state.steps += 1
             self._swing_from_the_air(state.lost_foot)
         elif self._has_landed(contacts):
             self._touch_down(command)
@@ -248,8 +250,6 @@ class GaitStateMachine:
         state = self.state
         if contacts is None:
             return state.time >= state.duration
-        if state.lost_foot == state.support:
-            return True
         if state.shortened:
             # A quick foot is low and may scuff; one that is late costs more than one that is
             # pressed down, because the DCM runs away. But while it is high, the robot would have
