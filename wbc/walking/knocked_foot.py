@@ -15,8 +15,7 @@ from wbc.walking.swing_task import SwingTask
 
 _FASTER = 1.2  # times √(g h) by which a foot is faster than its reference, to be knocked
 _STILL_FASTER = 0.4  # the same of one that was knocked already
-_ABOVE = 0.12  # share of the CoM's height by which a foot is above its reference, likewise,
-_RISING = 0.3  # times √(g h) with which it rises then, when it is not known to be knocked yet
+_ABOVE = 0.12  # share of the CoM's height by which a foot is above its reference, likewise
 _BRAKING = 2.0  # times what a leg can give its foot, with which one that is followed goes on
 _LEAST_REMAINING = 0.1  # s that the swing then has left, at least
 _LANDING = 0.03  # s before touchdown from which on a foot is left alone
@@ -31,12 +30,12 @@ class KnockedFoot:
     it. The hip then gives all it has, whatever turns the trunk, for the ground could not take up
     the reaction either: a foot that accelerates by a moves the centroidal moment pivot by κ a (see
     `SwingMomentum`), 8 g by two fifths of a metre. So a foot for which more is asked than its leg
-    can do, and which moves faster than its reference by some metres per second, or rises and is far
-    above it (one that lags is slower, and one that is late does not rise), is followed: its way to
-    the landing place goes on from where it is and how fast it is, the step is a quick one, lasts as
-    long as its leg takes (`PushRecovery`), and lands where it catches the DCM by then. It goes on
-    with twice the acceleration that its leg can give it for long: what slows it down while the blow
-    lasts is way that it need not come back.
+    can do, and which moves faster than its reference by some metres per second or is far above it
+    (one that lags is slower, and not above), is followed: its way to the landing place goes on from
+    where it is and how fast it is, the step is a quick one, lasts as long as its leg takes
+    (`PushRecovery`), and lands where it catches the DCM by then. It goes on with twice the
+    acceleration that its leg can give it for long: what slows it down while the blow lasts is way
+    that it need not come back.
 
     While the support foot has no contact, nothing holds the body, and both feet fly: then, and when
     the foot is about to land, it is left alone. So it is by a walker without a recovery gait, which
@@ -61,7 +60,7 @@ class KnockedFoot:
         self._acceleration = acceleration
         self._speed = math.sqrt(robot.gravity * robot.com_height)
         self._landing_height = _LANDING_HEIGHT * robot.com_height
-        self._above, self._rising = _ABOVE * robot.com_height, _RISING * self._speed
+        self._above = _ABOVE * robot.com_height
 
     def update(
         self,
@@ -90,9 +89,7 @@ class KnockedFoot:
         if state.support not in contacts or state.recovery_gait is state.normal_gait:
             return
         speed = speeds[SIDES.index(state.swing_side)]
-        fast = self._is_fast(swing, speed)
-        above = state.other_foot.height - float(swing.motion.position[2])
-        if not fast and above <= self._above:
+        if not self._is_thrown(swing, speed, state.other_foot.height):
             return
         lands = (
             state.remaining <= _LANDING
@@ -102,8 +99,6 @@ class KnockedFoot:
             return
         frame_id, task = self._feet[state.swing_side]
         sole = kin.motion(frame_id)
-        if not (fast or swing.knocked or sole.velocity[2] > self._rising):
-            return
         asked = task.feedback(swing, sole)
         size = float(np.linalg.norm(asked))
         if size <= self._acceleration:
@@ -113,7 +108,13 @@ class KnockedFoot:
         state.shortened = True
         state.duration = max(state.duration, state.time + _LEAST_REMAINING)
 
-    def _is_fast(self, swing: SwingFoot, speed: float) -> bool:
-        """Whether a foot with a speed, m/s, is faster than its reference by too much."""
+    def _is_thrown(self, swing: SwingFoot, speed: float, height: float) -> bool:
+        """Whether a foot with a speed (m/s) at a height (m) is one that a blow has thrown.
+
+        A blow of half the force gives it less speed than a foot may have that hurries after its
+        reference; but none that hurries is far above it.
+        """
         least = (_STILL_FASTER if swing.knocked else _FASTER) * self._speed
-        return bool(speed > least and speed - np.linalg.norm(swing.motion.velocity[:3]) > least)
+        if speed > least and speed - np.linalg.norm(swing.motion.velocity[:3]) > least:
+            return True
+        return height - float(swing.motion.position[2]) > self._above
