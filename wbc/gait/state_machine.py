@@ -127,7 +127,7 @@ class GaitStateMachine:
                 self._enter(Phase.SWING, _FROM_THE_AIR * state.gait.single_support)
                 state.shortened = True
         elif state.lost_foot is not None:
-            if contacts is not None and state.swing_side in contacts:
+            if state.swing_side in (contacts or ()):
                 state.steps += 1
             self._swing_from_the_air(state.lost_foot)
         elif self._has_landed(contacts):
