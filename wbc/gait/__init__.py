@@ -1,6 +1,7 @@
 """Gait: footsteps, phases, planners of footsteps and DCM, and the swing foot."""
 
 from wbc.gait.footsteps import Velocity, next_footstep
+from wbc.gait.hop import Hop
 from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.planners import (
@@ -35,6 +36,7 @@ __all__ = [
     "GaitParameters",
     "GaitState",
     "GaitStateMachine",
+    "Hop",
     "LiftedFoot",
     "MpcPlanner",
     "Phase",

@@ -50,6 +50,12 @@ class LostContact:
         """Take the soles of now as where they are when the phase begins."""
         self._at_start = feet
 
+    def stand_anew(self, side: str, feet: Feet) -> None:
+        """Take a foot as standing where it is: it has landed there after a hop."""
+        self._last = feet
+        self._stood[side] = feet.of(side)
+        self.begin_phase(feet)
+
     def update(self, state: GaitState, contacts: frozenset[str] | None, dt: float) -> str | None:
         """Return the side of the foot; None if there is none, or no other one that carries.
 

@@ -8,6 +8,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from wbc.gait.footsteps import Velocity
+from wbc.gait.hop import Hop
 from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.parameters import GaitParameters
 from wbc.gait.swing_foot import SwingFoot
@@ -58,7 +59,9 @@ class GaitState:
         normal_gait: parameters of undisturbed walking.
         recovery_gait: parameters of the quick steps after a push.
         com: ground point below the estimated centre of mass, m.
-        vertical_velocity: that of the estimated centre of mass, upwards, m/s.
+        com_height: world height of the estimated centre of mass, m.
+        com_velocity: its horizontal velocity, m/s.
+        vertical_velocity: its velocity upwards, m/s.
         dcm: estimated divergent component of motion without the bias of the CoM, m; of a walking
             robot that is pushed, with what its angular momentum adds.
         dcm_offset: by how much the wanted DCM differed from the planner's at the last tick, because
@@ -82,6 +85,7 @@ class GaitState:
         other_foot_load: largest share of the weight that the foot which does not support
             may carry while standing; infinity leaves it to the controller.
         swing: reference of the foot in the air; None when both stand.
+        hop: the hop of the support foot; None: it stands, or is to stand.
         landing: placement at which the swing foot lands, with the stabilizer's adjustment.
         steps: number of touchdowns so far.
         fast_share: 0 up to the speed of the longest usual step, 1 when the robot walks fast, see
@@ -102,6 +106,8 @@ class GaitState:
     feet: Feet
     recovery_gait: GaitParameters
     com: complex = 0j
+    com_height: float = 0.0
+    com_velocity: complex = 0j
     vertical_velocity: float = 0.0
     dcm: complex = 0j
     dcm_offset: complex = 0j
@@ -120,6 +126,7 @@ class GaitState:
     weight_shift: float = 0.5
     other_foot_load: float = math.inf
     swing: SwingFoot | LiftedFoot | None = None
+    hop: Hop | None = None
     landing: Placement = _ORIGIN
     steps: int = 0
     fast_share: float = 0.0

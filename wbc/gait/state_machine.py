@@ -6,6 +6,7 @@ import math
 
 from wbc.errors import GaitError
 from wbc.gait.footsteps import other_side
+from wbc.gait.hop import Hop
 from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.lost_contact import LostContact
 from wbc.gait.parameters import GaitParameters
@@ -22,6 +23,7 @@ _FROM_THE_AIR = 0.7  # share of the single support after which a foot that was h
 _FIRST_TRANSFER = 0.2  # share of the transfer out of standing before a step that catches a push
 _HIGH = 0.04  # m over its landing place from which on the end of a quick step waits for the foot
 _LONGEST_WAIT = 0.06  # s, the same
+_AFTER_HOP = 0.14  # s after a hop in which the swing foot lands
 _EARLIEST_TOUCHDOWN = 0.6  # share of the swing before which contact is lift-off noise
 
 
@@ -29,8 +31,8 @@ class GaitStateMachine:
     """Runs the phases of the gait: stand → transfer → swing → transfer → … → stand.
 
     Time drives it, except that a swing ends with contact: early when the foot meets the ground
-    before its time, late when it keeps descending until it does. Which foot swings next, where
-    and when it lands, and the DCM are the planner's.
+    before its time, late when it keeps descending until it does. During a swing the support foot
+    may hop (`hop`). Which foot swings next, where and when it lands, and the DCM are the planner's.
 
     A tick has two halves: `update` moves on to the phase of now, then `move_swing` moves the
     swing foot towards the landing place that the stabilizer decided on in the same tick.
@@ -89,6 +91,9 @@ class GaitStateMachine:
         state.feet = feet
         state.time += dt
         self._since_touchdown += dt
+        if state.hop is not None:
+            self._go_on_hopping(state.hop, contacts, dt)
+            return
         state.on_stairs = _leads_over_stairs(state, lifted, command.footsteps, contacts)
         state.lost_foot = self._lost_contact.update(state, contacts, dt)
         asked = state.requested_swing if state.may_choose_side else None
@@ -146,9 +151,27 @@ class GaitStateMachine:
         """Move the swing foot's reference on by dt towards a landing place."""
         state = self.state
         state.landing = landing
+        if state.hop is not None:
+            state.hop.advance(dt)
         if isinstance(state.swing, SwingFoot) and state.time > 0.0:
             state.swing.duration = state.duration
             state.swing.advance(dt, landing, state.ground_slope)
+
+    def hop(self) -> None:
+        """Hop with the support foot from now on, to catch a push; the swing goes on meanwhile."""
+        state = self.state
+        state.hop = Hop(state)
+        state.shortened, state.gait, state.tipping = True, state.recovery_gait, 0j
+
+    def _go_on_hopping(self, hop: Hop, contacts: frozenset[str] | None, dt: float) -> None:
+        state = self.state
+        landed = hop.update(state, contacts, dt)
+        state.duration = state.time + _AFTER_HOP + (0.0 if landed else hop.remaining)
+        if landed:
+            state.hop = None
+            self._lost_contact.stand_anew(state.support, state.feet)
+            if isinstance(state.swing, SwingFoot):
+                state.swing.aim_anew()
 
     def change_gait(self, gait: GaitParameters, recovery_gait: GaitParameters) -> None:
         """Go on with other parameters; the present phase keeps its duration.

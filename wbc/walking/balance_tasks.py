@@ -18,6 +18,8 @@ from wbc.walking.stabilizer.disturbance import is_pushed
 from wbc.walking.trunk_tasks import TrunkTasks
 from wbc.walking.weight_share import WeightShare
 
+_THRUST_SHARE = 20.0  # share of its weight that the CoM's height has in the thrust of a hop
+
 
 class BalanceTasks:
     """Adds the tasks to the controller and sets their references in each tick.
@@ -55,6 +57,7 @@ class BalanceTasks:
                 kd=np.array([0.0, 0.0, 2.0 * np.sqrt(kp)]),
             )
         )
+        self._com_share = WeightShare((self.com,))
         self._trunk = TrunkTasks(controller, kin, gains)
         *torso, base = self._trunk.tasks
         self._torso_share, self._base_share = WeightShare(torso), WeightShare((base,))
@@ -69,6 +72,7 @@ class BalanceTasks:
         arms = self._yaw_moment.arm_momentum
         self._yaw_weight = gains.yaw_momentum_weight / arms**2 if arms > 0.0 else 0.0
         self._arm_share = 0.0
+        self._hops = False
         self.height = HeightReference(workspace, gains.ground_time)
 
     @property
@@ -102,6 +106,8 @@ class BalanceTasks:
             height += offset.com[2]
             com.velocity[2] = offset.com_velocity[2]
             com.acceleration[2] = offset.com_acceleration[2]
+        if state.hop is not None or self._hops:
+            height = self._hop(state, height)
         self._com_target[2] = height
         com.target = self._com_target
         share = 0.0
@@ -112,6 +118,22 @@ class BalanceTasks:
         swing = state.swing
         self._hold_trunk(state)
         self._trunk.update(heading, 0.0 if swing is None else 0.5 * swing.yaw_rate, offset)
+
+    def _hop(self, state: GaitState, height: float) -> float:
+        """Set what is wanted of the CoM's height in a hop, or no longer; return the height, m.
+
+        Its acceleration is wanted, from where it is and how fast it moves. The thrust has little
+        time, and counts more than the way of any limb.
+        """
+        com, hop = self.com, state.hop
+        self._hops = hop is not None
+        self._com_share.set((1.0, 1.0, _THRUST_SHARE) if hop and not hop.flies else 1.0)
+        if hop is None:
+            com.velocity[2] = com.acceleration[2] = 0.0
+            return height
+        com.velocity[2] = state.vertical_velocity
+        com.acceleration[2] = hop.vertical_acceleration
+        return state.com_height
 
     def _hold_trunk(self, state: GaitState) -> None:
         """Set the weights of torso and base.

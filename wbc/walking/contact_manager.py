@@ -8,7 +8,7 @@ import numpy as np
 
 from wbc.contacts import Contact, PointContact, SurfaceContact
 from wbc.controller import WholeBodyController
-from wbc.gait import GaitState, Phase
+from wbc.gait import GaitState, LiftedFoot, Phase, SwingFoot
 from wbc.gait.footsteps import SIDES
 from wbc.robot import Robot, Sole
 from wbc.robot.posture import has_soles
@@ -27,7 +27,7 @@ _LOOSE = 0.1  # square root of the share of the weight that its flatness keeps
 
 
 class ContactManager:
-    """Keeps the controller's contacts and swing task in step with the gait.
+    """Keeps the controller's contacts and swing tasks in step with the gait.
 
     The support foot is held exactly, so that it carries the QP's elimination; the other one in
     double support by a high weight, because two exact feet and a stretched knee may have no
@@ -42,12 +42,13 @@ class ContactManager:
     held exactly in the air, it would carry several times the weight in the QP, and throw the robot
     up as it lands. After such a blow contact alone does not make a foot stand: one that was taken
     along bounces, and held exactly in each of the ticks in which it touches the ground it carries
-    nothing in them, because it would have to stop at once. Towards the end of double support the
-    leaving foot is unloaded.
+    nothing in them, because it would have to stop at once. A foot that hops is held exactly while
+    it thrusts, and not at all while it flies. Towards the end of double support the leaving foot is
+    unloaded.
 
     Args:
         robot: the robot.
-        controller: gets the contacts and the swing task.
+        controller: gets the contacts and the swing tasks.
         gains: the walker's.
         hands: hands in contact.
     """
@@ -69,7 +70,8 @@ class ContactManager:
         self._support_weight: dict[str, float | None] = {}
         self._swing_tasks: dict[str, SwingTask] = {}
         self._tipping: dict[str, TippingFoot] = {}
-        self._tracking: SwingTask | None = None
+        # Weights of the feet in the air that are not the usual one; the controller has their tasks.
+        self._tracked: dict[str, np.ndarray | None] = {}
         self._has_soles = has_soles(robot.soles)
         self._usual_weight: float | np.ndarray = gains.swing_weight
         if not self._has_soles:
@@ -77,7 +79,6 @@ class ContactManager:
         self._quick_weight = self._recovery_weight(gains.swing_recovery_share)
         self._step_out_weight = self._recovery_weight(1.0)
         self._knocked_weight = self._loose_weight()
-        self._set_weight: np.ndarray | None = None  # of the foot in the air; None: the usual one
         for sole, leg in zip(robot.soles, robot.legs, strict=True):
             contact = _contact(sole, gains)
             contact.bind(robot)
@@ -92,13 +93,13 @@ class ContactManager:
 
     @property
     def swing_tasks(self) -> tuple[SwingTask, ...]:
-        """One per foot; the controller has that of the foot in the air."""
+        """One per foot; the controller has those of the feet in the air."""
         return tuple(self._swing_tasks.values())
 
     def update(
         self, state: GaitState, touching: frozenset[str] | None, speeds: tuple[float, float]
     ) -> None:
-        """Set contacts and swing task for the present phase.
+        """Set contacts and swing tasks for the present phase.
 
         Args:
             state: phase, feet and what is planned.
@@ -110,6 +111,12 @@ class ContactManager:
         other = self._contacts[state.swing_side]
         support.motion_weight = self._support_weight[state.support]
         support.max_force = other.max_force = math.inf
+        self._track_feet(state)
+        for side, foot in self._tipping.items():
+            foot.update(state.tipping if side == state.support else 0j, state.stance)
+        if state.hop is not None:
+            self._hold(() if state.hop.flies else (support,))
+            return
         fast = speeds[SIDES.index(state.support)] > self._standing
         bounces = state.swing_is_knocked and fast
         stands = touching is None or (state.support in touching and not bounces)
@@ -117,9 +124,6 @@ class ContactManager:
             support.motion_weight = self._gains.second_contact_weight
             if state.vertical_velocity > self._thrown_up:
                 support.max_force = self._weight
-        self._track_swing(state)
-        for side, foot in self._tipping.items():
-            foot.update(state.tipping if side == state.support else 0j, state.stance)
         if state.phase is Phase.SWING:
             if state.tipping != 0j and stands and self._has_soles:
                 edge = self._tipping[state.support].contact(state.tipping)
@@ -144,26 +148,35 @@ class ContactManager:
         if contacts != self._controller.contacts:  # which checks what it is given
             self._controller.contacts = contacts
 
-    def _track_swing(self, state: GaitState) -> None:
-        swing = state.swing
-        wanted = self._swing_tasks[state.swing_side] if swing is not None else None
-        if wanted is not self._tracking:
-            if self._tracking is not None:
-                self._weigh(self._tracking, None)
-                self._controller.remove(self._tracking)
-            if wanted is not None:
-                self._controller.add(wanted)
-            self._tracking = wanted
-        if wanted is None:
-            return
-        self._weigh(wanted, self._special_weight(state))
-        wanted.foot = swing
+    def _track_feet(self, state: GaitState) -> None:
+        hopping = None if state.hop is None else state.hop.foot
+        if state.swing is None or hopping is None:
+            for side in SIDES:
+                if (state.swing if side == state.swing_side else hopping) is None:
+                    self._untrack(side)
+        if state.swing is not None:
+            self._track(state.swing_side, state.swing, self._special_weight(state))
+        if hopping is not None:
+            self._track(state.support, hopping, self._quick_weight)
 
-    def _weigh(self, task: SwingTask, weight: np.ndarray | None) -> None:
-        """Give the foot in the air a weight if it has another one; None is the usual one."""
-        if weight is not self._set_weight:
+    def _track(self, side: str, foot: SwingFoot | LiftedFoot, weight: np.ndarray | None) -> None:
+        """Have a foot follow its reference, with a weight; None is the usual one."""
+        task = self._swing_tasks[side]
+        if side not in self._tracked:
+            self._controller.add(task)
+            self._tracked[side] = None
+        if weight is not self._tracked[side]:
             task.weight = self._usual_weight if weight is None else weight
-            self._set_weight = weight
+            self._tracked[side] = weight
+        task.foot = foot
+
+    def _untrack(self, side: str) -> None:
+        if side not in self._tracked:
+            return
+        task = self._swing_tasks[side]
+        if self._tracked.pop(side) is not None:
+            task.weight = self._usual_weight
+        self._controller.remove(task)
 
     def _special_weight(self, state: GaitState) -> np.ndarray | None:
         """Return the (6,) weight of a foot that does not have the usual one, else None."""

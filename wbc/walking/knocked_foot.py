@@ -80,7 +80,7 @@ class KnockedFoot:
                 nothing is followed.
         """
         swing = state.swing
-        if not isinstance(swing, SwingFoot) or contacts is None:
+        if not isinstance(swing, SwingFoot) or contacts is None or state.hop is not None:
             return
         if state.time == 0.0 and state.is_quick and state.swing_side not in contacts:
             frame_id, _ = self._feet[state.swing_side]

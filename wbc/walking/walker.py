@@ -277,6 +277,8 @@ class Walker:
         if self._falling_why:
             return self._fall_controller.command(estimate.state)
         contacts = sides_in_contact(self.robot, estimate)
+        if stabilizer.has_to_hop(state, contacts, tilt[0]):
+            machine.hop()
         machine.update(dt, feet, self._command, contacts)
         self._knocked_foot.update(state, kin, self._ground.speeds, contacts)
         balance = self._balance = stabilizer.update(state, self._reference)

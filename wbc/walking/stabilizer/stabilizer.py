@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wbc.gait import DcmReference, GaitState, Phase, Placement, SwingFoot
+from wbc.gait import DcmReference, GaitState, Hop, Phase, Placement, SwingFoot
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
 from wbc.walking.feet import GroundReaction
@@ -13,6 +13,7 @@ from wbc.walking.ground_kinematics import CentroidalMotion
 from wbc.walking.stabilizer.com_bias import ComBiasEstimator
 from wbc.walking.stabilizer.dcm_feedback import zmp_from_dcm_error
 from wbc.walking.stabilizer.disturbance import DisturbanceObserver, is_pushed
+from wbc.walking.stabilizer.hopping import Hopping
 from wbc.walking.stabilizer.push_recovery import PushRecovery, Reference
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 from wbc.walking.stabilizer.tipping import edge_to_tip_over
@@ -67,6 +68,7 @@ class Stabilizer:
         self.com_bias = ComBiasEstimator(robot.gravity)
         self.support = SupportPolygon(robot)
         self.push_recovery = PushRecovery(robot, self.support)
+        self._hopping = Hopping(robot, self.support, self.push_recovery.foot_acceleration)
         self._disturbance = DisturbanceObserver()
         self._momentum_offset = 0j  # of the DCM by the angular momentum, m
 
@@ -113,7 +115,8 @@ class Stabilizer:
             hand_offset: by how much known forces on the hands move the pivot off the ZMP, m.
         """
         dcm = com.point + com.velocity / state.gait.omega
-        state.com, state.vertical_velocity = com.point, com.vertical_velocity
+        state.com, state.com_height = com.point, com.height
+        state.com_velocity, state.vertical_velocity = com.velocity, com.vertical_velocity
         state.dcm = dcm - self.com_bias.update(dt, com, reaction, heading, hand_offset)
         state.disturbance = self._disturbance.update(com.velocity, state.gait.omega, dt)
         counts = is_pushed(state) and not (state.pushed_at_rest or state.at_rest)
@@ -128,6 +131,8 @@ class Stabilizer:
             reference: the wanted DCM for a landing place of the swing foot, or, given None,
                 for the planned one.
         """
+        if state.hop is not None:
+            return self._hop(state, state.hop)
         wanted, landing = self._adjust_steps(state, reference)
         gait, dcm = state.gait, state.dcm
         omega = gait.omega
@@ -141,6 +146,32 @@ class Stabilizer:
         of_com = dcm - self._momentum_offset
         self._disturbance.expect(omega * (of_com - zmp - wanted.cmp_offset))
         return StabilizerOutput(dcm, wanted, zmp, acceleration, landing)
+
+    def has_to_hop(self, state: GaitState, contacts: frozenset[str] | None, tilt: float) -> bool:
+        """Return whether the support foot has to hop from now on, to catch a push.
+
+        Args:
+            state: phase, feet, CoM and DCM.
+            contacts: sides of the soles that touch the ground; None when it is not measured.
+            tilt: angle of the body from the vertical, rad.
+        """
+        return self._hopping.begins(state, contacts, tilt, state.dcm - self._momentum_offset)
+
+    def _hop(self, state: GaitState, hop: Hop) -> StabilizerOutput:
+        """ZMP and CoM acceleration of the thrust, and both landing places.
+
+        In the thrust the ground presses by `g + a` on each kilogram: c̈ = (g + a)/z (c − p).
+        """
+        hopping = self._hopping
+        zmp, acceleration = hopping.zmp(state), 0j
+        if not hop.flies:
+            height = state.com_height - state.stance.height
+            pressure = state.gait.gravity + hop.vertical_acceleration
+            acceleration = pressure / height * (state.com - zmp)
+        hop.landing = hopping.landing(state, hop)
+        self._disturbance.expect(state.com_velocity + acceleration / state.gait.omega)
+        reference = DcmReference(state.dcm, 0j, zmp)
+        return StabilizerOutput(state.dcm, reference, zmp, acceleration, hopping.beside(state, hop))
 
     def _adjust_steps(
         self, state: GaitState, reference: Reference

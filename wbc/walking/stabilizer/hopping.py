@@ -1,0 +1,137 @@
+"""Hops that catch a push towards the support foot."""
+
+from __future__ import annotations
+
+import math
+
+from wbc.gait import GaitState, Hop, Phase, Placement, SwingFoot
+from wbc.gait.footsteps import lateral_sign
+from wbc.geometry.quintic import PEAK_ACCELERATION
+from wbc.robot import Robot
+from wbc.robot.posture import has_soles
+from wbc.walking.stabilizer.support_polygon import SupportPolygon
+
+_SIDEWAYS = 1.5  # times as far across the sole as along it that the DCM is off, at least
+_LEAST_REMAINING = 0.06  # s; a foot that is about to land does, and the other one steps
+_UPRIGHT = 0.26  # rad; a flight goes on with the turning that a tilted body has
+_THROWN = 0.12  # times √(g h), the vertical speed up to which the foot has the ground to thrust
+_BEYOND = 0.06  # share of the CoM's height by which the foot lands beyond the DCM
+_REACH = 0.67  # the same that it lands away from the CoM across the sole, at most
+_REACH_ALONG = 0.6  # and along it
+_BESIDE = 0.3  # and that the swing foot then is away from it
+
+
+class Hopping:
+    """Decides when the support foot hops, and where it lands.
+
+    A robot that is pushed towards its support foot early in a step has no good one: the swing foot
+    can only land beside the support foot, unless it is far enough ahead or behind to cross over
+    (`CrossOver`), and until the step after it the DCM, which doubles in each, is out of reach. The
+    foot that stands is on the right side. It leaves the ground, the DCM moves on evenly in place of
+    running away from it, and it lands beyond the DCM.
+
+    It hops if, by the linear inverted pendulum with the ZMP at the edge of the sole, the DCM will
+    be out of reach of the step after the present one; once in a series of quick steps. Not if the
+    body is tilted or thrown up, when there is nothing to thrust against what turns it, nor if the
+    DCM is off along the sole as well, where steps are long.
+
+    Args:
+        robot: the robot.
+        support: the support polygon.
+        foot_acceleration: the largest that a leg's torques give its foot, m/s².
+    """
+
+    def __init__(self, robot: Robot, support: SupportPolygon, foot_acceleration: float) -> None:
+        self._support = support
+        self._acceleration = foot_acceleration
+        self._has_soles = has_soles(robot.soles)
+        height = robot.com_height
+        self._thrown = _THROWN * math.sqrt(robot.gravity * height)
+        self._beyond, self._reach = _BEYOND * height, _REACH * height
+        self._reach_along, self._beside = _REACH_ALONG * height, _BESIDE * height
+        self._hopped = False
+
+    def begins(
+        self, state: GaitState, contacts: frozenset[str] | None, tilt: float, dcm_of_com: complex
+    ) -> bool:
+        """Return whether the support foot hops from now on.
+
+        Args:
+            state: phase, feet, CoM and DCM.
+            contacts: sides of the soles that touch the ground; None when it is not measured: then
+                it never hops.
+            tilt: angle of the body from the vertical, rad.
+            dcm_of_com: the DCM without what the angular momentum adds, m: it hops if both are out
+                of reach.
+        """
+        if not state.is_quick:
+            self._hopped = False
+            return False
+        if self._hopped or state.phase is not Phase.SWING or not self._has_soles:
+            return False
+        if contacts is None or state.support not in contacts or state.swing_side in contacts:
+            return False
+        if not isinstance(state.swing, SwingFoot) or state.swing_is_knocked:
+            return False
+        if state.crossing != 0.0 or state.on_stairs or state.remaining < _LEAST_REMAINING:
+            return False
+        if tilt > _UPRIGHT or abs(state.vertical_velocity) > self._thrown:
+            return False
+        dcm, outwards = state.stance.to_local(state.dcm), -lateral_sign(state.swing_side)
+        across = outwards * dcm.imag
+        least = min(across, outwards * state.stance.to_local(dcm_of_com).imag)
+        sideways = across > _SIDEWAYS * abs(dcm.real)
+        self._hopped = sideways and self._is_out_of_reach(state, least)
+        return self._hopped
+
+    def _is_out_of_reach(self, state: GaitState, across: float) -> bool:
+        """Whether the step after the present one, which ends beside the support foot, is too short.
+
+        Args:
+            state: during a swing.
+            across: how far the DCM is outwards of the support sole's centre, m.
+        """
+        quick = state.recovery_gait
+        edge = self._support.zmp_range(state.support, 1.0)[1]
+        if across <= edge:
+            return False
+        present = state.remaining + quick.double_support
+        across = edge + (across - edge) * math.exp(quick.omega * present)
+        across += quick.least_width  # from here on of the sole that lands
+        across = edge + (across - edge) * math.exp(quick.omega * quick.single_support)
+        return across > quick.greatest_width
+
+    def zmp(self, state: GaitState) -> complex:
+        """Return the ZMP of the thrust, m: on the sole, where it is nearest to the DCM."""
+        along, across = self._support.zmp_range(state.support, 1.0)
+        dcm = state.stance.to_local(state.dcm)
+        return state.stance.to_world(
+            complex(_clamp(dcm.real, -along, along), _clamp(dcm.imag, -across, across))
+        )
+
+    def landing(self, state: GaitState, hop: Hop) -> Placement:
+        """Return where the hopping foot is to land: beyond the DCM that will be there then.
+
+        Args:
+            state: CoM and DCM.
+            hop: the hop.
+        """
+        start, outwards = hop.start, -lateral_sign(state.swing_side)
+        way = hop.remaining * state.com_velocity
+        com, dcm = start.to_local(state.com + way), start.to_local(state.dcm + way)
+        across = min(outwards * dcm.imag + self._beyond, outwards * com.imag + self._reach)
+        along = _clamp(dcm.real, com.real - self._reach_along, com.real + self._reach_along)
+        place = complex(along, outwards * max(across, 0.0))
+        farthest = self._acceleration * hop.flight**2 / PEAK_ACCELERATION
+        if abs(place) > farthest:
+            place *= farthest / abs(place)
+        return hop.on_ground(start.to_world(place))
+
+    def beside(self, state: GaitState, hop: Hop) -> Placement:
+        """Return where the swing foot goes meanwhile: beside the hopping foot."""
+        place = hop.landing if hop.flies else state.stance
+        return place.compose(Placement(1j * lateral_sign(state.swing_side) * self._beside, 0.0))
+
+
+def _clamp(value: float, least: float, most: float) -> float:
+    return min(max(value, least), most)
