@@ -11,7 +11,6 @@ from wbc.geometry.planar import Placement
 if TYPE_CHECKING:
     from wbc.gait.state import GaitState
 
-_TAKE_OFF = 0.195  # times √(g h), the speed of the CoM upwards at which the foot leaves the ground
 _THRUST = 1.6  # times gravity, the acceleration of the CoM upwards in the thrust
 _LONGEST_THRUST = 0.06  # s
 _RISE = 0.075  # share of the CoM's height by which it may be above it before the leg is straight
@@ -33,6 +32,8 @@ class Hop:
 
     Args:
         state: of the gait, as the hop begins.
+        take_off_speed: vertical speed of the CoM with which the foot leaves the ground, m/s; less
+            if the thrust takes too long, or the leg is straight before.
 
     Attributes:
         flies: whether the foot is in the air; before, it thrusts.
@@ -44,11 +45,12 @@ class Hop:
         remaining: time of it that is left, s.
     """
 
-    def __init__(self, state: GaitState) -> None:
+    def __init__(self, state: GaitState, take_off_speed: float) -> None:
         self.flies = False
         self.vertical_acceleration = _THRUST * state.gait.gravity
         self.landing = self.start = state.stance
         self.foot: SwingFoot | None = None
+        self._take_off_speed = take_off_speed
         self._height = state.normal_gait.com_height
         self._time = 0.0  # s since thrust or flight began
         self.flight = self.remaining = _SHORTEST_FLIGHT
@@ -73,7 +75,7 @@ class Hop:
         root = math.sqrt(speed * speed + 2.0 * gravity * drop)
         self.flight = self.remaining = max((speed + root) / gravity, _SHORTEST_FLIGHT)
         self.start = state.stance
-        fast = speed >= _TAKE_OFF * math.sqrt(gravity * self._height)
+        fast = speed >= self._take_off_speed
         straight = height > (1.0 + _RISE) * self._height
         if fast or straight or self._time >= _LONGEST_THRUST:
             self._take_off(state)

@@ -157,10 +157,14 @@ class GaitStateMachine:
             state.swing.duration = state.duration
             state.swing.advance(dt, landing, state.ground_slope)
 
-    def hop(self) -> None:
-        """Hop with the support foot from now on, to catch a push; the swing goes on meanwhile."""
+    def hop(self, take_off_speed: float) -> None:
+        """Hop with the support foot from now on, to catch a push; the swing goes on meanwhile.
+
+        Args:
+            take_off_speed: see `Hop`.
+        """
         state = self.state
-        state.hop = Hop(state)
+        state.hop = Hop(state, take_off_speed)
         state.shortened, state.gait, state.tipping = True, state.recovery_gait, 0j
 
     def _go_on_hopping(self, hop: Hop, contacts: frozenset[str] | None, dt: float) -> None:

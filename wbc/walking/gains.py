@@ -34,6 +34,8 @@ class WalkerGains:
         tipping_distance: how far the DCM has left an edge of the sole over which the support foot
             of a quick step tips, share of the CoM's height; infinity: it never tips.
         tipping_weight: weight of the orientation of a support foot that tips over an edge.
+        hop_speed: vertical speed with which a robot that is pushed towards its support foot hops on
+            it, share of √(g h) with the CoM's height h; 0: it never hops.
         posture_weight: weight of the posture of arms, trunk and head.
         leg_posture_weight: weight of the legs' posture without the knees: too little to pull on
             the CoM.
@@ -68,6 +70,7 @@ class WalkerGains:
     torso_release_angle: float = 0.3
     tipping_distance: float = 0.17
     tipping_weight: float = 20.0
+    hop_speed: float = 0.2
     posture_weight: float = 1.0
     leg_posture_weight: float = 0.02
     knee_posture_weight: float = 0.5

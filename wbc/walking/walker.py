@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -122,6 +123,7 @@ class Walker:
             self.stabilizer.push_recovery.foot_acceleration,
         )
         self.reference_offset: ReferenceOffset | None = None
+        self._take_off_speed = gains.hop_speed * math.sqrt(robot.gravity * robot.com_height)
         self._fall_detector = FallDetector(robot, dt)
         self._fall_controller = FallController(robot, dt, workspace.knees)
         self._falling_why = ""
@@ -278,7 +280,7 @@ class Walker:
             return self._fall_controller.command(estimate.state)
         contacts = sides_in_contact(self.robot, estimate)
         if stabilizer.has_to_hop(state, contacts, tilt[0]):
-            machine.hop()
+            machine.hop(self._take_off_speed)
         machine.update(dt, feet, self._command, contacts)
         self._knocked_foot.update(state, kin, self._ground.speeds, contacts)
         balance = self._balance = stabilizer.update(state, self._reference)

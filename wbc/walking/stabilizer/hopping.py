@@ -16,9 +16,10 @@ _LEAST_REMAINING = 0.06  # s; a foot that is about to land does, and the other o
 _UPRIGHT = 0.26  # rad; a flight goes on with the turning that a tilted body has
 _THROWN = 0.12  # times √(g h), the vertical speed up to which the foot has the ground to thrust
 _BEYOND = 0.06  # share of the CoM's height by which the foot lands beyond the DCM
-_REACH = 0.67  # the same that it lands away from the CoM across the sole, at most
+_REACH = 0.75  # the same that it lands away from the CoM across the sole, at most
 _REACH_ALONG = 0.6  # and along it
-_BESIDE = 0.3  # and that the swing foot then is away from it
+_AWAY = 1.2  # and that the swing foot aims away from it
+_ACCELERATION = 1.4  # times what a swing foot gets: its leg need not carry the body
 
 
 class Hopping:
@@ -29,6 +30,9 @@ class Hopping:
     (`CrossOver`), and until the step after it the DCM, which doubles in each, is out of reach. The
     foot that stands is on the right side. It leaves the ground, the DCM moves on evenly in place of
     running away from it, and it lands beyond the DCM.
+
+    A leg that is thrown to one side in the air turns the trunk to that side (the angular momentum
+    is what it was), as the push does already. So the other leg is thrown to the other side.
 
     It hops if, by the linear inverted pendulum with the ZMP at the edge of the sole, the DCM will
     be out of reach of the step after the present one; once in a series of quick steps. Not if the
@@ -43,12 +47,12 @@ class Hopping:
 
     def __init__(self, robot: Robot, support: SupportPolygon, foot_acceleration: float) -> None:
         self._support = support
-        self._acceleration = foot_acceleration
+        self._acceleration = _ACCELERATION * foot_acceleration
         self._has_soles = has_soles(robot.soles)
         height = robot.com_height
         self._thrown = _THROWN * math.sqrt(robot.gravity * height)
         self._beyond, self._reach = _BEYOND * height, _REACH * height
-        self._reach_along, self._beside = _REACH_ALONG * height, _BESIDE * height
+        self._reach_along, self._away = _REACH_ALONG * height, _AWAY * height
         self._hopped = False
 
     def begins(
@@ -127,10 +131,10 @@ class Hopping:
             place *= farthest / abs(place)
         return hop.on_ground(start.to_world(place))
 
-    def beside(self, state: GaitState, hop: Hop) -> Placement:
-        """Return where the swing foot goes meanwhile: beside the hopping foot."""
+    def away(self, state: GaitState, hop: Hop) -> Placement:
+        """Return where the swing foot aims meanwhile: far away from the hopping foot."""
         place = hop.landing if hop.flies else state.stance
-        return place.compose(Placement(1j * lateral_sign(state.swing_side) * self._beside, 0.0))
+        return place.compose(Placement(1j * lateral_sign(state.swing_side) * self._away, 0.0))
 
 
 def _clamp(value: float, least: float, most: float) -> float:

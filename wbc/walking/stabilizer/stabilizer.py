@@ -155,6 +155,8 @@ class Stabilizer:
             contacts: sides of the soles that touch the ground; None when it is not measured.
             tilt: angle of the body from the vertical, rad.
         """
+        if self._gains.hop_speed == 0.0:
+            return False
         return self._hopping.begins(state, contacts, tilt, state.dcm - self._momentum_offset)
 
     def _hop(self, state: GaitState, hop: Hop) -> StabilizerOutput:
@@ -171,7 +173,7 @@ class Stabilizer:
         hop.landing = hopping.landing(state, hop)
         self._disturbance.expect(state.com_velocity + acceleration / state.gait.omega)
         reference = DcmReference(state.dcm, 0j, zmp)
-        return StabilizerOutput(state.dcm, reference, zmp, acceleration, hopping.beside(state, hop))
+        return StabilizerOutput(state.dcm, reference, zmp, acceleration, hopping.away(state, hop))
 
     def _adjust_steps(
         self, state: GaitState, reference: Reference
