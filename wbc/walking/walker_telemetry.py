@@ -44,7 +44,7 @@ def walking_telemetry(
         rows[3],
         heading,
         abs(dcm - reference),
-        state.support if state.phase is Phase.SWING else state.phase.value,
+        _phase(state),
         state.steps,
     )
 
@@ -87,11 +87,23 @@ def planned_contacts(
         ground: height at which the support is shown, m.
     """
     swing = state.swing
+    corners = [] if _flies(state) else support.corners(state)
     return ContactPlan(
-        support=np.array([[p.real, p.imag, ground] for p in support.corners(state)]),
+        support=np.array([[p.real, p.imag, ground] for p in corners]).reshape(-1, 3),
         footsteps=tuple(
             Footstep(side, np.array([p.point.real, p.point.imag, p.height]), p.yaw)
             for side, p in planner.footsteps(state)
         ),
         swing_path=np.array(swing.path()) if swing is not None else np.empty((0, 3)),
     )
+
+
+def _phase(state: GaitState) -> str:
+    """Return the phase of a robot that walks or stands, one of `wbc.telemetry.PHASES`."""
+    if _flies(state):
+        return "flight"
+    return state.support if state.phase is Phase.SWING else state.phase.value
+
+
+def _flies(state: GaitState) -> bool:
+    return state.hop is not None and state.hop.flies
