@@ -24,6 +24,7 @@ _FIRST_TRANSFER = 0.2  # share of the transfer out of standing before a step tha
 _HIGH = 0.04  # m over its landing place from which on the end of a quick step waits for the foot
 _LONGEST_WAIT = 0.06  # s, the same
 _AFTER_HOP = 0.14  # s after a hop in which the swing foot lands
+_FLIGHT = 0.25  # s that the flight is taken for in the thrust: a leg in a hurry takes from it
 _EARLIEST_TOUCHDOWN = 0.6  # share of the swing before which contact is lift-off noise
 
 
@@ -91,8 +92,7 @@ class GaitStateMachine:
         state.feet = feet
         state.time += dt
         self._since_touchdown += dt
-        if state.hop is not None:
-            self._go_on_hopping(state.hop, contacts, dt)
+        if state.hop is not None and not self._lands(state.hop, contacts, dt):
             return
         state.on_stairs = _leads_over_stairs(state, lifted, command.footsteps, contacts)
         state.lost_foot = self._lost_contact.update(state, contacts, dt)
@@ -167,15 +167,19 @@ class GaitStateMachine:
         state.hop = Hop(state, take_off_speed)
         state.shortened, state.gait, state.tipping = True, state.recovery_gait, 0j
 
-    def _go_on_hopping(self, hop: Hop, contacts: frozenset[str] | None, dt: float) -> None:
+    def _lands(self, hop: Hop, contacts: frozenset[str] | None, dt: float) -> bool:
+        """Go on with a hop; return whether it lands: then the swing goes on as usual."""
         state = self.state
         landed = hop.update(state, contacts, dt)
-        state.duration = state.time + _AFTER_HOP + (0.0 if landed else hop.remaining)
-        if landed:
+        state.duration = state.time + _AFTER_HOP
+        if not landed:
+            state.duration += hop.remaining if hop.flies else _FLIGHT
+        else:
             state.hop = None
             self._lost_contact.stand_anew(state.support, state.feet)
             if isinstance(state.swing, SwingFoot):
                 state.swing.aim_anew()
+        return landed
 
     def change_gait(self, gait: GaitParameters, recovery_gait: GaitParameters) -> None:
         """Go on with other parameters; the present phase keeps its duration.

@@ -279,7 +279,7 @@ class Walker:
         if self._falling_why:
             return self._fall_controller.command(estimate.state)
         contacts = sides_in_contact(self.robot, estimate)
-        if stabilizer.has_to_hop(state, contacts, tilt[0]):
+        if not hands and stabilizer.has_to_hop(state, contacts, tilt[0]):
             machine.hop(self._take_off_speed)
         machine.update(dt, feet, self._command, contacts)
         self._knocked_foot.update(state, kin, self._ground.speeds, contacts)

@@ -55,6 +55,10 @@ class Hopping:
         self._reach_along, self._away = _REACH_ALONG * height, _AWAY * height
         self._hopped = False
 
+    def reset(self) -> None:
+        """Forget the present series of quick steps."""
+        self._hopped = False
+
     def begins(
         self, state: GaitState, contacts: frozenset[str] | None, tilt: float, dcm_of_com: complex
     ) -> bool:

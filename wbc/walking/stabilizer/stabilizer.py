@@ -80,6 +80,7 @@ class Stabilizer:
     def resume(self) -> None:
         """Go on after another controller, with the bias known so far."""
         self._disturbance.reset()
+        self._hopping.reset()
 
     def observe(
         self,
