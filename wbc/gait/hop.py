@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING
 
 from wbc.gait.swing_foot import SwingFoot
-from wbc.geometry.planar import Placement
 
 if TYPE_CHECKING:
     from wbc.gait.state import GaitState
@@ -97,7 +96,3 @@ class Hop:
             state.gait.touchdown_speed,
             lift=0.0,
         )
-
-    def on_ground(self, point: complex) -> Placement:
-        """The placement at a ground point that the foot has when it lands there."""
-        return self.start._replace(point=point)

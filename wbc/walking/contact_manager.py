@@ -150,10 +150,9 @@ class ContactManager:
 
     def _track_feet(self, state: GaitState) -> None:
         hopping = None if state.hop is None else state.hop.foot
-        if state.swing is None or hopping is None:
-            for side in SIDES:
-                if (state.swing if side == state.swing_side else hopping) is None:
-                    self._untrack(side)
+        for side, foot in ((state.swing_side, state.swing), (state.support, hopping)):
+            if foot is None:
+                self._untrack(side)
         if state.swing is not None:
             self._track(state.swing_side, state.swing, self._special_weight(state))
         if hopping is not None:

@@ -109,14 +109,6 @@ class Hopping:
         across = edge + (across - edge) * math.exp(quick.omega * quick.single_support)
         return across > quick.greatest_width
 
-    def zmp(self, state: GaitState) -> complex:
-        """Return the ZMP of the thrust, m: on the sole, where it is nearest to the DCM."""
-        along, across = self._support.zmp_range(state.support, 1.0)
-        dcm = state.stance.to_local(state.dcm)
-        return state.stance.to_world(
-            complex(_clamp(dcm.real, -along, along), _clamp(dcm.imag, -across, across))
-        )
-
     def landing(self, state: GaitState, hop: Hop) -> Placement:
         """Return where the hopping foot is to land: beyond the DCM that will be there then.
 
@@ -128,18 +120,15 @@ class Hopping:
         way = hop.remaining * state.com_velocity
         com, dcm = start.to_local(state.com + way), start.to_local(state.dcm + way)
         across = min(outwards * dcm.imag + self._beyond, outwards * com.imag + self._reach)
-        along = _clamp(dcm.real, com.real - self._reach_along, com.real + self._reach_along)
+        reach = self._reach_along
+        along = min(max(dcm.real, com.real - reach), com.real + reach)
         place = complex(along, outwards * max(across, 0.0))
         farthest = self._acceleration * hop.flight**2 / PEAK_ACCELERATION
         if abs(place) > farthest:
             place *= farthest / abs(place)
-        return hop.on_ground(start.to_world(place))
+        return start._replace(point=start.to_world(place))
 
     def away(self, state: GaitState, hop: Hop) -> Placement:
         """Return where the swing foot aims meanwhile: far away from the hopping foot."""
         place = hop.landing if hop.flies else state.stance
         return place.compose(Placement(1j * lateral_sign(state.swing_side) * self._away, 0.0))
-
-
-def _clamp(value: float, least: float, most: float) -> float:
-    return min(max(value, least), most)

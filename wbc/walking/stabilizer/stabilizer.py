@@ -163,10 +163,11 @@ class Stabilizer:
     def _hop(self, state: GaitState, hop: Hop) -> StabilizerOutput:
         """ZMP and CoM acceleration of the thrust, and both landing places.
 
-        In the thrust the ground presses by `g + a` on each kilogram: c̈ = (g + a)/z (c − p).
+        The ZMP is where the sole is nearest to the DCM. In the thrust the ground presses by `g + a`
+        on each kilogram: c̈ = (g + a)/z (c − p).
         """
         hopping = self._hopping
-        zmp, acceleration = hopping.zmp(state), 0j
+        zmp, acceleration = self.support.clamp(state.dcm, state, 0.0), 0j
         if not hop.flies:
             height = state.com_height - state.stance.height
             pressure = state.gait.gravity + hop.vertical_acceleration
