@@ -62,13 +62,14 @@ def test_the_heel_is_free_late_in_a_fast_swing_once_the_pressure_is_on_its_way_t
     assert edge_to_tip_over(state, complex(math.inf), support, BEYOND) == 0j
 
 
-def pushed(robot, seed=3, at=2.2):
-    """Push a robot that walks to its support foot's side; yields walker and command per tick."""
+def pushed(robot, seed=3, at=2.2, size=1.0):
+    """Push a robot that walks to its support foot's side, by `size` N·s/kg; yields walker and
+    command per tick."""
     walker = wbc.Walker(robot)
     estimator = wbc.Estimator(robot, walker.dt)
     walker.velocity = (0.3, 0.0, 0.0)
     with Mujoco(robot, seed=seed) as plant:
-        plant.schedule_push(at, robot.mass * np.array([0.0, 1.0, 0.0]))
+        plant.schedule_push(at, robot.mass * np.array([0.0, size, 0.0]))
         estimator.reset(plant.ground_truth())
         expected = None
         for _ in range(round(4.2 / walker.dt)):
@@ -100,10 +101,10 @@ def test_a_robot_that_is_pushed_towards_its_support_foot_tips_it_and_goes_on(g1)
 @pytest.mark.slow
 def test_such_pushes_fell_a_robot_that_holds_its_foot_flat_more_often(g1, monkeypatch):
     def falls() -> int:
-        pushes = [(seed, at) for seed in (3, 4, 5) for at in (2.16, 2.18)]
-        return sum(bool([*pushed(g1, *push)][-1][0].falling_why) for push in pushes)
+        pushes = [(seed, at) for seed in range(3, 11) for at in (2.19, 2.20, 2.21)]
+        return sum(bool([*pushed(g1, *push, size=1.1)][-1][0].falling_why) for push in pushes)
 
     tipping = falls()
     module = "wbc.walking.stabilizer.stabilizer.edge_to_tip_over"
     monkeypatch.setattr(module, lambda *_: 0j)
-    assert falls() >= tipping + 2
+    assert falls() >= tipping + 3
