@@ -43,9 +43,11 @@ def hopping() -> Hopping:
     return Hopping(ROBOT, SupportPolygon(ROBOT), ACCELERATION)
 
 
-def begins(state: GaitState, tilt: float = 0.0, touching: str = "support") -> bool:
+def begins(
+    state: GaitState, tilt: float = 0.0, touching: str = "support", momentum: complex = 0j
+) -> bool:
     contacts = frozenset({state.support if touching == "support" else touching})
-    return hopping().begins(state, contacts, tilt, state.dcm)
+    return hopping().begins(state, contacts, tilt, state.dcm, momentum)
 
 
 @pytest.mark.parametrize("support", SIDES)
@@ -86,6 +88,14 @@ def test_it_does_not_hop_when_another_foot_or_nothing_carries(change):
     assert not begins(state)
 
 
+@pytest.mark.parametrize("support", SIDES)
+def test_a_body_that_turns_back_already_is_not_turned_on_by_the_leg_of_a_hop(support):
+    state, outwards = standing_on(support, 0.3j), lateral_sign(support)
+    assert begins(state, momentum=0.05j * outwards)
+    assert begins(state, momentum=-0.005j * outwards)
+    assert not begins(state, momentum=-0.05j * outwards)
+
+
 def test_a_tilted_robot_does_not_hop():
     state = standing_on("left", 0.3j)
     assert begins(state, tilt=0.2)
@@ -95,18 +105,18 @@ def test_a_tilted_robot_does_not_hop():
 def test_without_the_support_foot_on_the_ground_it_does_not_hop():
     state = standing_on("left", 0.3j)
     assert not begins(state, touching="right")
-    assert not hopping().begins(state, None, 0.0, state.dcm)
+    assert not hopping().begins(state, None, 0.0, state.dcm, 0j)
 
 
 def test_it_hops_once_until_the_quick_steps_are_over():
     state, decides = standing_on("left", 0.3j), hopping()
     contacts = frozenset({"left"})
-    assert decides.begins(state, contacts, 0.0, state.dcm)
-    assert not decides.begins(state, contacts, 0.0, state.dcm)
+    assert decides.begins(state, contacts, 0.0, state.dcm, 0j)
+    assert not decides.begins(state, contacts, 0.0, state.dcm, 0j)
     state.shortened = False
-    assert not decides.begins(state, contacts, 0.0, state.dcm)
+    assert not decides.begins(state, contacts, 0.0, state.dcm, 0j)
     state.shortened = True
-    assert decides.begins(state, contacts, 0.0, state.dcm)
+    assert decides.begins(state, contacts, 0.0, state.dcm, 0j)
 
 
 @pytest.mark.parametrize("support", SIDES)

@@ -14,6 +14,7 @@ from wbc.walking.stabilizer.support_polygon import SupportPolygon
 _SIDEWAYS = 1.5  # times as far across the sole as along it that the DCM is off, at least
 _LEAST_REMAINING = 0.06  # s; a foot that is about to land does, and the other one steps
 _UPRIGHT = 0.26  # rad; a flight goes on with the turning that a tilted body has
+_TURNS_BACK = 0.02  # share of the CoM's height that momentum away from the push moves the DCM by
 _THROWN = 0.12  # times √(g h), the vertical speed up to which the foot has the ground to thrust
 _BEYOND = 0.06  # share of the CoM's height by which the foot lands beyond the DCM
 _REACH = 0.75  # the same that it lands away from the CoM across the sole, at most
@@ -36,8 +37,9 @@ class Hopping:
 
     It hops if, by the linear inverted pendulum with the ZMP at the edge of the sole, the DCM will
     be out of reach of the step after the present one; once in a series of quick steps. Not if the
-    body is tilted or thrown up, when there is nothing to thrust against what turns it, nor if the
-    DCM is off along the sole as well, where steps are long.
+    body is tilted or thrown up, when there is nothing to thrust against what turns it, nor if it is
+    turning back already, as in the steps after the first: the leg that is thrown would turn it on.
+    Nor if the DCM is off along the sole as well, where steps are long.
 
     Args:
         robot: the robot.
@@ -51,6 +53,7 @@ class Hopping:
         self._has_soles = has_soles(robot.soles)
         height = robot.com_height
         self._thrown = _THROWN * math.sqrt(robot.gravity * height)
+        self._turns_back = _TURNS_BACK * height
         self._beyond, self._reach = _BEYOND * height, _REACH * height
         self._reach_along, self._away = _REACH_ALONG * height, _AWAY * height
         self._hopped = False
@@ -60,7 +63,12 @@ class Hopping:
         self._hopped = False
 
     def begins(
-        self, state: GaitState, contacts: frozenset[str] | None, tilt: float, dcm_of_com: complex
+        self,
+        state: GaitState,
+        contacts: frozenset[str] | None,
+        tilt: float,
+        dcm_of_com: complex,
+        momentum: complex,
     ) -> bool:
         """Return whether the support foot hops from now on.
 
@@ -69,8 +77,8 @@ class Hopping:
             contacts: sides of the soles that touch the ground; None when it is not measured: then
                 it never hops.
             tilt: angle of the body from the vertical, rad.
-            dcm_of_com: the DCM without what the angular momentum adds, m: it hops if both are out
-                of reach.
+            dcm_of_com: the DCM without what the angular momentum adds, m.
+            momentum: what the angular momentum adds, m: it hops if both are out of reach.
         """
         if not state.is_quick:
             self._hopped = False
@@ -85,11 +93,12 @@ class Hopping:
             return False
         if tilt > _UPRIGHT or abs(state.vertical_velocity) > self._thrown:
             return False
-        dcm, outwards = state.stance.to_local(state.dcm), -lateral_sign(state.swing_side)
-        across = outwards * dcm.imag
-        least = min(across, outwards * state.stance.to_local(dcm_of_com).imag)
-        sideways = across > _SIDEWAYS * abs(dcm.real)
-        self._hopped = sideways and self._is_out_of_reach(state, least)
+        outwards = -lateral_sign(state.swing_side)
+        dcm = state.stance.to_local(dcm_of_com + momentum)
+        across, of_com = outwards * dcm.imag, outwards * state.stance.to_local(dcm_of_com).imag
+        if across < of_com - self._turns_back or across < _SIDEWAYS * abs(dcm.real):
+            return False
+        self._hopped = self._is_out_of_reach(state, min(across, of_com))
         return self._hopped
 
     def _is_out_of_reach(self, state: GaitState, across: float) -> bool:

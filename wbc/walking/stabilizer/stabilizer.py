@@ -70,7 +70,7 @@ class Stabilizer:
         self.push_recovery = PushRecovery(robot, self.support)
         self._hopping = Hopping(robot, self.support, self.push_recovery.foot_acceleration)
         self._disturbance = DisturbanceObserver()
-        self._momentum_offset = 0j  # of the DCM by the angular momentum, m
+        self._dcm_of_com = self._momentum = 0j  # m; the DCM, and what angular momentum adds to it
 
     def reset(self) -> None:
         """Start anew, at rest and without a known bias."""
@@ -118,11 +118,11 @@ class Stabilizer:
         dcm = com.point + com.velocity / state.gait.omega
         state.com, state.com_height = com.point, com.height
         state.com_velocity, state.vertical_velocity = com.velocity, com.vertical_velocity
-        state.dcm = dcm - self.com_bias.update(dt, com, reaction, heading, hand_offset)
+        self._dcm_of_com = dcm - self.com_bias.update(dt, com, reaction, heading, hand_offset)
+        self._momentum = state.gait.omega * com.centroidal_momentum
         state.disturbance = self._disturbance.update(com.velocity, state.gait.omega, dt)
         counts = is_pushed(state) and not (state.pushed_at_rest or state.at_rest)
-        self._momentum_offset = state.gait.omega * com.centroidal_momentum if counts else 0j
-        state.dcm += self._momentum_offset
+        state.dcm = self._dcm_of_com + (self._momentum if counts else 0j)
 
     def update(self, state: GaitState, reference: Reference) -> StabilizerOutput:
         """Decide on ZMP, CoM acceleration and landing place of this tick.
@@ -144,8 +144,7 @@ class Stabilizer:
         # The CoM as estimated, with its bias: the QP uses the same, so the ZMP is as commanded.
         acceleration = omega * omega * (state.com - zmp - wanted.cmp_offset)
         # The disturbance is seen in the velocity of the CoM, which has no part of the momentum.
-        of_com = dcm - self._momentum_offset
-        self._disturbance.expect(omega * (of_com - zmp - wanted.cmp_offset))
+        self._disturbance.expect(omega * (self._dcm_of_com - zmp - wanted.cmp_offset))
         return StabilizerOutput(dcm, wanted, zmp, acceleration, landing)
 
     def has_to_hop(self, state: GaitState, contacts: frozenset[str] | None, tilt: float) -> bool:
@@ -158,7 +157,7 @@ class Stabilizer:
         """
         if self._gains.hop_speed == 0.0:
             return False
-        return self._hopping.begins(state, contacts, tilt, state.dcm - self._momentum_offset)
+        return self._hopping.begins(state, contacts, tilt, self._dcm_of_com, self._momentum)
 
     def _hop(self, state: GaitState, hop: Hop) -> StabilizerOutput:
         """ZMP and CoM acceleration of the thrust, and both landing places.
