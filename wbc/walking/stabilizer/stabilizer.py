@@ -70,7 +70,7 @@ class Stabilizer:
         self.push_recovery = PushRecovery(robot, self.support)
         self._hopping = Hopping(robot, self.support, self.push_recovery.foot_acceleration)
         self._disturbance = DisturbanceObserver()
-        self._dcm_of_com = self._momentum = 0j  # m; the DCM, and what angular momentum adds to it
+        self._dcm_of_com = self._momentum = 0j  # m; the DCM without angular momentum, and its part
 
     def reset(self) -> None:
         """Start anew, at rest and without a known bias."""
