@@ -134,14 +134,9 @@ def stairs(walker: wbc.Walker, seed: int) -> Course:
     distance = robot.soles[0].half_length + 0.08
     terrain = Staircase(RISERS[robot.name], tread=0.25, landing=0.6, distance=distance)
     start, half = walker.feet.middle.real, 0.5 * walker.gait.step_width
-    places = []
-    for begin, end, height in terrain.tops:
-        wide = end - begin > 0.5
-        xs = (begin + 0.16, end - 0.16) if wide else (0.5 * (begin + end),)
-        places += [(start + x, height) for x in xs]
-    places.append((start + terrain.tops[-1, 1] + 0.16, 0.0))
-    steps = [(x, y, z) for x, z in places for y in (half, -half)]
-    return Course(terrain, 0.0, places[-1][0] - start - 0.1, _footsteps(steps), slow=True)
+    places = terrain.footholds()
+    steps = [(start + x, y, z) for x, z in places for y in (half, -half)]
+    return Course(terrain, 0.0, places[-1, 0] - 0.1, _footsteps(steps), slow=True)
 
 
 def _footsteps(places: list[tuple[float, float, float]]) -> tuple[Footstep, ...]:

@@ -17,17 +17,10 @@ walker = wbc.Walker(robot)
 walker.change_gait(replace(walker.gait, single_support=0.8, double_support=0.5))
 stairs = Staircase(risers=(0.185,) * 4 + (0.145,), tread=0.25, landing=0.6, distance=0.18)
 
-places = []  # x and height; both feet on each stair, twice on the landing
-for begin, end, height in stairs.tops:
-    wide = end - begin > 0.5
-    places += [
-        (x, height) for x in ((begin + 0.16, end - 0.16) if wide else (0.5 * (begin + end),))
-    ]
-places.append((stairs.tops[-1, 1] + 0.16, 0.0))
 start, half = walker.feet.middle.real, 0.5 * walker.gait.step_width
 steps = [
     Footstep(side, np.array([start + x, y, height]), 0.0)
-    for x, height in places
+    for x, height in stairs.footholds()  # both feet on each stair, twice on the landing
     for side, y in (("left", half), ("right", -half))
 ]
 walker.follow(steps)

@@ -12,18 +12,11 @@ from wbc.telemetry import Footstep
 
 
 def footsteps_over(stairs: Staircase, walker: wbc.Walker) -> list[Footstep]:
-    """Both feet onto each stair, twice onto the landing, and down to the floor."""
+    """Both feet onto each foothold."""
     start, half = walker.feet.middle.real, 0.5 * walker.gait.step_width
-    places = []
-    for begin, end, height in stairs.tops:
-        middle = 0.5 * (begin + end)
-        landing = end - begin > 1.5 * stairs.tread
-        xs = (begin + 0.5 * stairs.tread, end - 0.5 * stairs.tread) if landing else (middle,)
-        places += [(x, height) for x in xs]
-    places.append((stairs.tops[-1, 1] + 0.15, 0.0))
     return [
         Footstep(side, np.array([start + x, half if side == "left" else -half, height]), 0.0)
-        for x, height in places
+        for x, height in stairs.footholds()
         for side in ("left", "right")
     ]
 

@@ -47,6 +47,22 @@ class Staircase:
         ends = self.distance + np.cumsum(depths)
         return np.column_stack((ends - depths, ends, [*heights, *heights[-2::-1]]))
 
+    def footholds(self, inset: float = 0.16) -> np.ndarray:
+        """Return x and height of where both soles' centres stand side by side, (n, 2), m.
+
+        In the middle of each stair, at both ends of a landing that is deeper than one and a half
+        stairs, and on the floor behind the last stair.
+
+        Args:
+            inset: from the edges of the landing and of the last stair, m.
+        """
+        places = []
+        for begin, end, height in self.tops:
+            deep = end - begin > 1.5 * self.tread
+            xs = (begin + inset, end - inset) if deep else (0.5 * (begin + end),)
+            places += [(x, height) for x in xs]
+        return np.array([*places, (self.tops[-1, 1] + inset, 0.0)])
+
     def boxes(self) -> np.ndarray:
         """Return centre and half sizes of the stairs, (n, 6), m."""
         begin, end, height = self.tops.T
