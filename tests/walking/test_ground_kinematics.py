@@ -10,6 +10,7 @@ import wbc
 from wbc.gait import Feet, Placement
 from wbc.geometry.planar import ground_point, yaw_of
 from wbc.kinematics import Kinematics
+from wbc.robot.attitude import base_height
 from wbc.walking.ground_kinematics import CentroidalMotion, GroundKinematics
 
 
@@ -51,6 +52,7 @@ def test_soles_and_com_equal_those_of_the_kinematics(robot: wbc.Robot) -> None:
                 assert slope == pytest.approx(complex(-x / z, -y / z), abs=1e-12)
         for sole, speed in zip(robot.soles, ground.speeds, strict=True):
             assert speed == pytest.approx(np.linalg.norm(kin.motion(sole.name).velocity[:3]))
+        np.testing.assert_allclose(ground.base, base_height(kin.state), atol=1e-12)
         v = com.velocity
         np.testing.assert_allclose((com.point.real, com.point.imag), kin.p_com[:2], atol=1e-13)
         np.testing.assert_allclose((v.real, v.imag, com.vertical_velocity), kin.v_com, atol=1e-12)

@@ -80,17 +80,19 @@ class LostContact:
 
     def _note_standing(self, state: GaitState, contacts: frozenset[str], dt: float) -> None:
         last, self._last = self._last, state.feet
-        gait = state.normal_gait
-        thrown = _THROWN * gait.omega * gait.com_height  # ω h = √(g h)
+        swing_side = state.swing_side if state.phase is Phase.SWING else None
         for side in ("left", "right"):
-            if state.phase is Phase.SWING and side == state.swing_side:
+            before, now = last.of(side), state.feet.of(side)
+            if side == swing_side:
                 self._stood.pop(side, None)
-                continue
-            way = _distance(last.of(side), state.feet.of(side))
-            if side in contacts and way <= _SLOW * dt:
-                self._stood[side] = state.feet.of(side)
-            elif side not in contacts and way > thrown * dt and not state.is_quick:
-                self._stood.setdefault(side, last.of(side))
+            elif side in contacts:
+                if _distance(before, now) <= _SLOW * dt:
+                    self._stood[side] = now
+            elif not state.is_quick:
+                gait = state.normal_gait
+                thrown = _THROWN * gait.omega * gait.com_height  # ω h = √(g h)
+                if _distance(before, now) > thrown * dt:
+                    self._stood.setdefault(side, before)
 
     def _of_two(self, feet: Feet, carrying: str) -> str | None:
         side = other_side(carrying)

@@ -48,6 +48,7 @@ class GroundKinematics:
         speeds: of the centres of the left and of the right sole, m/s.
         tilt: angle from the vertical of what is vertical on the body in the nominal posture, rad,
             and its rate, rad/s.
+        base: world height of the base, m, and its vertical velocity, m/s.
     """
 
     def __init__(self, robot: Robot, kin: Kinematics) -> None:
@@ -63,12 +64,12 @@ class GroundKinematics:
         body["up"] = pin.Quaternion(robot.q_nominal[3:7]).matrix()[2]
         self.slopes = (0j, 0j)
         self.speeds = (0.0, 0.0)
-        self.tilt = (0.0, 0.0)
+        self.tilt = self.base = (0.0, 0.0)
 
     def read(self) -> tuple[Feet, CentroidalMotion]:
         """Return both soles and the motion of the centre of mass, world axes."""
         kin = self._kin
-        left, right, com, self.slopes, self.speeds, self.tilt = read_ground(
+        left, right, com, self.slopes, self.speeds, self.tilt, self.base = read_ground(
             kin.joint_placements, kin.joint_velocities, kin.mass_matrix, kin.state.v, self._body
         )
         return Feet(Placement(*left), Placement(*right)), CentroidalMotion(*com)

@@ -30,7 +30,6 @@ from wbc.geometry.planar import rotation_about_z
 from wbc.kinematics import Kinematics
 from wbc.qp import Solver
 from wbc.robot import Robot, checked_robot
-from wbc.robot.attitude import base_height
 from wbc.robot.posture import has_soles
 from wbc.state import State
 from wbc.tasks import Task
@@ -274,7 +273,7 @@ class Walker:
         stabilizer.observe(state, com, reaction, self._heading, dt, hands.offset)
         tilt = self._ground.tilt
         self._falling_why = self._fall_detector.update(
-            tilt, state.dcm, com.height, base_height(kin.state), (feet.left, feet.right)
+            tilt, state.dcm, com.height, self._ground.base, (feet.left, feet.right)
         )
         if self._falling_why:
             return self._fall_controller.command(estimate.state)

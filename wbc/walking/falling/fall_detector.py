@@ -83,13 +83,13 @@ class FallDetector:
             base: world height of the base, m, and its vertical velocity, m/s.
             feet: all feet, in the order of the robot's soles.
         """
-        (angle, rate), ground = tilt, min(foot.height for foot in feet)
+        (angle, rate), ground = tilt, min([foot.height for foot in feet])
         turning = max(rate, 0.0)
         lost = 1.0 - (com_height - ground) / self._height
         index = angle + self._lead * turning + max(lost, 0.0)
         # The feet themselves are farther from the DCM than the soles: most ticks end here.
         bound = self._height * (self._max_index - index)
-        nearest = min(abs(dcm - foot.point) for foot in feet)
+        nearest = min([abs(dcm - foot.point) for foot in feet])
         beyond = nearest > bound and self._distance(dcm, feet) > bound
         self._index_ticks = self._index_ticks + 1 if beyond else 0
         base_then = base[0] - ground + _FALL_LEAD * min(base[1], 0.0)

@@ -1,4 +1,4 @@
-"""Soles, centre of mass and tilt of the body, as gait and balance read them."""
+"""Soles, centre of mass, tilt and height of the body, as gait and balance read them."""
 
 from __future__ import annotations
 
@@ -98,8 +98,9 @@ def read_ground(
     tuple[complex, complex],
     tuple[float, float],
     tuple[float, float],
+    tuple[float, float],
 ]:
-    """Return placements of both soles, motion of the centre of mass, and tilt of the body.
+    """Return placements of both soles, motion of the centre of mass, tilt and height of the body.
 
     The centre of mass c in base axes and the momentum are read off the base rows of M:
     `M[0:3, 3:6] = −m [c]×`, and `M[0:6] v` is the momentum about the base's origin in base
@@ -119,7 +120,8 @@ def read_ground(
         momentum about the ground below it and about itself, see
         `wbc.walking.ground_kinematics.CentroidalMotion` (m·s); of both soles the slope, the rise
         per metre along x, and along y as the imaginary part, and the speed of the centre, m/s;
-        angle of the body from the vertical (rad) and its rate (rad/s). World axes.
+        angle of the body from the vertical (rad) and its rate (rad/s); height of the base (m) and
+        its vertical velocity (m/s). World axes.
     """
     b = body[0]
     mass, axes, normals, positions = b["mass"], b["axis"], b["normal"], b["position"]
@@ -161,4 +163,5 @@ def read_ground(
     # Upright, the tilt has no direction yet: its rate is zero there and grows with it.
     rate = -derivative / max(math.sqrt(1.0 - cosine * cosine), 1e-3)
     com = (complex(x, y), velocity, z, rising, momentum, centroidal)
-    return left, right, com, slopes, speeds, (math.acos(cosine), rate)
+    base_motion = (base[11], u0 * v[0] + u1 * v[1] + u2 * v[2])
+    return left, right, com, slopes, speeds, (math.acos(cosine), rate), base_motion
