@@ -79,10 +79,13 @@ class LostContact:
         return side if moved and self._other_carries(state, contacts) else None
 
     def _note_standing(self, state: GaitState, contacts: frozenset[str], dt: float) -> None:
-        last, self._last = self._last, state.feet
+        last, feet = self._last, state.feet
+        self._last = feet
         swing_side = state.swing_side if state.phase is Phase.SWING else None
-        for side in ("left", "right"):
-            before, now = last.of(side), state.feet.of(side)
+        for side, before, now in (
+            ("left", last.left, feet.left),
+            ("right", last.right, feet.right),
+        ):
             if side == swing_side:
                 self._stood.pop(side, None)
             elif side in contacts:
@@ -115,5 +118,5 @@ def _way(before: Placement, now: Placement) -> tuple[complex, float]:
 
 
 def _distance(before: Placement, now: Placement) -> float:
-    across, up = _way(before, now)
-    return math.hypot(abs(across), up)
+    across = now.point - before.point
+    return math.hypot(across.real, across.imag, now.height - before.height)

@@ -70,6 +70,7 @@ class ContactManager:
         self._support_weight: dict[str, float | None] = {}
         self._swing_tasks: dict[str, SwingTask] = {}
         self._tipping: dict[str, TippingFoot] = {}
+        self._tips = False
         # Weights of the feet in the air that are not the usual one; the controller has their tasks.
         self._tracked: dict[str, np.ndarray | None] = {}
         self._has_soles = has_soles(robot.soles)
@@ -112,8 +113,10 @@ class ContactManager:
         support.motion_weight = self._support_weight[state.support]
         support.max_force = other.max_force = math.inf
         self._track_feet(state)
-        for side, foot in self._tipping.items():
-            foot.update(state.tipping if side == state.support else 0j, state.stance)
+        if state.tipping != 0j or self._tips:
+            self._tips = state.tipping != 0j
+            for side, foot in self._tipping.items():
+                foot.update(state.tipping if side == state.support else 0j, state.stance)
         if state.hop is not None:
             self._hold(() if state.hop.flies else (support,))
             return

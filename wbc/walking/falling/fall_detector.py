@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from operator import attrgetter
 
 from wbc.gait import Placement
 from wbc.geometry.polygon import clamp_to_polygon, convex_hull, sole_corners
@@ -25,6 +26,7 @@ _LEAD, _LEAD_ON_FOUR = 0.1, 0.66
 #: 1.4 N·s/kg 17 came before the sum was too large, none before this. Twice the time gives up runs
 #: that recover: Talos rises again from 61 % of the base's height.
 _FALL_LEAD, _FALL_TIME = 0.03, 0.01
+_HEIGHT = attrgetter("height")
 
 
 class FallDetector:
@@ -83,7 +85,7 @@ class FallDetector:
             base: world height of the base, m, and its vertical velocity, m/s.
             feet: all feet, in the order of the robot's soles.
         """
-        (angle, rate), ground = tilt, min([foot.height for foot in feet])
+        (angle, rate), ground = tilt, min(map(_HEIGHT, feet))
         turning = max(rate, 0.0)
         lost = 1.0 - (com_height - ground) / self._height
         index = angle + self._lead * turning + max(lost, 0.0)

@@ -36,7 +36,8 @@ def edge_to_tip_over(
     if state.phase is not Phase.SWING:
         return 0j
     if not state.is_quick:
-        return 1 + 0j if _frees_heel(state, zmp, support) else 0j
+        walks_fast = state.fast_share > 0.0
+        return 1 + 0j if walks_fast and _frees_heel(state, zmp, support) else 0j
     height, stance = state.gait.com_height, state.stance
     wanted, dcm = stance.to_local(zmp), stance.to_local(state.dcm)
     along, across = support.zmp_range(state.support, 1.0)
