@@ -9,9 +9,11 @@ import numpy as np
 
 from wbc.estimation import Estimate
 from wbc.gait import Feet
+from wbc.gait.footsteps import SIDES
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
 
+_NEITHER, _LEFT, _RIGHT, _BOTH = map(frozenset, ((), SIDES[:1], SIDES[1:], SIDES))
 _LEAST_LOAD = 0.8  # share of the weight below which the soles do not carry the robot
 
 
@@ -19,13 +21,10 @@ def sides_in_contact(robot: Robot, estimate: Estimate) -> frozenset[str] | None:
     """Sides whose soles stand on the ground; None without foot sensors."""
     if estimate.loads is None:
         return None
-    left, right = robot.soles
-    sides = []
-    if left.name in estimate.contacts:
-        sides.append(left.side)
-    if right.name in estimate.contacts:
-        sides.append(right.side)
-    return frozenset(sides)
+    (left, right), contacts = robot.soles, estimate.contacts
+    if left.name in contacts:
+        return _BOTH if right.name in contacts else _LEFT
+    return _RIGHT if right.name in contacts else _NEITHER
 
 
 class GroundReaction(NamedTuple):

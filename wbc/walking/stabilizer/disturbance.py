@@ -60,8 +60,13 @@ class DisturbanceObserver:
 def lasting_rate(state: GaitState) -> complex:
     """Return the rate at which a push moves the DCM, without noise and settling, m/s."""
     rate = state.disturbance
-    size, least = abs(rate), _NO_PUSH * (1.0 + (_FAST - 1.0) * state.fast_share)
+    size, least = abs(rate), _least_size(state)
     return (1.0 - least / size) * rate if size > least else 0j
+
+
+def _least_size(state: GaitState) -> float:
+    """Size up to which a disturbance is noise and settling, m/s."""
+    return _NO_PUSH * (1.0 + (_FAST - 1.0) * state.fast_share)
 
 
 def dcm_ahead(state: GaitState, time: float) -> complex:
@@ -74,4 +79,4 @@ def dcm_ahead(state: GaitState, time: float) -> complex:
 
 def is_pushed(state: GaitState) -> bool:
     """Return whether a push is seen to last, or the present step catches one."""
-    return state.is_quick or lasting_rate(state) != 0j
+    return state.is_quick or abs(state.disturbance) > _least_size(state)
