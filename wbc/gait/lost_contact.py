@@ -118,5 +118,5 @@ def _way(before: Placement, now: Placement) -> tuple[complex, float]:
 
 
 def _distance(before: Placement, now: Placement) -> float:
-    across = now.point - before.point
-    return math.hypot(across.real, across.imag, now.height - before.height)
+    across, up = _way(before, now)
+    return math.hypot(across.real, across.imag, up)

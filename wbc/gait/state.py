@@ -153,7 +153,7 @@ class GaitState:
     @property
     def is_quick(self) -> bool:
         """Whether the present step is one that catches a push."""
-        return self.shortened or self.gait is not self.normal_gait
+        return self.shortened or self.recovering
 
     @property
     def steps_out(self) -> bool:

@@ -335,8 +335,8 @@ def _leads_over_stairs(
     Those of a robot that walks without given ones are no stairs, but of a slope: there a long quick
     step is as high.
     """
-    may_begin = state.on_stairs or state.at_rest
-    if not (given or may_begin):
+    may_lead = state.on_stairs or state.at_rest
+    if not (given or may_lead):
         return False
     present = state.stance.height
     swings = state.phase is Phase.SWING
@@ -349,4 +349,4 @@ def _leads_over_stairs(
         other = state.landing.height if lifted is None else present
     else:
         other = state.other_foot.height
-    return abs(other - present) > _STAIR and may_begin
+    return abs(other - present) > _STAIR and may_lead

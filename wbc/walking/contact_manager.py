@@ -70,7 +70,7 @@ class ContactManager:
         self._support_weight: dict[str, float | None] = {}
         self._swing_tasks: dict[str, SwingTask] = {}
         self._tipping: dict[str, TippingFoot] = {}
-        self._tips = False
+        self._tips = False  # whether a foot does, or did at the last tick
         # Weights of the feet in the air that are not the usual one; the controller has their tasks.
         self._tracked: dict[str, np.ndarray | None] = {}
         self._has_soles = has_soles(robot.soles)
