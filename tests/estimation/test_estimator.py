@@ -358,6 +358,32 @@ def test_invalid_foot_wrenches_and_contacts_are_refused_by_name():
         estimator.update(m, contacts=("middle_sole",))
 
 
+@pytest.mark.parametrize("bad", [[0.0] * 6, np.zeros((1, 6)), np.array(["0"] * 6), 0.0])
+def test_a_foot_wrench_that_is_no_array_of_six_numbers_is_refused(bad):
+    m = swaying(duration=2.0).measurements[0]
+    feet = {"left_sole": np.zeros(6), "right_sole": bad}
+    with pytest.raises(MeasurementError, match=r"right_sole.*six finite numbers"):
+        Estimator(robot()).update(dataclasses.replace(m, foot_wrenches=feet))
+
+
+def test_foot_wrenches_of_other_numbers_than_floats_are_taken():
+    measurements, estimates = swaying(duration=2.0).measurements[:40], []
+    for convert in (np.round, lambda w: np.round(w).astype(int), read_only):
+        estimator = Estimator(robot())
+        for m in measurements:
+            feet = {name: convert(np.round(w)) for name, w in m.foot_wrenches.items()}
+            estimate = estimator.update(dataclasses.replace(m, foot_wrenches=feet))
+        estimates.append(estimate)
+    for other in estimates[1:]:
+        np.testing.assert_array_equal(other.state.q, estimates[0].state.q)
+        assert other.loads == estimates[0].loads
+
+
+def read_only(wrench):
+    wrench.flags.writeable = False
+    return wrench
+
+
 def test_an_invalid_initial_state_is_refused():
     r = robot()
     with pytest.raises(StateError):

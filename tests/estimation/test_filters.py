@@ -7,10 +7,10 @@ import pinocchio as pin
 import pytest
 
 from wbc.estimation import EstimatorNoise
-from wbc.estimation.contact import ContactTrigger
 from wbc.estimation.inekf import InvariantFilter
 from wbc.estimation.joints import JointFilter, stationary_gain
 from wbc.estimation.kernels.legs import LINK, poses_type
+from wbc.estimation.kernels.loads import LOAD_LIMITS, read_load
 from wbc.estimation.kernels.moving_soles import tip
 from wbc.estimation.kernels.prediction import predict
 
@@ -26,7 +26,7 @@ def period(
     chains = (np.zeros(3, LINK), np.array([1, 2, 3]), np.zeros(1, poses_type(2)))
     chains[0]["joint"] = -1
     result = (np.zeros(7 + position.size), np.zeros(6 + position.size))
-    filters = (f.record, slip, update, state, *chains)
+    filters = (f.record, np.array(slip), state, *chains, update)
     predict(*filters, *result, acceleration, position, velocity, *imu)
 
 
@@ -306,10 +306,37 @@ def test_stationary_gain_is_a_fixed_point_of_the_riccati_equation():
     np.testing.assert_allclose(A @ after @ A.T + np.outer(kick, kick), P, rtol=1e-6)
 
 
-def test_slip_factor_grows_as_a_sole_carries_less():
-    trigger = ContactTrigger()
-    factors = [trigger.slip_factor(share) for share in (0.8, 0.4, 0.2, 0.05, 0.0)]
+def test_a_sole_that_stands_is_trusted_less_the_less_it_carries():
+    limits = np.array([(0.1, 0.05, 0.4, 600.0)], dtype=LOAD_LIMITS)
+    slip, factors = np.zeros(2), []
+    for share in (0.8, 0.4, 0.2, 0.05, 0.0):
+        wrench = np.array([1.0, -2.0, 600.0 * share, 0.3, 0.2, 0.1])
+        load, _ = read_load(wrench, limits, True, slip, 1)
+        assert load == pytest.approx(share)
+        factors.append(float(slip[1]))
     assert factors[0] == factors[1] == 1.0
     assert factors == sorted(factors)
     assert factors[2] == pytest.approx(2.0)
     assert np.isfinite(factors[-1])
+    assert slip[0] == 0.0
+    read_load(np.array([0.0, 0.0, 300.0, 0.0, 0.0, 0.0]), limits, False, slip, 1)
+    assert slip[1] == 0.0  # it was in the air
+
+
+def test_contact_begins_and_ends_at_loads_of_their_own():
+    limits = np.array([(0.1, 0.05, 0.4, 600.0)], dtype=LOAD_LIMITS)
+    slip, stands, decisions = np.zeros(1), False, []
+    for share in (0.04, 0.07, 0.11, 0.07, 0.04):
+        wrench = np.array([0.0, 0.0, 600.0 * share, 0.0, 0.0, 0.0])
+        _, stands = read_load(wrench, limits, stands, slip, 0)
+        decisions.append(stands)
+    assert decisions == [False, False, True, True, False]
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("entry", range(6))
+def test_a_wrench_with_an_entry_that_is_not_finite_has_no_load(bad, entry):
+    limits = np.array([(0.1, 0.05, 0.4, 600.0)], dtype=LOAD_LIMITS)
+    wrench = np.zeros(6)
+    wrench[entry] = bad
+    assert np.isnan(read_load(wrench, limits, True, np.zeros(1), 0)[0])

@@ -42,16 +42,16 @@ def test_robot_walks_up_an_unseen_ramp(name, angle, distance):
 def walk_over(slopes: list[complex]) -> list[complex]:
     """Estimated slope after each of some single supports, in which the sole has a slope."""
     state = wbc.Walker(wbc.load("simple_humanoid")).gait_state
-    estimate, estimates = GroundSlope(), []
+    estimate, estimates = GroundSlope(0.002), []
     for k, slope in enumerate(slopes):
         state.support = ("left", "right")[k % 2]
         soles = (slope, 9.0 + 9.0j) if state.support == "left" else (9.0 + 9.0j, slope)
         state.phase = Phase.SWING
         for tick in range(250):
             state.time = 0.002 * tick
-            estimate.update(state, soles, 0.002)
+            estimate.update(state, soles)
         state.phase = Phase.TRANSFER
-        estimates.append(estimate.update(state, soles, 0.002))
+        estimates.append(estimate.update(state, soles))
     return estimates
 
 
@@ -75,10 +75,10 @@ def test_the_com_sinks_with_a_foot_that_is_late_because_the_ground_is_lower(prog
     state.landing = state.other_foot
     state.swing = SwingFoot(state.other_foot, state.landing, state.duration, 0.06, 0.05)
     state.swing.motion.position[2] = state.landing.height - 0.04
-    height = HeightReference(LegWorkspace(wbc.load("simple_humanoid")), 0.1)
+    height = HeightReference(LegWorkspace(wbc.load("simple_humanoid")), 0.1, 0.002)
     height.reset(state.stance.height, state.gait.com_height)
     for _ in range(500):
-        height.update(state, 0.0, 0.002)
+        height.update(state, 0.0)
     lower = 0.035 if sinks else 0.0
     assert height.ground == pytest.approx(state.stance.height - lower, abs=1e-3)
 

@@ -55,7 +55,7 @@ def test_dcm_errors_within_the_ankles_reach_do_not_shift_the_footstep(remaining:
 @pytest.mark.parametrize("inertia", [0.0, 0.2])
 def test_com_bias_is_estimated_from_the_force_of_the_ground(inertia: float) -> None:
     """The momentum is that of a pendulum, and with `inertia` more of legs that sway with it."""
-    random, bias, dt, g = np.random.default_rng(2), ComBiasEstimator(9.81), 0.002, 9.81
+    random, bias, dt, g = np.random.default_rng(2), ComBiasEstimator(9.81, 0.002), 0.002, 9.81
     sway, height = 2.0 * np.pi * 0.5, 0.9
     lever = (1.0 + inertia) * height / g  # s²
     for k in range(4000):
@@ -64,16 +64,16 @@ def test_com_bias_is_estimated_from_the_force_of_the_ground(inertia: float) -> N
         estimate = com + (0.004 - 0.006j)
         momentum = 1j * sway * com * lever
         motion = CentroidalMotion(estimate, 1j * sway * com, height, 0.0, momentum, 0j)
-        found = bias.update(dt, motion, GroundReaction(cop, 1.0), 0.0)
+        found = bias.update(motion, GroundReaction(cop, 1.0), 0.0)
     assert found == pytest.approx(0.004 - 0.006j, abs=7e-4)
     # While the robot steps the bias is kept, in the axes of the robot.
-    turned = bias.update(dt, motion, None, 0.5 * np.pi)
+    turned = bias.update(motion, None, 0.5 * np.pi)
     assert turned == pytest.approx(1j * found, abs=1e-12)
 
 
 def test_without_foot_sensors_the_com_bias_is_zero() -> None:
-    bias, moved = ComBiasEstimator(9.81), CentroidalMotion(0.1 + 0.1j, 0j, 0.8, 0.0, 0j, 0j)
-    assert all(bias.update(0.002, moved, None, 0.3) == 0j for _ in range(10))
+    bias, moved = ComBiasEstimator(9.81, 0.002), CentroidalMotion(0.1 + 0.1j, 0j, 0.8, 0.0, 0j, 0j)
+    assert all(bias.update(moved, None, 0.3) == 0j for _ in range(10))
 
 
 def test_landing_place_moves_in_the_tick_that_decides_it() -> None:
@@ -81,14 +81,14 @@ def test_landing_place_moves_in_the_tick_that_decides_it() -> None:
     gait, dt = GaitParameters.for_robot(robot), 0.002
     half = 0.5 * gait.step_width
     feet = Feet(Placement(complex(0.0, half), 0.0), Placement(complex(0.0, -half), 0.0))
-    planner, stabilizer = DcmPlanner(), Stabilizer(robot, wbc.WalkerGains())
+    planner, stabilizer = DcmPlanner(), Stabilizer(robot, wbc.WalkerGains(), 0.002)
     machine, command = GaitStateMachine(gait, feet, planner), GaitCommand(Velocity(0.3))
 
     def tick(machine: GaitStateMachine, planner: DcmPlanner, push: complex) -> GaitState:
         state = machine.state
         machine.update(dt, feet, command, None)
         dcm = planner.reference(state).dcm + push
-        stabilizer.observe(state, CentroidalMotion(dcm, 0j, 0.8, 0.0, 0j, 0j), None, 0.0, dt)
+        stabilizer.observe(state, CentroidalMotion(dcm, 0j, 0.8, 0.0, 0j, 0j), None, 0.0)
         decided = stabilizer.update(state, lambda at: planner.reference(state, at))
         machine.move_swing(dt, decided.landing)
         return state
@@ -112,7 +112,7 @@ def test_the_dcm_has_the_angular_momentum_of_a_walking_robot_that_is_pushed_only
     motion = CentroidalMotion(0.1 + 0.1j, 0j, 0.8, 0.0, momentum, momentum)
 
     def dcm() -> complex:
-        stabilizer.observe(state, motion, None, 0.0, 0.002)
+        stabilizer.observe(state, motion, None, 0.0)
         return state.dcm
 
     state.phase = Phase.SWING
@@ -132,7 +132,7 @@ def test_a_pendulum_with_angular_momentum_does_not_look_pushed() -> None:
     point, velocity = state.feet.middle + 0.01, 0j
     for _ in range(200):
         com = CentroidalMotion(point, velocity, 0.8, 0.0, 0.02 + 0j, 0.02 + 0j)
-        stabilizer.observe(state, com, None, 0.0, dt)
+        stabilizer.observe(state, com, None, 0.0)
         decided = stabilizer.update(state, lambda at: walker.planner.reference(state, at))
         point += dt * velocity
         velocity += dt * decided.com_acceleration

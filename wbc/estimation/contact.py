@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wbc.errors import ContactError, MeasurementError
+from wbc.errors import ContactError, MeasurementError, short_repr
+from wbc.estimation.kernels.loads import LOAD_LIMITS, read_load
 from wbc.robot import Robot
-
-_MIN_LOAD = 0.02  # with less, a sole is trusted no less
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,10 +40,6 @@ class ContactTrigger:
         if not (math.isfinite(self.full) and self.full > 0.0):
             raise ContactError(f"ContactTrigger: full = {self.full} must be positive")
 
-    def slip_factor(self, load: float) -> float:
-        """Return the factor on the drift of a sole with this load, a share of the weight."""
-        return 1.0 if load >= self.full else max(1.0, self.full / max(load, _MIN_LOAD))
-
 
 class ContactDetector:
     """Validates foot wrenches once per tick and decides which soles stand.
@@ -57,19 +52,24 @@ class ContactDetector:
         names: names of the soles, in the order of all lists here.
         stands: per sole, whether it stands.
         contacts: names of the soles that stand.
-        slip: per sole, the factor on its drift over the last period; 0 for one in the air.
+        slip: (n,) per sole, the factor on its drift over the last period; 0 for one in the air.
     """
 
     def __init__(self, robot: Robot, trigger: ContactTrigger | None = None) -> None:
         self.names = tuple(sole.name for sole in robot.soles)
-        self.trigger = ContactTrigger() if trigger is None else trigger
-        self._weight = robot.weight
+        trigger = ContactTrigger() if trigger is None else trigger
+        self._limits = np.array(
+            [(trigger.on, trigger.off, trigger.full, robot.weight)], dtype=LOAD_LIMITS
+        )
+        count = len(self.names)
+        self.slip = np.zeros(count)
+        self._equal_share = np.array([0.0, 0.0, robot.weight / count, 0.0, 0.0, 0.0])
         self.reset()
 
     def reset(self) -> None:
         """Start with all soles in the air."""
         self.stands = [False] * len(self.names)
-        self.slip: tuple[float, ...] = (0.0,) * len(self.names)
+        self.slip[:] = 0.0
         self.contacts: tuple[str, ...] = ()
 
     def update(
@@ -87,35 +87,26 @@ class ContactDetector:
             ContactError: an unknown sole in `contacts`.
         """
         given = None if contacts is None else self._validated(contacts)
-        names, before, trigger = self.names, self.stands, self.trigger
-        loads: dict[str, float] | None = None
-        if wrenches:
-            stands: list[bool] = []
-            slip: list[float] = []
-            loads = {}
-            for i, name in enumerate(names):
-                try:
-                    f_x, f_y, f_z, m_x, m_y, m_z = wrenches[name].tolist()
-                    finite = math.isfinite(f_x + f_y + f_z + m_x + m_y + m_z)
-                except (KeyError, AttributeError, TypeError, ValueError):
-                    finite = False
-                if not finite:
-                    raise MeasurementError(
-                        f"measurement.foot_wrenches['{name}'] is {wrenches.get(name)!r}: it needs "
-                        "six finite numbers for every sole, or no entries at all without foot "
-                        "sensors"
-                    )
-                load = loads[name] = f_z / self._weight
-                stood = before[i]
-                slip.append(trigger.slip_factor(load) if stood else 0.0)
-                stands.append(load > (trigger.off if stood else trigger.on))
-            self.slip = tuple(slip)
-            self.decide(stands if given is None else given)
-        else:
-            equal = trigger.slip_factor(1.0 / len(names))
-            self.slip = tuple([equal if stood else 0.0 for stood in before])
+        before, limits, slip = self.stands, self._limits, self.slip
+        if not wrenches:
+            for i, stood in enumerate(before):
+                read_load(self._equal_share, limits, stood, slip, i)
             if given is not None:
                 self.decide(given)
+            return None
+        loads: dict[str, float] = {}
+        stands: list[bool] = []
+        for i, name in enumerate(self.names):
+            try:
+                load, now = read_load(wrenches[name], limits, before[i], slip, i)
+            except (AttributeError, KeyError, TypeError):  # other numbers than floats, read-only, …
+                wrench = _as_floats(name, wrenches.get(name))
+                load, now = read_load(wrench, limits, before[i], slip, i)
+            if load != load:
+                raise _refusal(name, wrenches[name])
+            loads[name] = load
+            stands.append(now)
+        self.decide(stands if given is None else given)
         return loads
 
     def _validated(self, contacts: Collection[str]) -> list[bool]:
@@ -129,3 +120,16 @@ class ContactDetector:
         if stands != self.stands:
             self.stands = stands
             self.contacts = tuple(name for name, now in zip(self.names, stands, strict=True) if now)
+
+
+def _as_floats(name: str, wrench: object) -> np.ndarray:
+    if isinstance(wrench, np.ndarray) and wrench.ndim == 1 and wrench.dtype.kind in "fiu":
+        return np.array(wrench, dtype=float)
+    raise _refusal(name, wrench)
+
+
+def _refusal(name: str, wrench: object) -> MeasurementError:
+    return MeasurementError(
+        f"measurement.foot_wrenches['{name}'] is {short_repr(wrench)}: it needs six finite numbers "
+        "for every sole, or no entries at all without foot sensors"
+    )

@@ -111,6 +111,15 @@ class Estimator:
             joint_acceleration,
             joint_surprise,
         )
+        legs = self._legs
+        self._filters = (
+            self.filter.record,
+            self._detector.slip,
+            self._joints.state,
+            legs.links,
+            legs.ends,
+            legs.poses,
+        )
         self._wrench_observer: WrenchObserver | None = None
         self._no_acceleration = np.zeros(robot.na)
         self._shapes = ((robot.na,), (robot.na,), (robot.na,), (3,), (3,))
@@ -213,10 +222,8 @@ class Estimator:
         v: np.ndarray,
     ) -> int:
         """Take in the readings of joints and IMU, and write the state; see `predict`."""
-        m, joints, legs = measurement, self._joints, self._legs
-        update = joints.update_matrix(acceleration is not None)
-        record, slip = self.filter.record, self._detector.slip
-        filters = (record, slip, update, joints.state, legs.links, legs.ends, legs.poses)
+        m, joints = measurement, self._joints
+        filters = (*self._filters, joints.update_matrix(acceleration is not None), q, v)
         if acceleration is None:
             foreseen = self._no_acceleration
         elif isinstance(acceleration, np.ndarray) and acceleration.ndim == 1:
@@ -225,11 +232,11 @@ class Estimator:
             return REFUSED
         readings = (foreseen, m.joint_position, m.joint_velocity, m.gyro, m.accelerometer)
         try:
-            outcome = predict(*filters, q, v, *readings)
+            outcome = predict(*filters, *readings)
         except (AttributeError, TypeError):  # other numbers than floats, not contiguous, read-only
             if not all(_is_vector_of_numbers(x) for x in readings):
                 return REFUSED
-            outcome = predict(*filters, q, v, *(np.array(x, dtype=float) for x in readings))
+            outcome = predict(*filters, *(np.array(x, dtype=float) for x in readings))
         if outcome != REFUSED:
             joints.fresh = False
         return int(outcome)

@@ -4,6 +4,7 @@ from wbc.gait.footsteps import Velocity, next_footstep
 from wbc.gait.hop import Hop
 from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.parameters import GaitParameters
+from wbc.gait.phase import STAND, SWING, TRANSFER, Phase
 from wbc.gait.planners import (
     DcmPlanner,
     DcmReference,
@@ -18,7 +19,7 @@ from wbc.gait.planners import (
     solve_dcm,
 )
 from wbc.gait.quadruped_gait import PACE, TROT, WALK, QuadrupedGait
-from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
+from wbc.gait.state import GaitCommand, GaitState, PlannedFootstep
 from wbc.gait.state_machine import GaitStateMachine
 from wbc.gait.swing_foot import SwingFoot
 from wbc.gait.velocity_limits import VelocityLimits
@@ -27,6 +28,9 @@ from wbc.geometry.planar import Feet, Placement
 
 __all__ = [
     "PACE",
+    "STAND",
+    "SWING",
+    "TRANSFER",
     "TROT",
     "WALK",
     "DcmPlanner",

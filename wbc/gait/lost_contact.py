@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from wbc.gait.footsteps import other_side
-from wbc.gait.state import GaitState, Phase
+from wbc.gait.phase import SWING
+from wbc.gait.state import GaitState
 from wbc.geometry.planar import Feet, Placement
 
 _MOVED = 0.05  # m from where it stood from which on a foot without contact does not carry the robot
@@ -69,7 +70,7 @@ class LostContact:
         self._note_standing(state, contacts, dt)
         if state.lifted is not None or state.on_stairs:
             return None
-        if state.phase is not Phase.SWING:
+        if state.phase is not SWING:
             return self._of_two(state.feet, *contacts) if len(contacts) == 1 else None
         side = state.support
         if side in contacts:
@@ -81,7 +82,7 @@ class LostContact:
     def _note_standing(self, state: GaitState, contacts: frozenset[str], dt: float) -> None:
         last, feet = self._last, state.feet
         self._last = feet
-        swing_side = state.swing_side if state.phase is Phase.SWING else None
+        swing_side = state.swing_side if state.phase is SWING else None
         for side, before, now in (
             ("left", last.left, feet.left),
             ("right", last.right, feet.right),

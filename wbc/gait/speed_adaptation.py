@@ -89,7 +89,7 @@ class SpeedAdaptation:
         """0 up to the speed v₁ of the longest usual step, 1 from 1.25 times that on."""
         gait = self.gait
         x = abs(velocity.forward) * gait.step_duration / gait.max_step
-        return min(max((x - 1.0) / _FAST, 0.0), 1.0)
+        return min((x - 1.0) / _FAST, 1.0) if x > 1.0 else 0.0
 
     def observe_step(self, length: float, duration: float) -> None:
         """Take in a completed step.

@@ -4,25 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import NamedTuple
 
 from wbc.gait.footsteps import Velocity
 from wbc.gait.hop import Hop
 from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.parameters import GaitParameters
+from wbc.gait.phase import STAND, TRANSFER, Phase
 from wbc.gait.swing_foot import SwingFoot
 from wbc.geometry.planar import Feet, Placement
 
 _ORIGIN = Placement(0j, 0.0)
-
-
-class Phase(Enum):
-    """Part of the gait cycle."""
-
-    STAND = "stand"  #: both feet, at rest
-    TRANSFER = "double"  #: both feet, the weight moves to the support foot
-    SWING = "single"  #: the support foot alone
 
 
 class PlannedFootstep(NamedTuple):
@@ -112,7 +104,7 @@ class GaitState:
     dcm: complex = 0j
     dcm_offset: complex = 0j
     disturbance: complex = 0j
-    phase: Phase = Phase.STAND
+    phase: Phase = STAND
     support: str = "left"
     time: float = 0.0
     duration: float = 0.0
@@ -153,7 +145,7 @@ class GaitState:
     @property
     def is_quick(self) -> bool:
         """Whether the present step is one that catches a push."""
-        return self.shortened or self.recovering
+        return self.shortened or self.gait is not self.normal_gait
 
     @property
     def steps_out(self) -> bool:
@@ -176,7 +168,7 @@ class GaitState:
 
         So it is at rest, on the way there, and while the weight moves out of rest.
         """
-        if self.phase is Phase.TRANSFER:
+        if self.phase is TRANSFER:
             return self.stopping or (self.starting and not self.pushed_at_rest)
         return self.at_rest
 
@@ -198,7 +190,7 @@ class GaitState:
     @property
     def at_rest(self) -> bool:
         """Whether the robot stands, on two feet or on one."""
-        return self.phase is Phase.STAND or isinstance(self.swing, LiftedFoot)
+        return self.phase is STAND or isinstance(self.swing, LiftedFoot)
 
     @property
     def lifted(self) -> LiftedFoot | None:

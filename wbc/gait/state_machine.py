@@ -10,9 +10,10 @@ from wbc.gait.hop import Hop
 from wbc.gait.lifted_foot import LiftedFoot
 from wbc.gait.lost_contact import LostContact
 from wbc.gait.parameters import GaitParameters
+from wbc.gait.phase import STAND, SWING, TRANSFER, Phase
 from wbc.gait.planners.planner import Planner
 from wbc.gait.speed_adaptation import SpeedAdaptation
-from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
+from wbc.gait.state import GaitCommand, GaitState, PlannedFootstep
 from wbc.gait.swing_foot import SwingFoot, lift_share
 from wbc.geometry.planar import Feet, Placement
 
@@ -83,7 +84,7 @@ class GaitStateMachine:
         state, planner, adaptation = self.state, self._planner, self._adaptation
         if adaptation is not None:
             # The first step out of standing is not faster than the usual ones.
-            walking = not (state.phase is Phase.STAND or state.starting)
+            walking = not (state.phase is STAND or state.starting)
             velocity = adaptation.ramp(command.velocity, dt, walking=walking)
             state.fast_share = adaptation.fast_share(velocity)
             if velocity is not command.velocity:
@@ -99,8 +100,8 @@ class GaitStateMachine:
         asked = state.requested_swing if state.may_choose_side else None
         if command.footsteps and asked == state.support:
             asked = None  # the first of the given footsteps is the other foot's
-        if state.phase is Phase.STAND or (asked and state.phase is Phase.TRANSFER):
-            side = planner.next_swing(state, command) if state.phase is Phase.STAND else None
+        if state.phase is STAND or (asked and state.phase is TRANSFER):
+            side = planner.next_swing(state, command) if state.phase is STAND else None
             if asked and not (side and command.footsteps):
                 side = asked
             if side is not None:
@@ -109,27 +110,27 @@ class GaitStateMachine:
                 state.starting, state.stopping = True, False
                 state.pushed_at_rest = state.requested_swing is not None
                 share = _FIRST_TRANSFER if state.pushed_at_rest else 1.0
-                self._enter(Phase.TRANSFER, share * state.gait.first_transfer)
-        elif state.phase is Phase.TRANSFER:
+                self._enter(TRANSFER, share * state.gait.first_transfer)
+        elif state.phase is TRANSFER:
             if state.lost_foot is not None and not state.starting:
                 self._swing_from_the_air(state.lost_foot)
             elif state.requested_swing == state.support and not command.footsteps:
                 # The weight goes back to the foot that it comes from.
                 state.support, state.requested_swing = state.swing_side, None
-                self._enter(Phase.TRANSFER, state.recovery_gait.double_support)
+                self._enter(TRANSFER, state.recovery_gait.double_support)
             elif state.time >= state.duration:
                 if state.stopping:
-                    self._enter(Phase.STAND, 0.0)
+                    self._enter(STAND, 0.0)
                 else:
-                    self._enter(Phase.SWING, state.gait.single_support)
+                    self._enter(SWING, state.gait.single_support)
         elif lifted is not None:
             lifted.follow_support(state.stance)
             if self._is_set_down(lifted, contacts):
                 state.swing = None
-                self._enter(Phase.STAND, 0.0)
+                self._enter(STAND, 0.0)
             elif state.requested_swing is not None:
                 state.swing = None
-                self._enter(Phase.SWING, _FROM_THE_AIR * state.gait.single_support)
+                self._enter(SWING, _FROM_THE_AIR * state.gait.single_support)
                 state.shortened = True
         elif state.lost_foot is not None:
             if state.swing_side in (contacts or ()):
@@ -142,7 +143,7 @@ class GaitStateMachine:
         if plan.duration is not None:
             state.duration = plan.duration
         self._planned_landing = plan.landing
-        if state.phase is Phase.SWING and plan.landing is not None:
+        if state.phase is SWING and plan.landing is not None:
             state.landing = plan.landing
             if state.swing is None:
                 self._lift_off(plan.landing, lifted)
@@ -219,12 +220,12 @@ class GaitStateMachine:
         self._must_stand("lift()")
         state = self.state
         lifted = LiftedFoot(state.other_foot, state.stance)
-        self._enter(Phase.SWING, math.inf)
+        self._enter(SWING, math.inf)
         state.swing = lifted
         return lifted
 
     def _must_stand(self, call: str) -> None:
-        if self.state.phase is not Phase.STAND:
+        if self.state.phase is not STAND:
             raise GaitError(f"{call} in phase {self.state.phase.name}: only while standing")
 
     def _enter(self, phase: Phase, duration: float) -> None:
@@ -238,7 +239,7 @@ class GaitStateMachine:
         state = self.state
         state.support, state.gait = other_side(side), state.recovery_gait
         state.stopping, state.requested_swing, state.swing = False, None, None
-        self._enter(Phase.SWING, state.gait.single_support)
+        self._enter(SWING, state.gait.single_support)
         state.shortened = True
 
     def _lift_off(self, landing: Placement, lifted: LiftedFoot | None) -> None:
@@ -313,14 +314,14 @@ class GaitStateMachine:
         state.swing = None
         state.starting, state.stopping = False, side is None
         if side is None:
-            self._enter(Phase.TRANSFER, state.gait.first_transfer)
+            self._enter(TRANSFER, state.gait.first_transfer)
             return
         state.support = other_side(side)
         # The weight keeps its time: after an early touchdown it stays where it is for a
         # while, after a late one it moves faster. The DCM is where it was to be.
         usual = state.gait.double_support
         spare = max(-_SHORTENING * usual, state.duration - state.time)
-        self._enter(Phase.TRANSFER, usual + spare)
+        self._enter(TRANSFER, usual + spare)
         state.hold = max(spare, 0.0)
 
 
@@ -339,7 +340,7 @@ def _leads_over_stairs(
     if not (given or may_lead):
         return False
     present = state.stance.height
-    swings = state.phase is Phase.SWING
+    swings = state.phase is SWING
     standing = {state.support} if swings else {"left", "right"}
     if contacts is not None and not standing <= contacts:
         return state.on_stairs  # a foot that was knocked up is on no stair

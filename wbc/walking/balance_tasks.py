@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wbc.controller import WholeBodyController
-from wbc.gait import GaitState, Phase
+from wbc.gait import SWING, GaitState
 from wbc.gait.leg_workspace import LegWorkspace
 from wbc.gait.yaw_moment import YawMoment
 from wbc.geometry.planar import wrap_angle
@@ -32,6 +32,7 @@ class BalanceTasks:
         kin: standing upright, heading along x.
         workspace: workspace of the legs.
         gains: weights and gains.
+        dt: control period, s.
 
     Attributes:
         com: centre of mass.
@@ -45,6 +46,7 @@ class BalanceTasks:
         kin: Kinematics,
         workspace: LegWorkspace,
         gains: WalkerGains,
+        dt: float,
     ) -> None:
         robot, kp = controller.robot, gains.height_kp
         self._gains = gains
@@ -73,7 +75,7 @@ class BalanceTasks:
         self._yaw_weight = gains.yaw_momentum_weight / arms**2 if arms > 0.0 else 0.0
         self._arm_share = 0.0
         self._hops = False
-        self.height = HeightReference(workspace, gains.ground_time)
+        self.height = HeightReference(workspace, gains.ground_time, dt)
 
     @property
     def tasks(self) -> tuple[Task, ...]:
@@ -87,7 +89,6 @@ class BalanceTasks:
         heading: float,
         step_length: float,
         offset: ReferenceOffset | None,
-        dt: float,
     ) -> None:
         """Set the references of this tick.
 
@@ -97,11 +98,10 @@ class BalanceTasks:
             heading: heading that the trunk faces, rad.
             step_length: length of the present steps, m.
             offset: offset that a motion adds; None for none.
-            dt: time since the last tick, s.
         """
         com = self.com
         com.acceleration[0], com.acceleration[1] = com_acceleration.real, com_acceleration.imag
-        height = self.height.update(state, step_length, dt)
+        height = self.height.update(state, step_length)
         if offset is not None:
             height += offset.com[2]
             com.velocity[2] = offset.com_velocity[2]
@@ -155,7 +155,7 @@ class BalanceTasks:
         catches, but none rights a trunk that turns, for which the soles are too small. Of a robot
         that stood it yields in the first step, whose foot starts late and far from its place.
         """
-        if state.phase is Phase.SWING and state.steps_out:
+        if state.phase is SWING and state.steps_out:
             return self._gains.trunk_step_out_share
         return self._gains.trunk_recovery_share if is_pushed(state) else 1.0
 

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 
 from wbc.errors import GaitError
 from wbc.gait import (
+    SWING,
     GaitParameters,
     GaitState,
-    Phase,
     Placement,
     PlannedFootstep,
     Velocity,
@@ -111,7 +111,7 @@ def _sides_must_alternate(footsteps: Sequence[Footstep]) -> None:
 def _stance_of_first(side: str, state: GaitState) -> Placement:
     """Return the placement of the other foot when the first footstep is made."""
     stance = other_side(side)
-    if state.phase is Phase.SWING and state.lifted is None and stance == state.swing_side:
+    if state.phase is SWING and state.lifted is None and stance == state.swing_side:
         return state.landing
     return state.feet.of(stance)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from wbc.contacts import Contact, PointContact, SurfaceContact
 from wbc.controller import WholeBodyController
-from wbc.gait import GaitState, LiftedFoot, Phase, SwingFoot
+from wbc.gait import STAND, SWING, TRANSFER, GaitState, LiftedFoot, SwingFoot
 from wbc.gait.footsteps import SIDES
 from wbc.robot import Robot, Sole
 from wbc.robot.posture import has_soles
@@ -120,14 +120,14 @@ class ContactManager:
         if state.hop is not None:
             self._hold(() if state.hop.flies else (support,))
             return
-        fast = speeds[SIDES.index(state.support)] > self._standing
-        bounces = state.swing_is_knocked and fast
+        knocked = state.swing_is_knocked
+        bounces = knocked and speeds[SIDES.index(state.support)] > self._standing
         stands = touching is None or (state.support in touching and not bounces)
-        if state.is_quick and not (state.swing_is_knocked and stands):
+        if state.is_quick and not (knocked and stands):
             support.motion_weight = self._gains.second_contact_weight
             if state.vertical_velocity > self._thrown_up:
                 support.max_force = self._weight
-        if state.phase is Phase.SWING:
+        if state.phase is SWING:
             if state.tipping != 0j and stands and self._has_soles:
                 edge = self._tipping[state.support].contact(state.tipping)
                 # A foot that tips has given way already: its edge stays where it is.
@@ -136,28 +136,30 @@ class ContactManager:
             self._hold((support,))
             return
         other.motion_weight = self._gains.second_contact_weight
-        if state.phase is Phase.STAND:
+        if state.phase is STAND:
             if state.other_foot_load < 1.0:
                 other.max_force = max(state.other_foot_load * self._weight, 1.0)
-        elif state.phase is Phase.TRANSFER and not state.stopping:
+        elif state.phase is TRANSFER and not state.stopping:
             left_over = (1.0 - state.progress) / (1.0 - self._gains.unload_from)
             if left_over < 1.0:
                 other.max_force = max(left_over * 0.5 * self._weight, 1.0)
         self._hold((support, other))
 
     def _hold(self, contacts: tuple[Contact, ...]) -> None:
-        if self._hands:
+        if self._hands.contacts:
             contacts = (*contacts, *self._hands.contacts)
         if contacts != self._controller.contacts:  # which checks what it is given
             self._controller.contacts = contacts
 
     def _track_feet(self, state: GaitState) -> None:
+        side, swing = state.swing_side, state.swing
         hopping = None if state.hop is None else state.hop.foot
-        for side, foot in ((state.swing_side, state.swing), (state.support, hopping)):
-            if foot is None:
-                self._untrack(side)
-        if state.swing is not None:
-            self._track(state.swing_side, state.swing, self._special_weight(state))
+        if hopping is None:
+            self._untrack(state.support)
+        if swing is None:
+            self._untrack(side)
+        else:
+            self._track(side, swing, self._special_weight(state))
         if hopping is not None:
             self._track(state.support, hopping, self._quick_weight)
 

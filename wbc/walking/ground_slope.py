@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from wbc.gait import GaitState, Phase
+from wbc.gait import SWING, GaitState
 from wbc.gait.footsteps import SIDES
 
 _TIME = 0.1  # s, time constant of the slope of one sole
@@ -23,9 +23,13 @@ class GroundSlope:
     that alone carries the robot is that of the ground below it. A ramp tilts one sole after
     the other by the same, stones and the edges of tiles do not: each component is the smallest of
     the last three soles, and zero if their signs differ.
+
+    Args:
+        dt: time between two updates, s.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, dt: float) -> None:
+        self._share = min(dt / _TIME, 1.0)
         self.reset()
 
     def reset(self) -> None:
@@ -36,15 +40,14 @@ class GroundSlope:
         self._swings = False
         self._ranges = _ranges(self._last[1:])
 
-    def update(self, state: GaitState, soles: tuple[complex, complex], dt: float) -> complex:
-        """Return the slope of the ground after dt.
+    def update(self, state: GaitState, soles: tuple[complex, complex]) -> complex:
+        """Return the slope of the ground after a period.
 
         Args:
             state: phase and support.
             soles: slopes of the left and the right sole.
-            dt: time since the last tick, s.
         """
-        if state.phase is not Phase.SWING:
+        if state.phase is not SWING:
             if self._swings:
                 self._last = [*self._last[1:], self._present]
                 self._swings = False
@@ -55,7 +58,7 @@ class GroundSlope:
         if state.time < _LANDED or not self._swings:
             self._swings, self._present = True, measured
             return self._common
-        self._present += min(dt / _TIME, 1.0) * (measured - self._present)
+        self._present += self._share * (measured - self._present)
         return self._with_present()
 
     def _with_present(self) -> complex:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
@@ -115,24 +114,15 @@ class HandContacts:
     Attributes:
         offset: δ of the known and the least forces, world axes, m.
         extension: what the other forces may add to it, corners, world axes, m; empty for nothing.
+        contacts: the contacts, for the controller.
     """
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
         self._hands: tuple[HandContact, ...] = ()
+        self.contacts: tuple[PointContact, ...] = ()
         self.offset = 0j
         self.extension: tuple[complex, ...] = ()
-
-    def __iter__(self) -> Iterator[HandContact]:
-        return iter(self._hands)
-
-    def __len__(self) -> int:
-        return len(self._hands)
-
-    @property
-    def contacts(self) -> tuple[PointContact, ...]:
-        """The contacts, for the controller."""
-        return tuple(hand.contact for hand in self._hands)
 
     @property
     def known(self) -> bool:
@@ -149,18 +139,22 @@ class HandContacts:
         if hand.contact.name in {other.contact.name for other in self._hands}:
             raise ContactError(f"there is a hand contact '{hand.contact.name}' already")
         hand.contact.bind(self._robot)
-        self._hands = (*self._hands, hand)
+        self._set((*self._hands, hand))
         return hand
 
     def remove(self, hand: HandContact) -> None:
         """Remove a contact, if it is there."""
-        self._hands = tuple(other for other in self._hands if other is not hand)
-        if not self._hands:
-            self.clear()
+        self._set(tuple(other for other in self._hands if other is not hand))
 
     def clear(self) -> None:
         """Remove all contacts."""
-        self._hands, self.offset, self.extension = (), 0j, ()
+        self._set(())
+
+    def _set(self, hands: tuple[HandContact, ...]) -> None:
+        self._hands = hands
+        self.contacts = tuple(hand.contact for hand in hands)
+        if not hands:
+            self.offset, self.extension = 0j, ()
 
     def update(self, kin: Kinematics, ground: float) -> None:
         """Compute `offset` and `extension`.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wbc.gait import GaitState, Phase, SwingFoot
+from wbc.gait import STAND, SWING, GaitState, SwingFoot
 from wbc.gait.leg_workspace import TRAIL, LegWorkspace
 
 _FASTEST = 0.25  # m/s, of the ground's height: more takes the weight off the soles, or doubles it
@@ -19,15 +19,17 @@ class HeightReference:
     Args:
         workspace: workspace of the legs.
         time_constant: time constant of the ground's height, s.
+        dt: time between two updates, s.
 
     Attributes:
         ground: height of the ground below the weight, world, m.
         above_ground: wanted height of the CoM above the ground, m.
     """
 
-    def __init__(self, workspace: LegWorkspace, time_constant: float) -> None:
+    def __init__(self, workspace: LegWorkspace, time_constant: float, dt: float) -> None:
         self._workspace = workspace
-        self._time_constant = time_constant
+        self._share = min(dt / time_constant, 1.0)
+        self._most = _FASTEST * dt  # m
         self._step_length, self._trail = 0.0, TRAIL
         self._reachable = workspace.com_height(0.0)
         self.ground = self.above_ground = 0.0
@@ -36,24 +38,23 @@ class HeightReference:
         """Start anew with the heights of ground and CoM in the world, m."""
         self.ground, self.above_ground = ground, com - ground
 
-    def update(self, state: GaitState, step_length: float, dt: float) -> float:
-        """Move on by dt; returns the wanted height of the CoM in the world, m.
+    def update(self, state: GaitState, step_length: float) -> float:
+        """Move on by a period; returns the wanted height of the CoM in the world, m.
 
         Args:
             state: phase and feet.
             step_length: length of the present steps, m.
-            dt: time since the last tick, s.
         """
-        blend = min(dt / self._time_constant, 1.0)
-        most, change = _FASTEST * dt, blend * (_ground_below(state) - self.ground)
+        share, most, gait = self._share, self._most, state.gait
+        change = share * (_ground_below(state) - self.ground)
         self.ground += most if change > most else -most if change < -most else change
-        height, trail = state.gait.com_height, state.gait.trail
+        height, trail = gait.com_height, gait.trail
         if step_length != self._step_length or trail != self._trail:
             self._step_length, self._trail = step_length, trail
             self._reachable = self._workspace.com_height(step_length, trail)
         if height > self._reachable:
             height = self._reachable
-        self.above_ground += _SLOWER * blend * (height - self.above_ground)
+        self.above_ground += _SLOWER * share * (height - self.above_ground)
         return self.ground + self.above_ground
 
 
@@ -65,7 +66,7 @@ def _ground_below(state: GaitState) -> float:
     was thought: its leg is straight before, and the CoM sinks with it.
     """
     support = state.stance.height
-    if state.phase is Phase.SWING:
+    if state.phase is SWING:
         landing = state.landing.height
         if state.remaining == 0.0 and isinstance(state.swing, SwingFoot):
             landing = min(landing, float(state.swing.motion.position[2]) + _LATE)
@@ -75,7 +76,7 @@ def _ground_below(state: GaitState) -> float:
         s = state.progress
         return support + rise * s * s * (3.0 - 2.0 * s)
     other = state.other_foot.height
-    if state.phase is Phase.STAND:
+    if state.phase is STAND:
         return 0.5 * (support + other)
     if other > support and not state.starting:
         return support

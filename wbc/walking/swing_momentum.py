@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from wbc.gait import DcmReference, GaitState, Phase, Planner, SwingFoot
+from wbc.gait import SWING, DcmReference, GaitState, Planner, SwingFoot
 from wbc.gait.limb_momentum import swing_momentum
 from wbc.gait.swing_foot import lift_share
 from wbc.robot import Robot
@@ -114,7 +114,7 @@ def _moved(reference: DcmReference, offset: complex, pivot: complex, omega: floa
 def _next_displacement(state: GaitState, planner: Planner) -> complex:
     """How far the foot moves in the swing that follows this phase, m; 0 if none follows."""
     steps = planner.footsteps(state)
-    if state.phase is Phase.SWING:
+    if state.phase is SWING:
         return steps[1].placement.point - state.stance.point if len(steps) > 1 else 0j
     return steps[0].placement.point - state.other_foot.point if steps else 0j
 

@@ -108,12 +108,12 @@ class Walker:
         self.controller = controller = WholeBodyController(robot, dt, solver=solver)
         self._kin = Kinematics(robot, robot.standing())
         self._ground = GroundKinematics(robot, self._kin)
-        self._ground_slope = GroundSlope()
-        self._tasks = BalanceTasks(controller, self._kin, workspace, gains)
+        self._ground_slope = GroundSlope(dt)
+        self._tasks = BalanceTasks(controller, self._kin, workspace, gains, dt)
         self.com, self.posture = self._tasks.com, self._tasks.posture
         self.hand_contacts = HandContacts(robot)
         self._contact_manager = ContactManager(robot, controller, gains, self.hand_contacts)
-        self.stabilizer = Stabilizer(robot, gains)
+        self.stabilizer = Stabilizer(robot, gains, dt)
         self.planner = resolve_planner(planner, robot)
         self._swing_momentum = SwingMomentum(robot)
         self._knocked_foot = KnockedFoot(
@@ -251,43 +251,43 @@ class Walker:
         Raises:
             StateError: see `State.validated`.
         """
-        kin, dt = self._kin, self.dt
+        kin, ground, dt = self._kin, self._ground, self.dt
         kin.update(estimate.state)
         if self._falling_why:
             return self._fall_controller.command(estimate.state)
-        feet, com = self._ground.read()
+        feet, com = ground.read()
         machine, stabilizer = self.state_machine, self.stabilizer
         state = machine.state
         if self.reference_offset is not None:
             state.weight_shift = self.reference_offset.weight_shift
         wrenches = estimate.foot_wrenches
         reaction = ground_reaction(self.robot, feet, wrenches) if state.at_rest else None
-        state.ground_slope = self._ground_slope.update(state, self._ground.slopes, dt)
-        state.lift_off_slope = self._ground.slopes[SIDES.index(state.swing_side)]
+        state.ground_slope = self._ground_slope.update(state, ground.slopes)
+        state.lift_off_slope = ground.slopes[SIDES.index(state.swing_side)]
         hands = self.hand_contacts
-        if hands:
+        if hands.contacts:
             hands.update(kin, 0.5 * (feet.left.height + feet.right.height))
             if not hands.known:
                 reaction = None
         stabilizer.support.extension = hands.extension
-        stabilizer.observe(state, com, reaction, self._heading, dt, hands.offset)
-        tilt = self._ground.tilt
+        stabilizer.observe(state, com, reaction, self._heading, hands.offset)
+        tilt = ground.tilt
         self._falling_why = self._fall_detector.update(
-            tilt, state.dcm, com.height, self._ground.base, (feet.left, feet.right)
+            tilt, state.dcm, com.height, ground.base, (feet.left, feet.right)
         )
         if self._falling_why:
             return self._fall_controller.command(estimate.state)
         contacts = sides_in_contact(self.robot, estimate)
-        if not hands and stabilizer.has_to_hop(state, contacts, tilt[0]):
+        if not hands.contacts and stabilizer.has_to_hop(state, contacts, tilt[0]):
             machine.hop(self._take_off_speed)
         machine.update(dt, feet, self._command, contacts)
-        self._knocked_foot.update(state, kin, self._ground.speeds, contacts)
+        self._knocked_foot.update(state, kin, ground.speeds, contacts)
         balance = self._balance = stabilizer.update(state, self._reference)
         machine.move_swing(dt, balance.landing)
         self._heading = mean_heading(state)
         step_length, offset = machine.step_length, self.reference_offset
-        self._tasks.update(state, balance.com_acceleration, self._heading, step_length, offset, dt)
-        self._contact_manager.update(state, contacts, self._ground.speeds)
+        self._tasks.update(state, balance.com_acceleration, self._heading, step_length, offset)
+        self._contact_manager.update(state, contacts, ground.speeds)
         return self.controller.solve(kin)
 
     def _reference(self, landing: Placement | None) -> DcmReference:
@@ -298,7 +298,7 @@ class Walker:
         reference = self._swing_momentum.apply(planned, state, planner)
         if offset is not None:
             reference = offset.apply(reference, state, self._heading)
-        if self.hand_contacts:
+        if self.hand_contacts.contacts:
             reference = self.hand_contacts.apply(reference)
         state.dcm_offset = reference.dcm - planned.dcm
         return reference

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.gait import GaitState, Phase, Planner
+from wbc.gait import SWING, GaitState, Planner
 from wbc.telemetry import ContactPlan, Footstep, Telemetry
 from wbc.walking.stabilizer import StabilizerOutput, SupportPolygon
 
@@ -102,7 +102,7 @@ def _phase(state: GaitState) -> str:
     """Return the phase of a robot that walks or stands, one of `wbc.telemetry.PHASES`."""
     if _flies(state):
         return "flight"
-    return state.support if state.phase is Phase.SWING else state.phase.value
+    return state.support if state.phase is SWING else state.phase.value
 
 
 def _flies(state: GaitState) -> bool:

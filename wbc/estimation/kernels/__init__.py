@@ -7,5 +7,8 @@ from wbc.jit.loading import load_kernels
 
 # Here, so that a first import that compiles says so.
 load_kernels(
-    *(f"wbc.estimation.kernels.{name}" for name in ("inekf", "legs", "prediction", "wrenches"))
+    *(
+        f"wbc.estimation.kernels.{name}"
+        for name in ("inekf", "legs", "loads", "prediction", "wrenches")
+    )
 )

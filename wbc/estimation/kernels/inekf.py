@@ -216,9 +216,7 @@ def _remove_rounding(f: np.ndarray) -> None:
 
 
 @subkernel
-def propagate(
-    f: np.ndarray, gyro: np.ndarray, accelerometer: np.ndarray, slip: tuple[float, ...]
-) -> bool:
+def propagate(f: np.ndarray, gyro: np.ndarray, accelerometer: np.ndarray, slip: np.ndarray) -> bool:
     """Advance by one period; return whether a correction is due.
 
     Args:
@@ -226,7 +224,7 @@ def propagate(
         gyro: (3,) at the end of the period, IMU axes, rad/s; the mean with the one before counts.
             The first one after a reset belongs to the reset's instant: nothing advances.
         accelerometer: (3,) mean specific force over the period, IMU axes, m/s².
-        slip: per foot, a factor on its drift; 0 for a foot in the air.
+        slip: (feet,) a factor on its drift; 0 for a foot in the air.
     """
     dt, R, vectors, last = f["dt"], f["R"], f["vectors"], f["gyro"]
     half, middle, a, force = f["A"], f["B"], f["a"], f["b"]

@@ -11,13 +11,13 @@ from wbc.jit.compile import argument_types, kernel, subkernel
 
 
 @subkernel
-def seems_to_move(f: np.ndarray, h: np.ndarray, slip: tuple[float, ...]) -> bool:
+def seems_to_move(f: np.ndarray, h: np.ndarray, slip: np.ndarray) -> bool:
     """Return whether a correction that is not due yet should not wait.
 
     Args:
         f: the filter.
         h: (feet, 3) sole centres in IMU axes, m.
-        slip: per foot, a factor on its drift; 0 for a foot in the air.
+        slip: (feet,) a factor on its drift; 0 for a foot in the air.
     """
     if f["pending"] < f["early"]:
         return False

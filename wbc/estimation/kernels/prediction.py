@@ -36,12 +36,12 @@ def _fits(x: np.ndarray, size: int) -> bool:
     *(
         argument_types(
             np.zeros(1, filter_type(feet)),
-            (0.0,) * feet,
-            np.zeros((2, 5)),
+            _VECTOR,
             np.zeros((2, 1)),
             np.zeros(1, LINK),
             np.zeros(1, np.int64),
             np.zeros(1, poses_type(feet)),
+            np.zeros((2, 5)),
             *(_VECTOR,) * 7,
         )
         for feet in FEET
@@ -49,12 +49,12 @@ def _fits(x: np.ndarray, size: int) -> bool:
 )
 def predict(
     filter_: np.ndarray,
-    slip: tuple[float, ...],
-    joint_update: np.ndarray,
+    slip: np.ndarray,
     joints: np.ndarray,
     links: np.ndarray,
     ends: np.ndarray,
     poses: np.ndarray,
+    joint_update: np.ndarray,
     q: np.ndarray,
     v: np.ndarray,
     acceleration: np.ndarray,
@@ -67,12 +67,12 @@ def predict(
 
     Args:
         filter_: (1,) the invariant filter.
-        slip: a factor on the drift of each sole; 0 for one in the air.
-        joint_update: (2, 5), see `update_joints`.
+        slip: (feet,) a factor on the drift of each sole; 0 for one in the air.
         joints: (2, na) positions and velocities, rad and rad/s.
         links: see `find_poses`.
         ends: see `find_poses`.
         poses: (1,) result.
+        joint_update: (2, 5), see `update_joints`.
         q: (nq,) result, the configuration.
         v: (nv,) result, the generalised velocity.
         acceleration: (na,) foreseen for the joints, rad/s².

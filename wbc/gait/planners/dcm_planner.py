@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wbc.gait.footsteps import Velocity, first_swing_side
+from wbc.gait.phase import STAND, SWING, TRANSFER
 from wbc.gait.planners.dcm import DcmReference, ZmpSegment, dcm_before, solve_dcm
 from wbc.gait.planners.footstep_preview import FootstepPreview, zmp_over
 from wbc.gait.planners.planner import StepPlan
-from wbc.gait.state import GaitCommand, GaitState, Phase, PlannedFootstep
+from wbc.gait.state import GaitCommand, GaitState, PlannedFootstep
 from wbc.gait.velocity_filter import VelocityFilter
 from wbc.geometry.planar import Placement
 
@@ -54,7 +55,7 @@ class DcmPlanner:
         """See `Planner.next_swing`."""
         given, wanted = command.footsteps, command.velocity
         preview = self._current_preview(state, given)
-        if state.phase is Phase.STAND:
+        if state.phase is STAND:
             if not given and wanted.is_zero:
                 return None
             self.velocity = wanted
@@ -79,7 +80,7 @@ class DcmPlanner:
             plan.step_length = 0.0
             return plan
         stance = state.stance
-        if state.phase is Phase.SWING and state.time == 0.0:
+        if state.phase is SWING and state.time == 0.0:
             landing = preview.next(stance, state.swing_side, self.velocity)
             self._relative_landing = landing.relative_to(stance)
             self._relative_dcm = None
@@ -90,7 +91,7 @@ class DcmPlanner:
             self._follow(state, command.velocity, dt)
         velocity = self.velocity
         plan.step_length = velocity.speed * state.gait.step_duration
-        if state.phase is Phase.SWING:
+        if state.phase is SWING:
             plan.landing = stance.compose(self._relative_landing)
             if not self._follows_given:
                 plan.landing = state.on_slope(plan.landing)
@@ -102,7 +103,7 @@ class DcmPlanner:
         preview = self._current_preview(state, self._preview.given)
         if state.at_rest:
             zmp = dcm = state.standing_point
-        elif state.phase is Phase.SWING:
+        elif state.phase is SWING:
             zmp = state.stance.point
             dcm = dcm_before(zmp, zmp, state.remaining, self._touchdown_dcm(state, landing), omega)
         else:
@@ -120,7 +121,7 @@ class DcmPlanner:
             return []
         preview = self._preview
         stance = state.stance
-        if state.phase is Phase.TRANSFER:
+        if state.phase is TRANSFER:
             return preview.steps(stance, state.support, self.velocity, PREVIEW_STEPS)
         first = PlannedFootstep(state.swing_side, state.landing)
         if preview.ends(stance, first.side, first.placement, self.velocity):
@@ -149,7 +150,7 @@ class DcmPlanner:
             return
         if preview.given or self._follows_given:
             return
-        share = state.remaining / state.duration if state.phase is Phase.SWING else 1.0
+        share = state.remaining / state.duration if state.phase is SWING else 1.0
         velocity = self._filter.update(self.velocity, wanted, share, dt, state.gait)
         if velocity.is_zero or velocity == self.velocity:
             return
@@ -198,7 +199,7 @@ class DcmPlanner:
     def _present_zmp(self, state: GaitState) -> list[ZmpSegment]:
         """ZMP from now to the end of the phase of a robot that steps."""
         support = state.stance.point
-        if state.phase is Phase.SWING:
+        if state.phase is SWING:
             return [ZmpSegment(support, support, state.remaining)]
         if state.stopping:
             origin, goal = support, state.feet.middle
@@ -218,7 +219,7 @@ class DcmPlanner:
         """
         preview, support, side = self._preview, stance.point, state.swing_side
         gait, velocity = preview.gait, self.velocity
-        if state.phase is Phase.TRANSFER:
+        if state.phase is TRANSFER:
             steps = preview.steps(stance, state.support, velocity, PREVIEW_STEPS)
             return zmp_over(support, [step.placement.point for step in steps], gait)
         landing = stance.compose(self._relative_landing)
@@ -232,7 +233,7 @@ class DcmPlanner:
     def _planned_steps(self, state: GaitState) -> list[PlannedFootstep]:
         """Return the footsteps ahead as they are planned, that of the present swing first."""
         preview, stance = self._preview, state.stance
-        if state.phase is Phase.TRANSFER:
+        if state.phase is TRANSFER:
             return preview.steps(stance, state.support, self.velocity, PREVIEW_STEPS)
         side = state.swing_side
         landing = stance.compose(self._relative_landing)

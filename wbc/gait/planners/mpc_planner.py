@@ -10,11 +10,12 @@ import numpy as np
 
 from wbc.gait.footsteps import lateral_sign, other_side
 from wbc.gait.parameters import GaitParameters
+from wbc.gait.phase import SWING, TRANSFER, Phase
 from wbc.gait.planners.dcm import DcmReference
 from wbc.gait.planners.dcm_planner import PREVIEW_STEPS, DcmPlanner
 from wbc.gait.planners.planner import PlanFailed, StepPlan
 from wbc.gait.planners.zmp_step_mpc import NODES, ZmpStepMpc, ZmpStepPlan
-from wbc.gait.state import GaitCommand, GaitState, Phase
+from wbc.gait.state import GaitCommand, GaitState
 from wbc.gait.swing_foot import SwingFoot
 from wbc.geometry.planar import Placement, planar_rotation, wrap_angle
 from wbc.robot import Robot
@@ -85,7 +86,7 @@ class MpcPlanner(DcmPlanner):
         """See `Planner.reference`."""
         if self._solution is None:
             return super().reference(state, landing)
-        if landing is None and state.phase is Phase.SWING:
+        if landing is None and state.phase is SWING:
             landing = self._displaced_landing(state)
         analytic = super().reference(state, landing)
         if not self._is_current(state):
@@ -171,7 +172,7 @@ class MpcPlanner(DcmPlanner):
             return
         self._zmp = complex(solution.zmp[0])
         self._dcm = error - solution.missed
-        if state.phase is Phase.SWING:
+        if state.phase is SWING:
             # The analytic plan for the displaced landing place differs by this already.
             self._displacement = complex(solution.footsteps[0])
             self._dcm -= float(shares[0]) * self._displacement
@@ -181,7 +182,7 @@ class MpcPlanner(DcmPlanner):
         gait = state.gait
         durations = [gait.double_support] * (steps - 1) + [gait.first_transfer]
         starts = [state.remaining]
-        if state.phase is Phase.TRANSFER:
+        if state.phase is TRANSFER:
             starts[0] += gait.single_support
         for duration in durations[:-1]:
             starts.append(starts[-1] + duration + gait.single_support)
@@ -197,7 +198,7 @@ class MpcPlanner(DcmPlanner):
         bounds = np.empty((2, NODES, 2))
         bounds[1] = half.real, half.imag
         bounds[0] = -bounds[1]
-        if state.phase is Phase.TRANSFER:
+        if state.phase is TRANSFER:
             stance = state.stance
             zmp, other = self._present_zmp(state)[0].start, state.other_foot.point
             to_come = np.clip(1.0 - times / max(state.remaining, 1e-3), 0.0, 1.0)

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from itertools import chain, pairwise
 from typing import Any
 
+from wbc.gait.phase import SWING
 from wbc.gait.planners.dcm import DcmReference, ZmpSegment, dcm_after, solve_dcm
 from wbc.gait.planners.dcm_planner import DcmPlanner
 from wbc.gait.planners.placo_program import ComPlan, ComRequest
 from wbc.gait.planners.planner import PlanFailed, StepPlan
-from wbc.gait.state import GaitCommand, GaitState, Phase
+from wbc.gait.state import GaitCommand, GaitState
 from wbc.geometry.planar import Placement
 from wbc.geometry.polygon import convex_hull, sole_corners
 from wbc.process.child import ChildProcess
@@ -226,7 +227,7 @@ class PlacoPlanner(DcmPlanner):
         later: list[list[Placement]] = []
         for foot, step in pairwise(feet):
             later += [[foot], [foot, step]]
-        if state.phase is Phase.SWING:
+        if state.phase is SWING:
             return later[:count]
         return [both] * (count - len(later)) + later
 

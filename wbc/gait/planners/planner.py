@@ -58,7 +58,7 @@ class Planner(Protocol):
         """Side of the foot that swings next.
 
         Asked while standing, when None keeps the robot standing, and in the tick in which the
-        swing foot touches down (`state.phase` is still `Phase.SWING`), when None makes this
+        swing foot touches down (`state.phase` is still `SWING`), when None makes this
         step the last one: the weight goes to the middle and the robot stands. After a step that
         was shortened to catch a push another one follows in any case.
         """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wbc.gait import Phase
+from wbc.gait import STAND
 from wbc.geometry.planar import planar_rotation
 from wbc.geometry.polygon import convex_hull, sole_corners
 from wbc.motions.engine.reference import SmoothReference
@@ -32,7 +32,7 @@ class Stance:
     @property
     def standing(self) -> bool:
         """Whether both feet are on the ground and the robot is not about to walk."""
-        return self._walker.gait_state.phase is Phase.STAND
+        return self._walker.gait_state.phase is STAND
 
     @property
     def lifted(self) -> Side | None:

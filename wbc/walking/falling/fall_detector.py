@@ -85,18 +85,17 @@ class FallDetector:
             base: world height of the base, m, and its vertical velocity, m/s.
             feet: all feet, in the order of the robot's soles.
         """
-        (angle, rate), ground = tilt, min(map(_HEIGHT, feet))
-        turning = max(rate, 0.0)
+        (angle, rate), (base_height, rising), ground = tilt, base, min(map(_HEIGHT, feet))
+        turning = rate if rate > 0.0 else 0.0
         lost = 1.0 - (com_height - ground) / self._height
-        index = angle + self._lead * turning + max(lost, 0.0)
-        # The feet themselves are farther from the DCM than the soles: most ticks end here.
+        index = angle + self._lead * turning + (lost if lost > 0.0 else 0.0)
         bound = self._height * (self._max_index - index)
-        nearest = min([abs(dcm - foot.point) for foot in feet])
-        beyond = nearest > bound and self._distance(dcm, feet) > bound
-        self._index_ticks = self._index_ticks + 1 if beyond else 0
-        base_then = base[0] - ground + _FALL_LEAD * min(base[1], 0.0)
+        # A foot's centre is farther from the DCM than the hull of the soles: most ticks end here.
+        beyond = abs(dcm - feet[0].point) > bound and self._distance(dcm, feet) > bound
+        base_then = base_height - ground + (_FALL_LEAD * rising if rising < 0.0 else 0.0)
         tilt_then = angle + _FALL_LEAD * turning
         falls = tilt_then > MAX_TILT or base_then < self._least_base_height
+        self._index_ticks = self._index_ticks + 1 if beyond else 0
         self._fall_ticks = self._fall_ticks + 1 if falls else 0
         if (
             self._index_ticks < self._least_index_ticks

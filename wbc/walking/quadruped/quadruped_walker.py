@@ -11,7 +11,7 @@ import pinocchio as pin
 from wbc.command import Command
 from wbc.controller import WholeBodyController
 from wbc.estimation import Estimate
-from wbc.gait import Phase, Placement, Velocity
+from wbc.gait import STAND, SWING, Placement, Velocity
 from wbc.gait.quadruped_gait import QuadrupedGait, foot_places
 from wbc.geometry.planar import planar_rotation, rotation_about_z, wrap_angle, yaw_of
 from wbc.geometry.polygon import clamp_to_polygon, convex_hull
@@ -225,7 +225,7 @@ class QuadrupedWalker:
             self._settled = self._sequence.steps
             return True
         off = abs(self._dcm - self._middle())
-        if self._sequence.phase is Phase.STAND:
+        if self._sequence.phase is STAND:
             self._settled = self._sequence.steps
             return off > _TOPPLES * self._to_edge
         # Every foot makes a step at rest before the robot stands.
@@ -250,7 +250,7 @@ class QuadrupedWalker:
         """Return the acceleration of the CoM that brings the DCM to its reference, m/s²."""
         gait, sequence = self.gait, self._sequence
         omega = gait.omega
-        if sequence.phase is Phase.STAND:
+        if sequence.phase is STAND:
             offset = self._offset_of_com()
             middle = self._middle() - offset[0]
             self._reference, wanted = middle + offset[0], middle + offset[1]
@@ -353,7 +353,7 @@ class QuadrupedWalker:
             for point in (self._dcm, self._reference, self._zmp)
         )
         phase = sequence.phase.value
-        if sequence.phase is Phase.SWING:
+        if sequence.phase is SWING:
             phase = "right" if "front_left" in sequence.swings else "left"
         return Telemetry(
             self._kin.p_com.copy(),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
-from wbc.gait import Phase, Placement, SwingFoot
+from wbc.gait import STAND, SWING, TRANSFER, Phase, Placement, SwingFoot
 from wbc.gait.quadruped_gait import QuadrupedGait
 
 # Shares of the swing's duration after which contact ends it, and after which it ends anyway.
@@ -29,7 +29,7 @@ class StepSequence:
     """
 
     gait: QuadrupedGait
-    phase: Phase = Phase.STAND
+    phase: Phase = STAND
     time: float = 0.0
     group: int = 0
     swings: dict[str, SwingFoot] = field(default_factory=dict)
@@ -38,7 +38,7 @@ class StepSequence:
     @property
     def step_time(self) -> float:
         """Time since the step began, s; at most its planned duration."""
-        before = self.gait.transfer_duration if self.phase is Phase.SWING else 0.0
+        before = self.gait.transfer_duration if self.phase is SWING else 0.0
         return min(before + self.time, self.gait.step_duration)
 
     @property
@@ -54,7 +54,7 @@ class StepSequence:
     @property
     def leaving_load(self) -> float:
         """Share of a full load that the feet which are about to swing may carry."""
-        if self.phase is not Phase.TRANSFER:
+        if self.phase is not TRANSFER:
             return 1.0
         return max(1.0 - self.time / self.gait.transfer_duration, 0.0)
 
@@ -75,10 +75,10 @@ class StepSequence:
             walks: whether there is to be another step.
         """
         self.time += dt
-        if self.phase is Phase.STAND:
+        if self.phase is STAND:
             if walks:
-                self._begin(Phase.TRANSFER)
-        elif self.phase is Phase.TRANSFER:
+                self._begin(TRANSFER)
+        elif self.phase is TRANSFER:
             if self.time >= self.gait.transfer_duration:
                 self._lift(feet)
         else:
@@ -86,13 +86,13 @@ class StepSequence:
             if not self.swings:
                 self.steps += 1
                 self.group = self.next_group
-                self._begin(Phase.TRANSFER if walks else Phase.STAND)
+                self._begin(TRANSFER if walks else STAND)
 
     def _begin(self, phase: Phase) -> None:
         self.phase, self.time = phase, 0.0
 
     def _lift(self, feet: Mapping[str, Placement]) -> None:
-        self._begin(Phase.SWING)
+        self._begin(SWING)
         gait = self.gait
         for side in gait.groups[self.group]:
             start = feet[side]

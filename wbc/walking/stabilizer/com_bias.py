@@ -37,10 +37,11 @@ class ComBiasEstimator:
 
     Args:
         gravity: g, m/s².
+        dt: time between two readings, s.
     """
 
-    def __init__(self, gravity: float) -> None:
-        self._gravity = gravity
+    def __init__(self, gravity: float, dt: float) -> None:
+        self._gravity, self._dt = gravity, dt
         self.reset()
 
     def reset(self) -> None:
@@ -52,7 +53,6 @@ class ComBiasEstimator:
 
     def update(
         self,
-        dt: float,
         com: CentroidalMotion,
         reaction: GroundReaction | None,
         heading: float,
@@ -61,7 +61,6 @@ class ComBiasEstimator:
         """Take in one reading; returns the bias in world axes, m.
 
         Args:
-            dt: time since the last reading, s.
             com: estimated motion of the centre of mass.
             reaction: measured force of the ground; None keeps the bias: the robot steps, or
                 nothing is measured.
@@ -76,6 +75,7 @@ class ComBiasEstimator:
         offset += com.velocity * (com.vertical_velocity / self._gravity)
         if self._momentum is None:
             self._momentum, self._offset = com.momentum, offset
+        dt = self._dt
         share = min(dt / _SMOOTHING, 1.0)
         self._momentum += share * (com.momentum - self._momentum)
         self._offset += share * (offset - self._offset)

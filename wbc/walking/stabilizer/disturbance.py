@@ -22,11 +22,15 @@ class DisturbanceObserver:
     observer after K. Ohnishi, M. Shibata, T. Murakami, Motion control for advanced mechatronics,
     1996).
 
+    Args:
+        dt: time between two updates, s.
+
     Attributes:
         rate: d, ground vector, m/s.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, dt: float) -> None:
+        self._dt, self._share = dt, min(dt / _TIME_CONSTANT, 1.0)
         self.rate = 0j
         self._before: complex | None = None
         self._expected = 0j
@@ -37,19 +41,18 @@ class DisturbanceObserver:
         self.rate, self._expected, self._before = 0j, 0j, None
         self._age = 0.0
 
-    def update(self, velocity: complex, omega: float, dt: float) -> complex:
+    def update(self, velocity: complex, omega: float) -> complex:
         """Return the rate of the disturbance, m/s.
 
         Args:
             velocity: estimated ċ of this tick, m/s.
             omega: natural frequency ω, 1/s.
-            dt: time since the last tick, s.
         """
         before, self._before = self._before, velocity
-        self._age += dt
+        self._age += self._dt
         if before is not None and self._age > _SETTLING:
-            rate = velocity + (velocity - before) / (omega * dt) - self._expected
-            self.rate += min(dt / _TIME_CONSTANT, 1.0) * (rate - self.rate)
+            rate = velocity + (velocity - before) / (omega * self._dt) - self._expected
+            self.rate += self._share * (rate - self.rate)
         return self.rate
 
     def expect(self, rate: complex) -> None:

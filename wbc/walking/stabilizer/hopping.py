@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from wbc.gait import GaitState, Hop, Phase, Placement, SwingFoot
+from wbc.gait import SWING, GaitState, Hop, Placement, SwingFoot
 from wbc.gait.footsteps import lateral_sign
 from wbc.geometry.quintic import PEAK_ACCELERATION
 from wbc.robot import Robot
@@ -83,7 +83,7 @@ class Hopping:
         if not state.is_quick:
             self._hopped = False
             return False
-        if self._hopped or state.phase is not Phase.SWING or not self._has_soles:
+        if self._hopped or state.phase is not SWING or not self._has_soles:
             return False
         if contacts is None or state.support not in contacts or state.swing_side in contacts:
             return False

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from wbc.gait import DcmReference, GaitState, Hop, Phase, Placement, SwingFoot
+from wbc.gait import SWING, DcmReference, GaitState, Hop, Placement, SwingFoot
 from wbc.geometry.planar import planar_rotation
 from wbc.robot import Robot
 from wbc.walking.feet import GroundReaction
@@ -56,6 +56,7 @@ class Stabilizer:
     Args:
         robot: the robot.
         gains: margins of the ZMP and share of the sole that the ankles use.
+        dt: control period, s.
 
     Attributes:
         com_bias: estimates the bias of the CoM.
@@ -63,13 +64,17 @@ class Stabilizer:
         push_recovery: quick steps after a push.
     """
 
-    def __init__(self, robot: Robot, gains: WalkerGains) -> None:
+    def __init__(self, robot: Robot, gains: WalkerGains, dt: float) -> None:
         self._gains = gains
-        self.com_bias = ComBiasEstimator(robot.gravity)
-        self.support = SupportPolygon(robot)
+        self.com_bias = ComBiasEstimator(robot.gravity, dt)
+        self.support = support = SupportPolygon(robot)
+        # Per side, how far the ankles move the ZMP along and across the sole, m.
+        self._ankles: dict[str, tuple[float, float]] = {
+            sole.side: support.zmp_range(sole.side, gains.ankle_share) for sole in robot.soles
+        }
         self.push_recovery = PushRecovery(robot, self.support)
         self._hopping = Hopping(robot, self.support, self.push_recovery.foot_acceleration)
-        self._disturbance = DisturbanceObserver()
+        self._disturbance = DisturbanceObserver(dt)
         self._dcm_of_com = self._momentum = 0j  # m; the DCM without angular momentum, and its part
 
     def reset(self) -> None:
@@ -88,7 +93,6 @@ class Stabilizer:
         com: CentroidalMotion,
         reaction: GroundReaction | None,
         heading: float,
-        dt: float,
         hand_offset: complex = 0j,
     ) -> None:
         """Write CoM, its vertical velocity, DCM and disturbance of this tick into the gait's state.
@@ -112,15 +116,15 @@ class Stabilizer:
             com: estimated motion of the centre of mass.
             reaction: measured force of the ground on a robot at rest; else None.
             heading: heading of the robot, rad.
-            dt: time since the last tick, s.
             hand_offset: by how much known forces on the hands move the pivot off the ZMP, m.
         """
-        dcm = com.point + com.velocity / state.gait.omega
+        omega = state.gait.omega
+        dcm = com.point + com.velocity / omega
         state.com, state.com_height = com.point, com.height
         state.com_velocity, state.vertical_velocity = com.velocity, com.vertical_velocity
-        self._dcm_of_com = dcm - self.com_bias.update(dt, com, reaction, heading, hand_offset)
-        self._momentum = state.gait.omega * com.centroidal_momentum
-        state.disturbance = self._disturbance.update(com.velocity, state.gait.omega, dt)
+        self._dcm_of_com = dcm - self.com_bias.update(com, reaction, heading, hand_offset)
+        self._momentum = omega * com.centroidal_momentum
+        state.disturbance = self._disturbance.update(com.velocity, omega)
         counts = is_pushed(state) and not (state.pushed_at_rest or state.at_rest)
         state.dcm = self._dcm_of_com + (self._momentum if counts else 0j)
 
@@ -185,8 +189,8 @@ class Stabilizer:
             planned = reference(None)
             recovery.update_standing(state, planned)
             return planned, state.landing
-        ankles = self.support.zmp_range(state.support, self._gains.ankle_share)
-        if state.phase is Phase.SWING and isinstance(swing, SwingFoot):
+        ankles = self._ankles[state.support]
+        if state.phase is SWING and isinstance(swing, SwingFoot):
             if swing.target_frozen:
                 fixed = recovery.update_fixed_landing(state, swing, reference, ankles)
                 if fixed is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from wbc.gait import Feet, GaitState, Phase
+from wbc.gait import SWING, Feet, GaitState
 from wbc.geometry.polygon import clamp_to_polygon, convex_hull, is_near_segment, sole_corners
 from wbc.robot import Robot, Sole
 
@@ -25,7 +25,7 @@ class SupportPolygon:
 
     def corners(self, state: GaitState) -> list[complex]:
         """Corners of the support polygon, counter-clockwise, ground points, m."""
-        if state.phase is Phase.SWING:
+        if state.phase is SWING:
             return self._extended(self._sole_corners(state.feet, state.support))
         return self.hull(state.feet)
 
@@ -49,7 +49,7 @@ class SupportPolygon:
         # The polygon holds everything that is closer to the line between the soles' centres
         # than their sides are: most ZMPs need no polygon.
         center, near = state.stance.point, self._radius + margin
-        if state.phase is Phase.SWING:
+        if state.phase is SWING:
             inside = abs(zmp - center) <= near
         else:
             inside = is_near_segment(zmp, center, state.other_foot.point, near)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from wbc.gait import GaitState, Phase
+from wbc.gait import SWING, GaitState
 from wbc.walking.stabilizer.support_polygon import SupportPolygon
 
 _ZMP_BEYOND = 0.045  # share of the CoM's height by which the wanted ZMP is beyond the edge
@@ -33,7 +33,7 @@ def edge_to_tip_over(
         beyond: how far the DCM is beyond an edge over which a foot tips that catches a push, share
             of the CoM's height.
     """
-    if state.phase is not Phase.SWING:
+    if state.phase is not SWING:
         return 0j
     if not state.is_quick:
         walks_fast = state.fast_share > 0.0
