@@ -183,9 +183,9 @@ class Estimator:
                 wrenches of some soles only.
             ContactError: an unknown sole in `contacts`.
         """
-        detector = self._detector
+        detector, measured = self._detector, measurement.foot_wrenches
         before = detector.stands
-        wrenches: Mapping[str, np.ndarray] = measurement.foot_wrenches
+        wrenches: Mapping[str, np.ndarray] = measured
         if not wrenches and contacts is None and measurement.joint_torque is not None:
             wrenches = self._observed_wrenches(measurement)
         loads = detector.update(wrenches, contacts)
@@ -198,12 +198,12 @@ class Estimator:
             detector.decide(self._lowest())
         due, stands = outcome == CORRECTION_DUE, detector.stands
         if due or stands != before:
-            self._correct(before, stands, due, measurement.foot_wrenches)
+            self._correct(before, stands, due, measured)
             write_state(self.filter.record, self._legs.poses, self._joints.state, q, v)
-        if not measurement.foot_wrenches:
+        if not measured:
             # Observed loads lag and chatter: steps that are timed by them become shorter.
             loads = None
-        return Estimate(State(q, v), detector.contacts, loads, measurement.foot_wrenches)
+        return Estimate(State(q, v), detector.contacts, loads, measured)
 
     def _observed_wrenches(self, measurement: Measurement) -> Mapping[str, np.ndarray]:
         """Return the wrenches on the soles by the joints' torques."""

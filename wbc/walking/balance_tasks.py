@@ -74,7 +74,7 @@ class BalanceTasks:
         arms = self._yaw_moment.arm_momentum
         self._yaw_weight = gains.yaw_momentum_weight / arms**2 if arms > 0.0 else 0.0
         self._arm_share = 0.0
-        self._hops = False
+        self._hops = self._was_pushed = False
         self.height = HeightReference(workspace, gains.ground_time, dt)
 
     @property
@@ -115,8 +115,10 @@ class BalanceTasks:
             share = self._yaw_moment.beyond_sole(step_length, state.normal_gait.single_support)
         if share != self._arm_share:
             self._swing_arms(share)
-        swing = state.swing
-        self._hold_trunk(state)
+        swing, pushed = state.swing, is_pushed(state)
+        if pushed or self._was_pushed:
+            self._hold_trunk(state, pushed)
+            self._was_pushed = pushed
         self._trunk.update(heading, 0.0 if swing is None else 0.5 * swing.yaw_rate, offset)
 
     def _hop(self, state: GaitState, height: float) -> float:
@@ -135,21 +137,21 @@ class BalanceTasks:
         com.acceleration[2] = hop.vertical_acceleration
         return state.com_height
 
-    def _hold_trunk(self, state: GaitState) -> None:
-        """Set the weights of torso and base.
+    def _hold_trunk(self, state: GaitState, pushed: bool) -> None:
+        """Set the weights of torso and base, while the robot is pushed and when it no longer is.
 
         In quick steps only its posture holds a torso about the vertical that a blow has turned on
         its waist: to turn it back takes more than one sole transmits by friction, and the waist
         turns much farther than the legs. Other quick steps turn it less.
         """
-        share = self._trunk_weight_share(state)
+        share = self._trunk_weight_share(state) if pushed else 1.0
         self._base_share.set(share)
         angle = self._gains.torso_release_angle
         turned = state.is_quick and abs(self._trunk.torso_turn()) > angle
         self._torso_share.set((share, share, 0.0) if turned else share)
 
     def _trunk_weight_share(self, state: GaitState) -> float:
-        """Return the share of its weight with which the trunk is held.
+        """Return the share of its weight with which the trunk of a pushed robot is held.
 
         In quick steps it is held firmly: what a step leaves of the DCM's error the next one
         catches, but none rights a trunk that turns, for which the soles are too small. Of a robot
@@ -157,7 +159,7 @@ class BalanceTasks:
         """
         if state.phase is SWING and state.steps_out:
             return self._gains.trunk_step_out_share
-        return self._gains.trunk_recovery_share if is_pushed(state) else 1.0
+        return self._gains.trunk_recovery_share
 
     def _swing_arms(self, share: float) -> None:
         """Have the arms swing against the legs, for a share of the moment that the sole lacks."""

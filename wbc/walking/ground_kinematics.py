@@ -12,6 +12,8 @@ from wbc.kinematics import Kinematics
 from wbc.robot import Robot
 from wbc.walking.kernels.ground import BODY, read_ground
 
+_from_tuple = tuple.__new__
+
 
 class CentroidalMotion(NamedTuple):
     """Motion of the centre of mass over the ground, and the momentum that it has there.
@@ -72,4 +74,6 @@ class GroundKinematics:
         left, right, com, self.slopes, self.speeds, self.tilt, self.base = read_ground(
             kin.joint_placements, kin.joint_velocities, kin.mass_matrix, kin.state.v, self._body
         )
-        return Feet(Placement(*left), Placement(*right)), CentroidalMotion(*com)
+        # The kernel's tuples have the fields in order: no need to unpack them.
+        feet = Feet(_from_tuple(Placement, left), _from_tuple(Placement, right))
+        return feet, _from_tuple(CentroidalMotion, com)

@@ -99,8 +99,10 @@ class DcmPlanner:
 
     def reference(self, state: GaitState, landing: Placement | None = None) -> DcmReference:
         """See `Planner.reference`."""
-        omega = state.gait.omega
-        preview = self._current_preview(state, self._preview.given)
+        gait, preview = state.gait, self._preview
+        omega = gait.omega
+        if preview.gait is not gait:
+            preview = self._current_preview(state, preview.given)
         if state.at_rest:
             zmp = dcm = state.standing_point
         elif state.phase is SWING:
