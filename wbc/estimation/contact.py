@@ -102,7 +102,7 @@ class ContactDetector:
             except (AttributeError, KeyError, TypeError):  # other numbers than floats, read-only, …
                 wrench = _as_floats(name, wrenches.get(name))
                 load, now = read_load(wrench, limits, before[i], slip, i)
-            if load != load:
+            if load != load:  # NaN
                 raise _refusal(name, wrenches[name])
             loads[name] = load
             stands.append(now)

@@ -34,7 +34,7 @@ def read_load(
         NaN as the load, unless the wrench is six finite numbers.
     """
     limit = limits[0]
-    if wrench.size != 6:
+    if wrench.ndim != 1 or wrench.size != 6:
         return math.nan, stood
     total = 0.0
     for i in range(6):
