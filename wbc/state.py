@@ -16,7 +16,8 @@ _FLOAT = np.dtype(float)
 _SHORTEST, _LONGEST = (1.0 - QUATERNION_TOLERANCE) ** 2, (1.0 + QUATERNION_TOLERANCE) ** 2
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+# Not frozen: every tick makes one, and a frozen one takes three times as long.
+@dataclass(slots=True, repr=False)
 class State:
     """Configuration and velocity of a floating-base robot.
 
