@@ -95,10 +95,12 @@ class GaitStateMachine:
         self._since_touchdown += dt
         if state.hop is not None and not self._lands(state.hop, contacts, dt):
             return
-        state.on_stairs = _leads_over_stairs(state, lifted, command.footsteps, contacts)
+        given = command.footsteps
+        if given or state.on_stairs or state.at_rest:
+            state.on_stairs = _leads_over_stairs(state, lifted, given, contacts)
         state.lost_foot = self._lost_contact.update(state, contacts, dt)
         asked = state.requested_swing if state.may_choose_side else None
-        if command.footsteps and asked == state.support:
+        if given and asked == state.support:
             asked = None  # the first of the given footsteps is the other foot's
         if state.phase is STAND or (asked and state.phase is TRANSFER):
             side = planner.next_swing(state, command) if state.phase is STAND else None
@@ -336,9 +338,6 @@ def _leads_over_stairs(
     Those of a robot that walks without given ones are no stairs, but of a slope: there a long quick
     step is as high.
     """
-    may_lead = state.on_stairs or state.at_rest
-    if not (given or may_lead):
-        return False
     present = state.stance.height
     swings = state.phase is SWING
     standing = {state.support} if swings else {"left", "right"}
@@ -350,4 +349,4 @@ def _leads_over_stairs(
         other = state.landing.height if lifted is None else present
     else:
         other = state.other_foot.height
-    return abs(other - present) > _STAIR and may_lead
+    return abs(other - present) > _STAIR and (state.on_stairs or state.at_rest)
