@@ -10,6 +10,7 @@ import numpy as np
 
 from wbc.errors import ContactError, MeasurementError, short_repr
 from wbc.estimation.kernels.loads import LOAD_LIMITS, read_load
+from wbc.estimation.readings import is_vector_of_numbers
 from wbc.robot import Robot
 
 
@@ -123,7 +124,7 @@ class ContactDetector:
 
 
 def _as_floats(name: str, wrench: object) -> np.ndarray:
-    if isinstance(wrench, np.ndarray) and wrench.ndim == 1 and wrench.dtype.kind in "fiu":
+    if is_vector_of_numbers(wrench):
         return np.array(wrench, dtype=float)
     raise _refusal(name, wrench)
 

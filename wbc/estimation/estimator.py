@@ -18,6 +18,7 @@ from wbc.estimation.kernels.legs import write_state
 from wbc.estimation.kernels.prediction import CORRECTION_DUE, REFUSED, predict
 from wbc.estimation.legs import LegKinematics, leg_covariance
 from wbc.estimation.noise import EstimatorNoise
+from wbc.estimation.readings import is_array_of_numbers, is_vector_of_numbers
 from wbc.estimation.tipping import TippingSoles
 from wbc.estimation.wrench_observer import WrenchObserver
 from wbc.measurement import Measurement
@@ -26,7 +27,6 @@ from wbc.state import State
 
 #: Without foot sensors, soles within this of the lowest one are taken to stand, m.
 _LEVEL = 0.005
-_NUMBERS = "fiu"  # kinds of data types: floating-point, signed and unsigned numbers
 
 
 class Estimator:
@@ -234,7 +234,7 @@ class Estimator:
         try:
             outcome = predict(*filters, *readings)
         except (AttributeError, TypeError):  # other numbers than floats, not contiguous, read-only
-            if not all(_is_vector_of_numbers(x) for x in readings):
+            if not all(is_vector_of_numbers(x) for x in readings):
                 return REFUSED
             outcome = predict(*filters, *(np.array(x, dtype=float) for x in readings))
         if outcome != REFUSED:
@@ -245,7 +245,7 @@ class Estimator:
         names = ("joint_position", "joint_velocity", "gyro", "accelerometer")
         for name, shape in zip(names, self._shapes[1:], strict=True):
             reading = getattr(measurement, name)
-            if not isinstance(reading, np.ndarray) or reading.dtype.kind not in _NUMBERS:
+            if not is_array_of_numbers(reading):
                 raise MeasurementError(
                     f"measurement.{name} is {short_repr(reading)}: it must be an array of numbers"
                 )
@@ -285,7 +285,3 @@ class Estimator:
         for i, now in enumerate(stands):
             if now and not before[i]:
                 self.filter.land(i, h[i], F[i])
-
-
-def _is_vector_of_numbers(x: object) -> bool:
-    return isinstance(x, np.ndarray) and x.ndim == 1 and x.dtype.kind in _NUMBERS

@@ -99,10 +99,8 @@ class DcmPlanner:
 
     def reference(self, state: GaitState, landing: Placement | None = None) -> DcmReference:
         """See `Planner.reference`."""
-        gait, preview = state.gait, self._preview
-        omega = gait.omega
-        if preview.gait is not gait:
-            preview = self._current_preview(state, preview.given)
+        omega = state.gait.omega
+        preview = self._current_preview(state, self._preview.given)
         if state.at_rest:
             zmp = dcm = state.standing_point
         elif state.phase is SWING:
